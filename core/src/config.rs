@@ -1,0 +1,111 @@
+//! What the pipeline has to be told, in SI units, and what it refuses.
+
+use core::fmt;
+
+/// Converter codes to newtons.
+///
+/// `force = polarity · (counts − tare_counts) / counts_per_n`. The difference is
+/// taken in integers, so a large tare costs no precision.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Calibration {
+    /// Code at zero force.
+    pub tare_counts: i32,
+    /// Codes per newton; negative when the cell is wired the other way round.
+    pub counts_per_n: f32,
+    /// Lowest and highest code of the converter: at or beyond them the reading
+    /// is saturated.
+    pub range_counts: (i32, i32),
+}
+
+impl Default for Calibration {
+    /// One code per newton on a 24-bit converter.
+    fn default() -> Self {
+        Self { tare_counts: 0, counts_per_n: 1.0, range_counts: (-(1 << 23), (1 << 23) - 1) }
+    }
+}
+
+/// Everything the pipeline has to be told.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Config {
+    /// Samples per second, 1 to 2000. Default 16.
+    pub rate_hz: f32,
+    /// Weight of the block, N, above zero.
+    pub weight_n: f32,
+    /// Slope of the ice along the pull, rad, uphill positive, within ±1.2.
+    pub slope_rad: f32,
+    /// Take-up speed of the winch, m/s, if known: gives the stiffness.
+    pub winch_m_per_s: Option<f32>,
+    /// Largest force of the load cell, N: beyond it a sample is saturated.
+    pub range_n: Option<f32>,
+    /// For readings in counts.
+    pub calibration: Calibration,
+}
+
+impl Default for Config {
+    /// 16 Hz on level ice; the weight is left at zero and must be set.
+    fn default() -> Self {
+        Self {
+            rate_hz: 16.0,
+            weight_n: 0.0,
+            slope_rad: 0.0,
+            winch_m_per_s: None,
+            range_n: None,
+            calibration: Calibration::default(),
+        }
+    }
+}
+
+/// Which configuration value was refused.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum ConfigError {
+    /// `rate_hz` is not within 1 to 2000.
+    Rate,
+    /// `weight_n` is not a finite number above zero.
+    Weight,
+    /// `slope_rad` is not within ±1.2.
+    Slope,
+    /// `winch_m_per_s` is not a finite number above zero.
+    Winch,
+    /// `range_n` is not a finite number above zero.
+    Range,
+    /// `calibration` has a span of zero, or an empty range.
+    Calibration,
+}
+
+impl fmt::Display for ConfigError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Rate => "the sample rate must be 1 to 2000 Hz",
+            Self::Weight => "the weight must be a number above zero",
+            Self::Slope => "the slope must be within ±1.2 rad (±68°)",
+            Self::Winch => "the winch speed must be a number above zero",
+            Self::Range => "the load cell's range must be a number above zero",
+            Self::Calibration => "the calibration needs a span that is not zero and a range",
+        })
+    }
+}
+
+impl core::error::Error for ConfigError {}
+
+impl Config {
+    /// Checks every value.
+    ///
+    /// # Errors
+    /// The first value that is out of its range.
+    pub fn validate(&self) -> Result<(), ConfigError> {
+        let positive = |x: f32| x.is_finite() && x > 0.0;
+        let check = |ok: bool, error| if ok { Ok(()) } else { Err(error) };
+        check((1.0..=2000.0).contains(&self.rate_hz), ConfigError::Rate)?;
+        check(positive(self.weight_n), ConfigError::Weight)?;
+        check((-1.2..=1.2).contains(&self.slope_rad), ConfigError::Slope)?;
+        check(self.winch_m_per_s.is_none_or(positive), ConfigError::Winch)?;
+        check(self.range_n.is_none_or(positive), ConfigError::Range)?;
+        let calibration = &self.calibration;
+        let span = calibration.counts_per_n;
+        let range = calibration.range_counts;
+        check(span.is_finite() && span != 0.0 && range.0 < range.1, ConfigError::Calibration)
+    }
+}

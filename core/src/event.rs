@@ -1,0 +1,113 @@
+//! One stick-slip cycle as it was measured.
+
+use core::fmt;
+
+/// A moment between samples: an index and a fraction of a period, 0 to below 1.
+///
+/// Kept apart so that a month of samples costs no resolution.
+#[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct SampleTime {
+    /// The sample at or before the moment.
+    pub index: u64,
+    /// Fraction of a sampling period after it.
+    pub fraction: f32,
+}
+
+/// A coefficient and its standard deviation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Coefficient {
+    /// The estimate.
+    pub value: f32,
+    /// One standard deviation of this event's estimate.
+    pub std: f32,
+}
+
+/// How far an event can be trusted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Quality {
+    /// The model fits the samples.
+    Good,
+    /// The slip is too short for the sampling: intervals are wider.
+    Unresolved,
+    /// The cable went slack.
+    Slack,
+    /// A saturated sample or a gap lies inside.
+    Clipped,
+}
+
+/// Why an event gives no coefficient.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Reason {
+    /// The slip began or ended inside a gap or saturated samples.
+    Hidden,
+    /// Too few samples around the slip to fit the model.
+    TooShort,
+    /// The model does not describe the samples.
+    NoFit,
+}
+
+impl fmt::Display for Quality {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Good => "good",
+            Self::Unresolved => "unresolved",
+            Self::Slack => "slack",
+            Self::Clipped => "clipped",
+        })
+    }
+}
+
+impl fmt::Display for Reason {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Hidden => "a gap or saturated samples hide the slip",
+            Self::TooShort => "too few samples around the slip",
+            Self::NoFit => "the model does not describe the samples",
+        })
+    }
+}
+
+/// One stick-slip cycle: the stick before, the onset, the slip, the re-stick.
+///
+/// Symbols as in the paper: `Fs` force at the onset, `Fp` centre of the ellipse,
+/// `Fe` force at the re-stick.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Event {
+    /// Number of the event in its test, from 0.
+    pub index: u32,
+    /// The slip begins.
+    pub onset: SampleTime,
+    /// The block rests again.
+    pub stop: SampleTime,
+    /// `Fs`, N.
+    pub static_force_n: f32,
+    /// `Fp`, N.
+    pub dynamic_force_n: f32,
+    /// Largest force of the cycle, a little after the onset, N.
+    pub peak_force_n: f32,
+    /// `Fe`, N.
+    pub restick_force_n: f32,
+    /// Static coefficient.
+    pub mu_s: Option<Coefficient>,
+    /// Dynamic coefficient.
+    pub mu: Option<Coefficient>,
+    /// Time of rest before the onset, s; unknown for the first event.
+    pub stick_s: Option<f32>,
+    /// Time of motion, s.
+    pub slip_s: f32,
+    /// Rate of the force while the block rests, `k w`, N/s.
+    pub loading_rate_n_per_s: f32,
+    /// Natural frequency while sliding, rad/s; unknown for unresolved slips.
+    pub omega_rad_per_s: Option<f32>,
+    /// The cable went slack during the slip.
+    pub slack: bool,
+    /// How far to trust it.
+    pub quality: Quality,
+    /// Why a coefficient is missing.
+    pub reason: Option<Reason>,
+}

@@ -1,0 +1,30 @@
+//! Friction of a block pulled over ice, read from the force in its cable.
+//!
+//! ```text
+//!  counts ─► calibrate ─► derivative ─► detector ─► cycle ─► estimator ─► report
+//!  RawSample  ForceSample   dF/dt        stick|slip   Event     mu_s, mu    Report
+//!  └───────────────────────────── Pipeline::step ─────────────────────────────┘
+//! ```
+//!
+//! One call per sample, [`Pipeline::step`], is all that the firmware and the host
+//! tools use. The crate knows no clock, no input or output, no allocation and no
+//! globals: a sample carries its index, and seconds are index over rate.
+//!
+//! The model is the block on a cable of Pritchard, Knoke and Echert (2012); see
+//! `model` for its equations.
+#![no_std]
+#![forbid(unsafe_code)]
+
+pub mod config;
+pub mod event;
+pub mod pipeline;
+pub mod report;
+pub mod sample;
+pub mod units;
+
+pub use config::{Calibration, Config, ConfigError};
+pub use event::{Coefficient, Event, Quality, Reason, SampleTime};
+pub use pipeline::{Pipeline, Step};
+pub use report::{Counters, Estimate, Report};
+pub use sample::{Fault, ForceSample, Phase, RawSample, Reading, SampleFlag};
+pub use units::{Counts, Newtons};

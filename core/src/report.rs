@@ -1,0 +1,56 @@
+//! The result so far, for a display, a log or a host tool.
+
+/// Mean of a coefficient over the events of a test.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Estimate {
+    /// Mean.
+    pub mean: f32,
+    /// Standard error of the mean, including the variation between events.
+    pub std_error: f32,
+    /// Standard deviation between events, noise removed; needs two events.
+    pub spread: Option<f32>,
+    /// How many events count.
+    pub events: u32,
+}
+
+/// What happened to the samples.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Counters {
+    /// Samples seen, good or bad, without duplicates.
+    pub samples: u64,
+    /// Indices that never came.
+    pub missing: u64,
+    /// Indices that came again.
+    pub duplicates: u64,
+    /// Bad readings and spikes.
+    pub rejected: u64,
+    /// Readings at the end of the range.
+    pub saturated: u64,
+}
+
+/// The result so far.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Report {
+    /// What happened to the samples.
+    pub counters: Counters,
+    /// Events found, with or without coefficients.
+    pub events: u32,
+    /// Static coefficient; `None` before the first event.
+    pub mu_s: Option<Estimate>,
+    /// Dynamic coefficient; `None` before the first event.
+    pub mu: Option<Estimate>,
+    /// Standard deviation of the noise on the force, N.
+    pub noise_n: Option<f32>,
+    /// Mean rate of the force at rest, N/s.
+    pub loading_rate_n_per_s: Option<f32>,
+    /// Natural frequency while sliding, rad/s.
+    pub omega_rad_per_s: Option<f32>,
+    /// Stiffness of the cable, N/m: from the winch speed if given, else from
+    /// omega and the mass.
+    pub stiffness_n_per_m: Option<f32>,
+    /// Mean time from onset to onset, s.
+    pub recurrence_s: Option<f32>,
+}

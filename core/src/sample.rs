@@ -1,0 +1,87 @@
+//! What goes into the pipeline, and what a calibrated sample looks like.
+
+use crate::units::{Counts, Newtons};
+
+/// One sample as it comes from a converter or a log.
+///
+/// The index counts sampling periods from any start. A missing index is a gap:
+/// it is never interpolated.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct RawSample {
+    /// Number of the sampling period, increasing.
+    pub index: u64,
+    /// What was read in it.
+    pub reading: Reading,
+}
+
+/// The content of a [`RawSample`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Reading {
+    /// A converter code, to be calibrated.
+    Counts(Counts),
+    /// A force from a log that is already in newtons.
+    Force(Newtons),
+    /// Nothing usable, and why.
+    Bad(Fault),
+}
+
+/// Why a reading could not be used.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Fault {
+    /// The log holds a marker for a bad sample (-6999 and its kin, NaN, empty).
+    Sentinel,
+    /// The converter did not answer in time.
+    Timeout,
+    /// The converter's code or answer cannot be right.
+    Corrupt,
+    /// The bridge is not connected.
+    Disconnected,
+}
+
+/// What the pipeline made of a sample.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum SampleFlag {
+    /// Used.
+    #[default]
+    Good,
+    /// At the end of the converter's or the cell's range: not a force.
+    Saturated,
+    /// The reading was [`Reading::Bad`] or not finite.
+    Rejected,
+    /// One sample far from both neighbours, faster than a cable can change.
+    Spike,
+    /// The index was there already; the first reading stands.
+    Duplicate,
+}
+
+/// A sample after calibration.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct ForceSample {
+    /// Index of the [`RawSample`].
+    pub index: u64,
+    /// Force, N. `None` unless the flag is [`SampleFlag::Good`] or
+    /// [`SampleFlag::Spike`].
+    pub force_n: Option<f32>,
+    /// Whether and why not it is used.
+    pub flag: SampleFlag,
+    /// How many indices are missing right before this one.
+    pub gap: u32,
+}
+
+/// What the block is doing, as far as the samples tell at this moment.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Phase {
+    /// Not enough samples yet.
+    #[default]
+    Unknown,
+    /// The block rests, the cable is being stretched.
+    Stick,
+    /// The block moves.
+    Slip,
+}

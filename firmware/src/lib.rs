@@ -1,0 +1,2 @@
+//! The logger application. See the README.
+#![no_std]

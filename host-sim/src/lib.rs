@@ -1,0 +1,4 @@
+//! Host tools of Floe: replay recorded logs, simulate tests, compare methods.
+#![forbid(unsafe_code)]
+
+pub mod replay;

@@ -1,0 +1,3 @@
+//! The `floe` command.
+#![forbid(unsafe_code)]
+fn main() {}

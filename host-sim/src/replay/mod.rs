@@ -1,0 +1,3 @@
+//! A recorded log through the core: `floe replay`.
+
+pub mod result;
