@@ -43,20 +43,25 @@ impl Shared {
         (self.count > 0.0).then_some(self.mean)
     }
 
-    /// What the next event may expect, in units of one over `noise_n2`.
-    ///
-    /// Its variance is that between events (the upper end of what so few events can
-    /// tell, so that a lucky start does not claim certainty) plus that of the mean.
+    /// What the next event may expect, in units of one over `noise_n2`: its variance
+    /// is that between events plus that of the mean.
     #[must_use]
     pub fn prior(&self, noise_n2: f32) -> Prior {
         if self.count < LEAST_EVENTS {
             return Prior::default();
         }
-        let free = self.count - 1.0;
-        let upper = self.variance * self.count / free * (1.0 + crate::math::sqrt(2.0 / free));
-        let between = (upper - self.noise).max(0.0);
+        let between = self.between();
         let variance = between + (between + self.noise) / self.count;
         Prior { mean: self.mean, weight: if variance > 0.0 { noise_n2 / variance } else { 0.0 } }
+    }
+
+    /// Variance between events; zero unless it is more than the events' own noise
+    /// and so few events can feign.
+    fn between(&self) -> f32 {
+        let free = self.count - 1.0;
+        let sample = self.variance * self.count / free;
+        let feigned = self.noise * (1.0 + crate::math::sqrt(2.0 / free));
+        if sample > feigned { sample - self.noise } else { 0.0 }
     }
 }
 
