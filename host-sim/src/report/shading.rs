@@ -1,0 +1,61 @@
+//! Stick and slip as tints behind the force.
+
+use super::context::Context;
+use super::plot::Plot;
+use crate::replay::result::EventSummary;
+
+/// Slips closer than this, px, are shown as their share of time.
+const APART_PX: f64 = 7.0;
+/// Width of a column of such a share, px.
+const COLUMN_PX: f64 = 4.0;
+/// Steps of its strength.
+const LEVELS: usize = 5;
+
+/// Tints the plot; true if the single slips can be told apart.
+pub(super) fn shade(context: &Context<'_>, plot: &mut Plot) -> bool {
+    let events = &context.result.events;
+    let Some((first, last)) = events.first().zip(events.last()) else { return true };
+    let rest_from_s = first.onset_s - first.stick_s.unwrap_or(0.0);
+    plot.shade("stick", rest_from_s - context.zero_s, plot.x.domain.1);
+    let spread_px = plot.x.at(last.onset_s) - plot.x.at(first.onset_s);
+    let apart = events.len() < 2 || spread_px / (events.len() - 1) as f64 >= APART_PX;
+    if apart {
+        let slips = events.iter().map(|e| (e.onset_s - context.zero_s, e.stop_s - context.zero_s));
+        slips.for_each(|(from, to)| plot.shade("slip", from, to));
+    } else {
+        shade_shares(context, plot);
+    }
+    apart
+}
+
+/// Columns whose strength is the share of time spent slipping.
+fn shade_shares(context: &Context<'_>, plot: &mut Plot) {
+    let (low, high) = plot.x.domain;
+    let columns = ((plot.x.range.1 - plot.x.range.0) / COLUMN_PX) as usize;
+    let width = (high - low) / columns as f64;
+    let mut shares = vec![0.0; columns];
+    for event in &context.result.events {
+        add_share(&mut shares, event, low + context.zero_s, width);
+    }
+    let most = shares.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
+    let levels: Vec<usize> =
+        shares.iter().map(|share| (share / most * LEVELS as f64).round() as usize).collect();
+    let mut from = 0;
+    for run in levels.chunk_by(|a, b| a == b) {
+        let (start, end) = (low + from as f64 * width, low + (from + run.len()) as f64 * width);
+        if let Some(level) = run.first().filter(|&&level| level > 0) {
+            plot.shade(&format!("slip level-{level}"), start, end);
+        }
+        from += run.len();
+    }
+}
+
+fn add_share(shares: &mut [f64], event: &EventSummary, start_s: f64, width_s: f64) {
+    let column = |time_s: f64| ((time_s - start_s) / width_s).max(0.0) as usize;
+    let (from, to) = (column(event.onset_s), column(event.stop_s));
+    for (i, share) in shares.iter_mut().enumerate().take(to + 1).skip(from) {
+        let begins = start_s + i as f64 * width_s;
+        let overlap_s = event.stop_s.min(begins + width_s) - event.onset_s.max(begins);
+        *share += overlap_s.max(0.0) / width_s;
+    }
+}
