@@ -14,7 +14,7 @@ const MOST_EVENTS: usize = 2500;
 /// Events up to which each has its error bar.
 const MOST_BARS: usize = 800;
 /// Values up to which none is left outside the axis.
-const ALL_INSIDE: usize = 20;
+const ALL_INSIDE: usize = 100;
 
 /// The figure; none without a coefficient.
 pub(super) fn convergence(context: &Context<'_>) -> Option<Figure> {
@@ -117,7 +117,7 @@ impl Panel {
         Spec {
             id: pick("convergence-static", "convergence-dynamic"),
             layout,
-            size: layout.pick((570.0, 258.0), (360.0, 230.0)),
+            size: layout.pick((570.0, 292.0), (360.0, 230.0)),
             title: pick(
                 "Convergence of the static coefficient",
                 "Convergence of the dynamic coefficient",
@@ -145,7 +145,7 @@ impl Panel {
 fn domain(values: &[Measured], end: Option<&Running>) -> (f64, f64) {
     let mut sorted: Vec<&Measured> = values.iter().collect();
     sorted.sort_by(|a, b| a.value.total_cmp(&b.value));
-    let stray = if sorted.len() > ALL_INSIDE { sorted.len() / 50 } else { 0 };
+    let stray = if sorted.len() > ALL_INSIDE { sorted.len() / 100 } else { 0 };
     let kept = sorted.get(stray..sorted.len() - stray).unwrap_or_default();
     let mut stds: Vec<f64> = kept.iter().map(|v| v.std).collect();
     stds.sort_by(f64::total_cmp);

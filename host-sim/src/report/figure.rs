@@ -52,7 +52,7 @@ pub(super) fn mark_keys() -> [String; 3] {
 fn key(drawing: &str, label: &str) -> String {
     format!(
         "<span class=\"key\"><svg width=\"28\" height=\"16\" viewBox=\"0 0 28 16\" \
-         aria-hidden=\"true\">{drawing}</svg>{label}</span>"
+         aria-hidden=\"true\">{drawing}</svg><span>{label}</span></span>"
     )
 }
 

@@ -20,15 +20,15 @@ pub(super) fn history(context: &Context<'_>, focus: Option<&Focus<'_>>) -> Optio
     let mut keys = vec![line_key("force", "force")];
     if !context.result.events.is_empty() {
         keys.push(tint_key("stick", "at rest (stick)"));
-        keys.push(tint_key("slip", "moving (slip); deeper: a larger share of the time"));
+        keys.push(tint_key("slip", "moving (slip)"));
     }
     if context.recorder.envelope.buckets().iter().any(lost) {
         keys.push(line_key("lost", "samples missing, rejected or saturated"));
     }
     let zoomed = if focus.is_some() { " The box is the stretch of the next figure." } else { "" };
     let caption = format!(
-        "Force in the cable over the whole log. Where there are more samples than room, the band \
-         runs from the smallest to the largest force.{zoomed}"
+        "Force in the cable over the whole log; where the samples do not fit, a band from the \
+         smallest to the largest, and a tint that deepens with the share of time in motion.{zoomed}"
     );
     Some(Figure { class: "history", drawings: vec![drawing], keys, caption })
 }

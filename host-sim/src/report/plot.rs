@@ -104,7 +104,8 @@ impl Plot {
         let middle = (x.range.0 + x.range.1) / 2.0;
         self.head.push_str(&text("axis mid", (middle, foot + 20.0), &spec.x.label));
         self.head.push_str(&text("axis", (4.0, 16.0), &spec.y.label));
-        self.head.push_str("</g>");
+        let id = format!("{}-{}", spec.id, spec.layout.class());
+        self.head.push_str(&format!("</g><g clip-path=\"url(#{id}-c)\">"));
     }
 
     /// The coordinates of a pair of values.

@@ -11,21 +11,27 @@ const COLUMN_PX: f64 = 4.0;
 /// Steps of its strength.
 const LEVELS: usize = 5;
 
-/// Tints the plot; true if the single slips can be told apart.
-pub(super) fn shade(context: &Context<'_>, plot: &mut Plot) -> bool {
+/// Tints the plot.
+pub(super) fn shade(context: &Context<'_>, plot: &mut Plot) {
     let events = &context.result.events;
-    let Some((first, last)) = events.first().zip(events.last()) else { return true };
+    let Some(first) = events.first() else { return };
+    let apart = slips_apart(context, plot);
     let rest_from_s = first.onset_s - first.stick_s.unwrap_or(0.0);
     plot.shade("stick", rest_from_s - context.zero_s, plot.x.domain.1);
-    let spread_px = plot.x.at(last.onset_s) - plot.x.at(first.onset_s);
-    let apart = events.len() < 2 || spread_px / (events.len() - 1) as f64 >= APART_PX;
     if apart {
         let slips = events.iter().map(|e| (e.onset_s - context.zero_s, e.stop_s - context.zero_s));
         slips.for_each(|(from, to)| plot.shade("slip", from, to));
     } else {
         shade_shares(context, plot);
     }
-    apart
+}
+
+/// Whether single slips can be told apart.
+fn slips_apart(context: &Context<'_>, plot: &Plot) -> bool {
+    let events = &context.result.events;
+    let Some((first, last)) = events.first().zip(events.last()) else { return true };
+    let spread_px = plot.x.at(last.onset_s) - plot.x.at(first.onset_s);
+    events.len() < 2 || spread_px / (events.len() - 1) as f64 >= APART_PX
 }
 
 /// Columns whose strength is the share of time spent slipping.

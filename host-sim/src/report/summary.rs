@@ -98,7 +98,7 @@ fn log_health(result: &ReplayResult) -> String {
     let length = format!("{} s", fixed(log.duration_s, usize::from(log.duration_s < 1e4)));
     let list = [
         ("Length", length, false),
-        ("Sample rate", format!("{} Hz", significant(log.rate_hz)), false),
+        ("Sample rate", format!("{} Hz", (log.rate_hz * 1e4).round() / 1e4), false),
         ("Samples", count(log.samples), false),
         fact("Missing", counted(log.missing)),
         fact("Duplicates", counted(log.duplicates)),
