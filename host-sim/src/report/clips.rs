@@ -47,9 +47,9 @@ impl Clips {
         while self.kept.len() >= MOST {
             self.stride *= 2;
             let stride = self.stride;
-            self.kept.retain(|clip| clip.number % stride == 0);
+            self.kept.retain(|clip| clip.number.is_multiple_of(stride));
         }
-        if number % self.stride == 0 {
+        if number.is_multiple_of(self.stride) {
             self.kept.push(Clip { number, start_s, forces_n: Vec::new() });
         }
     }

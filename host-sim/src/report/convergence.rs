@@ -27,8 +27,9 @@ pub(super) fn convergence(context: &Context<'_>) -> Option<Figure> {
     if drawn.is_empty() {
         return None;
     }
+    let bars = drawn.iter().all(|panel| panel.values.len() <= MOST_BARS);
     let keys = vec![
-        dot_key("event static", "events with ±1 standard deviation"),
+        dot_key("event static", if bars { "events with ±1 standard deviation" } else { "events" }),
         line_key("mean static", "mean so far"),
         tint_key("band-1 static", "±1 standard error"),
         tint_key("band-2 static", "±2 standard errors"),
@@ -62,7 +63,11 @@ impl Panel {
         values: Vec<Measured>,
         end: &CoefficientSummary,
     ) -> Self {
-        let course = course(&values, end);
+        let mut course = course(&values, end);
+        if let [only] = course[..] {
+            let beside = |step| Running { event: only.event + step, ..only };
+            course = vec![beside(-0.3), beside(0.3)];
+        }
         let domain = domain(&values, course.last());
         Self { kind, subscript, values, course, domain }
     }
@@ -126,11 +131,13 @@ impl Panel {
                           and the band of its standard error.",
             x: Axis {
                 domain: (first - beside, last + beside),
+                least_step: 1.0,
                 label: "event".into(),
                 readout: ("event", String::new()),
             },
             y: Axis {
                 domain: self.domain,
+                least_step: 0.0,
                 label: format!(
                     "{} coefficient <tspan class=\"sym\">μ</tspan><tspan class=\"sub\" dy=\"3\">{}</tspan>",
                     self.kind, self.subscript

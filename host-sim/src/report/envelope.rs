@@ -52,7 +52,7 @@ impl Bucket {
     }
 }
 
-/// What has to be put back if the newest sample turns out to be a spike.
+/// What has to be put back if the newest force turns out to be a spike.
 #[derive(Clone, Copy, Debug)]
 struct Undo {
     offset: u64,
@@ -84,18 +84,19 @@ impl Envelope {
             self.buckets.resize(position + 1, Bucket::EMPTY);
         }
         if let Some(bucket) = self.buckets.get_mut(position) {
-            self.undo = Some(Undo { offset, position, bucket: *bucket });
+            if force_n.is_some() {
+                self.undo = Some(Undo { offset, position, bucket: *bucket });
+            }
             bucket.add(time_s, force_n);
         }
     }
 
-    /// Takes the newest sample back: it was a spike.
+    /// Takes the newest force back: it was a spike.
     pub fn forget(&mut self, offset: u64) {
         let Some(undo) = self.undo.take_if(|undo| undo.offset == offset) else { return };
         if let Some(bucket) = self.buckets.get_mut(undo.position) {
-            let time_s = bucket.start_s;
-            *bucket = undo.bucket;
-            bucket.add(time_s, None);
+            let (start_s, lost) = (bucket.start_s, bucket.lost.saturating_add(1));
+            *bucket = Bucket { start_s, lost, ..undo.bucket };
         }
     }
 
@@ -156,6 +157,7 @@ mod tests {
     fn a_spike_leaves_no_trace_but_a_count() {
         let mut envelope = filled(5);
         envelope.push(5, 5.0, Some(1e6));
+        envelope.push(6, 6.0, None); // says nothing about the one before
         envelope.forget(5);
         let last = envelope.buckets()[5];
         assert_eq!((last.used, last.lost, last.start_s), (0, 1, 5.0));

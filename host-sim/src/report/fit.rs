@@ -83,6 +83,14 @@ fn slack_curve(event: &EventSummary, ellipse: &Ellipse) -> Vec<(f64, f64)> {
     curve
 }
 
+/// The time of rest before an event; from its forces when it was not seen, s.
+pub(super) fn rest_s(event: &EventSummary) -> f64 {
+    let rise_n = event.static_force_n - event.restick_force_n;
+    let from_forces = || Some(rise_n / event.loading_rate_n_per_s);
+    let rest_s = event.stick_s.or_else(from_forces);
+    rest_s.filter(|rest_s| rest_s.is_finite() && *rest_s > 0.0).unwrap_or(event.slip_s)
+}
+
 /// The stick line for `before_s` up to the onset.
 pub(super) fn line_before(event: &EventSummary, before_s: f64) -> Vec<(f64, f64)> {
     let rise_n = event.loading_rate_n_per_s * before_s;

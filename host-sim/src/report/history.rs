@@ -71,11 +71,13 @@ fn spec(context: &Context<'_>, layout: Layout) -> Spec<'static> {
                       and in motion tinted.",
         x: Axis {
             domain: (start_s - context.zero_s, end_s - context.zero_s),
+            least_step: 0.0,
             label: context.time_label(),
             readout: ("t", "s".into()),
         },
         y: Axis {
             domain: extent([low_n * factor, high_n * factor], 0.06),
+            least_step: 0.0,
             label: context.force_label(),
             readout: ("F", context.force.name.clone()),
         },

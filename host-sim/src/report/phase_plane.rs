@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 
 use super::context::{Context, Focus};
 use super::figure::{Figure, both, dot_key, line_key, mark_keys};
-use super::fit::Ellipse;
+use super::fit::{Ellipse, rest_s};
 use super::number::{Unit, fixed, quantity};
 use super::plot::{Axis, Layout, Plot, Spec};
 use super::scale::extent;
@@ -83,11 +83,13 @@ impl<'a> Plane<'a> {
                           re-stick to the slip onset, then an ellipse, run clockwise, back.",
             x: Axis {
                 domain: extent(all().map(|p| p.0), 0.12),
+                least_step: 0.0,
                 label: self.context.force_label(),
                 readout: ("F", force.clone()),
             },
             y: Axis {
                 domain: extent(all().map(|p| p.1), 0.08),
+                least_step: 0.0,
                 label: format!("rate <tspan class=\"sym\">F</tspan>′ ({})", self.rate.name),
                 readout: ("F′", self.rate.name.clone()),
             },
@@ -98,7 +100,7 @@ impl<'a> Plane<'a> {
     fn of_event(&self, time_s: f64) -> bool {
         let Some(focus) = self.focus else { return false };
         let event = focus.event;
-        let before_s = event.stick_s.unwrap_or(focus.period_s - event.slip_s);
+        let before_s = rest_s(event);
         let after_s = (focus.period_s - event.slip_s) / 2.0;
         (event.onset_s - before_s..=event.stop_s + after_s).contains(&time_s)
     }

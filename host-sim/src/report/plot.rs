@@ -33,6 +33,8 @@ impl Layout {
 pub(super) struct Axis {
     /// Smallest and largest value.
     pub domain: (f64, f64),
+    /// Ticks are at least this far apart.
+    pub least_step: f64,
     /// What it is, safe for SVG.
     pub label: String,
     /// Symbol and unit for the read-out under the pointer.
@@ -74,6 +76,8 @@ const LEFT: f64 = 54.0;
 const RIGHT: f64 = 14.0;
 const TOP: f64 = 30.0;
 const BOTTOM: f64 = 44.0;
+/// About the width of a digit.
+const DIGIT: f64 = 8.0;
 
 impl Plot {
     /// Axes, ticks and labels, nothing else yet.
@@ -89,8 +93,8 @@ impl Plot {
 
     fn grid(&mut self, spec: &Spec<'_>) {
         let (x, y) = (self.x, self.y);
-        let across = ticks(x.domain, ((x.range.1 - x.range.0) / 80.0) as usize);
-        let up = ticks(y.domain, ((y.range.0 - y.range.1) / 45.0) as usize);
+        let across = ticks(x.domain, (x.range.1 - x.range.0) / 68.0, spec.x.least_step);
+        let up = ticks(y.domain, (y.range.0 - y.range.1) / 38.0, spec.y.least_step);
         let mut lines = Path::default();
         across.values.iter().for_each(|&v| lines.bar(x.at(v), y.range.0, y.range.1));
         for &value in &up.values {
@@ -99,8 +103,10 @@ impl Plot {
         }
         self.head.push_str(&lines.element("grid"));
         let foot = y.range.0 + 18.0;
-        self.head.push_str(&labels(&across, "mid", |v| (x.at(v), foot)));
-        self.head.push_str(&labels(&up, "end", |v| (x.range.0 - 7.0, y.at(v) + 4.5)));
+        self.head.push_str(&labels(&across, "mid", |v, width| {
+            (x.at(v).min(spec.size.0 - width / 2.0), foot)
+        }));
+        self.head.push_str(&labels(&up, "end", |v, _| (x.range.0 - 7.0, y.at(v) + 4.5)));
         let middle = (x.range.0 + x.range.1) / 2.0;
         self.head.push_str(&text("axis mid", (middle, foot + 20.0), &spec.x.label));
         self.head.push_str(&text("axis", (4.0, 16.0), &spec.y.label));
@@ -184,7 +190,12 @@ fn readout(scale: &Scale, axis: &Axis) -> String {
     format!("{low}|{high}|{}|{}|{name}|{}", coordinate(from), coordinate(to), escape(unit))
 }
 
-fn labels(ticks: &Ticks, class: &str, place: impl Fn(f64) -> (f64, f64)) -> String {
-    let label = |&v: &f64| text(class, place(v), &fixed(v, ticks.decimals));
+/// Labels of ticks; `place` is given the value and about the width of its label.
+fn labels(ticks: &Ticks, class: &str, place: impl Fn(f64, f64) -> (f64, f64)) -> String {
+    let label = |&v: &f64| {
+        let label = fixed(v, ticks.decimals);
+        let width = DIGIT * label.chars().count() as f64;
+        text(class, place(v, width), &label)
+    };
     ticks.values.iter().map(label).collect()
 }

@@ -42,14 +42,15 @@ pub(super) struct Ticks {
     pub decimals: usize,
 }
 
-/// About `wanted` round values (steps of 1, 2 or 5) from `low` to `high`.
-pub(super) fn ticks((low, high): (f64, f64), wanted: usize) -> Ticks {
-    let raw = (high - low) / wanted.max(1) as f64;
+/// At most about `wanted` round values from `low` to `high`, in steps of 1, 2 or
+/// 5 times a power of ten, no smaller than `least_step`.
+pub(super) fn ticks((low, high): (f64, f64), wanted: f64, least_step: f64) -> Ticks {
+    let raw = ((high - low) / wanted.max(1.0)).max(least_step);
     let decade = 10_f64.powf(raw.log10().floor());
     let step = match raw / decade {
-        r if r <= 1.0 => decade,
-        r if r <= 2.0 => 2.0 * decade,
-        r if r <= 5.0 => 5.0 * decade,
+        r if r <= 1.001 => decade,
+        r if r <= 2.2 => 2.0 * decade,
+        r if r <= 5.5 => 5.0 * decade,
         _ => 10.0 * decade,
     };
     let (first, last) = ((low / step).ceil(), (high / step).floor());
@@ -65,12 +66,13 @@ mod tests {
 
     #[test]
     fn ticks_are_round_and_inside() {
-        let t = ticks((-0.3, 783.0), 5);
+        let t = ticks((-0.3, 783.0), 5.0, 0.0);
         assert_eq!((t.values, t.decimals), (vec![0.0, 200.0, 400.0, 600.0], 0));
-        let t = ticks((0.278, 0.291), 3);
+        let t = ticks((0.278, 0.291), 3.0, 0.0);
         assert_eq!(t.decimals, 3);
         assert_eq!(t.values.len(), 3);
-        assert!(ticks((1e9, 1e9 + 1e-3), 5).values.len() <= 101);
+        assert_eq!(ticks((-0.6, 0.6), 5.0, 1.0).values, [0.0]);
+        assert!(ticks((1e9, 1e9 + 1e-3), 5.0, 0.0).values.len() <= 101);
     }
 
     #[test]

@@ -1,22 +1,25 @@
 //! Stick and slip as tints behind the force.
 
 use super::context::Context;
+use super::fit::rest_s;
 use super::plot::Plot;
 use crate::replay::result::EventSummary;
 
 /// Slips closer than this, px, are shown as their share of time.
 const APART_PX: f64 = 7.0;
-/// Width of a column of such a share, px.
+/// Cycles in a column of such a share, so that the columns do not flicker.
+const CYCLES: f64 = 4.0;
+/// Its least width, px.
 const COLUMN_PX: f64 = 4.0;
-/// Steps of its strength.
-const LEVELS: usize = 5;
+/// Steps of its strength, which grows with the root of the share.
+const LEVELS: f64 = 5.0;
 
 /// Tints the plot.
 pub(super) fn shade(context: &Context<'_>, plot: &mut Plot) {
     let events = &context.result.events;
     let Some(first) = events.first() else { return };
     let apart = slips_apart(context, plot);
-    let rest_from_s = first.onset_s - first.stick_s.unwrap_or(0.0);
+    let rest_from_s = first.onset_s - rest_s(first);
     plot.shade("stick", rest_from_s - context.zero_s, plot.x.domain.1);
     if apart {
         let slips = events.iter().map(|e| (e.onset_s - context.zero_s, e.stop_s - context.zero_s));
@@ -37,15 +40,16 @@ fn slips_apart(context: &Context<'_>, plot: &Plot) -> bool {
 /// Columns whose strength is the share of time spent slipping.
 fn shade_shares(context: &Context<'_>, plot: &mut Plot) {
     let (low, high) = plot.x.domain;
-    let columns = ((plot.x.range.1 - plot.x.range.0) / COLUMN_PX) as usize;
+    let width_px = plot.x.range.1 - plot.x.range.0;
+    let spacing_px = width_px / context.result.events.len() as f64;
+    let columns = (width_px / (CYCLES * spacing_px).max(COLUMN_PX)).max(1.0) as usize;
     let width = (high - low) / columns as f64;
     let mut shares = vec![0.0; columns];
     for event in &context.result.events {
         add_share(&mut shares, event, low + context.zero_s, width);
     }
-    let most = shares.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
-    let levels: Vec<usize> =
-        shares.iter().map(|share| (share / most * LEVELS as f64).round() as usize).collect();
+    let level = |share: &f64| (share.clamp(0.0, 1.0).sqrt() * LEVELS).ceil() as usize;
+    let levels: Vec<usize> = shares.iter().map(level).collect();
     let mut from = 0;
     for run in levels.chunk_by(|a, b| a == b) {
         let (start, end) = (low + from as f64 * width, low + (from + run.len()) as f64 * width);

@@ -52,7 +52,8 @@ fn coefficient(class: &str, symbol: &str, value: &CoefficientSummary, name: &str
     };
     format!(
         "<div class=\"coefficient {class}\"><h2>{name}</h2><p class=\"large\">{symbol}\
-         <span class=\"value\">{large}</span></p><p class=\"small\">{relative}{spread}</p></div>"
+         <span class=\"{}\">{large}</span></p><p class=\"small\">{relative}{spread}</p></div>",
+        if value.mean.is_some() { "value" } else { "none" },
     )
 }
 

@@ -54,9 +54,12 @@ fn troubled_event(event: &EventSummary) -> bool {
 fn remark(events: &[EventSummary]) -> String {
     let troubled = events.iter().filter(|e| troubled_event(e)).count() as u64;
     let shown = chosen(events).count();
-    let mut text = format!("<p>{} events", count(events.len() as u64));
+    let mut text = match events.len() {
+        1 => String::from("<p>One event"),
+        n => format!("<p>{} events", count(n as u64)),
+    };
     if troubled > 0 {
-        text.push_str(&format!(", {} of them not without remark", count(troubled)));
+        text.push_str(&format!(", {} with a remark", count(troubled)));
     }
     text.push_str(". Errors are one standard deviation.");
     if shown < events.len() {

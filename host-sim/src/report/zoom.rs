@@ -2,7 +2,7 @@
 
 use super::context::{Context, Focus};
 use super::figure::{Figure, both, dot_key, line_key, mark_keys, tint_key};
-use super::fit::{centre_time_s, line_after, line_before, slip_curve};
+use super::fit::{centre_time_s, line_after, line_before, rest_s, slip_curve};
 use super::number::{count, decimals_for, fixed};
 use super::plot::{Axis, Layout, Plot, Spec};
 use super::scale::extent;
@@ -114,11 +114,13 @@ impl<'a> Panel<'a> {
                           onset, the centre and the re-stick.",
             x: Axis {
                 domain: (self.span_s.0 - context.zero_s, self.span_s.1 - context.zero_s),
+                least_step: 0.0,
                 label: context.time_label(),
                 readout: ("t", "s".into()),
             },
             y: Axis {
                 domain: extent(forces, 0.1),
+                least_step: 0.0,
                 label: context.force_label(),
                 readout: ("F", context.force.name.clone()),
             },
@@ -148,7 +150,7 @@ impl<'a> Panel<'a> {
     fn shade(&self, plot: &mut Plot, events: &[EventSummary]) {
         let zero_s = self.context.zero_s;
         let first = self.context.result.events.first();
-        let from_s = first.map_or(self.span_s.0, |e| e.onset_s - e.stick_s.unwrap_or(0.0));
+        let from_s = first.map_or(self.span_s.0, |e| e.onset_s - rest_s(e));
         plot.shade("stick", from_s - zero_s, plot.x.domain.1);
         events.iter().for_each(|e| plot.shade("slip", e.onset_s - zero_s, e.stop_s - zero_s));
     }
@@ -175,7 +177,7 @@ fn draw_fits(context: &Context<'_>, plot: &mut Plot, events: &[EventSummary]) {
         let since_s = before.map(|before| (event.onset_s - before.stop_s) / 2.0);
         let after = events.get(i + 1);
         let until_s = after.map(|after| (after.onset_s - event.stop_s) / 2.0);
-        let alone_s = event.stick_s.unwrap_or(event.slip_s);
+        let alone_s = rest_s(event);
         let mut curve = line_before(event, since_s.unwrap_or(alone_s).max(0.0));
         curve.extend(slip_curve(event));
         curve.extend(line_after(event, until_s.unwrap_or(alone_s).max(0.0)));
