@@ -70,7 +70,7 @@ impl<'a> Context<'a> {
         let (start_s, end_s) = self.recorder.span_s()?;
         let from_s = (event.onset_s - period_s).max(start_s);
         let to_s = (event.stop_s + period_s).min(end_s - 2.0 * self.recorder.period_s());
-        let kept = self.recorder.clips.covers(from_s, to_s);
+        let kept = from_s < to_s && self.recorder.clips.covers(from_s, to_s);
         let focus = Focus { event, period_s };
         kept.then(|| (focus, self.oddness(position, event)))
     }

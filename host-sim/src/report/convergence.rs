@@ -37,6 +37,7 @@ pub(super) fn convergence(context: &Context<'_>) -> Option<Figure> {
     let outside: usize = drawn.iter().map(|panel| panel.outside()).sum();
     let note = match outside {
         0 => String::new(),
+        1 => " One value lies outside the axes.".into(),
         n => format!(" {} values lie outside the axes.", count(n as u64)),
     };
     let caption = format!(

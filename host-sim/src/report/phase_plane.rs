@@ -27,7 +27,7 @@ pub(super) fn phase_plane(context: &Context<'_>, focus: Option<&Focus<'_>>) -> O
     };
     keys.push(dot_key("sample", &format!("samples of event {}", focus.event.index)));
     keys.push(line_key("model", "fitted model"));
-    if plane.ellipse.is_some() {
+    if plane.seen().is_some() {
         keys.push(line_key("seen", "the ellipse as ±1 sample sees it"));
     }
     keys.extend(mark_keys());
@@ -126,8 +126,9 @@ impl<'a> Plane<'a> {
         let rate = event.loading_rate_n_per_s;
         let stick = [event.restick_force_n, event.static_force_n].map(|f| self.shown((f, rate)));
         if let Some(e) = &self.ellipse {
-            let seen = e.attenuation(self.context.recorder.period_s());
-            plot.line("seen", self.turn(e, 0.0, 2.0 * PI, seen.max(0.0)));
+            if let Some(seen) = self.seen() {
+                plot.line("seen", self.turn(e, 0.0, 2.0 * PI, seen));
+            }
             plot.line("rest-of-ellipse", self.turn(e, e.stop_phase, e.onset_phase + 2.0 * PI, 1.0));
             plot.line("model", self.turn(e, e.onset_phase, e.stop_phase, 1.0));
             let (x, y) = plot.at(self.shown(e.at(PI / 2.0)));
@@ -158,6 +159,14 @@ impl<'a> Plane<'a> {
         }
     }
 
+    /// What a difference over ±1 sample sees of the rate, if both samples lie
+    /// within the slip.
+    fn seen(&self) -> Option<f64> {
+        let period_s = self.context.recorder.period_s();
+        let (ellipse, focus) = self.ellipse.zip(self.focus)?;
+        (focus.event.slip_s > 2.0 * period_s).then(|| ellipse.attenuation(period_s))
+    }
+
     fn caption(&self) -> String {
         let Some((ellipse, focus)) = self.ellipse.zip(self.focus) else {
             return "Force against its rate. The slip is too short for the sampling to show its \
@@ -165,17 +174,21 @@ impl<'a> Plane<'a> {
                     <i>F</i><sub>e</sub>."
                 .into();
         };
-        let seen = ellipse.attenuation(self.context.recorder.period_s());
+        let seen = match self.seen() {
+            Some(seen) => format!(
+                "sees {} of the ellipse's height: the centre, and with it <i>μ</i>, is untouched",
+                fixed(seen, 2)
+            ),
+            None => "reaches across a slip this short and stays inside the ellipse".into(),
+        };
         format!(
             "Force against its rate, run clockwise. The fitted ellipse ((<i>F</i> − \
              <i>F</i><sub>p</sub>)/<i>a</i>)² + (<i>F</i>′/<i>ωa</i>)² = 1 has <i>a</i> = {} and \
              <i>ω</i> = {}; the stick line lies at <i>k w</i> = {}. The samples' rate is the \
-             central difference over ±1 sample, which sees {} of the ellipse's height: the centre, \
-             and with it <i>μ</i>, is untouched.",
+             central difference over ±1 sample, which {seen}.",
             quantity(ellipse.a_n, "N"),
             quantity(ellipse.omega, "rad/s"),
             quantity(focus.event.loading_rate_n_per_s, "N/s"),
-            fixed(seen, 2),
         )
     }
 }

@@ -147,11 +147,12 @@ impl Plot {
         within(x, self.x.domain) && within(y, self.y.domain)
     }
 
-    /// Tints the full height between two values of x.
+    /// Tints the full height between two values of x, wide enough to be seen.
     pub fn shade(&mut self, class: &str, from: f64, to: f64) {
         let (low, high) = self.x.domain;
-        let (from, to) = (self.x.at(from.clamp(low, high)), self.x.at(to.clamp(low, high)));
+        let (from, to) = (self.x.at(from.max(low)), self.x.at(to.min(high)));
         if to > from {
+            let to = to.max(from + 1.2);
             let tint = rectangle(class, (from, self.y.range.1), (to, self.y.range.0));
             self.draw(&tint);
         }

@@ -6,7 +6,7 @@ use super::plot::Plot;
 use crate::replay::result::EventSummary;
 
 /// Slips closer than this, px, are shown as their share of time.
-const APART_PX: f64 = 7.0;
+const APART_PX: f64 = 4.5;
 /// Cycles in a column of such a share, so that the columns do not flicker.
 const CYCLES: f64 = 4.0;
 /// Its least width, px.
@@ -19,13 +19,13 @@ pub(super) fn shade(context: &Context<'_>, plot: &mut Plot) {
     let events = &context.result.events;
     let Some(first) = events.first() else { return };
     let apart = slips_apart(context, plot);
-    let rest_from_s = first.onset_s - rest_s(first);
-    plot.shade("stick", rest_from_s - context.zero_s, plot.x.domain.1);
+    let rest_from = first.onset_s - rest_s(first) - context.zero_s;
     if apart {
+        plot.shade("stick", rest_from, plot.x.domain.1);
         let slips = events.iter().map(|e| (e.onset_s - context.zero_s, e.stop_s - context.zero_s));
         slips.for_each(|(from, to)| plot.shade("slip", from, to));
     } else {
-        shade_shares(context, plot);
+        shade_shares(context, plot, rest_from);
     }
 }
 
@@ -38,7 +38,7 @@ fn slips_apart(context: &Context<'_>, plot: &Plot) -> bool {
 }
 
 /// Columns whose strength is the share of time spent slipping.
-fn shade_shares(context: &Context<'_>, plot: &mut Plot) {
+fn shade_shares(context: &Context<'_>, plot: &mut Plot, rest_from: f64) {
     let (low, high) = plot.x.domain;
     let width_px = plot.x.range.1 - plot.x.range.0;
     let spacing_px = width_px / context.result.events.len() as f64;
@@ -53,8 +53,10 @@ fn shade_shares(context: &Context<'_>, plot: &mut Plot) {
     let mut from = 0;
     for run in levels.chunk_by(|a, b| a == b) {
         let (start, end) = (low + from as f64 * width, low + (from + run.len()) as f64 * width);
-        if let Some(level) = run.first().filter(|&&level| level > 0) {
-            plot.shade(&format!("slip level-{level}"), start, end);
+        match run.first() {
+            Some(0) => plot.shade("stick", start.max(rest_from), end),
+            Some(level) => plot.shade(&format!("slip level-{level}"), start, end),
+            None => {}
         }
         from += run.len();
     }

@@ -21,8 +21,10 @@ pub(super) fn escape(text: &str) -> String {
     safe
 }
 
-/// A coordinate with one decimal at most.
+/// A coordinate with one decimal at most; far outside the paper is far enough.
 pub(super) fn coordinate(x: f64) -> String {
+    const FAR: f64 = 1e5;
+    let x = if x.is_nan() { 0.0 } else { x.clamp(-FAR, FAR) };
     let text = format!("{x:.1}");
     let text = text.strip_suffix(".0").unwrap_or(&text);
     if text == "-0" { "0".into() } else { text.into() }

@@ -101,7 +101,7 @@ impl<'a> Columns<'a> {
             "<i>μ</i>|".into(),
             "stick|s".into(),
             "slip|s".into(),
-            "<i>k w</i>|N/s".into(),
+            format!("<i>k w</i>|{unit}/s"),
             "<i>ω</i>|rad/s".into(),
             "remark|".into(),
         ];
@@ -126,7 +126,7 @@ impl<'a> Columns<'a> {
             coefficient(e.mu, e.mu_std),
             optional(e.stick_s, time),
             time(e.slip_s),
-            significant(e.loading_rate_n_per_s),
+            significant(e.loading_rate_n_per_s * self.context.force.factor),
             optional(e.omega_rad_per_s, |omega| fixed(omega, 2)),
             remark_cell(e),
         ];
