@@ -47,6 +47,7 @@ fn coefficient(class: &str, symbol: &str, value: &CoefficientSummary, name: &str
     };
     let spread = match (value.mean, value.spread) {
         (None, _) => "not measured".into(),
+        (_, Some(spread)) if spread <= 0.0 => "no spread between events beyond the noise".into(),
         (_, Some(spread)) => format!("spread between events {}", show(spread)),
         (_, None) => "spread between events unknown".into(),
     };
