@@ -2,3 +2,4 @@
 #![forbid(unsafe_code)]
 
 pub mod replay;
+pub mod report;
