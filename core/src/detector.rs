@@ -32,7 +32,7 @@ const FIRST_DROP: f32 = 8.0;
 const LEAST_DROP: f32 = 5.0;
 /// Least drop of a slip that starts in the upper half of the last one's range,
 /// parts of the usual drop. Flop of the cable starts in the lower half.
-const LEAST_PART: f32 = 0.3;
+const LEAST_PART: f32 = 0.35;
 /// Least drop of a slip that starts in the lower half.
 const LEAST_PART_LOW: f32 = 0.5;
 /// Rise that ends a slip at once, parts of its drop.
