@@ -23,6 +23,8 @@ struct Array {
     width: usize,
     /// Cell 4 holds seconds in every row.
     seconds: bool,
+    /// Rows seen.
+    rows: usize,
 }
 
 /// Whether a line looks like a row: numbers that begin with an array number and
@@ -45,7 +47,7 @@ pub fn is_row(line: &[u8]) -> bool {
 pub fn layout(head: &[u8], options: &LogOptions) -> Result<Layout, InputError> {
     let arrays = arrays(head);
     let id = choose(&arrays, options.array_id)?;
-    let array = arrays.get(&id).copied().unwrap_or(Array { width: 0, seconds: false });
+    let array = arrays.get(&id).copied().unwrap_or(Array { width: 0, seconds: false, rows: 0 });
     let force = match &options.column {
         Some(text) => column(text, array.width)?,
         None => SECONDS + usize::from(array.seconds),
@@ -62,7 +64,7 @@ pub fn layout(head: &[u8], options: &LogOptions) -> Result<Layout, InputError> {
         unit: options.unit.unwrap_or(Unit::Newton),
         record: None,
         array_id: Some(id),
-        jitter_s: if seconds { RESOLUTION_S } else { 0.0 },
+        resolution_s: Some(if seconds { RESOLUTION_S } else { 60.0 }),
     })
 }
 
@@ -76,7 +78,8 @@ fn arrays(head: &[u8]) -> BTreeMap<u32, Array> {
             continue;
         }
         let Some(id) = array_id(line, &cells) else { continue };
-        let array = arrays.entry(id).or_insert(Array { width: usize::MAX, seconds: true });
+        let array = arrays.entry(id).or_insert(Array { width: usize::MAX, seconds: true, rows: 0 });
+        array.rows += 1;
         array.width = array.width.min(cells.len());
         array.seconds &= cells.len() > SECONDS + 1 && are_seconds(cells.get(line, SECONDS));
     }
@@ -102,7 +105,9 @@ fn choose(arrays: &BTreeMap<u32, Array>, wanted: Option<u32>) -> Result<u32, Inp
         return arrays.contains_key(&id).then_some(id).ok_or_else(missing);
     }
     let only = |mut ids: Vec<u32>| if ids.len() == 1 { ids.pop() } else { None };
-    let with_seconds = arrays.iter().filter(|(_, array)| array.seconds).map(|(&id, _)| id);
+    // One row alone may look like it by chance.
+    let timed = |array: &Array| array.seconds && array.rows > 1;
+    let with_seconds = arrays.iter().filter(|(_, array)| timed(array)).map(|(&id, _)| id);
     only(arrays.keys().copied().collect()).or_else(|| only(with_seconds.collect())).ok_or_else(
         || InputError::new(format!("which array is it? give --array-id ID; there are: {}", list())),
     )
@@ -147,7 +152,8 @@ mod tests {
 
     #[test]
     fn the_only_array_with_seconds_is_taken_from_several() {
-        let head = b"203,12,330,2100,2.258,66.19\n7,12,330,2100,1.125,40\n";
+        let head = b"203,12,330,2100,2.258,66.19\n201,12,330,2200,0,1.3\n\
+            7,12,330,2100,1.125,40\n7,12,330,2100,1.125,40\n";
         assert_eq!(places(head, None, None), Ok((7, 5, true)));
     }
 

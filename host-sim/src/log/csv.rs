@@ -39,7 +39,7 @@ pub fn layout(header: &[u8], options: &LogOptions) -> Result<Layout, InputError>
         unit,
         record: None,
         array_id: None,
-        jitter_s: 0.0,
+        resolution_s: None,
     })
 }
 

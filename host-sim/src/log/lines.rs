@@ -32,7 +32,6 @@ pub struct Lines {
     end: usize,
     exhausted: bool,
     number: u64,
-    bytes_read: u64,
 }
 
 impl std::fmt::Debug for Lines {
@@ -46,7 +45,7 @@ impl Lines {
     #[must_use]
     pub fn new(input: Box<dyn Read + Send>) -> Self {
         let buffer = vec![0; BUFFER];
-        Self { input, buffer, start: 0, end: 0, exhausted: false, number: 0, bytes_read: 0 }
+        Self { input, buffer, start: 0, end: 0, exhausted: false, number: 0 }
     }
 
     /// The beginning of the stream, up to at least [`MAX_LINE`] bytes or its
@@ -94,12 +93,6 @@ impl Lines {
         Ok(Some(Line { bytes, number: self.number, ended }))
     }
 
-    /// Bytes taken from the stream so far, for a progress display.
-    #[must_use]
-    pub fn bytes_read(&self) -> u64 {
-        self.bytes_read
-    }
-
     fn unread(&self) -> &[u8] {
         self.buffer.get(self.start..self.end).unwrap_or_default()
     }
@@ -129,7 +122,6 @@ impl Lines {
         };
         self.exhausted = count == 0;
         self.end += count;
-        self.bytes_read += count as u64;
         Ok(count > 0)
     }
 }
@@ -170,6 +162,5 @@ mod tests {
         let mut lines = Lines::new(Box::new(std::io::repeat(b'x')));
         let error = lines.next_line().unwrap_err();
         assert!(error.to_string().starts_with("line 1: longer than 64 KiB"));
-        assert!(lines.bytes_read() <= BUFFER as u64);
     }
 }

@@ -13,9 +13,7 @@
 //! is not a number, and any time that is not one, is an error with its line.
 
 use std::collections::VecDeque;
-use std::fs::File;
 use std::io::Read;
-use std::path::Path;
 
 use floe_core::RawSample;
 
@@ -103,17 +101,9 @@ pub struct Log {
 }
 
 impl Log {
-    /// Opens a file, or standard input for `-`.
+    /// Begins to read: recognises the format, finds columns, rate and metadata.
     ///
-    /// # Errors
-    /// One line that names the file (and line) and what to do about it.
-    pub fn open(path: &str, options: &LogOptions) -> Result<Self, InputError> {
-        let input: Box<dyn Read + Send> =
-            if path == "-" { Box::new(std::io::stdin()) } else { Box::new(open_file(path)?) };
-        Self::from_reader(input, options)
-    }
-
-    /// Reads from any stream.
+    /// Never seeks, so any stream will do.
     ///
     /// # Errors
     /// One line that says where in the stream and what to do about it.
@@ -170,12 +160,6 @@ impl Log {
         self.rows.layout().unit
     }
 
-    /// Bytes read so far.
-    #[must_use]
-    pub fn bytes_read(&self) -> u64 {
-        self.rows.bytes_read()
-    }
-
     /// What a reader of the result should know, complete at the end of the log.
     #[must_use]
     pub fn warnings(&self) -> Vec<String> {
@@ -203,23 +187,11 @@ impl Log {
         if let Some(wrong) = rate_hz.filter(|rate| !timing::RATES_HZ.contains(rate)) {
             return Err(InputError::new(format!("a rate of {wrong} Hz is not within 1 to 2000")));
         }
-        let timing = timing::find(&head, rate_hz)?;
+        let timing = timing::find(&head, rate_hz, rows.layout().resolution_s)?;
         let calendar = !matches!(rows.layout().time, TimeCells::Seconds(_));
         let origin_s = if calendar { timing.start_s } else { 0.0 };
         Ok(Self { format, rows, ahead: head.into(), clock: Clock::new(timing), origin_s })
     }
-}
-
-fn open_file(path: &str) -> Result<File, InputError> {
-    if Path::new(path).is_dir() {
-        return Err(InputError::new("is a directory; name one log file"));
-    }
-    File::open(path).map_err(|error| {
-        let missing = error.kind() == std::io::ErrorKind::NotFound;
-        let why =
-            if missing { "no such file".to_string() } else { format!("cannot be opened: {error}") };
-        InputError::new(why)
-    })
 }
 
 fn no_samples(rows: &Rows) -> InputError {

@@ -40,15 +40,20 @@ pub struct Shared {
     pub centre: f64,
 }
 
-/// Finds the timing; `rate_hz` if the user or the log states it.
+/// Finds the timing; `rate_hz` if the user or the log states it, `resolution_s`
+/// if the format is known to have coarse stamps.
 ///
 /// # Errors
 /// The time stands still, or the rate is out of [`RATES_HZ`].
-pub fn find(rows: &[Row], rate_hz: Option<f64>) -> Result<Timing, InputError> {
+pub fn find(
+    rows: &[Row],
+    rate_hz: Option<f64>,
+    resolution_s: Option<f64>,
+) -> Result<Timing, InputError> {
     let times: Vec<f64> = rows.iter().map(|row| row.time_s).collect();
     let start_s = times.first().copied().unwrap_or(0.0);
     let Some(step_s) = median(positive_differences(&times)) else {
-        return standing(rows, start_s, rate_hz);
+        return standing(rows, start_s, rate_hz, resolution_s);
     };
     let timing = if shared_fraction(rows) > SHARED_FROM {
         shared(&times, step_s, rate_hz)
@@ -65,15 +70,23 @@ pub fn find(rows: &[Row], rate_hz: Option<f64>) -> Result<Timing, InputError> {
     )))
 }
 
-/// Every stamp is the same: fine for a single sample, and no log otherwise.
-fn standing(rows: &[Row], start_s: f64, rate_hz: Option<f64>) -> Result<Timing, InputError> {
-    if rows.len() > 1 {
+/// Every stamp is the same: right for a single sample or for coarse stamps, and
+/// no log otherwise.
+fn standing(
+    rows: &[Row],
+    start_s: f64,
+    rate_hz: Option<f64>,
+    resolution_s: Option<f64>,
+) -> Result<Timing, InputError> {
+    let rate_hz = rate_hz.unwrap_or(DEFAULT_RATE_HZ);
+    let step = resolution_s.map_or(1.0, |resolution_s| resolution_s * rate_hz);
+    if rows.len() > 1 && rows.len() as f64 > step {
         return Err(InputError::new(format!(
             "the time stands still: all of the first {} samples have the same time",
             rows.len()
         )));
     }
-    Ok(Timing { rate_hz: rate_hz.unwrap_or(DEFAULT_RATE_HZ), start_s, shared: None })
+    Ok(Timing { rate_hz, start_s, shared: Some(Shared { step, centre: -step / 2.0 }) })
 }
 
 fn positive_differences(times: &[f64]) -> Vec<f64> {
@@ -143,9 +156,9 @@ impl Line {
 
     /// Share of steps that are not one, and the residuals: a grid on which every
     /// stamp is evenly off by up to half a period is as bad as one that leaves
-    /// every sixth sample out.
+    /// every fifth sample out.
     fn cost(&self, times: &[f64]) -> f64 {
-        const RESIDUALS: f64 = 0.6;
+        const RESIDUALS: f64 = 0.75;
         let n = times.len() as f64;
         let indices: Vec<f64> = times.iter().map(|&t| self.index(t)).collect();
         let is_break = |w: &&[f64]| matches!(w, [a, b] if (b - a - 1.0).abs() > 0.5);
@@ -252,20 +265,16 @@ fn group_sizes(times: &[f64], step_s: f64) -> Vec<f64> {
     sizes
 }
 
-/// Mean of stamp minus sample over some groups, from the second stamp on.
+/// Mean of stamp minus sample over a group, from where the first groups begin.
 fn centre(times: &[f64], step: f64, rate_hz: f64) -> f64 {
-    const GROUPS: f64 = 8.0;
+    const GROUPS: usize = 9;
     let start = times.first().copied().unwrap_or(0.0);
-    let offset = |(i, &t): (usize, &f64)| (t - start) * rate_hz - i as f64;
-    let count = (GROUPS * step).round().max(1.0) as usize;
-    let offsets: Vec<f64> = times
-        .iter()
-        .enumerate()
-        .skip_while(|&(_, &t)| t <= start)
-        .take(count)
-        .map(offset)
-        .collect();
-    offsets.iter().sum::<f64>() / offsets.len().max(1) as f64
+    let begins = |(i, w): (usize, &[f64])| match w {
+        [a, b] if b > a => Some((b - start) * rate_hz - (i + 1) as f64),
+        _ => None,
+    };
+    let offsets = times.windows(2).enumerate().filter_map(begins).take(GROUPS).collect();
+    median(offsets).unwrap_or(0.0) - (step - 1.0) / 2.0
 }
 
 #[cfg(test)]
@@ -281,7 +290,7 @@ mod tests {
     }
 
     fn rate(times: impl IntoIterator<Item = f64>) -> f64 {
-        find(&rows(times), None).unwrap().rate_hz
+        find(&rows(times), None, None).unwrap().rate_hz
     }
 
     /// Deterministic jitter within ±`most`.
@@ -318,17 +327,21 @@ mod tests {
 
     #[test]
     fn shared_stamps_are_recognised() {
-        let timing = find(&rows((0..200).map(|i| f64::from(i / 2) * 0.125)), None).unwrap();
+        let timing = find(&rows((0..200).map(|i| f64::from(i / 2) * 0.125)), None, None).unwrap();
         assert_eq!(timing.rate_hz, 16.0);
         assert_eq!(timing.shared, Some(Shared { step: 2.0, centre: -0.5 }));
+        let minute = find(&rows([0.0; 900]), None, Some(60.0)).unwrap();
+        assert_eq!(minute.shared, Some(Shared { step: 960.0, centre: -480.0 }));
         assert_eq!(rate((0..400).map(|i| (f64::from(i) / 16.0).floor())), 16.0);
         assert_eq!(rate((0..400).map(|i| (f64::from(i) / 1.6).floor() / 10.0)), 16.0);
     }
 
     #[test]
     fn times_that_tell_nothing_are_refused() {
-        assert!(find(&rows([2.0; 9]), None).unwrap_err().to_string().contains("stands still"));
-        let slow = find(&rows((0..9).map(|i| f64::from(i) * 600.0)), None).unwrap_err();
+        assert!(
+            find(&rows([2.0; 9]), None, None).unwrap_err().to_string().contains("stands still")
+        );
+        let slow = find(&rows((0..9).map(|i| f64::from(i) * 600.0)), None, None).unwrap_err();
         assert!(slow.to_string().contains("0.001667 samples per second"), "{slow}");
     }
 }

@@ -37,7 +37,7 @@ pub fn layout(names: &[u8], units: &[u8], options: &LogOptions) -> Result<Layout
         unit,
         record: find(&names, "RECORD"),
         array_id: None,
-        jitter_s: 0.0,
+        resolution_s: None,
     })
 }
 
