@@ -52,7 +52,7 @@ impl Clock {
             None => self.fine_steps(stamp_s, records),
             Some(shared) => self.shared_steps(shared, stamp_s, records, ahead),
         };
-        self.next += steps;
+        self.next = self.next.saturating_add(steps);
         (self.next.saturating_sub(1), self.time_s)
     }
 

@@ -19,7 +19,7 @@ const SECONDS: usize = 4;
 /// What the rows of one array look like at the beginning of the log.
 #[derive(Clone, Copy, Debug)]
 struct Array {
-    /// Fewest cells in a row.
+    /// Cells in its first row.
     width: usize,
     /// Cell 4 holds seconds in every row.
     seconds: bool,
@@ -68,8 +68,10 @@ pub fn layout(head: &[u8], options: &LogOptions) -> Result<Layout, InputError> {
     })
 }
 
-/// The arrays in the whole lines of `head`.
+/// The arrays in `head`, whose last line may be cut off.
 fn arrays(head: &[u8]) -> BTreeMap<u32, Array> {
+    let whole = head.iter().rposition(|&byte| byte == b'\n').and_then(|end| head.get(..=end));
+    let head = whole.unwrap_or(head);
     let mut arrays = BTreeMap::new();
     let mut cells = Cells::default();
     for line in head.split_inclusive(|&byte| byte == b'\n') {
@@ -78,10 +80,12 @@ fn arrays(head: &[u8]) -> BTreeMap<u32, Array> {
             continue;
         }
         let Some(id) = array_id(line, &cells) else { continue };
-        let array = arrays.entry(id).or_insert(Array { width: usize::MAX, seconds: true, rows: 0 });
+        let width = cells.len();
+        let array = arrays.entry(id).or_insert(Array { width, seconds: true, rows: 0 });
         array.rows += 1;
-        array.width = array.width.min(cells.len());
-        array.seconds &= cells.len() > SECONDS + 1 && are_seconds(cells.get(line, SECONDS));
+        if width == array.width {
+            array.seconds &= width > SECONDS + 1 && are_seconds(cells.get(line, SECONDS));
+        }
     }
     arrays
 }
