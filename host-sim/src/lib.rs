@@ -5,3 +5,4 @@ pub mod cli;
 pub mod error;
 pub mod log;
 pub mod replay;
+pub mod report;
