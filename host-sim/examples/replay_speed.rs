@@ -13,10 +13,11 @@ use std::time::Instant;
 use floe::log::{Log, LogOptions};
 use floe::replay::{self, test::TestOptions};
 
+type Method = (&'static str, fn(&Path) -> Outcome);
 type Outcome = Result<u64, Box<dyn Error>>;
 
 const SAMPLES: [u64; 2] = [1_000_000, 10_000_000];
-const METHODS: [(&str, fn(&Path) -> Outcome); 4] = [
+const METHODS: [Method; 4] = [
     ("csv crate, ByteRecord", csv_bytes),
     ("csv crate, StringRecord", csv_strings),
     ("log reader", reader),

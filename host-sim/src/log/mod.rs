@@ -124,16 +124,24 @@ impl Log {
     /// # Errors
     /// A line that cannot be used, with its number.
     pub fn next_sample(&mut self) -> Result<Option<Sample>, InputError> {
-        let lookahead = self.clock.lookahead();
-        while self.ahead.len() <= lookahead {
-            let Some(row) = self.rows.next_row()? else { break };
-            self.ahead.push_back(row);
-        }
-        let Some(row) = self.ahead.pop_front() else { return Ok(None) };
+        let Some(row) = self.next_row()? else { return Ok(None) };
         let stamps = self.ahead.iter().map(|row| row.time_s);
         let (index, time_s) = self.clock.place(row.time_s, row.records, stamps);
         let raw = RawSample { index, reading: row.reading };
         Ok(Some(Sample { raw, time_s: time_s - self.origin_s }))
+    }
+
+    /// The next row, with as many behind it in `ahead` as the clock looks at.
+    fn next_row(&mut self) -> Result<Option<Row>, InputError> {
+        let lookahead = self.clock.lookahead();
+        if lookahead == 0 && self.ahead.is_empty() {
+            return self.rows.next_row();
+        }
+        while self.ahead.len() <= lookahead {
+            let Some(row) = self.rows.next_row()? else { break };
+            self.ahead.push_back(row);
+        }
+        Ok(self.ahead.pop_front())
     }
 
     /// What was recognised, or said by the caller.
