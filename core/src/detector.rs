@@ -247,8 +247,12 @@ impl Detector {
         let Some(std) = self.noise.std_n(now.force_n) else { return false };
         let stick = &self.stick;
         let part = if stick.highest.force_n > self.middle_n { LEAST_PART } else { LEAST_PART_LOW };
-        let noises = if self.usual_drop_n > 0.0 { LEAST_DROP.1 } else { LEAST_DROP.0 };
-        let least = (noises * std).max(part * self.usual_drop_n);
+        let usual = self.usual_drop_n;
+        let least = if usual > 0.0 {
+            (LEAST_DROP.1 * std).min(LEAST_PART_LOW * usual).max(part * usual)
+        } else {
+            LEAST_DROP.0 * std
+        };
         if stick.highest.force_n - now.force_n < least {
             return false;
         }

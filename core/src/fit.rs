@@ -7,7 +7,7 @@
 //! and of omega enters as two more.
 
 use crate::line::Line;
-use crate::model::{Cycle, Gradient};
+use crate::model::{Cycle, Gradient, UNKNOWNS};
 use crate::solve::{Factor, Normal, dot};
 
 /// What is known of a quantity beforehand.
@@ -60,6 +60,18 @@ pub struct Fit {
     pub information: Factor,
     /// Whether the iteration settled.
     pub converged: bool,
+}
+
+impl Fit {
+    /// Variance of an unknown, in units of the noise variance.
+    #[must_use]
+    pub fn variance(&self, unknown: usize) -> f32 {
+        let mut unit = Gradient::default();
+        if let Some(entry) = unit.get_mut(unknown) {
+            *entry = 1.0;
+        }
+        self.information.covariance(&unit, &unit)
+    }
 }
 
 /// Most iterations before giving up; 3 to 5 are usual.
@@ -116,13 +128,31 @@ impl Data<'_> {
             normal.add(point.force_n - force, &gradient, point.weight);
         }
         let (before, after) = (self.before, self.after);
-        add_line(&mut normal, before, shape.before(before.time - cycle.onset), shape.slope_before());
+        add_line(
+            &mut normal,
+            before,
+            shape.before(before.time - cycle.onset),
+            shape.slope_before(),
+        );
         add_line(&mut normal, after, shape.after(after.time - cycle.onset), shape.slope_after());
-        add_prior(&mut normal, self.onset, cycle.onset, 0);
-        add_prior(&mut normal, self.rate, cycle.rate, 1);
-        add_prior(&mut normal, self.omega, cycle.omega, 4);
-        add_prior(&mut normal, self.bend, cycle.bend, 5);
+        for (unknown, (prior, value)) in self.priors(cycle).into_iter().enumerate() {
+            add_prior(&mut normal, prior, value, unknown);
+        }
         normal
+    }
+
+    /// What is expected of each unknown, and its value.
+    #[must_use]
+    pub fn priors(&self, cycle: &Cycle) -> [(Prior, f32); UNKNOWNS] {
+        let free = Prior::default();
+        [
+            (self.onset, cycle.onset),
+            (self.rate, cycle.rate),
+            (free, cycle.static_n),
+            (free, cycle.half_drop_n),
+            (self.omega, cycle.omega),
+            (self.bend, cycle.bend),
+        ]
     }
 }
 

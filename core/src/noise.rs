@@ -136,17 +136,15 @@ impl Noise {
         self.row[4] = force_n;
         let [a, b, c, d, e] = self.row;
         let step = (e - d).abs();
-        if self.filled >= 2 && step > 0.0 && (self.resolution_n <= 0.0 || step < self.resolution_n) {
+        if self.filled >= 2 && step > 0.0 && (self.resolution_n <= 0.0 || step < self.resolution_n)
+        {
             self.resolution_n = step;
         }
-        // The events tell it better: no need to go on.
-        if self.fitted_n.is_none() {
-            if self.filled >= 3 {
-                self.second.add((c - 2.0 * d + e).abs());
-            }
-            if self.filled >= 5 {
-                self.fourth.add((a - 4.0 * b + 6.0 * c - 4.0 * d + e).abs());
-            }
+        if self.filled >= 3 {
+            self.second.add((c - 2.0 * d + e).abs());
+        }
+        if self.filled >= 5 {
+            self.fourth.add((a - 4.0 * b + 6.0 * c - 4.0 * d + e).abs());
         }
     }
 
@@ -156,14 +154,12 @@ impl Noise {
     pub fn std_n(&self, force_n: f32) -> Option<f32> {
         let floor = (0.3 * self.resolution_n).max(4e-7 * force_n.abs());
         let innovation = self.innovation.value().map(|m| m / MEDIAN_PER_STD);
-        // A fit may leave out what the line does not: half as much again is allowed.
-        let bound = match self.fitted_n {
-            Some(fitted) => Some(1.5 * fitted),
-            None => {
-                let second = self.second.value().map(|q| q / SECOND_PER_STD);
-                least(second, self.fourth.value().map(|q| q / FOURTH_PER_STD))
-            }
-        };
+        // Good fits allow for what a line does not; bad ones tell nothing.
+        let fitted = self.fitted_n.map(|fitted| 1.5 * fitted);
+        let bound = fitted.or(least(
+            self.second.value().map(|smallest| smallest / SECOND_PER_STD),
+            self.fourth.value().map(|median| median / FOURTH_PER_STD),
+        ));
         least(innovation, bound).map(|std| std.max(floor))
     }
 }
