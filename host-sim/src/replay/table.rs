@@ -1,0 +1,223 @@
+//! The result as text for a person.
+
+use std::fmt::Write;
+
+use super::result::{CoefficientSummary, EventSummary, LogSummary, ReplayResult};
+
+/// Events, then the result with its uncertainty, then what to know about it.
+#[must_use]
+pub fn text(result: &ReplayResult) -> String {
+    let mut out = String::new();
+    let force = decimals(result.test.weight_n);
+    // Writing to a String cannot fail.
+    let _ = header(&mut out, result, force);
+    let _ = match result.events.as_slice() {
+        [] => writeln!(out, "No events: no slip was found in this log.\n"),
+        events => event_lines(&mut out, events, force),
+    };
+    let _ = coefficients(&mut out, result);
+    let _ = quantities(&mut out, result);
+    let _ = samples(&mut out, &result.log);
+    out
+}
+
+/// Decimals that give a number of this size four digits.
+fn decimals(size: f64) -> usize {
+    (3.0 - size.abs().log10().floor()).clamp(0.0, 8.0) as usize
+}
+
+fn cell(value: Option<f64>, decimals: usize) -> String {
+    value.map_or_else(|| "-".to_string(), |value| format!("{value:.decimals$}"))
+}
+
+fn header(out: &mut String, result: &ReplayResult, force: usize) -> std::fmt::Result {
+    let (log, test) = (&result.log, &result.test);
+    writeln!(
+        out,
+        "log    {} ({}), {} samples at {} Hz, {:.2} s",
+        log.path,
+        log.format,
+        log.samples,
+        significant(log.rate_hz),
+        log.duration_s
+    )?;
+    let id = test.test_id.as_ref().map(|id| format!("{id}, ")).unwrap_or_default();
+    let weight = cell(Some(test.weight_n), force);
+    writeln!(out, "test   {id}weight {weight} N, slope {:.2}°\n", test.slope_rad.to_degrees())
+}
+
+/// A number with up to seven digits and no idle zeros.
+fn significant(value: f64) -> String {
+    let text = format!("{value:.6}");
+    text.trim_end_matches('0').trim_end_matches('.').to_string()
+}
+
+fn event_lines(out: &mut String, events: &[EventSummary], force: usize) -> std::fmt::Result {
+    let titles = [
+        "event", "onset s", "stop s", "mu_s", "±", "mu", "±", "Fs N", "Fp N", "Fe N", "stick s",
+        "slip s",
+    ];
+    line(out, &titles.map(str::to_string), "quality")?;
+    for event in events {
+        let reason = event.reason.as_ref().map(|r| format!(": {r}")).unwrap_or_default();
+        let cells = [
+            event.index.to_string(),
+            cell(Some(event.onset_s), 3),
+            cell(Some(event.stop_s), 3),
+            cell(event.mu_s, 4),
+            cell(event.mu_s_std, 4),
+            cell(event.mu, 4),
+            cell(event.mu_std, 4),
+            cell(Some(event.static_force_n), force),
+            cell(Some(event.dynamic_force_n), force),
+            cell(Some(event.restick_force_n), force),
+            cell(event.stick_s, 3),
+            cell(Some(event.slip_s), 3),
+        ];
+        line(out, &cells, &format!("{}{reason}", event.quality))?;
+    }
+    writeln!(out)
+}
+
+fn line(out: &mut String, cells: &[String; 12], last: &str) -> std::fmt::Result {
+    const WIDTHS: [usize; 12] = [6, 11, 11, 9, 8, 9, 8, 9, 9, 9, 9, 8];
+    for (cell, width) in cells.iter().zip(WIDTHS) {
+        write!(out, "{cell:>width$}")?;
+    }
+    writeln!(out, "  {last}")
+}
+
+fn coefficients(out: &mut String, result: &ReplayResult) -> std::fmt::Result {
+    let estimate = &result.estimate;
+    coefficient(out, "mu_s", &estimate.mu_s)?;
+    coefficient(out, "mu", &estimate.mu)?;
+    let found = result.events.len();
+    writeln!(
+        out,
+        "       ± standard error of the mean; {} of {found} events count\n",
+        estimate.events
+    )
+}
+
+fn coefficient(out: &mut String, name: &str, value: &CoefficientSummary) -> std::fmt::Result {
+    let Some(mean) = value.mean else { return writeln!(out, "{name:<6} unknown") };
+    let error = cell(value.std_error, 4);
+    let spread = cell(value.spread, 4);
+    writeln!(out, "{name:<6} {mean:.4} ± {error}   spread between events {spread}")
+}
+
+fn quantities(out: &mut String, result: &ReplayResult) -> std::fmt::Result {
+    let lines = [
+        ("noise", result.noise_n, "N"),
+        ("loading rate", result.loading_rate_n_per_s, "N/s"),
+        ("omega", result.omega_rad_per_s, "rad/s"),
+        ("stiffness", result.stiffness_n_per_m, "N/m"),
+        ("recurrence", result.recurrence_s, "s"),
+    ];
+    for (name, value, unit) in lines {
+        match value {
+            Some(value) => writeln!(out, "{name:<14}{:.*} {unit}", decimals(value), value)?,
+            None => writeln!(out, "{name:<14}unknown")?,
+        }
+    }
+    writeln!(out)
+}
+
+fn samples(out: &mut String, log: &LogSummary) -> std::fmt::Result {
+    writeln!(
+        out,
+        "samples       {} read, {} missing, {} duplicates, {} rejected, {} saturated",
+        log.samples, log.missing, log.duplicates, log.rejected, log.saturated
+    )?;
+    log.warnings.iter().try_for_each(|warning| writeln!(out, "note          {warning}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::replay::result::{EstimateSummary, SCHEMA, TestSummary};
+
+    fn result(events: Vec<EventSummary>) -> ReplayResult {
+        let mean = |mean| CoefficientSummary {
+            mean: Some(mean),
+            std_error: Some(0.0002),
+            spread: Some(0.0008),
+        };
+        ReplayResult {
+            schema: SCHEMA,
+            log: LogSummary {
+                path: "x.csv".to_string(),
+                format: "csv".to_string(),
+                rate_hz: 16.0,
+                samples: 1920,
+                duration_s: 119.9375,
+                missing: 3,
+                warnings: vec!["line 9 is odd".to_string()],
+                ..LogSummary::default()
+            },
+            test: TestSummary { test_id: None, weight_n: 630.0, slope_rad: 0.0 },
+            estimate: EstimateSummary { mu_s: mean(1.2401), mu: mean(0.78), events: 1 },
+            noise_n: Some(1.98765),
+            loading_rate_n_per_s: Some(361.1234),
+            omega_rad_per_s: Some(18.91),
+            stiffness_n_per_m: Some(23_012.3),
+            recurrence_s: None,
+            events,
+        }
+    }
+
+    fn event() -> EventSummary {
+        EventSummary {
+            index: 0,
+            onset_s: 2.16345,
+            stop_s: 2.3364,
+            static_force_n: 781.23,
+            dynamic_force_n: 491.4,
+            peak_force_n: 781.8,
+            restick_force_n: 201.6,
+            mu_s: None,
+            mu_s_std: None,
+            mu: Some(0.78),
+            mu_std: Some(0.0005),
+            stick_s: None,
+            slip_s: 0.173,
+            loading_rate_n_per_s: 361.1,
+            omega_rad_per_s: Some(18.9),
+            slack: false,
+            quality: "clipped".to_string(),
+            reason: Some("a gap".to_string()),
+        }
+    }
+
+    #[test]
+    fn the_whole_text() {
+        let expected = "\
+log    x.csv (csv), 1920 samples at 16 Hz, 119.94 s
+test   weight 630.0 N, slope 0.00°
+
+ event    onset s     stop s     mu_s       ±       mu       ±     Fs N     Fp N     Fe N  \
+stick s  slip s  quality
+     0      2.163      2.336        -       -   0.7800  0.0005    781.2    491.4    201.6        \
+-   0.173  clipped: a gap
+
+mu_s   1.2401 ± 0.0002   spread between events 0.0008
+mu     0.7800 ± 0.0002   spread between events 0.0008
+       ± standard error of the mean; 1 of 1 events count
+
+noise         1.988 N
+loading rate  361.1 N/s
+omega         18.91 rad/s
+stiffness     23012 N/m
+recurrence    unknown
+
+samples       1920 read, 3 missing, 0 duplicates, 0 rejected, 0 saturated
+note          line 9 is odd
+";
+        assert_eq!(text(&result(vec![event()])), expected);
+    }
+
+    #[test]
+    fn no_events_is_said() {
+        assert!(text(&result(Vec::new())).contains("\nNo events: no slip was found"));
+    }
+}
