@@ -1,4 +1,6 @@
 //! Host tools of Floe: replay recorded logs, simulate tests, compare methods.
 #![forbid(unsafe_code)]
 
+pub mod cli;
 pub mod replay;
+pub mod sim;

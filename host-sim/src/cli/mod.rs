@@ -1,0 +1,3 @@
+//! The commands of `floe`.
+
+pub mod simulate;

@@ -1,0 +1,151 @@
+//! What is pulled, how, and how it is measured.
+
+use serde::{Deserialize, Serialize};
+
+use super::measurement::Measurement;
+
+/// Gravity used to turn weights into masses, m/s².
+pub const GRAVITY_M_PER_S2: f64 = 9.81;
+
+/// One simulated test. SI units; every term beyond the linear block on a cable
+/// is off unless given.
+///
+/// The default is test DFF8-13 of the paper without noise.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Scene {
+    /// Name of the test.
+    #[serde(default)]
+    pub test_id: Option<String>,
+    /// Length of the record, s, above zero.
+    #[serde(default = "default_duration_s")]
+    pub duration_s: f64,
+    /// Samples per second, 1 to 2000.
+    #[serde(default = "default_rate_hz")]
+    pub rate_hz: f64,
+    /// Weight of the block `Mg`, N, above zero.
+    pub weight_n: f64,
+    /// Static coefficient, at least `mu`.
+    pub mu_s: f64,
+    /// Dynamic coefficient, above zero.
+    pub mu: f64,
+    /// Stiffness of the cable `k`, N/m, above zero.
+    pub stiffness_n_per_m: f64,
+    /// Take-up speed of the winch `w`, m/s, above zero.
+    pub winch_m_per_s: f64,
+    /// Free length of the cable at the start, m, above zero.
+    #[serde(default = "default_cable_length_m")]
+    pub cable_length_m: f64,
+    /// Slope of the ice along the pull, degrees, uphill positive.
+    #[serde(default)]
+    pub slope_deg: f64,
+    /// Force in the cable at the start, the block at rest, N.
+    #[serde(default)]
+    pub start_force_n: f64,
+    /// When the record starts, for logs with a calendar.
+    #[serde(default)]
+    pub start: Start,
+    /// What lies between the force in the cable and the log.
+    #[serde(default)]
+    pub measurement: Measurement,
+}
+
+/// Calendar time of the first sample.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Start {
+    /// Year.
+    pub year: i32,
+    /// Day of the year, 1 to 366.
+    pub day: u32,
+    /// Hour, 0 to 23.
+    pub hour: u32,
+    /// Minute, 0 to 59.
+    pub minute: u32,
+}
+
+impl Default for Start {
+    /// One minute before midnight of 9 April 1994, so that a log rolls over.
+    fn default() -> Self {
+        Self { year: 1994, day: 99, hour: 23, minute: 59 }
+    }
+}
+
+fn default_duration_s() -> f64 {
+    120.0
+}
+
+fn default_rate_hz() -> f64 {
+    16.0
+}
+
+fn default_cable_length_m() -> f64 {
+    15.0
+}
+
+impl Default for Scene {
+    fn default() -> Self {
+        Self {
+            test_id: None,
+            duration_s: default_duration_s(),
+            rate_hz: default_rate_hz(),
+            weight_n: 630.0,
+            mu_s: 1.24,
+            mu: 0.78,
+            stiffness_n_per_m: 23_000.0,
+            winch_m_per_s: 360.0 / 23_000.0,
+            cable_length_m: default_cable_length_m(),
+            slope_deg: 0.0,
+            start_force_n: 0.0,
+            start: Start::default(),
+            measurement: Measurement::default(),
+        }
+    }
+}
+
+impl Scene {
+    /// Slope, rad.
+    #[must_use]
+    pub fn slope_rad(&self) -> f64 {
+        self.slope_deg.to_radians()
+    }
+
+    /// Number of samples in the record.
+    #[must_use]
+    pub fn sample_count(&self) -> u64 {
+        (self.duration_s * self.rate_hz + 1e-9).floor() as u64
+    }
+
+    /// Reads a scene in TOML and checks it.
+    ///
+    /// # Errors
+    /// One line that says what is wrong and where.
+    pub fn from_toml(text: &str) -> Result<Self, SceneError> {
+        let scene: Self = toml::from_str(text).map_err(|e| SceneError(one_line(&e, text)))?;
+        scene.validate()?;
+        Ok(scene)
+    }
+}
+
+/// Why a scene cannot be simulated, as one line.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct SceneError(pub(super) String);
+
+impl std::fmt::Display for SceneError {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+impl std::error::Error for SceneError {}
+
+fn one_line(error: &toml::de::Error, text: &str) -> String {
+    let message = error.message().replace('\n', " ");
+    match error.span() {
+        Some(span) if span.end > 0 => {
+            let line = text.bytes().take(span.start).filter(|&b| b == b'\n').count() + 1;
+            format!("line {line}: {message}")
+        }
+        _ => message,
+    }
+}
