@@ -8,11 +8,15 @@
 
 use std::f64::consts::PI;
 
+use super::integrate::Step;
+use super::root;
 use super::state::{End, Mechanics, Phase, State};
 
 /// A piece of motion in closed form.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Motion {
+    /// A step of the integrator: not of the closed form.
+    Step(Step),
     /// `F = F0 + k w t`, the block at rest.
     Line {
         /// `k w`, N/s.
@@ -79,16 +83,20 @@ impl Motion {
                 centre_n + cosine_n * cos + sine_n * sin
             }
             Self::Slack { .. } => 0.0,
+            Self::Step(step) => step.state(from, t).force_n,
         }
     }
 
     /// The whole state `t` seconds after `from`.
     #[must_use]
     pub fn state(&self, from: &State, t: f64) -> State {
+        if let Self::Step(step) = self {
+            return step.state(from, t);
+        }
         let force_n = self.force_n(from, t);
         let next = State { time_s: from.time_s + t, force_n, ..*from };
         match *self {
-            Self::Line { .. } => next,
+            Self::Line { .. } | Self::Step(_) => next,
             Self::Ellipse { cosine_n, sine_n, omega_rad_per_s, stiffness_n_per_m: k, .. } => {
                 let (sin, cos) = (omega_rad_per_s * t).sin_cos();
                 let slope = omega_rad_per_s * (sine_n * (cos - 1.0) - cosine_n * sin);
@@ -114,7 +122,7 @@ impl Motion {
 
     fn winch_m_per_s(&self) -> f64 {
         match *self {
-            Self::Line { .. } => 0.0,
+            Self::Line { .. } | Self::Step(_) => 0.0,
             Self::Ellipse { winch_m_per_s, .. } | Self::Slack { winch_m_per_s, .. } => {
                 winch_m_per_s
             }
@@ -132,7 +140,8 @@ pub fn finish(phase: Phase, from: &State, mechanics: &Mechanics) -> (f64, End, S
         Phase::Slip => finish_slip(&motion, from, mechanics),
         Phase::SlackSliding => finish_slack_sliding(&motion, from, mechanics),
         Phase::SlackStuck => {
-            let duration_s = from.slack_m / mechanics.winch_m_per_s;
+            let slack_m = from.slack_m;
+            let duration_s = if slack_m > 0.0 { slack_m / mechanics.winch_m_per_s } else { 0.0 };
             let end = State { slack_m: 0.0, time_s: from.time_s + duration_s, ..*from };
             (duration_s, End::Taut, end)
         }
@@ -140,11 +149,40 @@ pub fn finish(phase: Phase, from: &State, mechanics: &Mechanics) -> (f64, End, S
 }
 
 fn finish_stick(from: &State, mechanics: &Mechanics) -> (f64, End, State) {
-    let missing_n = (mechanics.static_force_n - from.force_n).max(0.0);
-    let duration_s =
-        if missing_n > 0.0 { missing_n / mechanics.loading_rate_n_per_s() } else { 0.0 };
-    let force_n = from.force_n.max(mechanics.static_force_n);
-    (duration_s, End::Onset, State { force_n, time_s: from.time_s + duration_s, ..*from })
+    let duration_s = match mechanics.hold {
+        None => loading_time_s(from, mechanics, mechanics.reference_static_force_n),
+        Some(_) => held_time_s(from, mechanics),
+    };
+    let time_s = from.time_s + duration_s;
+    let limit_n = mechanics.static_force_n(&State { time_s, ..*from });
+    let force_n = from.force_n.max(limit_n);
+    (duration_s, End::Onset, State { force_n, time_s, ..*from })
+}
+
+/// Time until the force reaches a limit.
+fn loading_time_s(from: &State, mechanics: &Mechanics, limit_n: f64) -> f64 {
+    let missing_n = limit_n - from.force_n;
+    if missing_n > 0.0 { missing_n / mechanics.loading_rate_n_per_s() } else { 0.0 }
+}
+
+/// Time until the force catches up with a limit that grows with the logarithm
+/// of the time of rest.
+///
+/// While the limit is still its floor `Fp` the gap closes evenly; from there on
+/// it is a line minus a logarithm, convex: it has one sign change.
+fn held_time_s(from: &State, mechanics: &Mechanics) -> f64 {
+    let rate = mechanics.loading_rate_n_per_s();
+    let at = |t: f64| State { time_s: from.time_s + t, ..*from };
+    let gap_n = |t: f64| from.force_n + rate * t - mechanics.static_force_n(&at(t));
+    let floor_s = loading_time_s(from, mechanics, mechanics.dynamic_force_n);
+    if gap_n(floor_s) >= 0.0 || rate <= 0.0 {
+        return if rate > 0.0 { floor_s } else { f64::INFINITY };
+    }
+    let mut late_s = 2.0 * floor_s + 1.0;
+    while gap_n(late_s) < 0.0 {
+        late_s *= 2.0;
+    }
+    root::crossing(gap_n, floor_s, late_s)
 }
 
 /// Where on the ellipse, as angle from its right end, the slip starts and ends.
@@ -178,7 +216,7 @@ fn finish_slip(motion: &Motion, from: &State, mechanics: &Mechanics) -> (f64, En
     let duration_s = ((stop_angle - start) / omega).max(0.0);
     let end = motion.state(from, duration_s);
     let force_n = (centre_n - chord_n).max(0.0);
-    (duration_s, End::Stop, State { force_n, speed_m_per_s: 0.0, ..end })
+    (duration_s, End::Stop, at_rest(State { force_n, ..end }))
 }
 
 /// The angle of `(A, B)` on the ellipse, in the part where the block moves
@@ -207,6 +245,10 @@ fn finish_slack_sliding(motion: &Motion, from: &State, mechanics: &Mechanics) ->
         (taut_s, End::Taut, State { slack_m: 0.0, speed_m_per_s, ..end })
     } else {
         let end = motion.state(from, stop_s);
-        (stop_s, End::Stop, State { speed_m_per_s: 0.0, slack_m: end.slack_m.max(0.0), ..end })
+        (stop_s, End::Stop, at_rest(State { slack_m: end.slack_m.max(0.0), ..end }))
     }
+}
+
+fn at_rest(state: State) -> State {
+    State { speed_m_per_s: 0.0, rest_since_s: state.time_s, ..state }
 }

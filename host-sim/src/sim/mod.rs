@@ -10,17 +10,27 @@
 //! centre of the ellipse, `Fe` at re-stick, `k` stiffness, `w` winch speed,
 //! `omega = sqrt(k/M)`.
 
+mod converter;
 pub mod exact;
+pub mod friction;
+pub mod integrate;
 pub mod measurement;
 pub mod motion;
+pub mod physics;
+mod quadrature;
+pub mod random;
+mod root;
 pub mod run;
 pub mod scene;
+mod signal;
 pub mod state;
+pub mod terms;
 pub mod truth;
 mod validate;
 pub mod write;
 
 pub use measurement::Measurement;
+pub use motion::Method;
 pub use run::{Run, Sample};
 pub use scene::{Scene, SceneError, Start};
 pub use state::Phase;
@@ -38,9 +48,23 @@ pub struct Simulation {
 /// Computes a whole test. The same scene and seed give the same result.
 ///
 /// # Errors
-/// A value of the scene out of its range.
+/// A value of the scene out of its range, or an integrator that gives up.
 pub fn simulate(scene: &Scene, seed: u64) -> Result<Simulation, SceneError> {
-    let mut run = Run::new(scene, seed)?;
+    collect(Run::new(scene, seed)?)
+}
+
+/// Computes a whole test by a given method: to compare methods.
+///
+/// # Errors
+/// As [`simulate`], and a closed form asked for where there is none.
+pub fn simulate_by(scene: &Scene, seed: u64, method: Method) -> Result<Simulation, SceneError> {
+    collect(Run::with_method(scene, seed, method)?)
+}
+
+fn collect(mut run: Run) -> Result<Simulation, SceneError> {
     let samples = run.by_ref().collect();
-    Ok(Simulation { samples, events: run.events().to_vec() })
+    match run.failure() {
+        Some(failure) => Err(SceneError(failure.to_owned())),
+        None => Ok(Simulation { samples, events: run.events().to_vec() }),
+    }
 }

@@ -2,7 +2,13 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::friction::Pair;
 use super::measurement::Measurement;
+use super::physics::Physics;
+use super::terms::{
+    Breaking, Creep, Drag, HoldTime, PartialSlips, RateDependence, Sag, Snow, Tilt, Variation,
+    Weighing, WinchProfile,
+};
 
 /// Gravity used to turn weights into masses, m/s².
 pub const GRAVITY_M_PER_S2: f64 = 9.81;
@@ -42,6 +48,41 @@ pub struct Scene {
     /// Force in the cable at the start, the block at rest, N.
     #[serde(default)]
     pub start_force_n: f64,
+    /// Start with the block sliding evenly at the winch's speed instead of at
+    /// rest: with constant friction it never sticks.
+    #[serde(default)]
+    pub start_sliding: bool,
+    /// The cable is tied to a post: it is stretched and nothing slips.
+    #[serde(default)]
+    pub post: bool,
+    /// The block hangs and swings instead of being pulled.
+    pub weighing: Option<Weighing>,
+    /// See [`Snow`].
+    pub snow: Option<Snow>,
+    /// See [`Variation`].
+    pub variation: Option<Variation>,
+    /// See [`PartialSlips`].
+    pub partial_slips: Option<PartialSlips>,
+    /// See [`HoldTime`].
+    pub hold_time: Option<HoldTime>,
+    /// See [`RateDependence`].
+    pub rate_dependence: Option<RateDependence>,
+    /// See [`Creep`].
+    pub creep: Option<Creep>,
+    /// The cable gets shorter and stiffer as the block comes near:
+    /// `k = AE / (L0 - x)`.
+    #[serde(default)]
+    pub shortening: bool,
+    /// See [`Sag`].
+    pub sag: Option<Sag>,
+    /// See [`WinchProfile`].
+    pub winch_profile: Option<WinchProfile>,
+    /// See [`Breaking`].
+    pub breaking: Option<Breaking>,
+    /// See [`Tilt`].
+    pub tilt: Option<Tilt>,
+    /// See [`Drag`].
+    pub drag: Option<Drag>,
     /// When the record starts, for logs with a calendar.
     #[serde(default)]
     pub start: Start,
@@ -97,6 +138,21 @@ impl Default for Scene {
             cable_length_m: default_cable_length_m(),
             slope_deg: 0.0,
             start_force_n: 0.0,
+            start_sliding: false,
+            post: false,
+            weighing: None,
+            snow: None,
+            variation: None,
+            partial_slips: None,
+            hold_time: None,
+            rate_dependence: None,
+            creep: None,
+            shortening: false,
+            sag: None,
+            winch_profile: None,
+            breaking: None,
+            tilt: None,
+            drag: None,
             start: Start::default(),
             measurement: Measurement::default(),
         }
@@ -108,6 +164,20 @@ impl Scene {
     #[must_use]
     pub fn slope_rad(&self) -> f64 {
         self.slope_deg.to_radians()
+    }
+
+    /// `mu_s` and `mu` with the snow on the ice.
+    #[must_use]
+    pub fn coefficients(&self) -> (f64, f64) {
+        let (mu_s, mu) = self.snow.map_or((0.0, 0.0), |s| (s.mu_s_offset, s.mu_offset));
+        (self.mu_s + mu_s, self.mu + mu)
+    }
+
+    /// Whether the closed form holds from event to event.
+    #[must_use]
+    pub fn is_linear(&self) -> bool {
+        let (mu_s, mu) = self.coefficients();
+        Physics::new(self, Pair { mu_s, mu, partial: false }).is_linear()
     }
 
     /// Number of samples in the record.

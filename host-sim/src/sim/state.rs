@@ -45,6 +45,8 @@ pub struct State {
     pub speed_m_per_s: f64,
     /// Way of the block since the start `x`, m.
     pub position_m: f64,
+    /// When the block last came to rest, s.
+    pub rest_since_s: f64,
 }
 
 /// Why a piece of motion ended.
@@ -62,19 +64,36 @@ pub enum End {
     Continue,
 }
 
+/// Law of the static friction against the time of rest.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hold {
+    /// Time of rest at which the event's `mu_s` holds, s.
+    pub reference_s: f64,
+    /// Growth of `mu_s` over a factor of ten in time.
+    pub per_decade: f64,
+}
+
 /// What holds while a piece of motion lasts.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mechanics {
+    /// Weight of the block `Mg`, N.
+    pub weight_n: f64,
     /// Mass of the block `M`, kg.
     pub mass_kg: f64,
+    /// Slope of the ice, rad.
+    pub slope_rad: f64,
     /// Stiffness `k`, N/m.
     pub stiffness_n_per_m: f64,
     /// Take-up speed `w`, m/s, not below zero.
     pub winch_m_per_s: f64,
-    /// Force that starts a slip `Fs`, N.
-    pub static_force_n: f64,
+    /// Force that starts a slip `Fs`, N, after the reference time of rest.
+    pub reference_static_force_n: f64,
     /// Force that balances sliding friction and slope `Fp`, N.
     pub dynamic_force_n: f64,
+    /// Dynamic coefficient.
+    pub mu: f64,
+    /// How `Fs` depends on the time of rest, if it does.
+    pub hold: Option<Hold>,
 }
 
 impl Mechanics {
@@ -88,5 +107,15 @@ impl Mechanics {
     #[must_use]
     pub fn loading_rate_n_per_s(&self) -> f64 {
         self.stiffness_n_per_m * self.winch_m_per_s
+    }
+
+    /// Force that would start a slip at this state's time, `Fs`, N.
+    #[must_use]
+    pub fn static_force_n(&self, state: &State) -> f64 {
+        let Some(hold) = self.hold else { return self.reference_static_force_n };
+        let rest_s = (state.time_s - state.rest_since_s).max(f64::MIN_POSITIVE);
+        let growth = hold.per_decade * (rest_s / hold.reference_s).log10();
+        let force_n = self.reference_static_force_n + self.weight_n * self.slope_rad.cos() * growth;
+        force_n.max(self.dynamic_force_n)
     }
 }
