@@ -21,13 +21,13 @@ pub const TOLERANCE: f64 = 1e-13;
 
 /// Force on a taut cable or slack on a slack one, speed, way.
 type Vector = [f64; 3];
-type Method = ExplicitRungeKutta<Ordinary, Adaptive, f64, Vector, 9, 16, 21>;
+pub(super) type Method = ExplicitRungeKutta<Ordinary, Adaptive, f64, Vector, 9, 16, 21>;
 
 /// Number of points that fix a polynomial of degree 9.
-const COUNT: usize = 10;
+pub(super) const COUNT: usize = 10;
 
 /// Chebyshev's points from 0 to 1.
-const NODES: [f64; COUNT] = [
+pub(super) const NODES: [f64; COUNT] = [
     0.0,
     0.030_153_689_607_045_786,
     0.116_977_778_440_511,
@@ -49,6 +49,11 @@ pub struct Step {
 }
 
 impl Step {
+    /// A step by its values at [`NODES`].
+    pub(super) fn new(phase: Phase, length_s: f64, at_nodes: [Vector; COUNT]) -> Self {
+        Self { phase, length_s, at_nodes }
+    }
+
     /// The state `t` seconds after the step's start, within the step.
     #[must_use]
     pub fn state(&self, from: &State, t: f64) -> State {
@@ -219,15 +224,32 @@ impl Limits {
     }
 
     fn method(&self, equations: &Equations, t: f64, y: &Vector) -> Result<Method, String> {
-        let mut method: Method = ExplicitRungeKutta::rkv988e()
-            .rtol(self.relative)
-            .atol(self.absolute)
-            .h0(self.first_s)
-            .h_max(self.longest_s)
-            .max_steps(usize::MAX)
-            .max_rejects(1000);
+        let mut method = verner_9(self.relative, self.absolute, self.longest_s).h0(self.first_s);
         method.init(equations, t, t + 1e12, y).map_err(|e| explain(&e))?;
         Ok(method)
+    }
+}
+
+/// The method with its tolerances and longest step.
+pub(super) fn verner_9(relative: f64, absolute: Vector, longest_s: f64) -> Method {
+    ExplicitRungeKutta::rkv988e()
+        .rtol(relative)
+        .atol(absolute)
+        .h_max(longest_s)
+        .max_steps(usize::MAX)
+        .max_rejects(1000)
+}
+
+/// Steps until a step is accepted.
+pub(super) fn accepted_step(
+    method: &mut Method,
+    equations: &impl ODE<f64, Vector>,
+) -> Result<(), String> {
+    loop {
+        method.step(equations).map_err(|e| explain(&e))?;
+        if !matches!(method.status(), Status::RejectedStep) {
+            return Ok(());
+        }
     }
 }
 
@@ -240,7 +262,7 @@ impl std::fmt::Debug for MethodBox {
     }
 }
 
-fn explain(error: &Error<f64, Vector>) -> String {
+pub(super) fn explain(error: &Error<f64, Vector>) -> String {
     format!("the integrator gave up: {error:?}")
 }
 
@@ -270,15 +292,10 @@ impl Integrator {
         let method = &mut self.method.0;
         let start_s = method.t();
         let left_s = until_s - self.from.time_s - start_s;
-        loop {
-            if method.h() >= left_s {
-                method.set_h(left_s);
-            }
-            method.step(&equations).map_err(|e| explain(&e))?;
-            if !matches!(method.status(), Status::RejectedStep) {
-                break;
-            }
+        if method.h() >= left_s {
+            method.set_h(left_s);
         }
+        accepted_step(method, &equations)?;
         let step = dense(method, self.phase, start_s)?;
         self.find_end(step, start_s, &equations)
     }
@@ -349,7 +366,7 @@ fn dense(method: &mut Method, phase: Phase, start_s: f64) -> Result<Step, String
     // The ends are the method's own, without the rounding of the dense output.
     at_nodes[0] = *method.y_prev();
     at_nodes[COUNT - 1] = *method.y();
-    Ok(Step { phase, length_s: end_s - start_s, at_nodes })
+    Ok(Step::new(phase, end_s - start_s, at_nodes))
 }
 
 /// What falls through zero at an event.

@@ -10,6 +10,7 @@
 //! centre of the ellipse, `Fe` at re-stick, `k` stiffness, `w` winch speed,
 //! `omega = sqrt(k/M)`.
 
+pub mod bound;
 mod converter;
 pub mod exact;
 pub mod friction;
@@ -26,7 +27,9 @@ mod signal;
 pub mod state;
 pub mod terms;
 pub mod truth;
+pub mod truth_file;
 mod validate;
+mod weighing;
 pub mod write;
 
 pub use measurement::Measurement;

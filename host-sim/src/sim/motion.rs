@@ -7,6 +7,7 @@ use super::physics::Physics;
 use super::random::{self, Stream};
 use super::scene::Scene;
 use super::state::{End, Mechanics, Phase, State};
+use super::weighing::Swing;
 
 /// How the motion is computed.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,6 +29,17 @@ impl Method {
             Self::ClosedForm
         } else {
             Self::Integrator { tolerance: integrate::TOLERANCE }
+        }
+    }
+}
+
+impl std::fmt::Display for Method {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::ClosedForm => f.write_str("closed form from event to event"),
+            Self::Integrator { tolerance } => {
+                write!(f, "adaptive integrator (Verner 9(8), tolerance {tolerance:e})")
+            }
         }
     }
 }
@@ -96,6 +108,7 @@ pub struct Segments {
     phase: Phase,
     state: State,
     integrator: Option<Integrator>,
+    swing: Option<Swing>,
     failure: Option<String>,
 }
 
@@ -111,7 +124,22 @@ impl Segments {
             state.force_n = physics.resistance_n(state.speed_m_per_s, 0.0);
         }
         let phase = if scene.start_sliding { Phase::Slip } else { Phase::Stick };
-        Self { method, physics, friction, phase, state, integrator: None, failure: None }
+        let mut segments = Self {
+            method,
+            physics,
+            friction,
+            phase,
+            state,
+            integrator: None,
+            swing: None,
+            failure: None,
+        };
+        match scene.weighing.map(|weighing| Swing::new(scene, weighing)) {
+            Some(Ok(swing)) => segments.swing = Some(swing),
+            Some(Err(failure)) => segments.failure = Some(failure),
+            None => {}
+        }
+        segments
     }
 
     /// Why the integrator gave up, if it did.
@@ -169,6 +197,18 @@ impl Segments {
         })
     }
 
+    fn compute(&mut self) -> Result<Segment, String> {
+        if let Some(swing) = &mut self.swing {
+            let (step, to) = swing.advance(&self.state)?;
+            let motion = Motion::Step(step);
+            return Ok(Segment { to, end: End::Continue, motion, ..self.closed_form() });
+        }
+        match self.method {
+            Method::ClosedForm => Ok(self.closed_form()),
+            Method::Integrator { tolerance } => self.integrated(tolerance),
+        }
+    }
+
     /// Prepares what follows a segment.
     fn enter_next(&mut self, last: &Segment) {
         self.state = last.to;
@@ -190,15 +230,12 @@ impl Iterator for Segments {
         if !self.state.time_s.is_finite() || self.failure.is_some() {
             return None;
         }
-        let segment = match self.method {
-            Method::ClosedForm => self.closed_form(),
-            Method::Integrator { tolerance } => match self.integrated(tolerance) {
-                Ok(segment) => segment,
-                Err(failure) => {
-                    self.failure = Some(failure);
-                    return None;
-                }
-            },
+        let segment = match self.compute() {
+            Ok(segment) => segment,
+            Err(failure) => {
+                self.failure = Some(failure);
+                return None;
+            }
         };
         self.enter_next(&segment);
         Some(segment)

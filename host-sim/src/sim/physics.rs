@@ -24,6 +24,7 @@ pub struct Physics {
     sag: Option<Sag>,
     ripple: Option<WinchProfile>,
     drag: Option<Drag>,
+    weighing: bool,
     breaking: Option<Breaking>,
     switching: Option<Switching>,
 }
@@ -79,6 +80,7 @@ impl Physics {
             sag: scene.sag,
             ripple,
             drag: scene.drag,
+            weighing: scene.weighing.is_some(),
             breaking: scene.breaking,
             switching,
         }
@@ -183,7 +185,7 @@ impl Physics {
         let constant_cable = !self.shortening && self.sag.is_none() && self.ripple.is_none();
         let constant_friction = self.rate.is_none() && self.drag.is_none() && self.creep.is_none();
         // An exact zero switches the tilt off.
-        constant_cable && constant_friction && self.slope_rad_per_m.abs() <= 0.0
+        !self.weighing && constant_cable && constant_friction && self.slope_rad_per_m.abs() <= 0.0
     }
 
     /// When a parameter changes next, s; infinite if never.

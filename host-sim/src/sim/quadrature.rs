@@ -27,7 +27,7 @@ mod tests {
 
     #[test]
     fn integrals_are_right_to_rounding() {
-        let value = integral(|t| (40.0 * t).cos(), 0.0, 1.3, 1.0 / 40.0);
+        let value = integral(|t| (40.0 * t).cos(), 0.0, 1.3, 0.25 / 40.0);
         assert!((value - (52.0_f64).sin() / 40.0).abs() < 1e-14);
     }
 }

@@ -3,7 +3,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::scene::SceneError;
+use super::scene::{Scene, SceneError};
 use super::validate::{between, not_negative, positive};
 
 /// Snow on the ice: adds to both coefficients.
@@ -184,5 +184,49 @@ impl WinchProfile {
                 f64::from(u8::from(time_s.rem_euclid(go_s + stop_s) < go_s))
             }
         }
+    }
+}
+
+impl Scene {
+    /// The terms beyond the linear block on level ice that are on, by name.
+    #[must_use]
+    pub fn terms(&self) -> Vec<&'static str> {
+        let measurement = &self.measurement;
+        [
+            ("slope", self.slope_deg.abs() > 0.0),
+            ("post", self.post),
+            ("weighing", self.weighing.is_some()),
+            ("start_sliding", self.start_sliding),
+            ("snow", self.snow.is_some()),
+            ("variation", self.variation.is_some()),
+            ("partial_slips", self.partial_slips.is_some()),
+            ("hold_time", self.hold_time.is_some()),
+            ("rate_dependence", self.rate_dependence.is_some()),
+            ("creep", self.creep.is_some()),
+            ("shortening", self.shortening),
+            ("sag", self.sag.is_some()),
+            ("winch_profile", self.winch_profile.is_some()),
+            ("breaking", self.breaking.is_some()),
+            ("tilt", self.tilt.is_some()),
+            ("drag (ours, not the paper's)", self.drag.is_some()),
+            ("flop", measurement.flop.is_some()),
+            ("hum", measurement.hum.is_some()),
+            ("aperture", measurement.aperture_s > 0.0),
+            ("drift", measurement.drift.is_some()),
+            ("zero_step", measurement.zero_step.is_some()),
+            ("white noise", measurement.white_n > 0.0),
+            ("1/f noise", measurement.flicker_n > 0.0),
+            ("tare", measurement.tare_n.abs() > 0.0),
+            ("range", measurement.range_n > 0.0),
+            ("step", measurement.step_n > 0.0),
+            ("spikes", measurement.spikes.is_some()),
+            ("dropped", measurement.dropped.is_some()),
+            ("repeated", measurement.repeated.is_some()),
+            ("late", measurement.late.is_some()),
+            ("clock", measurement.clock_ppm.abs() > 0.0),
+        ]
+        .into_iter()
+        .filter_map(|(name, on)| on.then_some(name))
+        .collect()
     }
 }
