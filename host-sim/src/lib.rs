@@ -3,4 +3,5 @@
 
 pub mod cli;
 pub mod replay;
+pub mod report;
 pub mod sim;

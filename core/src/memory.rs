@@ -1,0 +1,130 @@
+//! How much of the stick line's past still tells its future.
+//!
+//! A steady winch and a taut cable make straight lines: all samples count. Ripple,
+//! sag or creep bend them: only the nearest samples do. The memory is one of a
+//! ladder of lengths. Beside the line in use a trial line with another memory
+//! forecasts the same samples; the trial takes over when it is significantly
+//! better, and makes room for the next one when it is not. Steps are taken at the
+//! end of a stick line; a straight line pays nothing but the trial.
+
+/// Memories, sampling periods; the longest is as good as endless.
+const LADDER: [f32; 7] = [4096.0, 64.0, 24.0, 10.0, 5.0, 3.0, 2.0];
+/// Standard errors by which a trial has to be better.
+const SIGNIFICANT: f32 = 3.0;
+/// Fewest and most forecasts that decide.
+const FORECASTS: (u32, u32) = (24, 200);
+
+/// The memory in use and the one on trial.
+#[derive(Clone, Copy, Debug)]
+pub struct Memory {
+    step: usize,
+    trial: usize,
+    /// Sum of (squared error in use − squared error on trial), and of its squares.
+    gain: f32,
+    gain_squares: f32,
+    count: u32,
+}
+
+impl Memory {
+    /// Endless, with a shorter one on trial.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self { step: 0, trial: 1, gain: 0.0, gain_squares: 0.0, count: 0 }
+    }
+
+    /// Factor by which past weights fade with every sample of the line in use.
+    #[must_use]
+    pub fn fade(&self) -> f32 {
+        fade(self.step)
+    }
+
+    /// The same for the trial line.
+    #[must_use]
+    pub fn trial_fade(&self) -> f32 {
+        fade(self.trial)
+    }
+
+    /// Is all of the past in use?
+    #[must_use]
+    pub fn is_endless(&self) -> bool {
+        self.step == 0
+    }
+
+    /// Takes the forecast errors of both lines for one sample, N.
+    pub fn compare(&mut self, in_use_n: f32, trial_n: f32) {
+        let gain = in_use_n * in_use_n - trial_n * trial_n;
+        self.gain += gain;
+        self.gain_squares += gain * gain;
+        self.count += 1;
+    }
+
+    /// Decides at the end of a stick line; the lines start anew afterwards.
+    pub fn decide(&mut self) {
+        if self.count < FORECASTS.0 {
+            return;
+        }
+        let error = crate::math::rough_sqrt(self.gain_squares);
+        if self.gain > SIGNIFICANT * error {
+            self.step = self.trial;
+        } else if self.gain > error && self.count < FORECASTS.1 {
+            // Promising: wait for more.
+            return;
+        }
+        self.trial = (self.trial + 1) % LADDER.len();
+        if self.trial == self.step {
+            self.trial = (self.trial + 1) % LADDER.len();
+        }
+        (self.gain, self.gain_squares, self.count) = (0.0, 0.0, 0);
+    }
+}
+
+impl Default for Memory {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+fn fade(step: usize) -> f32 {
+    1.0 - 1.0 / LADDER.get(step).copied().unwrap_or(2.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn length(step: usize) -> f32 {
+        LADDER[step]
+    }
+
+    /// Errors as a memory of `best` periods would minimise them.
+    fn settle(best: f32) -> f32 {
+        let mut memory = Memory::new();
+        for _ in 0..60 {
+            let error = |length: f32| 1.0 + 0.2 * (length / best).ln().abs();
+            (0..26).for_each(|_| {
+                memory.compare(error(length(memory.step)), error(length(memory.trial)));
+            });
+            memory.decide();
+        }
+        length(memory.step)
+    }
+
+    #[test]
+    fn settles_on_the_best_of_the_ladder() {
+        for best in LADDER {
+            assert!((settle(best) - best).abs() < 1e-3, "{best}");
+        }
+    }
+
+    #[test]
+    fn equal_lines_stay_as_they_are() {
+        let mut memory = Memory::new();
+        (0..1000).for_each(|i| {
+            memory.compare(1.0, 1.0);
+            if i % 20 == 0 {
+                memory.decide();
+            }
+        });
+        assert!(memory.is_endless());
+    }
+}
