@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use floe::cli::simulate::{SimulateArgs, run};
+use floe::cli::simulate::{Args, run};
 
 fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
@@ -13,7 +13,7 @@ fn remade(name: &str) -> String {
     std::fs::create_dir_all(&folder).unwrap();
     let output = folder.join(name);
     let scene = root().join("host-sim/scenes/dff8-13.toml");
-    run(&SimulateArgs { scene, output: output.clone(), seed: 1, duration_s: None }).unwrap();
+    run(&Args { scene, output: output.clone(), truth: None, seed: 1, duration_s: None }).unwrap();
     let text = std::fs::read_to_string(&output).unwrap();
     std::fs::remove_dir_all(&folder).unwrap();
     text

@@ -126,9 +126,10 @@ impl Cycles {
     /// The loading rate from the last lowest sample to this highest one, omega from
     /// the time of the fall.
     fn rough(&self, stick: &Stick, (peak, low): (Extreme, Extreme)) -> Rough {
-        let climb = self.last_low.filter(|last| last.index < peak.index).map(|last| {
-            (peak.force_n - last.force_n) / (peak.index - last.index) as f32
-        });
+        let climb = self
+            .last_low
+            .filter(|last| last.index < peak.index)
+            .map(|last| (peak.force_n - last.force_n) / (peak.index - last.index) as f32);
         let line = stick.line.slope().filter(|_| stick.line.count >= 4);
         let least = 1e-4 * (peak.force_n - low.force_n);
         Rough {
@@ -162,7 +163,9 @@ impl Cycles {
         let data = self.data(pending, after, noise_n2);
         match pending.fit {
             Some(first) => data.fit(&first.cycle, noise_n2),
-            None => data.fit(&pending.guess(&data, self.omega.prior(noise_n2).weight > 0.0)?, noise_n2),
+            None => {
+                data.fit(&pending.guess(&data, self.omega.prior(noise_n2).weight > 0.0)?, noise_n2)
+            }
         }
     }
 
@@ -420,7 +423,8 @@ fn own_residuals(data: &Data<'_>, fit: &Fit) -> (f32, f32) {
     let observations =
         data.points.len() as f32 + data.before.count.min(2) as f32 + data.after.count as f32;
     // A prior is as good as an observation for the unknown it is of.
-    let known = [data.rate, data.omega, data.bend].iter().filter(|prior| prior.weight > 0.0).count() as u8;
+    let known =
+        [data.rate, data.omega, data.bend].iter().filter(|prior| prior.weight > 0.0).count() as u8;
     (squares.max(0.0), observations - (model::UNKNOWNS as f32 - f32::from(known)))
 }
 

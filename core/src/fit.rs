@@ -116,7 +116,12 @@ impl Data<'_> {
             normal.add(point.force_n - force, &gradient, point.weight);
         }
         let (before, after) = (self.before, self.after);
-        add_line(&mut normal, before, shape.before(before.time - cycle.onset), shape.slope_before());
+        add_line(
+            &mut normal,
+            before,
+            shape.before(before.time - cycle.onset),
+            shape.slope_before(),
+        );
         add_line(&mut normal, after, shape.after(after.time - cycle.onset), shape.slope_after());
         add_prior(&mut normal, self.onset, cycle.onset, 0);
         add_prior(&mut normal, self.rate, cycle.rate, 1);

@@ -2,6 +2,8 @@
 #![forbid(unsafe_code)]
 
 pub mod cli;
+pub mod error;
+pub mod log;
 pub mod replay;
 pub mod report;
 pub mod sim;

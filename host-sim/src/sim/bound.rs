@@ -128,13 +128,12 @@ impl LinearEvent {
         noise_n: f64,
     ) -> Option<ForceBound> {
         let mut fisher = self.fisher(times_s);
-        for known in [RATE, OMEGA] {
-            // What is known has no connection with the rest.
-            for other in 0..UNKNOWNS {
-                fisher[known][other] = 0.0;
-                fisher[other][known] = 0.0;
+        // What is known has no connection with the rest.
+        let known = |i: usize| i == RATE || i == OMEGA;
+        for (i, row) in fisher.iter_mut().enumerate() {
+            for (j, cell) in row.iter_mut().enumerate().filter(|(j, _)| known(i) || known(*j)) {
+                *cell = if i == j { 1.0 } else { 0.0 };
             }
-            fisher[known][known] = 1.0;
         }
         Some(Self::forces(&inverse(fisher)?, noise_n))
     }

@@ -14,6 +14,7 @@ use super::state::{End, Mechanics, Phase, State};
 
 /// A piece of motion in closed form.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[expect(clippy::large_enum_variant, reason = "a step is made once and copied once")]
 pub enum Motion {
     /// A step of the integrator: not of the closed form.
     Step(Step),
