@@ -15,18 +15,29 @@ pub fn install(packages: &[&str]) -> Result<()> {
     run(apt().args(["install", "-y", "--no-install-recommends"]).args(packages))
 }
 
-/// Installs a package from the backports of this Debian release, adding that
-/// suite to apt's sources when it is absent.
-pub fn install_backport(package: &str) -> Result<()> {
-    let suite = format!("{}-backports", codename()?);
+/// Installs a package in a major version or newer: from the release if that has
+/// it, else from its backports, which are added to apt's sources when absent.
+pub fn install_newest(package: &str, major: u32) -> Result<()> {
     update_once();
+    if candidate(package).is_some_and(|found| found >= major) {
+        return install(&[package]);
+    }
+    let suite = format!("{}-backports", codename()?);
     if !has_suite(&suite) {
         say(&format!("adding {suite} to apt's sources ({BACKPORTS})"));
-        let line = format!("deb http://deb.debian.org/debian {suite} main\n");
-        write_as_root(&line)?;
+        write_as_root(&format!("deb http://deb.debian.org/debian {suite} main"))?;
         run(apt().arg("update"))?;
     }
     run(apt().args(["install", "-y", "--no-install-recommends", "-t", &suite, package]))
+}
+
+/// Major version that a plain install would bring.
+fn candidate(package: &str) -> Option<u32> {
+    let policy = output(Command::new("apt-cache").args(["policy", package]))?;
+    let line = policy.lines().find(|l| l.trim_start().starts_with("Candidate:"))?;
+    let version = line.split_whitespace().nth(1)?;
+    let version = version.split_once(':').map_or(version, |(_epoch, rest)| rest);
+    version.split('.').next()?.parse().ok()
 }
 
 /// Whether this machine has apt at all.
@@ -54,7 +65,7 @@ fn has_suite(suite: &str) -> bool {
 }
 
 fn write_as_root(line: &str) -> Result<()> {
-    let script = format!("printf '%s' '{line}' > {BACKPORTS}");
+    let script = format!("echo '{line}' > {BACKPORTS}");
     run(privileged("sh").args(["-c", &script]))
 }
 

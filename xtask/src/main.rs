@@ -3,6 +3,7 @@
 
 mod apt;
 mod arm;
+mod qemu;
 mod shell;
 mod test;
 

@@ -5,6 +5,7 @@ use std::time::Instant;
 
 use crate::Result;
 use crate::arm::Route;
+use crate::qemu;
 use crate::shell::{self, cargo, run_within, say};
 
 /// Names of the steps that passed and of those that did not.
@@ -54,6 +55,7 @@ pub fn run(arguments: &[String]) -> Result<()> {
             ]))
         });
     }
+    tally.step("QEMU", || qemu::find().map(drop));
     let summary = format!("steps: {} passed, {} failed", tally.passed.len(), tally.failed.len());
     println!("{summary}");
     if tally.failed.is_empty() { Ok(()) } else { Err(tally.failed.join("\n       ")) }
