@@ -11,16 +11,30 @@
 //! globals: a sample carries its index, and seconds are index over rate.
 //!
 //! The model is the block on a cable of Pritchard, Knoke and Echert (2012); see
-//! `model` for its equations.
+//! [`model`] for its equations.
 #![no_std]
 #![forbid(unsafe_code)]
 
+pub mod calibrate;
 pub mod config;
+pub mod cycle;
+pub mod derivative;
+pub mod detector;
+pub mod estimator;
 pub mod event;
+pub mod fit;
+pub mod line;
+pub mod math;
+pub mod model;
+pub mod noise;
 pub mod pipeline;
 pub mod report;
 pub mod sample;
+pub mod shared;
+pub mod solve;
+pub mod spike;
 pub mod units;
+pub mod window;
 
 pub use config::{Calibration, Config, ConfigError};
 pub use event::{Coefficient, Event, Quality, Reason, SampleTime};

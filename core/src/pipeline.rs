@@ -1,9 +1,18 @@
 //! The one entry point: a sample in, what is known out.
 
+use crate::calibrate::Calibrator;
 use crate::config::{Config, ConfigError};
-use crate::event::Event;
+use crate::cycle::{Cycles, Site};
+use crate::derivative::{Central, Rate};
+use crate::detector::{Detector, Extreme, Transition};
+use crate::estimator::Estimator;
+use crate::event::{Event, SampleTime};
 use crate::report::{Counters, Report};
 use crate::sample::{ForceSample, Phase, RawSample, SampleFlag};
+use crate::spike::{Judged, SpikeFilter, Usual};
+
+/// Standard gravity, m/s²: turns a weight into a mass.
+const GRAVITY: f32 = 9.806_65;
 
 /// What one sample led to.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -14,6 +23,8 @@ pub struct Step {
     pub sample: ForceSample,
     /// Index of an earlier sample that is now known to be a spike.
     pub spike: Option<u64>,
+    /// Rate of the force, by the paper's central difference; two samples late.
+    pub rate: Option<Rate>,
     /// What the block is doing.
     pub phase: Phase,
     /// An event that is now complete.
@@ -23,7 +34,20 @@ pub struct Step {
 /// The whole computation for one test.
 #[derive(Clone, Debug)]
 pub struct Pipeline {
+    config: Config,
+    calibrator: Calibrator,
     counters: Counters,
+    /// Newest index.
+    last: Option<u64>,
+    last_hidden: Option<u64>,
+    spikes: SpikeFilter,
+    derivative: Central,
+    detector: Detector,
+    cycles: Cycles,
+    mu_s: Estimator,
+    mu: Estimator,
+    events: u32,
+    onsets: Option<(SampleTime, SampleTime)>,
 }
 
 impl Pipeline {
@@ -33,35 +57,170 @@ impl Pipeline {
     /// A configuration value out of its range.
     pub fn new(config: &Config) -> Result<Self, ConfigError> {
         config.validate()?;
-        Ok(Self { counters: Counters::default() })
+        let site = Site {
+            weight_n: config.weight_n,
+            slope_rad: config.slope_rad,
+            rate_hz: config.rate_hz,
+        };
+        Ok(Self {
+            config: *config,
+            calibrator: Calibrator::new(config),
+            counters: Counters::default(),
+            last: None,
+            last_hidden: None,
+            spikes: SpikeFilter::default(),
+            derivative: Central::new(config.rate_hz),
+            detector: Detector::new(config.rate_hz),
+            cycles: Cycles::new(site),
+            mu_s: Estimator::default(),
+            mu: Estimator::default(),
+            events: 0,
+            onsets: None,
+        })
     }
 
     /// Takes one sample. Bounded in time and memory; never panics.
+    ///
+    /// Indices must increase: one that was there already is counted as a duplicate
+    /// and changes nothing else.
     pub fn step(&mut self, raw: RawSample) -> Step {
-        self.counters.samples += 1;
-        let sample =
-            ForceSample { index: raw.index, force_n: None, flag: SampleFlag::Good, gap: 0 };
-        Step { sample, spike: None, phase: Phase::Unknown, event: None }
+        let mut step = self.receive(raw);
+        if let Some(force_n) = step.sample.force_n {
+            match self.spikes.step(Extreme { index: raw.index, force_n }, &self.usual()) {
+                Judged::Nothing => {}
+                Judged::Spike(spike) => {
+                    self.counters.rejected += 1;
+                    step.spike = Some(spike.index);
+                }
+                Judged::Good(good) => {
+                    step.rate = self.derivative.step(good.index, good.force_n);
+                    step.event = self.advance(good);
+                }
+            }
+        }
+        step.phase = self.detector.phase();
+        step
     }
 
     /// Ends the test: completes what is pending, one event a call, until `None`.
     pub fn finish(&mut self) -> Option<Event> {
-        None
+        let held = self.spikes.finish().and_then(|held| self.advance(held));
+        held.or_else(|| {
+            let (stick, window) = (self.detector.stick(), self.detector.window());
+            let end = Extreme { index: self.detector.last().index + 1, ..self.detector.last() };
+            let event = self.cycles.finish(stick, window, end);
+            self.count(event)
+        })
     }
 
     /// The result so far.
     #[must_use]
     pub fn report(&self) -> Report {
+        let (loading_rate, omega) = self.cycles.shared();
         Report {
             counters: self.counters,
-            events: 0,
-            mu_s: None,
-            mu: None,
-            noise_n: None,
-            loading_rate_n_per_s: None,
-            omega_rad_per_s: None,
-            stiffness_n_per_m: None,
-            recurrence_s: None,
+            events: self.events,
+            mu_s: self.mu_s.estimate(),
+            mu: self.mu.estimate(),
+            noise_n: self.cycles.noise_n().or(self.detector.noise_n()),
+            loading_rate_n_per_s: loading_rate,
+            omega_rad_per_s: omega,
+            stiffness_n_per_m: self.stiffness(loading_rate, omega),
+            recurrence_s: self.recurrence_s(),
         }
+    }
+
+    /// Calibrates, counts and flags.
+    fn receive(&mut self, raw: RawSample) -> Step {
+        let expected = self.last.map_or(raw.index, |last| last.saturating_add(1));
+        let (force_n, flag) = if raw.index < expected {
+            (None, SampleFlag::Duplicate)
+        } else {
+            match self.calibrator.force_n(raw.reading) {
+                Ok(force_n) => (Some(force_n), SampleFlag::Good),
+                Err(flag) => (None, flag),
+            }
+        };
+        let gap = raw.index.saturating_sub(expected);
+        self.counters.note(flag, gap);
+        if flag != SampleFlag::Duplicate {
+            self.last = Some(raw.index);
+        }
+        if flag == SampleFlag::Saturated {
+            self.last_hidden = Some(raw.index);
+        }
+        let gap = u32::try_from(gap).unwrap_or(u32::MAX);
+        let sample = ForceSample { index: raw.index, force_n, flag, gap };
+        Step { sample, spike: None, rate: None, phase: Phase::Unknown, event: None }
+    }
+
+    /// Takes a good sample through the detector and on.
+    fn advance(&mut self, sample: Extreme) -> Option<Event> {
+        let event = match self.detector.step(sample.index, sample.force_n)? {
+            Transition::Onset | Transition::Cancelled => None,
+            Transition::Restick { peak, low } => {
+                self.cycles.restick(&self.detector, (peak, low), self.last_hidden)
+            }
+            Transition::Lost => {
+                self.cycles.finish(self.detector.ended(), self.detector.window(), sample)
+            }
+        };
+        self.count(event)
+    }
+
+    fn count(&mut self, event: Option<Event>) -> Option<Event> {
+        let event = event?;
+        self.events = self.events.saturating_add(1);
+        if let Some(mu_s) = event.mu_s {
+            self.mu_s.add(mu_s);
+        }
+        if let Some(mu) = event.mu {
+            self.mu.add(mu);
+        }
+        self.onsets = Some((self.onsets.map_or(event.onset, |(first, _)| first), event.onset));
+        Some(event)
+    }
+
+    fn usual(&self) -> Usual {
+        let slope = self.cycles.shared().0.map(|rate| rate / self.config.rate_hz);
+        Usual {
+            noise_n: self.detector.noise_n(),
+            drop_n: self.detector.usual_drop_n(),
+            rise_n: slope.or(self.detector.stick().line.slope()).unwrap_or(0.0).abs(),
+        }
+    }
+
+    /// `k` from `F' = k w` where the winch speed is known, else from `ω² = k / M`.
+    fn stiffness(&self, loading_rate: Option<f32>, omega: Option<f32>) -> Option<f32> {
+        let mass_kg = self.config.weight_n / GRAVITY;
+        match self.config.winch_m_per_s {
+            Some(winch) => loading_rate.map(|rate| rate / winch),
+            None => omega.map(|omega| omega * omega * mass_kg),
+        }
+    }
+
+    fn recurrence_s(&self) -> Option<f32> {
+        let (first, last) = self.onsets?;
+        let periods =
+            last.index.saturating_sub(first.index) as f32 + last.fraction - first.fraction;
+        let intervals = self.events.saturating_sub(1);
+        (intervals > 0).then(|| periods / (intervals as f32 * self.config.rate_hz))
+    }
+}
+
+impl Counters {
+    /// Counts one sample and the gap before it.
+    fn note(&mut self, flag: SampleFlag, gap: u64) {
+        self.missing += gap;
+        match flag {
+            SampleFlag::Duplicate => {
+                self.duplicates += 1;
+                return;
+            }
+            SampleFlag::Rejected | SampleFlag::Spike => self.rejected += 1,
+            SampleFlag::Saturated => self.saturated += 1,
+            SampleFlag::Good => {}
+        }
+        self.samples += 1;
     }
 }

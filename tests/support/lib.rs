@@ -1,1 +1,4 @@
 //! Helpers shared by the tests across the crates.
+
+pub mod brute;
+pub mod normal;

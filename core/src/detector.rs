@@ -1,0 +1,349 @@
+//! Stick or slip: the state of the block, sample by sample.
+//!
+//! ```text
+//!            falls from the stick line by more than the noise
+//!            and by more than a part of the usual drop
+//!   ┌───────┐ ────────────── Onset ──────────────► ┌──────┐
+//!   │ Stick │                                      │ Slip │
+//!   └───────┘ ◄──── Restick, or Cancelled ──────── └──────┘
+//!            has stopped falling, and stays below the line
+//! ```
+//!
+//! *Stick line*: the straight line followed recursively since the block came to
+//! rest. *Innovation*: a sample minus the line's forecast. *Noise*: the running
+//! scale of the innovations. No limit is in newtons: all are multiples of the noise
+//! or parts of the drops seen so far.
+//!
+//! Delay: an onset is known one or two samples after it, a re-stick two samples
+//! after the lowest one (half the slip's length for longer slips).
+
+use crate::line::Line;
+use crate::math;
+use crate::noise::Noise;
+use crate::sample::Phase;
+use crate::window::{WINDOW, Window};
+
+/// Samples whose innovation exceeds this many standard deviations are not on the line.
+const OFF_LINE: f32 = 6.0;
+/// Least drop of a slip, standard deviations of the noise.
+const LEAST_DROP: f32 = 8.0;
+/// Least drop of a slip that starts in the upper half of the last one's range,
+/// parts of the usual drop. Flop of the cable starts in the lower half.
+const LEAST_PART: f32 = 0.12;
+/// Least drop of a slip that starts in the lower half.
+const LEAST_PART_LOW: f32 = 0.5;
+/// A slip leaves the force lower by at least this part of its drop; a spike does not.
+const LEAST_SHIFT: f32 = 0.4;
+/// So many samples in a row off the line, all on one side: the line starts anew.
+const NEW_LINE: u32 = 3;
+/// Weight at which the stick line begins to forget, samples.
+const LINE_MEMORY: f32 = 4096.0;
+/// A gap longer than this starts anew, periods.
+const LONGEST_GAP: u64 = 8;
+
+/// A sample and where it was.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Extreme {
+    /// Index of the sample.
+    pub index: u64,
+    /// Its force, N.
+    pub force_n: f32,
+}
+
+/// What a sample changed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Transition {
+    /// A slip has begun.
+    Onset,
+    /// The block rests again; the stick line that ended is [`Detector::ended`].
+    Restick {
+        /// Highest sample before the slip.
+        peak: Extreme,
+        /// Lowest sample.
+        low: Extreme,
+    },
+    /// What looked like a slip was none.
+    Cancelled,
+    /// A long gap: what was before cannot be continued.
+    Lost,
+}
+
+/// The stick line since the last re-stick.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Stick {
+    /// Index at time zero of the lines.
+    pub origin: u64,
+    /// Where the line is now: ends at the next onset.
+    pub line: Line,
+    /// The line as it started: begins at the last re-stick. The same as `line`
+    /// while the stick line is straight.
+    pub first: Line,
+    /// The line was started anew since the re-stick.
+    bent: bool,
+    /// Next index to be taken into the line.
+    pub next: u64,
+    /// Highest sample since the re-stick.
+    pub highest: Extreme,
+    strikes: u32,
+    strike_sign: f32,
+}
+
+/// The state machine.
+#[derive(Clone, Debug)]
+pub struct Detector {
+    window: Window,
+    noise: Noise,
+    phase: Phase,
+    stick: Stick,
+    ended: Stick,
+    lowest: Extreme,
+    /// Newest sample.
+    last: Extreme,
+    /// Usual drop of a slip, N; zero before the first.
+    usual_drop_n: f32,
+    /// Usual time from the highest to the lowest sample, periods.
+    usual_fall: f32,
+    /// Middle of the last slip's range, N.
+    middle_n: f32,
+}
+
+impl Detector {
+    /// Before the first sample, for a rate in hertz.
+    #[must_use]
+    pub fn new(rate_hz: f32) -> Self {
+        Self {
+            window: Window::new(),
+            noise: Noise::default(),
+            phase: Phase::Unknown,
+            stick: Stick::default(),
+            ended: Stick::default(),
+            lowest: Extreme::default(),
+            last: Extreme::default(),
+            usual_drop_n: 0.0,
+            // A fifth of a second: replaced by the first slip.
+            usual_fall: 0.2 * rate_hz,
+            middle_n: 0.0,
+        }
+    }
+
+    /// What the block is doing.
+    #[must_use]
+    pub fn phase(&self) -> Phase {
+        self.phase
+    }
+
+    /// The newest sample.
+    #[must_use]
+    pub fn last(&self) -> Extreme {
+        self.last
+    }
+
+    /// The last samples.
+    #[must_use]
+    pub fn window(&self) -> &Window {
+        &self.window
+    }
+
+    /// The stick line since the last re-stick.
+    #[must_use]
+    pub fn stick(&self) -> &Stick {
+        &self.stick
+    }
+
+    /// The stick line before the last slip, or before the last long gap.
+    #[must_use]
+    pub fn ended(&self) -> &Stick {
+        &self.ended
+    }
+
+    /// Standard deviation of the noise, N, to about 10 %.
+    #[must_use]
+    pub fn noise_n(&self) -> Option<f32> {
+        self.noise.std_n(self.last.force_n)
+    }
+
+    /// Usual drop of a slip, N; zero before the first.
+    #[must_use]
+    pub fn usual_drop_n(&self) -> f32 {
+        self.usual_drop_n
+    }
+
+    /// Takes a good sample with an index past all earlier ones.
+    pub fn step(&mut self, index: u64, force_n: f32) -> Option<Transition> {
+        let now = Extreme { index, force_n };
+        let gap = index.saturating_sub(self.last.index);
+        self.window.push(index, force_n);
+        let started = self.phase != Phase::Unknown;
+        if started && gap == 1 {
+            self.noise.see_step(force_n - self.last.force_n);
+        }
+        self.last = now;
+        if !started || gap > LONGEST_GAP {
+            self.rest_from(now, index);
+            return started.then_some(Transition::Lost);
+        }
+        match self.phase {
+            Phase::Unknown | Phase::Stick => self.stick_step(now),
+            Phase::Slip => self.slip_step(now),
+        }
+    }
+
+    /// A new stick line whose first sample is `next`.
+    fn rest_from(&mut self, highest: Extreme, next: u64) {
+        self.phase = Phase::Stick;
+        self.ended = self.stick;
+        self.stick = Stick { origin: next, next, highest, ..Stick::default() };
+    }
+
+    fn stick_step(&mut self, now: Extreme) -> Option<Transition> {
+        if now.force_n > self.stick.highest.force_n {
+            self.stick.highest = now;
+        }
+        if self.slips(now) {
+            self.phase = Phase::Slip;
+            self.lowest = now;
+            return Some(Transition::Onset);
+        }
+        self.extend_line(now.index);
+        None
+    }
+
+    /// Has the force left the stick line downwards, by more than noise and flop do?
+    fn slips(&self, now: Extreme) -> bool {
+        let Some(std) = self.noise.std_n(now.force_n) else { return false };
+        let stick = &self.stick;
+        let part = if stick.highest.force_n > self.middle_n { LEAST_PART } else { LEAST_PART_LOW };
+        let least = (LEAST_DROP * std).max(part * self.usual_drop_n);
+        if stick.highest.force_n - now.force_n < least {
+            return false;
+        }
+        match self.innovation(now) {
+            Some((innovation, spread)) => innovation < -OFF_LINE * std * spread,
+            None => self.usual_drop_n > 0.0,
+        }
+    }
+
+    /// Sample minus the line's forecast, N, and its standard deviation in units of
+    /// the noise. `None` with fewer than three samples on the line.
+    fn innovation(&self, now: Extreme) -> Option<(f32, f32)> {
+        let stick = &self.stick;
+        let slope = stick.line.slope().filter(|_| stick.line.count >= 3)?;
+        let time = (now.index - stick.origin) as f32;
+        let spread = math::rough_sqrt(1.0 + stick.line.leverage(time));
+        Some((now.force_n - stick.line.at(time, slope), spread))
+    }
+
+    /// Takes samples into the line, far enough behind the newest one that a slip
+    /// which has just begun, unseen, does not bend it.
+    fn extend_line(&mut self, newest: u64) {
+        let delay = 2 + (0.3 * self.usual_fall) as u64;
+        while self.stick.next + delay.min(WINDOW as u64 / 4) <= newest {
+            let index = self.stick.next;
+            self.stick.next += 1;
+            if let Some(force_n) = self.window.get(index) {
+                self.take_into_line(Extreme { index, force_n });
+            }
+        }
+    }
+
+    fn take_into_line(&mut self, sample: Extreme) {
+        if let Some((innovation, spread)) = self.innovation(sample) {
+            let relative = innovation / spread;
+            let std = self.noise.std_n(sample.force_n);
+            self.noise.add(relative);
+            if std.is_some_and(|std| relative.abs() > OFF_LINE * std) {
+                return self.strike(sample.index, relative);
+            }
+        }
+        let stick = &mut self.stick;
+        stick.strikes = 0;
+        let time = (sample.index - stick.origin) as f32;
+        if stick.line.weight > LINE_MEMORY {
+            stick.line.fade(1.0 - 1.0 / LINE_MEMORY);
+        }
+        stick.line.add(time, sample.force_n, 1.0);
+        if !stick.bent {
+            stick.first = stick.line;
+        }
+    }
+
+    /// A sample off the line is left out; several on one side start a new line.
+    fn strike(&mut self, index: u64, innovation: f32) {
+        let stick = &mut self.stick;
+        let same_side = stick.strikes > 0 && innovation * stick.strike_sign > 0.0;
+        stick.strikes = if same_side { stick.strikes + 1 } else { 1 };
+        stick.strike_sign = innovation;
+        if stick.strikes < NEW_LINE {
+            return;
+        }
+        stick.bent = true;
+        stick.strikes = 0;
+        stick.line = Line::default();
+        for past in (index + 1).saturating_sub(u64::from(NEW_LINE))..=index {
+            if let Some(force_n) = self.window.get(past) {
+                stick.line.add((past - stick.origin) as f32, force_n, 1.0);
+            }
+        }
+    }
+
+    fn slip_step(&mut self, now: Extreme) -> Option<Transition> {
+        if now.force_n < self.lowest.force_n {
+            self.lowest = now;
+        }
+        let peak = self.stick.highest;
+        let fall = self.lowest.index - peak.index;
+        let since_lowest = now.index - self.lowest.index;
+        if now.index - peak.index > WINDOW as u64 * 3 / 4 {
+            self.rest_from(now, now.index);
+            return Some(Transition::Lost);
+        }
+        let std = self.noise.std_n(now.force_n).unwrap_or(0.0);
+        let drop = peak.force_n - self.lowest.force_n;
+        let rise = now.force_n - self.lowest.force_n;
+        let rises = rise > (4.0 * std).max(LEAST_PART * drop);
+        let rests = since_lowest >= (fall.div_ceil(2)).max(2);
+        if !(rises || rests) {
+            return None;
+        }
+        Some(if self.stays_low(now, drop) {
+            self.restick(now, drop, fall)
+        } else {
+            self.cancel(now)
+        })
+    }
+
+    /// Is the force still below the old stick line by a good part of the drop?
+    fn stays_low(&self, now: Extreme, drop: f32) -> bool {
+        let above =
+            self.innovation(now).map_or(self.stick.highest.force_n - now.force_n, |(i, _)| -i);
+        above > LEAST_SHIFT * drop
+    }
+
+    fn restick(&mut self, now: Extreme, drop: f32, fall: u64) -> Transition {
+        let (peak, low) = (self.stick.highest, self.lowest);
+        self.middle_n = 0.5 * (peak.force_n + low.force_n);
+        if self.usual_drop_n > 0.0 {
+            let change = (drop - self.usual_drop_n).clamp(-0.5 * self.usual_drop_n, drop);
+            self.usual_drop_n = (self.usual_drop_n + 0.25 * change).max(0.5 * drop);
+            self.usual_fall += 0.25 * (fall as f32 - self.usual_fall);
+        } else {
+            self.usual_drop_n = drop;
+            self.usual_fall = fall as f32;
+        }
+        self.rest_from(now, now.index + 1);
+        for index in low.index..now.index {
+            let earlier = self.window.get(index).unwrap_or(f32::MIN);
+            if earlier > self.stick.highest.force_n {
+                self.stick.highest = Extreme { index, force_n: earlier };
+            }
+        }
+        Transition::Restick { peak, low }
+    }
+
+    /// Back to the old line, without the samples that looked like a slip.
+    fn cancel(&mut self, now: Extreme) -> Transition {
+        self.phase = Phase::Stick;
+        self.stick.next = now.index + 1;
+        Transition::Cancelled
+    }
+}

@@ -1,0 +1,172 @@
+//! A straight line followed sample by sample: the stick line.
+//!
+//! Weighted least squares of force against time, kept as means and central
+//! moments, so that neither a large force nor a long stick costs digits. Constant
+//! memory, one division a sample.
+
+/// Sums of a straight line through weighted points.
+///
+/// Times are in sampling periods from an origin that the owner keeps, forces in
+/// newtons. Without points every number is zero.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Line {
+    /// Sum of the weights.
+    pub weight: f32,
+    /// Weighted mean time, periods.
+    pub time: f32,
+    /// Weighted mean force, N.
+    pub level_n: f32,
+    /// Σ w (t − mean)².
+    tt: f32,
+    /// Σ w (t − mean)(F − mean).
+    ty: f32,
+    /// Σ w (F − mean)².
+    yy: f32,
+    /// Number of points.
+    pub count: u32,
+}
+
+impl Line {
+    /// Takes a point with a weight above zero.
+    pub fn add(&mut self, time: f32, force_n: f32, weight: f32) {
+        let total = self.weight + weight;
+        let share = weight / total;
+        let dt = time - self.time;
+        let dy = force_n - self.level_n;
+        // Both factors of the central moments use the mean before and after.
+        let rest = self.weight * share;
+        self.tt += rest * dt * dt;
+        self.ty += rest * dt * dy;
+        self.yy += rest * dy * dy;
+        self.time += share * dt;
+        self.level_n += share * dy;
+        self.weight = total;
+        self.count = self.count.saturating_add(1);
+    }
+
+    /// Takes all points of another line with the same origin.
+    pub fn merge(&mut self, other: &Self) {
+        if other.count == 0 {
+            return;
+        }
+        let total = self.weight + other.weight;
+        let share = other.weight / total;
+        let dt = other.time - self.time;
+        let dy = other.level_n - self.level_n;
+        let rest = self.weight * share;
+        self.tt += other.tt + rest * dt * dt;
+        self.ty += other.ty + rest * dt * dy;
+        self.yy += other.yy + rest * dy * dy;
+        self.time += share * dt;
+        self.level_n += share * dy;
+        self.weight = total;
+        self.count = self.count.saturating_add(other.count);
+    }
+
+    /// Multiplies all weights: the past counts for less.
+    pub fn fade(&mut self, factor: f32) {
+        self.weight *= factor;
+        self.tt *= factor;
+        self.ty *= factor;
+        self.yy *= factor;
+    }
+
+    /// Moves the origin of time forward by so many periods.
+    pub fn shift(&mut self, periods: f32) {
+        self.time -= periods;
+    }
+
+    /// Slope, N per period; `None` with fewer than two different times.
+    #[must_use]
+    pub fn slope(&self) -> Option<f32> {
+        (self.tt > 0.0).then(|| self.ty / self.tt)
+    }
+
+    /// Weight of the slope: Σ w (t − mean)².
+    #[must_use]
+    pub fn slope_weight(&self) -> f32 {
+        self.tt
+    }
+
+    /// Force on the line of the given slope through the mean point, N.
+    #[must_use]
+    pub fn at(&self, time: f32, slope: f32) -> f32 {
+        self.level_n + slope * (time - self.time)
+    }
+
+    /// Variance of the line at a time, in units of the variance of a point of
+    /// weight one; infinite without points.
+    #[must_use]
+    pub fn leverage(&self, time: f32) -> f32 {
+        if self.weight <= 0.0 {
+            return f32::INFINITY;
+        }
+        let dt = time - self.time;
+        let turn = if self.tt > 0.0 { dt * dt / self.tt } else { 0.0 };
+        1.0 / self.weight + turn
+    }
+
+    /// Weighted sum of squared residuals of the best line, N².
+    #[must_use]
+    pub fn residual(&self) -> f32 {
+        if self.tt > 0.0 { (self.yy - self.ty * self.ty / self.tt).max(0.0) } else { self.yy }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn points() -> [(f32, f32); 6] {
+        [(0.0, 9000.1), (1.0, 9001.9), (2.0, 9004.2), (4.0, 9007.9), (5.0, 9010.2), (9.0, 9017.8)]
+    }
+
+    /// Reference in f64, by the textbook formulas.
+    fn reference() -> (f64, f64, f64) {
+        let p = points().map(|(t, y)| (f64::from(t), f64::from(y)));
+        let n = p.len() as f64;
+        let (mt, my) =
+            (p.iter().map(|a| a.0).sum::<f64>() / n, p.iter().map(|a| a.1).sum::<f64>() / n);
+        let tt: f64 = p.iter().map(|a| (a.0 - mt).powi(2)).sum();
+        let ty: f64 = p.iter().map(|a| (a.0 - mt) * (a.1 - my)).sum();
+        let slope = ty / tt;
+        let rss = p.iter().map(|a| (a.1 - my - slope * (a.0 - mt)).powi(2)).sum();
+        (slope, my + slope * (20.0 - mt), rss)
+    }
+
+    #[test]
+    fn follows_the_textbook_formulas() {
+        let mut line = Line::default();
+        points().iter().for_each(|&(t, y)| line.add(t, y, 1.0));
+        let (slope, at20, rss) = reference();
+        let got = line.slope().unwrap();
+        assert!((f64::from(got) - slope).abs() < 1e-3);
+        assert!((f64::from(line.at(20.0, got)) - at20).abs() < 4e-3);
+        assert!((f64::from(line.residual()) - rss).abs() < 2e-3, "{} {rss}", line.residual());
+    }
+
+    #[test]
+    fn merging_at_any_split_gives_the_same_line() {
+        let mut whole = Line::default();
+        points().iter().for_each(|&(t, y)| whole.add(t, y, 0.5));
+        for split in 0..=points().len() {
+            let (mut a, mut b) = (Line::default(), Line::default());
+            points()[..split].iter().for_each(|&(t, y)| a.add(t, y, 0.5));
+            points()[split..].iter().for_each(|&(t, y)| b.add(t, y, 0.5));
+            a.merge(&b);
+            assert!((a.slope().unwrap() - whole.slope().unwrap()).abs() < 1e-4);
+            assert!((a.level_n - whole.level_n).abs() < 2e-3);
+            assert_eq!(a.count, whole.count);
+        }
+    }
+
+    #[test]
+    fn degenerate_lines_have_no_slope() {
+        let mut line = Line::default();
+        assert!(line.slope().is_none() && line.leverage(0.0).is_infinite());
+        line.add(3.0, 5.0, 1.0);
+        assert!(line.slope().is_none());
+        assert!((line.at(100.0, 0.0) - 5.0).abs() < 1e-6);
+        assert!((line.leverage(9.0) - 1.0).abs() < 1e-6);
+    }
+}

@@ -1,0 +1,103 @@
+//! What the events of a test share: the loading rate and omega.
+//!
+//! Each event measures both; the next one may expect them again, within what they
+//! vary from event to event. Old events are forgotten slowly, so a cable that
+//! shortens or a winch that tires is followed.
+
+use crate::fit::Prior;
+
+/// Events over which the past is forgotten.
+const MEMORY: f32 = 40.0;
+/// Events before which nothing is expected.
+const LEAST_EVENTS: f32 = 3.0;
+
+/// Running mean and variance of a quantity that events share.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Shared {
+    /// Number of events, at most [`MEMORY`].
+    count: f32,
+    mean: f32,
+    /// Variance of the measured values, noise included.
+    variance: f32,
+    /// Mean variance of the events' own noise.
+    noise: f32,
+}
+
+impl Shared {
+    /// Takes an event's own measurement and its variance.
+    pub fn add(&mut self, value: f32, variance: f32) {
+        if !(value.is_finite() && variance.is_finite() && variance > 0.0) {
+            return;
+        }
+        self.count = (self.count + 1.0).min(MEMORY);
+        let share = 1.0 / self.count;
+        let step = value - self.mean;
+        self.mean += share * step;
+        self.noise += share * (variance - self.noise);
+        self.variance += share * ((1.0 - share) * step * step - self.variance);
+    }
+
+    /// Mean so far; `None` before the first event.
+    #[must_use]
+    pub fn mean(&self) -> Option<f32> {
+        (self.count > 0.0).then_some(self.mean)
+    }
+
+    /// What the next event may expect, in units of one over `noise_n2`.
+    ///
+    /// Its variance is that between events (the upper end of what so few events can
+    /// tell, so that a lucky start does not claim certainty) plus that of the mean.
+    #[must_use]
+    pub fn prior(&self, noise_n2: f32) -> Prior {
+        if self.count < LEAST_EVENTS {
+            return Prior::default();
+        }
+        let free = self.count - 1.0;
+        let upper = self.variance * self.count / free * (1.0 + crate::math::sqrt(2.0 / free));
+        let between = (upper - self.noise).max(0.0);
+        let variance = between + (between + self.noise) / self.count;
+        Prior { mean: self.mean, weight: if variance > 0.0 { noise_n2 / variance } else { 0.0 } }
+    }
+}
+
+/// What an event measured by itself, without the expectation it was fitted with.
+///
+/// `mean` and `variance` are the fitted ones; the precisions subtract. `None` when
+/// the event added nothing to the expectation.
+#[must_use]
+pub fn without_prior(mean: f32, variance: f32, prior: Prior, noise_n2: f32) -> Option<(f32, f32)> {
+    let (fitted, expected) = (1.0 / variance, prior.weight / noise_n2);
+    let own = fitted - expected;
+    (own > 0.02 * fitted).then(|| ((fitted * mean - expected * prior.mean) / own, 1.0 / own))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn equal_measurements_sharpen_the_expectation_and_scatter_widens_it() {
+        let prior_after = |scatter: f32, events: u32| {
+            let mut shared = Shared::default();
+            (0..events).for_each(|i| shared.add(10.0 + scatter * (i % 2) as f32, 1.0));
+            shared.prior(1.0)
+        };
+        assert!(prior_after(1.0, 2).weight <= 0.0);
+        let (few, many) = (prior_after(1.0, 6), prior_after(1.0, 40));
+        assert!(many.weight > few.weight && many.weight > 10.0, "{many:?}");
+        let wide = prior_after(20.0, 40);
+        assert!(wide.weight < 0.02, "{wide:?}");
+        assert!((many.mean - 10.5).abs() < 0.1);
+    }
+
+    #[test]
+    fn a_measurement_without_its_prior_is_the_measurement() {
+        // Measured 12 ± 1, expected 10 ± 2 (noise variance 3).
+        let prior = Prior { mean: 10.0, weight: 3.0 / 4.0 };
+        let variance = 1.0 / (1.0 + 0.25);
+        let mean = (12.0 + 10.0 * 0.25) * variance;
+        let (value, own) = without_prior(mean, variance, prior, 3.0).unwrap();
+        assert!((value - 12.0).abs() < 1e-5 && (own - 1.0).abs() < 1e-5);
+        assert!(without_prior(10.0, 4.0, prior, 3.0).is_none());
+    }
+}

@@ -1,0 +1,79 @@
+//! The last samples, by index.
+
+/// How many sampling periods the window reaches back.
+pub const WINDOW: usize = 256;
+
+/// Ring of the newest forces; a period without a good sample reads as `None`.
+#[derive(Clone, Debug)]
+pub struct Window {
+    /// NaN where there is no good sample.
+    forces_n: [f32; WINDOW],
+    /// One past the newest index.
+    end: u64,
+    /// Oldest index that may be asked for.
+    start: u64,
+}
+
+impl Window {
+    /// An empty window.
+    #[must_use]
+    pub fn new() -> Self {
+        Self { forces_n: [f32::NAN; WINDOW], end: 0, start: 0 }
+    }
+
+    /// Takes a sample with an index past all earlier ones.
+    pub fn push(&mut self, index: u64, force_n: f32) {
+        let missing = index.saturating_sub(self.end).min(WINDOW as u64);
+        for skipped in index - missing..index {
+            self.set(skipped, f32::NAN);
+        }
+        self.set(index, force_n);
+        self.end = index + 1;
+        self.start = self.start.max(self.end.saturating_sub(WINDOW as u64));
+    }
+
+    /// Force at an index, if it is in the window and was good.
+    #[must_use]
+    pub fn get(&self, index: u64) -> Option<f32> {
+        let inside = index >= self.start && index < self.end;
+        let force_n = self.forces_n.get(slot(index)).copied().filter(|_| inside)?;
+        (!force_n.is_nan()).then_some(force_n)
+    }
+
+    fn set(&mut self, index: u64, force_n: f32) {
+        if let Some(entry) = self.forces_n.get_mut(slot(index)) {
+            *entry = force_n;
+        }
+    }
+}
+
+fn slot(index: u64) -> usize {
+    (index % WINDOW as u64) as usize
+}
+
+impl Default for Window {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn keeps_the_newest_and_knows_what_is_missing() {
+        let mut window = Window::new();
+        assert_eq!(window.get(0), None);
+        window.push(5, 1.0);
+        window.push(8, 2.0);
+        let seen: [Option<f32>; 5] = core::array::from_fn(|i| window.get(5 + i as u64));
+        assert_eq!(seen, [Some(1.0), None, None, Some(2.0), None]);
+        window.push(8 + WINDOW as u64, 3.0);
+        assert_eq!(window.get(8), None, "out of the window");
+        assert_eq!(window.get(9), None, "missing");
+        window.push(u64::MAX - 1, 4.0);
+        assert_eq!(window.get(u64::MAX - 1), Some(4.0));
+        assert_eq!(window.get(8 + WINDOW as u64), None);
+    }
+}
