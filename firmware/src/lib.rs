@@ -10,3 +10,17 @@
 
 pub mod adc;
 pub mod ads122;
+pub mod app;
+pub mod average;
+pub mod command;
+pub mod console;
+pub mod journal;
+pub mod line;
+mod log;
+pub mod period;
+pub mod record;
+pub mod sample;
+pub mod sampler;
+pub mod self_test;
+pub mod settings;
+pub mod store;
