@@ -111,6 +111,11 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
         any
     }
 
+    /// Whether a sample waits: no time to sleep.
+    pub fn has_samples(&self) -> bool {
+        self.queue.ready()
+    }
+
     /// What a display should show now.
     pub fn view(&self) -> View {
         let test = match &self.job {

@@ -12,6 +12,10 @@ pub mod adc;
 pub mod ads122;
 pub mod app;
 pub mod average;
+#[cfg(target_os = "none")]
+pub mod board;
+#[cfg(feature = "card")]
+pub mod card;
 pub mod command;
 pub mod console;
 pub mod journal;

@@ -3,6 +3,12 @@
 use crate::adc::{AdcFault, BridgeAdc, Input};
 use crate::sample::{Sample, SampleProducer, Shared};
 
+/// What a board's tick interrupt calls.
+pub trait Tick: Send {
+    /// One sampling period has begun, at `stamp` ticks of the board's clock.
+    fn tick(&mut self, stamp: u32);
+}
+
 /// Owns the converter and the queue's entrance.
 #[expect(missing_debug_implementations, reason = "the queue has none")]
 pub struct Sampler<'q, A> {
@@ -28,11 +34,19 @@ impl<'q, A: BridgeAdc> Sampler<'q, A> {
         Self { adc, queue, shared, next_index: 0, running: None, input: Input::Bridge }
     }
 
-    /// One sampling period has begun, at `stamp` ticks of the board's clock.
-    ///
+    /// The conversion that is going on is given up.
+    fn change_input(&mut self) {
+        let wanted = self.shared.wanted();
+        if wanted != self.input && self.adc.select(wanted) {
+            self.input = wanted;
+        }
+    }
+}
+
+impl<A: BridgeAdc + Send> Tick for Sampler<'_, A> {
     /// The sample of the period before goes into the queue. If that is full, the
     /// sample is lost and counted, and its index is missing for ever after.
-    pub fn tick(&mut self, stamp: u32) {
+    fn tick(&mut self, stamp: u32) {
         self.change_input();
         let taken = self.adc.tick();
         if let Some(Running { index, stamp, input }) = self.running {
@@ -46,13 +60,5 @@ impl<'q, A: BridgeAdc> Sampler<'q, A> {
         let (index, input) = (self.next_index, self.input);
         self.running = Some(Running { index, stamp, input });
         self.next_index = index.wrapping_add(1);
-    }
-
-    /// The conversion that is going on is given up.
-    fn change_input(&mut self) {
-        let wanted = self.shared.wanted();
-        if wanted != self.input && self.adc.select(wanted) {
-            self.input = wanted;
-        }
     }
 }
