@@ -19,6 +19,7 @@
 
 use crate::line::Line;
 use crate::math;
+use crate::memory::Memory;
 use crate::noise::Noise;
 use crate::sample::Phase;
 use crate::window::{WINDOW, Window};
@@ -36,8 +37,8 @@ const LEAST_PART_LOW: f32 = 0.5;
 const LEAST_SHIFT: f32 = 0.4;
 /// So many samples in a row off the line, all on one side: the line starts anew.
 const NEW_LINE: u32 = 3;
-/// Weight at which the stick line begins to forget, samples.
-const LINE_MEMORY: f32 = 4096.0;
+/// Weight below which a sample does not count for the start of a line.
+const LEAST_WEIGHT: f32 = 0.02;
 /// A gap longer than this starts anew, periods.
 const LONGEST_GAP: u64 = 8;
 
@@ -78,8 +79,10 @@ pub struct Stick {
     /// The line as it started: begins at the last re-stick. The same as `line`
     /// while the stick line is straight.
     pub first: Line,
-    /// The line was started anew since the re-stick.
-    bent: bool,
+    /// Weight of the next sample in `first`; zero: `first` is complete.
+    first_weight: f32,
+    /// The line with another memory, on trial.
+    trial: Line,
     /// Next index to be taken into the line.
     pub next: u64,
     /// Highest sample since the re-stick.
@@ -88,11 +91,31 @@ pub struct Stick {
     strike_sign: f32,
 }
 
+impl Stick {
+    /// Takes a sample into the lines.
+    fn take(&mut self, time: f32, force_n: f32, memory: &Memory) {
+        self.line.fade(memory.fade());
+        self.line.add(time, force_n, 1.0);
+        self.trial.fade(memory.trial_fade());
+        self.trial.add(time, force_n, 1.0);
+        if self.first_weight < LEAST_WEIGHT {
+            return;
+        }
+        if memory.is_endless() {
+            self.first = self.line;
+        } else {
+            self.first.add(time, force_n, self.first_weight);
+            self.first_weight *= memory.fade();
+        }
+    }
+}
+
 /// The state machine.
 #[derive(Clone, Debug)]
 pub struct Detector {
     window: Window,
     noise: Noise,
+    memory: Memory,
     phase: Phase,
     stick: Stick,
     ended: Stick,
@@ -113,7 +136,8 @@ impl Detector {
     pub fn new(rate_hz: f32) -> Self {
         Self {
             window: Window::new(),
-            noise: Noise::default(),
+            noise: Noise::new(),
+            memory: Memory::new(),
             phase: Phase::Unknown,
             stick: Stick::default(),
             ended: Stick::default(),
@@ -168,15 +192,18 @@ impl Detector {
         self.usual_drop_n
     }
 
+    /// Takes the noise that the fits of the events leave, N.
+    pub fn fitted_noise(&mut self, noise_n: f32) {
+        self.noise.fitted(noise_n);
+    }
+
     /// Takes a good sample with an index past all earlier ones.
     pub fn step(&mut self, index: u64, force_n: f32) -> Option<Transition> {
         let now = Extreme { index, force_n };
         let gap = index.saturating_sub(self.last.index);
         self.window.push(index, force_n);
         let started = self.phase != Phase::Unknown;
-        if started && gap == 1 {
-            self.noise.see_step(force_n - self.last.force_n);
-        }
+        self.noise.see(force_n, started && gap == 1);
         self.last = now;
         if !started || gap > LONGEST_GAP {
             self.rest_from(now, index);
@@ -191,8 +218,9 @@ impl Detector {
     /// A new stick line whose first sample is `next`.
     fn rest_from(&mut self, highest: Extreme, next: u64) {
         self.phase = Phase::Stick;
+        self.memory.decide();
         self.ended = self.stick;
-        self.stick = Stick { origin: next, next, highest, ..Stick::default() };
+        self.stick = Stick { origin: next, next, highest, first_weight: 1.0, ..Stick::default() };
     }
 
     fn stick_step(&mut self, now: Extreme) -> Option<Transition> {
@@ -219,7 +247,8 @@ impl Detector {
         }
         match self.innovation(now) {
             Some((innovation, spread)) => innovation < -OFF_LINE * std * spread,
-            None => self.usual_drop_n > 0.0,
+            // Rests too briefly for a line: the drop alone decides.
+            None => true,
         }
     }
 
@@ -247,6 +276,7 @@ impl Detector {
     }
 
     fn take_into_line(&mut self, sample: Extreme) {
+        let time = (sample.index - self.stick.origin) as f32;
         if let Some((innovation, spread)) = self.innovation(sample) {
             let relative = innovation / spread;
             let std = self.noise.std_n(sample.force_n);
@@ -254,17 +284,12 @@ impl Detector {
             if std.is_some_and(|std| relative.abs() > OFF_LINE * std) {
                 return self.strike(sample.index, relative);
             }
+            if let Some(slope) = self.stick.trial.slope() {
+                self.memory.compare(innovation, sample.force_n - self.stick.trial.at(time, slope));
+            }
         }
-        let stick = &mut self.stick;
-        stick.strikes = 0;
-        let time = (sample.index - stick.origin) as f32;
-        if stick.line.weight > LINE_MEMORY {
-            stick.line.fade(1.0 - 1.0 / LINE_MEMORY);
-        }
-        stick.line.add(time, sample.force_n, 1.0);
-        if !stick.bent {
-            stick.first = stick.line;
-        }
+        self.stick.strikes = 0;
+        self.stick.take(time, sample.force_n, &self.memory);
     }
 
     /// A sample off the line is left out; several on one side start a new line.
@@ -276,12 +301,12 @@ impl Detector {
         if stick.strikes < NEW_LINE {
             return;
         }
-        stick.bent = true;
+        stick.first_weight = 0.0;
         stick.strikes = 0;
-        stick.line = Line::default();
+        (stick.line, stick.trial) = (Line::default(), Line::default());
         for past in (index + 1).saturating_sub(u64::from(NEW_LINE))..=index {
             if let Some(force_n) = self.window.get(past) {
-                stick.line.add((past - stick.origin) as f32, force_n, 1.0);
+                stick.take((past - stick.origin) as f32, force_n, &self.memory);
             }
         }
     }

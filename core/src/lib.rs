@@ -25,6 +25,7 @@ pub mod event;
 pub mod fit;
 pub mod line;
 pub mod math;
+pub mod memory;
 pub mod model;
 pub mod noise;
 pub mod pipeline;

@@ -1,56 +1,149 @@
-//! How far samples scatter around the stick line, learnt online.
+//! How far samples scatter, learnt online.
 //!
-//! The running median of the innovations' size, moved by a constant factor up or
-//! down: no threshold in newtons, no division, and neither slips nor spikes can
-//! carry it away. Good to about 10 %, for the detector's limits; what is reported
-//! comes from the residuals of the fits.
+//! Running quantiles of a size, moved by a constant factor up or down: no threshold
+//! in newtons, no division, and neither slips nor spikes can carry them away. Good
+//! to about 10 %, for the detector's limits; what is reported comes from the
+//! residuals of the fits.
+//!
+//! Where the block rests long enough the innovations of the stick line tell the
+//! noise. Where it never does, two differences that a smooth force hardly has bound
+//! it from above until the first fits are there: a low quantile of the second
+//! difference (some triples always lie on a line) and the median of the fourth.
+
+/// A running quantile of positive numbers.
+#[derive(Clone, Copy, Debug)]
+struct Quantile {
+    value: f32,
+    count: u32,
+    /// Probability of the quantile.
+    part: f32,
+}
+
+/// Final step of a quantile: settles to 8 % within a hundred samples.
+const SMALLEST_GAIN: f32 = 0.04;
+/// Fewest numbers that tell a quantile.
+const FEWEST: u32 = 8;
+
+impl Quantile {
+    const fn new(part: f32) -> Self {
+        Self { value: 0.0, count: 0, part }
+    }
+
+    fn add(&mut self, size: f32) {
+        if self.count == 0 {
+            self.value = size;
+        }
+        self.count = self.count.saturating_add(1);
+        let gain = (4.0 / self.count as f32).clamp(2.0 * SMALLEST_GAIN, 1.0);
+        if size > self.value {
+            // Zero (a noiseless start) could not grow by a factor alone.
+            self.value = (self.value * (1.0 + gain * self.part)).max(1e-3 * size);
+        } else {
+            self.value /= 1.0 + gain * (1.0 - self.part);
+        }
+    }
+
+    fn value(&self) -> Option<f32> {
+        (self.count >= FEWEST).then_some(self.value)
+    }
+}
 
 /// Running robust standard deviation.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 pub struct Noise {
-    /// Median of the innovations' absolute value, N.
-    median_n: f32,
+    innovation: Quantile,
+    second: Quantile,
+    fourth: Quantile,
+    /// The newest samples in a row, newest last.
+    row: [f32; 5],
+    filled: usize,
     /// Smallest step between samples that was seen, N: the resolution.
     resolution_n: f32,
-    count: u32,
+    /// From the residuals of fits.
+    fitted_n: Option<f32>,
 }
 
 /// Median of |x| over the standard deviation, for a normal distribution.
 const MEDIAN_PER_STD: f32 = 0.674_49;
-/// Final step of the median: settles to 8 % within a hundred samples.
-const SMALLEST_GAIN: f32 = 0.04;
+/// Tenth percentile of |second difference| over the noise: 0.1257 √6.
+const SECOND_PER_STD: f32 = 0.307_8;
+/// Median of |fourth difference| over the noise: 0.6745 √70.
+const FOURTH_PER_STD: f32 = 5.643;
 
 impl Noise {
-    /// Takes an innovation, already divided by its own spread relative to a sample.
-    pub fn add(&mut self, innovation_n: f32) {
-        let size = innovation_n.abs();
-        if self.count == 0 {
-            self.median_n = size;
-        }
-        self.count = self.count.saturating_add(1);
-        let gain = (2.0 / self.count as f32).clamp(SMALLEST_GAIN, 0.5);
-        if size > self.median_n {
-            // Zero (a noiseless start) could not grow by a factor alone.
-            self.median_n = (self.median_n * (1.0 + gain)).max(1e-3 * size);
-        } else {
-            self.median_n /= 1.0 + gain;
+    /// Nothing known.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self {
+            innovation: Quantile::new(0.5),
+            second: Quantile::new(0.1),
+            fourth: Quantile::new(0.5),
+            row: [0.0; 5],
+            filled: 0,
+            resolution_n: 0.0,
+            fitted_n: None,
         }
     }
 
-    /// Takes the difference of two neighbouring samples.
-    pub fn see_step(&mut self, step_n: f32) {
-        let step = step_n.abs();
-        if step > 0.0 && (self.resolution_n <= 0.0 || step < self.resolution_n) {
+    /// Takes an innovation, already divided by its own spread relative to a sample.
+    pub fn add(&mut self, innovation_n: f32) {
+        self.innovation.add(innovation_n.abs());
+    }
+
+    /// Takes the noise that the fits of the events leave, N.
+    pub fn fitted(&mut self, noise_n: f32) {
+        self.fitted_n = Some(noise_n);
+    }
+
+    /// Takes a sample; `in_a_row` if it follows the one before without a gap.
+    pub fn see(&mut self, force_n: f32, in_a_row: bool) {
+        self.filled = if in_a_row { (self.filled + 1).min(5) } else { 1 };
+        self.row.rotate_left(1);
+        self.row[4] = force_n;
+        let [a, b, c, d, e] = self.row;
+        let step = (e - d).abs();
+        if self.filled >= 2 && step > 0.0 && (self.resolution_n <= 0.0 || step < self.resolution_n) {
             self.resolution_n = step;
+        }
+        // The events tell it better: no need to go on.
+        if self.fitted_n.is_none() {
+            if self.filled >= 3 {
+                self.second.add((c - 2.0 * d + e).abs());
+            }
+            if self.filled >= 5 {
+                self.fourth.add((a - 4.0 * b + 6.0 * c - 4.0 * d + e).abs());
+            }
         }
     }
 
     /// Standard deviation, N: never below the resolution's own, nor below the
-    /// rounding of a force of this size. `None` until eight innovations were seen.
+    /// rounding of a force of this size. `None` until enough was seen.
     #[must_use]
     pub fn std_n(&self, force_n: f32) -> Option<f32> {
         let floor = (0.3 * self.resolution_n).max(4e-7 * force_n.abs());
-        (self.count >= 8).then(|| (self.median_n / MEDIAN_PER_STD).max(floor))
+        let innovation = self.innovation.value().map(|m| m / MEDIAN_PER_STD);
+        // A fit may leave out what the line does not: half as much again is allowed.
+        let bound = match self.fitted_n {
+            Some(fitted) => Some(1.5 * fitted),
+            None => {
+                let second = self.second.value().map(|q| q / SECOND_PER_STD);
+                least(second, self.fourth.value().map(|q| q / FOURTH_PER_STD))
+            }
+        };
+        least(innovation, bound).map(|std| std.max(floor))
+    }
+}
+
+impl Default for Noise {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+fn least(a: Option<f32>, b: Option<f32>) -> Option<f32> {
+    match (a, b) {
+        (Some(a), Some(b)) => Some(a.min(b)),
+        (one, other) => one.or(other),
     }
 }
 
@@ -66,24 +159,43 @@ mod tests {
         })
     }
 
+    /// Mean of 500 estimates after 2000 samples.
+    fn settled(mut take: impl FnMut(&mut Noise, f32)) -> f32 {
+        let (mut noise, mut state) = (Noise::new(), 7);
+        (0..2000).for_each(|_| take(&mut noise, normal(&mut state)));
+        (0..500)
+            .map(|_| {
+                take(&mut noise, normal(&mut state));
+                noise.std_n(0.0).unwrap() / 500.0
+            })
+            .sum()
+    }
+
     #[test]
     fn settles_on_the_standard_deviation_whatever_its_size() {
         for std in [1e-4, 2.0, 300.0] {
-            let (mut noise, mut state) = (Noise::default(), 7);
-            (0..2000).for_each(|_| noise.add(std * normal(&mut state)));
-            let mean: f32 = (0..500)
-                .map(|_| {
-                    noise.add(std * normal(&mut state));
-                    noise.std_n(0.0).unwrap() / 500.0
-                })
-                .sum();
-            assert!((mean / std - 1.0).abs() < 0.1, "{mean} {std}");
+            let line = settled(|noise, x| noise.add(std * x));
+            assert!((line / std - 1.0).abs() < 0.1, "{line} {std}");
+            let bound = settled(|noise, x| noise.see(std * x, true));
+            assert!((0.75..1.1).contains(&(bound / std)), "{bound} {std}");
         }
     }
 
     #[test]
+    fn a_force_that_never_rests_still_bounds_the_noise() {
+        let (mut noise, mut state) = (Noise::new(), 3);
+        for i in 0..400 {
+            let swing = 400.0 * (1.1 * i as f32).sin();
+            noise.see(swing + 2.0 * normal(&mut state), true);
+            // A line through it sees the swing as noise.
+            noise.add(swing);
+        }
+        assert!(noise.std_n(0.0).unwrap() < 90.0, "{:?}", noise.std_n(0.0));
+    }
+
+    #[test]
     fn a_wild_start_and_later_outliers_do_not_stay() {
-        let (mut noise, mut state) = (Noise::default(), 9);
+        let (mut noise, mut state) = (Noise::new(), 9);
         noise.add(1e4);
         (0..300).for_each(|i| noise.add(if i % 20 == 0 { 500.0 } else { normal(&mut state) }));
         let std = noise.std_n(0.0).unwrap();
@@ -92,9 +204,10 @@ mod tests {
 
     #[test]
     fn coarse_steps_set_a_floor() {
-        let mut noise = Noise::default();
+        let mut noise = Noise::new();
         (0..50).for_each(|_| noise.add(0.0));
-        noise.see_step(5.0);
+        noise.see(0.0, false);
+        noise.see(5.0, true);
         assert!(noise.std_n(0.0).unwrap() >= 1.5);
     }
 }

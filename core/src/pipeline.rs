@@ -170,6 +170,9 @@ impl Pipeline {
 
     fn count(&mut self, event: Option<Event>) -> Option<Event> {
         let event = event?;
+        if let Some(noise_n) = self.cycles.noise_n() {
+            self.detector.fitted_noise(noise_n);
+        }
         self.events = self.events.saturating_add(1);
         if let Some(mu_s) = event.mu_s {
             self.mu_s.add(mu_s);
