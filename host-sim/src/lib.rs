@@ -2,4 +2,7 @@
 #![forbid(unsafe_code)]
 
 pub mod chip;
+pub mod cli;
+pub mod error;
+pub mod log;
 pub mod replay;

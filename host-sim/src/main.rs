@@ -1,3 +1,6 @@
 //! The `floe` command.
 #![forbid(unsafe_code)]
-fn main() {}
+
+fn main() -> std::process::ExitCode {
+    floe::cli::main()
+}

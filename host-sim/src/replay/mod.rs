@@ -1,3 +1,61 @@
 //! A recorded log through the core: `floe replay`.
 
+use floe_core::{Config, Event, Pipeline, Step};
+
+use crate::error::InputError;
+use crate::log::Log;
+
 pub mod result;
+pub mod table;
+pub mod test;
+pub mod timeline;
+
+use result::{EventSummary, LogSummary, ReplayResult, TestSummary};
+use timeline::Timeline;
+
+/// Runs a whole log through the core; constant memory apart from the events.
+///
+/// `path` is only named in the result. `observe` sees every sample's time, in the
+/// log's own seconds, and what the core made of it.
+///
+/// # Errors
+/// A line of the log that cannot be used.
+pub fn replay(
+    path: &str,
+    log: &mut Log,
+    config: &Config,
+    mut observe: impl FnMut(f64, &Step),
+) -> Result<ReplayResult, InputError> {
+    let refused = |error: floe_core::ConfigError| InputError::new(error.to_string());
+    let mut pipeline = Pipeline::new(config).map_err(refused)?;
+    let mut timeline = Timeline::new(log.rate_hz());
+    let mut events = Vec::new();
+    while let Some(sample) = log.next_sample()? {
+        timeline.push(sample.raw.index, sample.time_s);
+        let step = pipeline.step(sample.raw);
+        observe(sample.time_s, &step);
+        events.extend(step.event.map(|event| summary(&event, &timeline)));
+    }
+    while let Some(event) = pipeline.finish() {
+        events.push(summary(&event, &timeline));
+    }
+    let report = pipeline.report();
+    let log_summary = LogSummary {
+        path: path.to_string(),
+        format: log.format().name().to_string(),
+        rate_hz: log.rate_hz(),
+        duration_s: timeline.duration_s(),
+        warnings: log.warnings(),
+        ..LogSummary::from(report.counters)
+    };
+    let test = TestSummary {
+        test_id: log.metadata().test_id.clone(),
+        weight_n: result::decimal(config.weight_n),
+        slope_rad: result::decimal(config.slope_rad),
+    };
+    Ok(ReplayResult::new(log_summary, test, &report, events))
+}
+
+fn summary(event: &Event, timeline: &Timeline) -> EventSummary {
+    EventSummary::new(event, timeline.seconds(event.onset), timeline.seconds(event.stop))
+}

@@ -3,6 +3,7 @@
 //! Forces in N, times in s, angles in rad. What is unknown is `None` (`null`);
 //! every number is finite.
 
+use floe_core::{Counters, Estimate, Event, Report};
 use serde::Serialize;
 
 /// Name and version of this format; changes when a meaning changes.
@@ -34,7 +35,7 @@ pub struct ReplayResult {
 }
 
 /// The log and what happened to its samples.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Default, Serialize)]
 pub struct LogSummary {
     /// As given on the command line.
     pub path: String,
@@ -131,4 +132,117 @@ pub struct EventSummary {
     pub quality: String,
     /// Why a coefficient is missing.
     pub reason: Option<String>,
+}
+
+impl ReplayResult {
+    /// Puts the parts together.
+    #[must_use]
+    pub fn new(
+        log: LogSummary,
+        test: TestSummary,
+        report: &Report,
+        events: Vec<EventSummary>,
+    ) -> Self {
+        Self {
+            schema: SCHEMA,
+            log,
+            test,
+            estimate: EstimateSummary {
+                mu_s: report.mu_s.into(),
+                mu: report.mu.into(),
+                events: report.mu_s.or(report.mu).map_or(0, |estimate| estimate.events.into()),
+            },
+            noise_n: known(report.noise_n),
+            loading_rate_n_per_s: known(report.loading_rate_n_per_s),
+            omega_rad_per_s: known(report.omega_rad_per_s),
+            stiffness_n_per_m: known(report.stiffness_n_per_m),
+            recurrence_s: known(report.recurrence_s),
+            events,
+        }
+    }
+}
+
+impl From<Counters> for LogSummary {
+    /// Only the counts.
+    fn from(counters: Counters) -> Self {
+        Self {
+            samples: counters.samples,
+            missing: counters.missing,
+            duplicates: counters.duplicates,
+            rejected: counters.rejected,
+            saturated: counters.saturated,
+            ..Self::default()
+        }
+    }
+}
+
+impl From<Option<Estimate>> for CoefficientSummary {
+    fn from(estimate: Option<Estimate>) -> Self {
+        Self {
+            mean: known(estimate.map(|e| e.mean)),
+            std_error: known(estimate.map(|e| e.std_error)),
+            spread: known(estimate.and_then(|e| e.spread)),
+        }
+    }
+}
+
+impl EventSummary {
+    /// An event with its times in the log's seconds.
+    #[must_use]
+    pub fn new(event: &Event, onset_s: f64, stop_s: f64) -> Self {
+        Self {
+            index: event.index,
+            onset_s,
+            stop_s,
+            static_force_n: decimal(event.static_force_n),
+            dynamic_force_n: decimal(event.dynamic_force_n),
+            peak_force_n: decimal(event.peak_force_n),
+            restick_force_n: decimal(event.restick_force_n),
+            mu_s: known(event.mu_s.map(|c| c.value)),
+            mu_s_std: known(event.mu_s.map(|c| c.std)),
+            mu: known(event.mu.map(|c| c.value)),
+            mu_std: known(event.mu.map(|c| c.std)),
+            stick_s: known(event.stick_s),
+            slip_s: decimal(event.slip_s),
+            loading_rate_n_per_s: decimal(event.loading_rate_n_per_s),
+            omega_rad_per_s: known(event.omega_rad_per_s),
+            slack: event.slack,
+            quality: event.quality.to_string(),
+            reason: event.reason.map(|reason| reason.to_string()),
+        }
+    }
+}
+
+/// The shortest decimal that is this `f32`, as `f64`: 0.78 stays 0.78, and turns
+/// back into the same `f32`.
+#[must_use]
+pub fn decimal(value: f32) -> f64 {
+    value.to_string().parse().unwrap_or(f64::NAN)
+}
+
+/// A number that is known, which a NaN or an infinity is not.
+fn known(value: Option<f32>) -> Option<f64> {
+    value.filter(|value| value.is_finite()).map(decimal)
+}
+
+#[cfg(test)]
+#[allow(clippy::float_cmp)] // exact by construction
+mod tests {
+    use super::*;
+
+    #[test]
+    fn decimals_are_short_and_turn_back() {
+        for value in [0.78_f32, 1.0e-7, 12345.678, f32::MAX, f32::MIN_POSITIVE] {
+            assert_eq!(decimal(value) as f32, value);
+        }
+        assert_eq!(decimal(0.78), 0.78);
+    }
+
+    #[test]
+    fn what_is_not_finite_is_null() {
+        assert_eq!(known(Some(f32::NAN)), None);
+        assert_eq!(known(Some(f32::INFINITY)), None);
+        let text = serde_json::to_string(&decimal(f32::NAN)).unwrap();
+        assert_eq!(text, "null");
+    }
 }

@@ -1,0 +1,240 @@
+//! From time stamps to sample indices.
+
+use super::timing::{Shared, Timing};
+
+/// A stamp this far from its sample, in periods, is told to the user.
+const MISFIT: f64 = 0.25;
+/// Samples over which the phase of fine stamps is averaged. Long enough that
+/// jitter of half a period stays harmless, short enough to follow a clock that
+/// is off by 1e-4.
+const PHASE_SAMPLES: f64 = 1024.0;
+/// After a longer gap, in periods, the phase is taken anew: the logger may have
+/// been started again.
+const LONG_GAP: f64 = 256.0;
+
+/// Gives every row its index.
+///
+/// Fine stamps: the nearest index, on a grid whose phase follows the mean of the
+/// stamps, so that neither jitter within half a period nor a clock that is
+/// slightly off makes gaps or duplicates. Shared stamps: the next index, unless
+/// this stamp and the following ones agree that samples are missing or too many.
+#[derive(Clone, Debug)]
+pub struct Clock {
+    timing: Timing,
+    /// Index of the last sample plus one.
+    next: u64,
+    /// Time of the last sample, s.
+    time_s: f64,
+    /// Samples in the mean that gives the phase.
+    averaged: f64,
+    misfits: u64,
+}
+
+impl Clock {
+    /// Starts before the first sample.
+    #[must_use]
+    pub fn new(timing: Timing) -> Self {
+        let time_s = timing.start_s - timing.rate_hz.recip();
+        Self { timing, next: 0, time_s, averaged: PHASE_SAMPLES, misfits: 0 }
+    }
+
+    /// Index and time of the row with this stamp. `records`: rows since the one
+    /// before, by the log's own numbers. `ahead`: the stamps that follow it, used
+    /// (up to [`Self::lookahead`]) when stamps are shared.
+    pub fn place(
+        &mut self,
+        stamp_s: f64,
+        records: u32,
+        ahead: impl Iterator<Item = f64>,
+    ) -> (u64, f64) {
+        let records = f64::from(records);
+        let steps = match self.timing.shared {
+            None => self.fine_steps(stamp_s, records),
+            Some(shared) => self.shared_steps(shared, stamp_s, records, ahead),
+        };
+        self.next += steps;
+        (self.next.saturating_sub(1), self.time_s)
+    }
+
+    /// How many stamps beyond a row are needed.
+    #[must_use]
+    pub fn lookahead(&self) -> usize {
+        const GROUPS: f64 = 8.0;
+        const MOST: f64 = 2048.0;
+        self.timing.shared.map_or(0, |shared| (GROUPS * shared.step).clamp(1.0, MOST) as usize)
+    }
+
+    /// How samples and stamps go together.
+    #[must_use]
+    pub fn timing(&self) -> &Timing {
+        &self.timing
+    }
+
+    /// Stamps that were not where their sample should be.
+    #[must_use]
+    pub fn misfits(&self) -> u64 {
+        self.misfits
+    }
+
+    fn fine_steps(&mut self, stamp_s: f64, records: f64) -> u64 {
+        let elapsed = (stamp_s - self.time_s) * self.timing.rate_hz;
+        // A jump in the numbers is a gap even where the stamps hide it.
+        let least = if records > 1.0 { records } else { 0.0 };
+        let steps = elapsed.round().max(least);
+        let off = elapsed - steps;
+        self.misfits += u64::from(off.abs() > MISFIT);
+        self.averaged =
+            if steps > LONG_GAP { 1.0 } else { (self.averaged + 1.0).min(PHASE_SAMPLES) };
+        self.time_s += (steps + off / self.averaged) / self.timing.rate_hz;
+        steps as u64
+    }
+
+    fn shared_steps(
+        &mut self,
+        shared: Shared,
+        stamp_s: f64,
+        records: f64,
+        ahead: impl Iterator<Item = f64>,
+    ) -> u64 {
+        let (last_s, rate_hz) = (self.time_s, self.timing.rate_hz);
+        let off = |stamp: f64, steps: f64| (stamp - last_s) * rate_hz - steps - shared.centre;
+        let own = off(stamp_s, records);
+        let mut steps = records;
+        if own.abs() > shared.step / 2.0 + MISFIT {
+            let shift = mean_offset(
+                own,
+                stamp_s,
+                shared.step * 1.5 / rate_hz,
+                |stamp, k| off(stamp, records + k),
+                ahead.take(self.lookahead()),
+            );
+            self.misfits += u64::from(shift.abs() < 0.5);
+            steps = (records + shift.round()).max(0.0);
+        }
+        self.time_s += steps / rate_hz;
+        steps as u64
+    }
+}
+
+/// Mean offset of a row and those after it, up to the next visible gap.
+fn mean_offset(
+    own: f64,
+    stamp_s: f64,
+    gap_s: f64,
+    off: impl Fn(f64, f64) -> f64,
+    ahead: impl Iterator<Item = f64>,
+) -> f64 {
+    let (mut sum, mut count, mut last_s) = (own, 1.0, stamp_s);
+    for stamp in ahead {
+        if (stamp - last_s).abs() > gap_s {
+            break;
+        }
+        sum += off(stamp, count);
+        count += 1.0;
+        last_s = stamp;
+    }
+    sum / count
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn indices(timing: Timing, stamps: &[f64]) -> (Vec<u64>, u64) {
+        let mut clock = Clock::new(timing);
+        let index =
+            |(i, &t): (usize, &f64)| clock.place(t, 1, stamps.iter().skip(i + 1).copied()).0;
+        let all = stamps.iter().enumerate().map(index).collect();
+        (all, clock.misfits())
+    }
+
+    fn fine(stamps: &[f64]) -> (Vec<u64>, u64) {
+        indices(Timing { rate_hz: 16.0, start_s: 0.0, shared: None }, stamps)
+    }
+
+    /// Two scans a stamp, as a CR10 writes them; scans in eighths of a second.
+    fn cr10(eighths: &[u32]) -> (Vec<u64>, u64) {
+        let shared = Some(Shared { step: 2.0, centre: -0.5 });
+        let stamps: Vec<f64> = eighths.iter().map(|&n| f64::from(n) * 0.125).collect();
+        indices(Timing { rate_hz: 16.0, start_s: 0.0, shared }, &stamps)
+    }
+
+    fn pairs(range: std::ops::Range<u32>) -> Vec<u32> {
+        range.flat_map(|n| [n, n]).collect()
+    }
+
+    #[test]
+    fn fine_stamps_give_gaps_and_duplicates() {
+        let stamps = [0.0, 0.0625, 0.0625, 0.25, 0.3125];
+        assert_eq!(fine(&stamps), (vec![0, 1, 1, 4, 5], 0));
+        assert_eq!(fine(&[0.0, 0.08, 0.12]), (vec![0, 1, 2], 1));
+    }
+
+    #[test]
+    fn a_clock_that_is_slightly_off_is_followed_for_days() {
+        let mut clock = Clock::new(Timing { rate_hz: 16.0, start_s: 0.0, shared: None });
+        for i in 0..2_000_000_u64 {
+            let (index, _) = clock.place(i as f64 / 16.001, 1, std::iter::empty());
+            assert_eq!(index, i);
+        }
+    }
+
+    #[test]
+    fn a_restart_out_of_phase_makes_no_trail_of_gaps() {
+        let half = |i: i32| f64::from(i) / 16.0 + if i < 100 { 0.0 } else { 60.031 };
+        let stamps: Vec<f64> = (0..200).map(half).collect();
+        let (indices, _) = fine(&stamps);
+        assert!(indices.windows(2).enumerate().all(|(i, w)| i == 99 || w[1] == w[0] + 1));
+    }
+
+    #[test]
+    fn a_jump_in_the_record_numbers_is_a_gap() {
+        let mut clock = Clock::new(Timing { rate_hz: 16.0, start_s: 0.0, shared: None });
+        let none = std::iter::empty::<f64>;
+        assert_eq!(clock.place(0.0, 1, none()).0, 0);
+        assert_eq!(clock.place(0.0625, 3, none()).0, 3);
+    }
+
+    #[test]
+    fn two_scans_a_stamp_follow_each_other() {
+        assert_eq!(cr10(&pairs(0..20)), ((0..40).collect(), 0));
+    }
+
+    #[test]
+    fn a_scan_stamped_one_step_off_is_no_gap() {
+        let mut stamps = pairs(0..20);
+        stamps[11] = 6; // 5,6 6,6: one alone, then three
+        assert_eq!(cr10(&stamps), ((0..40).collect(), 1));
+        let mut stamps = pairs(0..20);
+        stamps[12] = 5; // three, then one alone
+        assert_eq!(cr10(&stamps), ((0..40).collect(), 1));
+    }
+
+    #[test]
+    fn a_missing_scan_is_a_gap() {
+        for lost in 8..12 {
+            let mut stamps = pairs(0..20);
+            stamps.remove(lost);
+            let (indices, misfits) = cr10(&stamps);
+            assert_eq!((indices.last(), misfits), (Some(&39), 0), "{lost}");
+            let gap = indices.windows(2).position(|w| w[1] == w[0] + 2).unwrap();
+            assert!(gap.abs_diff(lost - 1) <= 1, "{lost} {gap}");
+        }
+    }
+
+    #[test]
+    fn a_long_gap_is_counted_from_the_stamps() {
+        let mut stamps = pairs(0..10);
+        stamps.extend(pairs(90..100));
+        let expected: Vec<u64> = (0..20).chain(180..200).collect();
+        assert_eq!(cr10(&stamps), (expected, 0));
+    }
+
+    #[test]
+    fn a_repeated_scan_is_a_duplicate() {
+        let mut stamps = pairs(0..20);
+        stamps.insert(10, 5);
+        let (indices, _) = cr10(&stamps);
+        assert_eq!(indices.last(), Some(&39));
+    }
+}

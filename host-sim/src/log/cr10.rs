@@ -1,0 +1,178 @@
+//! CR10 mixed arrays: no header, rows of different arrays one after the other.
+//!
+//! A row is `id, year, day, hhmm[, seconds], values...`. The rows of one array
+//! are the log; the others are skipped.
+
+use std::collections::BTreeMap;
+
+use crate::error::InputError;
+
+use super::LogOptions;
+use super::cells::Cells;
+use super::number::{Unit, finite};
+use super::rows::{Layout, TimeCells, cr10_time};
+
+/// The logger's clock resolves an eighth of a second.
+const RESOLUTION_S: f64 = 0.125;
+const SECONDS: usize = 4;
+
+/// What the rows of one array look like at the beginning of the log.
+#[derive(Clone, Copy, Debug)]
+struct Array {
+    /// Fewest cells in a row.
+    width: usize,
+    /// Cell 4 holds seconds in every row.
+    seconds: bool,
+    /// Rows seen.
+    rows: usize,
+}
+
+/// Whether a line looks like a row: numbers that begin with an array number and
+/// a time stamp.
+#[must_use]
+pub fn is_row(line: &[u8]) -> bool {
+    let mut cells = Cells::default();
+    cells.cut(line, b',')
+        && array_id(line, &cells).is_some()
+        && cr10_time(line, &cells, false).is_some()
+}
+
+/// Chooses array and column from the beginning of the log and the options.
+///
+/// Without `--array-id`: the only array, or the only one with seconds. Without
+/// `--column`: the cell behind the time stamp.
+///
+/// # Errors
+/// A choice that the log does not offer, or one that only the user can make.
+pub fn layout(head: &[u8], options: &LogOptions) -> Result<Layout, InputError> {
+    let arrays = arrays(head);
+    let id = choose(&arrays, options.array_id)?;
+    let array = arrays.get(&id).copied().unwrap_or(Array { width: 0, seconds: false, rows: 0 });
+    let force = match &options.column {
+        Some(text) => column(text, array.width)?,
+        None => SECONDS + usize::from(array.seconds),
+    };
+    if force >= array.width {
+        return Err(InputError::new(format!("array {id} has no cell behind its time stamp")));
+    }
+    let seconds = array.seconds && force != SECONDS;
+    Ok(Layout {
+        separator: b',',
+        width: None,
+        time: TimeCells::Cr10 { seconds },
+        force,
+        unit: options.unit.unwrap_or(Unit::Newton),
+        record: None,
+        array_id: Some(id),
+        resolution_s: Some(if seconds { RESOLUTION_S } else { 60.0 }),
+    })
+}
+
+/// The arrays in the whole lines of `head`.
+fn arrays(head: &[u8]) -> BTreeMap<u32, Array> {
+    let mut arrays = BTreeMap::new();
+    let mut cells = Cells::default();
+    for line in head.split_inclusive(|&byte| byte == b'\n') {
+        let line = line.trim_ascii();
+        if line.starts_with(b"#") || !cells.cut(line, b',') {
+            continue;
+        }
+        let Some(id) = array_id(line, &cells) else { continue };
+        let array = arrays.entry(id).or_insert(Array { width: usize::MAX, seconds: true, rows: 0 });
+        array.rows += 1;
+        array.width = array.width.min(cells.len());
+        array.seconds &= cells.len() > SECONDS + 1 && are_seconds(cells.get(line, SECONDS));
+    }
+    arrays
+}
+
+fn array_id(line: &[u8], cells: &Cells) -> Option<u32> {
+    let id = finite(cells.get(line, 0)?)?;
+    let valid = (1.0..=9999.0).contains(&id) && id.fract().abs() < f64::EPSILON;
+    valid.then_some(id as u32)
+}
+
+fn are_seconds(cell: Option<&[u8]>) -> bool {
+    cell.and_then(finite).is_some_and(|value| {
+        (0.0..60.0).contains(&value) && (value / RESOLUTION_S).fract().abs() < f64::EPSILON
+    })
+}
+
+fn choose(arrays: &BTreeMap<u32, Array>, wanted: Option<u32>) -> Result<u32, InputError> {
+    let list = || arrays.keys().map(u32::to_string).collect::<Vec<_>>().join(", ");
+    if let Some(id) = wanted {
+        let missing = || InputError::new(format!("no array {id}; there are: {}", list()));
+        return arrays.contains_key(&id).then_some(id).ok_or_else(missing);
+    }
+    let only = |mut ids: Vec<u32>| if ids.len() == 1 { ids.pop() } else { None };
+    // One row alone may look like it by chance.
+    let timed = |array: &Array| array.seconds && array.rows > 1;
+    let with_seconds = arrays.iter().filter(|(_, array)| timed(array)).map(|(&id, _)| id);
+    only(arrays.keys().copied().collect()).or_else(|| only(with_seconds.collect())).ok_or_else(
+        || InputError::new(format!("which array is it? give --array-id ID; there are: {}", list())),
+    )
+}
+
+fn column(text: &str, width: usize) -> Result<usize, InputError> {
+    let wrong = || {
+        InputError::new(format!(
+            "no column '{text}': in a cr10 log --column is a number from 5 (1 is the array, \
+             2 to 4 its time) to {width}"
+        ))
+    };
+    let number: usize = text.parse().map_err(|_| wrong())?;
+    if (SECONDS + 1..=width).contains(&number) { Ok(number - 1) } else { Err(wrong()) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const MIXED: &[u8] = b"203,12,330,2100,2.258,66.19\n204,12,330,2102,-6999,6999\n";
+
+    fn places(
+        head: &[u8],
+        id: Option<u32>,
+        column: Option<&str>,
+    ) -> Result<(u32, usize, bool), String> {
+        let column = column.map(str::to_string);
+        let options = LogOptions { array_id: id, column, ..LogOptions::default() };
+        let layout = layout(head, &options).map_err(|e| e.to_string())?;
+        let TimeCells::Cr10 { seconds } = layout.time else { panic!("not cr10") };
+        Ok((layout.array_id.unwrap(), layout.force, seconds))
+    }
+
+    #[test]
+    fn the_only_array_needs_no_options() {
+        let head = b"# label\n101,94,100,1200,0,5.5\n101,94,100,1200,.125,5.6\n";
+        assert_eq!(places(head, None, None), Ok((101, 5, true)));
+        assert_eq!(places(head, None, Some("6")), Ok((101, 5, true)));
+        assert_eq!(places(head, None, Some("5")), Ok((101, 4, false)));
+    }
+
+    #[test]
+    fn the_only_array_with_seconds_is_taken_from_several() {
+        let head = b"203,12,330,2100,2.258,66.19\n201,12,330,2200,0,1.3\n\
+            7,12,330,2100,1.125,40\n7,12,330,2100,1.125,40\n";
+        assert_eq!(places(head, None, None), Ok((7, 5, true)));
+    }
+
+    #[test]
+    fn several_arrays_need_a_choice() {
+        let error = places(MIXED, None, None).unwrap_err();
+        assert_eq!(error, "which array is it? give --array-id ID; there are: 203, 204");
+        assert_eq!(places(MIXED, Some(203), Some("6")), Ok((203, 5, false)));
+        assert!(places(MIXED, Some(9), None).unwrap_err().starts_with("no array 9"));
+        for column in ["0", "4", "7", "force"] {
+            assert!(places(MIXED, Some(203), Some(column)).unwrap_err().starts_with("no column"));
+        }
+    }
+
+    #[test]
+    fn rows_are_told_from_other_lines() {
+        assert!(is_row(b"203,12,330,2100,2.258"));
+        assert!(!is_row(b"0.0,1.5"));
+        assert!(!is_row(b"203,12,400,2100,2.258"));
+        assert!(!is_row(b"t,force_n"));
+    }
+}

@@ -1,0 +1,97 @@
+//! What a log says about its test in `# key: value` lines.
+
+use crate::error::{InputError, excerpt};
+
+use super::number::finite;
+
+/// The keys that are known; every other comment is skipped.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Metadata {
+    /// Name of the test.
+    pub test_id: Option<String>,
+    /// Weight of the block, N.
+    pub weight_n: Option<f64>,
+    /// Slope along the pull, degrees, uphill positive.
+    pub slope_deg: Option<f64>,
+    /// Take-up speed of the winch, m/s.
+    pub winch_m_per_s: Option<f64>,
+    /// Length of the cable, m.
+    pub cable_length_m: Option<f64>,
+    /// Depth of the snow cover, mm.
+    pub snow_mm: Option<f64>,
+    /// Samples per second.
+    pub rate_hz: Option<f64>,
+    /// Largest force of the load cell, N.
+    pub range_n: Option<f64>,
+    /// Converter code at zero force.
+    pub tare_counts: Option<f64>,
+    /// Converter codes per newton.
+    pub counts_per_n: Option<f64>,
+}
+
+impl Metadata {
+    /// Takes a comment line; the last value of a key stands.
+    ///
+    /// # Errors
+    /// A known key whose value is not a finite number.
+    pub fn take(&mut self, line: &[u8]) -> Result<(), InputError> {
+        let text = String::from_utf8_lossy(line);
+        let Some((key, value)) = text.trim_start_matches('#').split_once(':') else {
+            return Ok(());
+        };
+        let (key, value) = (key.trim().to_ascii_lowercase(), value.trim());
+        if key == "test_id" {
+            self.test_id = Some(value.to_string()).filter(|id| !id.is_empty());
+        } else if let Some(field) = self.field(&key) {
+            *field = Some(finite(value.as_bytes()).ok_or_else(|| not_a_number(&key, value))?);
+        }
+        Ok(())
+    }
+
+    fn field(&mut self, key: &str) -> Option<&mut Option<f64>> {
+        Some(match key {
+            "weight_n" => &mut self.weight_n,
+            "slope_deg" => &mut self.slope_deg,
+            "winch_m_per_s" => &mut self.winch_m_per_s,
+            "cable_length_m" => &mut self.cable_length_m,
+            "snow_mm" => &mut self.snow_mm,
+            "rate_hz" => &mut self.rate_hz,
+            "range_n" => &mut self.range_n,
+            "tare_counts" => &mut self.tare_counts,
+            "counts_per_n" => &mut self.counts_per_n,
+            _ => return None,
+        })
+    }
+}
+
+fn not_a_number(key: &str, value: &str) -> InputError {
+    InputError::new(format!("'# {key}:' has {}, not a number", excerpt(value.as_bytes())))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn known_keys_are_kept_and_the_rest_skipped() {
+        let mut metadata = Metadata::default();
+        for line in ["# weight_n: 630", "#slope_deg:-2,5", "# test_id: DFF8-13", "# note: hi", "#"]
+        {
+            metadata.take(line.as_bytes()).unwrap();
+        }
+        let expected = Metadata {
+            weight_n: Some(630.0),
+            slope_deg: Some(-2.5),
+            test_id: Some("DFF8-13".to_string()),
+            ..Metadata::default()
+        };
+        assert_eq!(metadata, expected);
+    }
+
+    #[test]
+    fn a_value_that_is_no_number_is_an_error() {
+        let error = Metadata::default().take(b"# weight_n: heavy").unwrap_err();
+        assert_eq!(error.to_string(), "'# weight_n:' has 'heavy', not a number");
+        assert!(Metadata::default().take(b"# rate_hz: nan").is_err());
+    }
+}

@@ -1,0 +1,172 @@
+//! Numbers in cells, and the markers that stand for a missing one.
+
+use floe_core::{Counts, Fault, Newtons, Reading};
+
+/// Values that Campbell loggers write for a measurement that failed.
+pub const SENTINELS: [f64; 3] = [-6999.0, 6999.0, -99999.0];
+
+/// Standard gravity, m/s²: turns a mass into a weight and kgf into N.
+pub const STANDARD_GRAVITY: f64 = 9.80665;
+
+/// Unit of the force column.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum Unit {
+    /// Newtons.
+    #[value(name = "N")]
+    Newton,
+    /// Kilonewtons.
+    #[value(name = "kN")]
+    Kilonewton,
+    /// Pounds-force.
+    #[value(name = "lbf")]
+    PoundForce,
+    /// Kilograms-force.
+    #[value(name = "kgf")]
+    KilogramForce,
+    /// Codes of a converter, to be calibrated.
+    #[value(name = "counts")]
+    Counts,
+}
+
+impl Unit {
+    /// Newtons in one unit; `None` for counts.
+    #[must_use]
+    pub fn newtons(self) -> Option<f64> {
+        match self {
+            Self::Newton => Some(1.0),
+            Self::Kilonewton => Some(1e3),
+            Self::PoundForce => Some(4.448_221_615_260_5),
+            Self::KilogramForce => Some(STANDARD_GRAVITY),
+            Self::Counts => None,
+        }
+    }
+
+    /// The unit a column's name or units row states.
+    #[must_use]
+    pub fn from_label(label: &str) -> Option<Self> {
+        match label.trim().to_ascii_lowercase().as_str() {
+            "n" | "newton" | "newtons" => Some(Self::Newton),
+            "kn" => Some(Self::Kilonewton),
+            "lbf" | "lbs" | "lb" => Some(Self::PoundForce),
+            "kgf" => Some(Self::KilogramForce),
+            "counts" | "count" => Some(Self::Counts),
+            _ => None,
+        }
+    }
+}
+
+/// A decimal number, with point or comma; also NaN and infinity by name.
+///
+/// `None` if the cell is empty or holds anything else.
+#[must_use]
+pub fn number(cell: &[u8]) -> Option<f64> {
+    match fast_float2::parse(cell) {
+        Ok(value) => Some(value),
+        Err(_) => unusual_number(cell),
+    }
+}
+
+/// A leading plus or a decimal comma.
+#[cold]
+fn unusual_number(cell: &[u8]) -> Option<f64> {
+    let text = std::str::from_utf8(cell).ok()?;
+    text.replacen(',', ".", 1).parse().ok()
+}
+
+/// A finite number.
+#[must_use]
+pub fn finite(cell: &[u8]) -> Option<f64> {
+    number(cell).filter(|value| value.is_finite())
+}
+
+/// The content of a force cell.
+///
+/// Empty cells, NaN, infinities and (except for counts, where any code may be
+/// real) the [`SENTINELS`] are bad samples. `None` for what is not a number, for
+/// counts also for what is not a whole number of 32 bits.
+#[must_use]
+pub fn reading(cell: &[u8], unit: Unit) -> Option<Reading> {
+    const BAD: Reading = Reading::Bad(Fault::Sentinel);
+    if cell.is_empty() {
+        return Some(BAD);
+    }
+    let value = number(cell)?;
+    if !value.is_finite() {
+        return Some(BAD);
+    }
+    let Some(newtons) = unit.newtons() else { return counts(value) };
+    if is_sentinel(value) {
+        return Some(BAD);
+    }
+    Some(Reading::Force(Newtons((value * newtons) as f32)))
+}
+
+#[allow(clippy::float_cmp)] // a marker is written exactly
+fn is_sentinel(value: f64) -> bool {
+    value.abs() >= 6999.0 && SENTINELS.contains(&value)
+}
+
+fn counts(value: f64) -> Option<Reading> {
+    let whole = value.fract().abs() < f64::EPSILON;
+    let in_range = (f64::from(i32::MIN)..=f64::from(i32::MAX)).contains(&value);
+    (whole && in_range).then_some(Reading::Counts(Counts(value as i32)))
+}
+
+#[cfg(test)]
+#[allow(clippy::float_cmp)] // exact by construction
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_as_loggers_write_them() {
+        let table: [(&str, Option<f64>); 12] = [
+            ("1.25", Some(1.25)),
+            ("-.22", Some(-0.22)),
+            (".5", Some(0.5)),
+            ("5.", Some(5.0)),
+            ("+5", Some(5.0)),
+            ("1e-3", Some(0.001)),
+            ("1,25", Some(1.25)),
+            ("-0,5", Some(-0.5)),
+            ("1,234,5", None),
+            ("abc", None),
+            ("1.2.3", None),
+            ("", None),
+        ];
+        for (text, expected) in table {
+            assert_eq!(number(text.as_bytes()), expected, "{text}");
+        }
+    }
+
+    #[test]
+    fn markers_are_bad_samples_and_text_is_an_error() {
+        let bad = ["-6999", "6999", "-99999", "-6999.0", "NAN", "nan", "", "inf", "-INF", "1e999"];
+        for text in bad {
+            let expected = Some(Reading::Bad(Fault::Sentinel));
+            assert_eq!(reading(text.as_bytes(), Unit::Newton), expected, "{text}");
+        }
+        for text in ["abc", "-", "12 N", "0x10", "--5"] {
+            assert_eq!(reading(text.as_bytes(), Unit::Newton), None, "{text}");
+        }
+    }
+
+    #[test]
+    fn units_become_newtons() {
+        let newtons = |unit| match reading(b"2", unit) {
+            Some(Reading::Force(Newtons(force))) => force,
+            other => panic!("{other:?}"),
+        };
+        assert_eq!(newtons(Unit::Newton), 2.0);
+        assert_eq!(newtons(Unit::Kilonewton), 2000.0);
+        assert_eq!(newtons(Unit::PoundForce), 8.896_443);
+        assert_eq!(newtons(Unit::KilogramForce), 19.6133);
+    }
+
+    #[test]
+    fn counts_are_whole_and_have_no_markers() {
+        assert_eq!(reading(b"6999", Unit::Counts), Some(Reading::Counts(Counts(6999))));
+        assert_eq!(reading(b"1.5", Unit::Counts), None);
+        assert_eq!(reading(b"3e9", Unit::Counts), None);
+        assert_eq!(reading(b"nan", Unit::Counts), Some(Reading::Bad(Fault::Sentinel)));
+    }
+}

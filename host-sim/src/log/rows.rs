@@ -1,0 +1,206 @@
+//! Rows of a text log: a time stamp and a reading each.
+
+use floe_core::Reading;
+
+use crate::error::{InputError, excerpt};
+
+use super::cells::Cells;
+use super::lines::Lines;
+use super::metadata::Metadata;
+use super::number::{Unit, finite, reading};
+use super::stamp::{cr10_seconds, toa5_seconds};
+
+/// Where in a row everything is; found from the header, or given.
+///
+/// Cells are counted from 0.
+#[derive(Clone, Debug)]
+pub struct Layout {
+    /// Separator of the cells.
+    pub separator: u8,
+    /// Cells in a row; `None`: as many as the first row has.
+    pub width: Option<usize>,
+    /// The time stamp.
+    pub time: TimeCells,
+    /// The force.
+    pub force: usize,
+    /// Its unit.
+    pub unit: Unit,
+    /// The record number, if there is one.
+    pub record: Option<usize>,
+    /// Only rows that begin with this number belong to the log.
+    pub array_id: Option<u32>,
+    /// Step of the stamps if the format has coarse ones, s.
+    pub resolution_s: Option<f64>,
+}
+
+/// How a row tells its time.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TimeCells {
+    /// Seconds in one cell.
+    Seconds(usize),
+    /// A TOA5 stamp in one cell.
+    Toa5(usize),
+    /// Year, day and hhmm in cells 1 to 3, perhaps seconds in cell 4.
+    Cr10 {
+        /// Cell 4 holds seconds.
+        seconds: bool,
+    },
+}
+
+/// One row of a log.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Row {
+    /// The stamp, s.
+    pub time_s: f64,
+    /// What was measured.
+    pub reading: Reading,
+    /// Records since the row before, at least 1, where the log numbers them.
+    pub records: u32,
+}
+
+/// Reads row by row.
+#[derive(Debug)]
+pub struct Rows {
+    /// What comments have said so far.
+    pub metadata: Metadata,
+    lines: Lines,
+    layout: Layout,
+    cells: Cells,
+    last_time_s: f64,
+    last_record: Option<f64>,
+    truncated: Option<u64>,
+}
+
+impl Rows {
+    /// Continues behind the header.
+    #[must_use]
+    pub fn new(lines: Lines, layout: Layout, metadata: Metadata) -> Self {
+        Self {
+            metadata,
+            lines,
+            layout,
+            cells: Cells::default(),
+            last_time_s: f64::NEG_INFINITY,
+            last_record: None,
+            truncated: None,
+        }
+    }
+
+    /// The next row, `None` at the end or where the last line is cut off.
+    ///
+    /// # Errors
+    /// A row that cannot be used, with its line number.
+    pub fn next_row(&mut self) -> Result<Option<Row>, InputError> {
+        while let Some(line) = self.lines.next_line()? {
+            let result = match line.bytes.trim_ascii_start().first() {
+                None => Ok(None),
+                Some(b'#') => self.metadata.take(line.bytes).map(|()| None),
+                Some(_) => self.layout.row(line.bytes, line.ended, &mut self.cells),
+            };
+            match result {
+                Ok(None) => {}
+                Ok(Some((row, record))) => {
+                    let number = line.number;
+                    return self.follow(row, record).map(Some).map_err(|e| at_line(e, number));
+                }
+                Err(_) if !line.ended => {
+                    self.truncated = Some(line.number);
+                    return Ok(None);
+                }
+                Err(error) => return Err(at_line(error, line.number)),
+            }
+        }
+        Ok(None)
+    }
+
+    /// Line number of a last line that was cut off and left out.
+    #[must_use]
+    pub fn truncated(&self) -> Option<u64> {
+        self.truncated
+    }
+
+    /// Where the rows' cells are.
+    #[must_use]
+    pub fn layout(&self) -> &Layout {
+        &self.layout
+    }
+
+    /// Checks a row against the one before.
+    fn follow(&mut self, mut row: Row, record: Option<f64>) -> Result<Row, InputError> {
+        // A scan at the edge of a clock step may carry the step before.
+        let jitter_s = self.layout.resolution_s.filter(|&step| step < 1.0).unwrap_or(0.0);
+        if row.time_s < self.last_time_s - jitter_s {
+            return Err(InputError::new(format!(
+                "time goes back by {:.6} s; cut the log there, or sort it",
+                self.last_time_s - row.time_s
+            )));
+        }
+        self.last_time_s = row.time_s;
+        if let (Some(last), Some(record)) = (self.last_record, record) {
+            row.records = (record - last).max(1.0) as u32;
+        }
+        self.last_record = record;
+        Ok(row)
+    }
+}
+
+fn at_line(error: InputError, number: u64) -> InputError {
+    error.within(format_args!("line {number}"))
+}
+
+impl Layout {
+    /// A row with its record number; `None` for a row of another array.
+    fn row(
+        &mut self,
+        line: &[u8],
+        ended: bool,
+        cells: &mut Cells,
+    ) -> Result<Option<(Row, Option<f64>)>, InputError> {
+        if !cells.cut(line, self.separator) {
+            return Err(InputError::new("a quote is not closed"));
+        }
+        if self.array_id.is_some_and(|id| !begins_with(cells.get(line, 0), id)) {
+            return Ok(None);
+        }
+        let width = *self.width.get_or_insert(cells.len());
+        if cells.len() != width {
+            return Err(InputError::new(format!("{} cells instead of {width}", cells.len())));
+        }
+        let force = cells.get(line, self.force).unwrap_or_default();
+        if !ended && force.is_empty() {
+            return Err(InputError::new("the force is cut off"));
+        }
+        let reading = reading(force, self.unit).ok_or_else(|| self.no_force(force))?;
+        let row = Row { time_s: self.time_s(line, cells)?, reading, records: 1 };
+        let record = self.record.and_then(|cell| finite(cells.get(line, cell)?));
+        Ok(Some((row, record)))
+    }
+
+    fn no_force(&self, cell: &[u8]) -> InputError {
+        let kind = if self.unit == Unit::Counts { "whole number of counts" } else { "number" };
+        let place = self.force + 1;
+        InputError::new(format!("force cell {place} holds {}, not a {kind}", excerpt(cell)))
+    }
+
+    fn time_s(&self, line: &[u8], cells: &Cells) -> Result<f64, InputError> {
+        let cell = |index| cells.get(line, index).unwrap_or_default();
+        let (text, time) = match self.time {
+            TimeCells::Seconds(index) => (cell(index), finite(cell(index))),
+            TimeCells::Toa5(index) => (cell(index), toa5_seconds(cell(index))),
+            TimeCells::Cr10 { seconds } => (line, cr10_time(line, cells, seconds)),
+        };
+        time.ok_or_else(|| InputError::new(format!("no time can be read from {}", excerpt(text))))
+    }
+}
+
+fn begins_with(cell: Option<&[u8]>, id: u32) -> bool {
+    cell.and_then(finite).is_some_and(|value| (value - f64::from(id)).abs() < 0.5)
+}
+
+/// The time of a mixed-array row, its stamp in cells 1 to 3 or 1 to 4.
+#[must_use]
+pub fn cr10_time(line: &[u8], cells: &Cells, seconds: bool) -> Option<f64> {
+    let cell = |index| cells.get(line, index).and_then(finite);
+    let second = if seconds { cell(4)? } else { 0.0 };
+    cr10_seconds(cell(1)?, cell(2)?, cell(3)?, second)
+}

@@ -1,0 +1,90 @@
+//! TOA5: Campbell's text table with four header lines.
+
+use crate::error::{InputError, excerpt};
+
+use super::LogOptions;
+use super::cells::texts;
+use super::csv::{find, no_column, there_are};
+use super::number::Unit;
+use super::rows::{Layout, TimeCells};
+
+/// Finds the columns in the second and third header line: names and units.
+///
+/// Without `--column` it is `force_n`, `force_kn` or the only column whose unit
+/// is one of force.
+///
+/// # Errors
+/// A column that is not there, or a unit that is not one of force.
+pub fn layout(names: &[u8], units: &[u8], options: &LogOptions) -> Result<Layout, InputError> {
+    let names = texts(names, b',');
+    let units = texts(units, b',');
+    let time = find(&names, "TIMESTAMP")
+        .ok_or_else(|| InputError::new(format!("no TIMESTAMP column; {}", there_are(&names))))?;
+    let force = match &options.column {
+        Some(name) => find(&names, name).ok_or_else(|| no_column(name, &names))?,
+        None => default_force(&names, &units)?,
+    };
+    let label = units.get(force).map_or("", String::as_str);
+    let unit = options.unit.or_else(|| unit(label)).ok_or_else(|| {
+        let label = excerpt(label.as_bytes());
+        InputError::new(format!("the column's unit is {label}: give --unit N|kN|lbf|kgf|counts"))
+    })?;
+    Ok(Layout {
+        separator: b',',
+        width: Some(names.len()),
+        time: TimeCells::Toa5(time),
+        force,
+        unit,
+        record: find(&names, "RECORD"),
+        array_id: None,
+        resolution_s: None,
+    })
+}
+
+/// No label means newtons, as for a named column of a CSV file.
+fn unit(label: &str) -> Option<Unit> {
+    if label.is_empty() { Some(Unit::Newton) } else { Unit::from_label(label) }
+}
+
+fn default_force(names: &[String], units: &[String]) -> Result<usize, InputError> {
+    let named = ["force_n", "force_kn"].iter().find_map(|name| find(names, name));
+    let is_force = |&i: &usize| {
+        units.get(i).and_then(|u| Unit::from_label(u)).is_some_and(|u| u.newtons().is_some())
+    };
+    let mut by_unit = (0..names.len()).filter(is_force);
+    let only = by_unit.next().filter(|_| by_unit.next().is_none());
+    named.or(only).ok_or_else(|| {
+        let there_are = there_are(names);
+        InputError::new(format!("which column is the force? give --column NAME; {there_are}"))
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const NAMES: &[u8] = b"\"TIMESTAMP\",\"RECORD\",\"Pull\",\"Batt\"";
+
+    fn places(units: &str, options: &LogOptions) -> Result<(usize, Unit), String> {
+        let layout = layout(NAMES, units.as_bytes(), options).map_err(|e| e.to_string())?;
+        assert_eq!((layout.time, layout.record), (TimeCells::Toa5(0), Some(1)));
+        Ok((layout.force, layout.unit))
+    }
+
+    #[test]
+    fn the_units_row_tells_column_and_unit() {
+        let options = LogOptions::default();
+        assert_eq!(places("TS,RN,kN,Volts", &options), Ok((2, Unit::Kilonewton)));
+        assert!(places("TS,RN,kN,N", &options).unwrap_err().contains("--column NAME"));
+        assert!(places("TS,RN,,", &options).unwrap_err().contains("--column NAME"));
+    }
+
+    #[test]
+    fn a_named_column_needs_a_unit_of_force() {
+        let mut options = LogOptions { column: Some("Batt".to_string()), ..LogOptions::default() };
+        assert_eq!(places("TS,RN,kN,", &options), Ok((3, Unit::Newton)));
+        assert!(places("TS,RN,kN,Volts", &options).unwrap_err().contains("is 'Volts'"));
+        options.unit = Some(Unit::PoundForce);
+        assert_eq!(places("TS,RN,kN,Volts", &options), Ok((3, Unit::PoundForce)));
+    }
+}

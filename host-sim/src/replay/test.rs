@@ -1,0 +1,73 @@
+//! What was pulled: from the options, else from the log.
+
+use floe_core::{Calibration, Config};
+
+use crate::error::InputError;
+use crate::log::{Log, STANDARD_GRAVITY, Unit};
+
+/// What the caller says about the test.
+#[derive(Clone, Debug, Default, clap::Args)]
+pub struct TestOptions {
+    /// Weight of the block in newtons [default: `# weight_n:` in the log]
+    #[arg(long, value_name = "W", allow_negative_numbers = true)]
+    pub weight_n: Option<f64>,
+    /// Mass of the block in kilograms, instead of its weight (times 9.80665 m/s²)
+    #[arg(long, value_name = "M", allow_negative_numbers = true, conflicts_with = "weight_n")]
+    pub mass_kg: Option<f64>,
+    /// Slope of the ice along the pull in degrees, uphill positive
+    /// [default: `# slope_deg:` in the log, else 0]
+    #[arg(long, value_name = "A", allow_negative_numbers = true)]
+    pub slope_deg: Option<f64>,
+    /// Converter code at zero force, for --unit counts
+    #[arg(long, value_name = "C", allow_negative_numbers = true)]
+    pub tare_counts: Option<i32>,
+    /// Converter codes per newton, for --unit counts
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    pub counts_per_n: Option<f64>,
+}
+
+/// The core's configuration for a log.
+///
+/// # Errors
+/// The weight is not known, a force in counts has no calibration, or a value is
+/// out of its range.
+pub fn configure(log: &Log, options: &TestOptions) -> Result<Config, InputError> {
+    let said = log.metadata();
+    let weight_n = options.weight_n.or(options.mass_kg.map(|mass| mass * STANDARD_GRAVITY));
+    let weight_n = weight_n.or(said.weight_n).ok_or_else(|| {
+        InputError::new(
+            "the block's weight is not known: give --weight-n W or --mass-kg M, \
+             or put '# weight_n: W' into the log",
+        )
+    })?;
+    let slope_deg = options.slope_deg.or(said.slope_deg).unwrap_or(0.0);
+    let config = Config {
+        rate_hz: log.rate_hz() as f32,
+        weight_n: weight_n as f32,
+        slope_rad: slope_deg.to_radians() as f32,
+        winch_m_per_s: said.winch_m_per_s.map(|speed| speed as f32),
+        range_n: said.range_n.map(|range| range as f32),
+        calibration: calibration(log, options)?,
+    };
+    let given = format!("weight {weight_n} N, slope {slope_deg}°");
+    config.validate().map_err(|error| InputError::new(format!("{error} ({given})")))?;
+    Ok(config)
+}
+
+fn calibration(log: &Log, options: &TestOptions) -> Result<Calibration, InputError> {
+    let said = log.metadata();
+    let mut calibration = Calibration::default();
+    if log.unit() != Unit::Counts {
+        return Ok(calibration);
+    }
+    let missing = "a force in counts needs --tare-counts and --counts-per-n, \
+                   or '# tare_counts:' and '# counts_per_n:' in the log";
+    let tare = options.tare_counts.or(said.tare_counts.map(|tare| tare.round() as i32));
+    let span = options.counts_per_n.or(said.counts_per_n);
+    let (Some(tare_counts), Some(span)) = (tare, span) else {
+        return Err(InputError::new(missing));
+    };
+    calibration.tare_counts = tare_counts;
+    calibration.counts_per_n = span as f32;
+    Ok(calibration)
+}
