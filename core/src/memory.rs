@@ -97,7 +97,9 @@ mod tests {
         let mut memory = Memory::new();
         for _ in 0..60 {
             let error = |length: f32| 1.0 + 0.2 * (length / best).ln().abs();
-            (0..26).for_each(|_| memory.compare(error(length(memory.step)), error(length(memory.trial()))));
+            (0..26).for_each(|_| {
+                memory.compare(error(length(memory.step)), error(length(memory.trial())))
+            });
             memory.decide();
         }
         length(memory.step)

@@ -102,7 +102,8 @@ impl Noise {
         self.row[4] = force_n;
         let [a, b, c, d, e] = self.row;
         let step = (e - d).abs();
-        if self.filled >= 2 && step > 0.0 && (self.resolution_n <= 0.0 || step < self.resolution_n) {
+        if self.filled >= 2 && step > 0.0 && (self.resolution_n <= 0.0 || step < self.resolution_n)
+        {
             self.resolution_n = step;
         }
         // The events tell it better: no need to go on.

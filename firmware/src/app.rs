@@ -3,7 +3,7 @@
 use core::fmt::Write as _;
 
 use embedded_io::{Read, ReadReady, Write};
-use floe_core::{Phase, Pipeline, Report};
+use floe_core::{Event, Phase, Pipeline, Report};
 
 use crate::average::{Average, MOST};
 use crate::command::{Command, HELP};
@@ -228,6 +228,8 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
         }
     }
 
+    // Kept out of the main loop's frame: a new pipeline passes through here.
+    #[inline(never)]
     fn execute(&mut self, command: Command) -> Result<(), &'static str> {
         match command {
             Command::Status => self.status(),
@@ -276,19 +278,25 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
         if !self.testing() {
             return Err("no test is running");
         }
-        if let Job::Test(mut test) = core::mem::replace(&mut self.job, Job::Idle) {
-            while let Some(event) = test.pipeline.finish() {
-                self.tell(&Line::Event(event));
-            }
-            self.tell(&Line::Report(test.pipeline.report()));
+        while let Some(event) = self.finish_event() {
+            self.tell(&Line::Event(event));
+        }
+        if let Some(report) = self.view().report {
+            self.tell(&Line::Report(report));
         }
         self.tell(&Line::Health(self.health()));
         self.tell(&Line::End { run: self.run });
+        self.job = Job::Idle;
         log::info!("test {} ends", self.run);
         let stored = self.journal.flush();
         self.journal.begin(0, 0, &self.settings);
         self.check_store(stored.is_err());
         Ok(())
+    }
+
+    /// What the pipeline still holds back.
+    fn finish_event(&mut self) -> Option<Event> {
+        if let Job::Test(test) = &mut self.job { test.pipeline.finish() } else { None }
     }
 
     fn abort(&mut self) {
@@ -408,7 +416,7 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
     fn tell(&mut self, line: &Line<'_>) {
         let Ok(text) = line.to_text() else { return };
         self.console.say(&text);
-        if self.testing() || matches!(line, Line::Report(_) | Line::End { .. }) {
+        if self.testing() {
             self.journal.line(&text);
         }
     }

@@ -1,17 +1,17 @@
 //! A compiler for the board, `thumbv7em-none-eabihf`, wherever there is one.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Duration;
 
-use crate::shell::{output, root, run_within, say};
+use crate::shell::{output, root, run, run_within, say};
 use crate::{Result, apt};
 
 /// The board's architecture.
 pub const TARGET: &str = "thumbv7em-none-eabihf";
 
 /// Where the compiler comes from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum Route {
     /// The toolchain that runs this program knows the target already.
     Installed,
@@ -22,22 +22,14 @@ pub enum Route {
 }
 
 impl Route {
-    /// The first route that works, or the one that is forced by `--arm ROUTE`
-    /// or `FLOE_ARM=ROUTE`.
+    /// The first route that works, or the one that was forced.
     ///
     /// # Errors
     /// No route works; says what each said.
-    pub fn find(arguments: &[String]) -> Result<Self> {
-        let forced = arguments
-            .windows(2)
-            .find_map(|w| (w[0] == "--arm").then(|| w[1].clone()))
-            .or_else(|| std::env::var("FLOE_ARM").ok());
-        let candidates = match forced.as_deref() {
+    pub fn find(forced: Option<Self>) -> Result<Self> {
+        let candidates = match forced {
             None => vec![Self::Installed, Self::Rustup, Self::Debian],
-            Some("installed") => vec![Self::Installed],
-            Some("rustup") => vec![Self::Rustup],
-            Some("debian") => vec![Self::Debian],
-            Some(other) => return Err(format!("no ARM route {other}: installed, rustup, debian")),
+            Some(route) => vec![route],
         };
         let mut reasons = Vec::new();
         for route in candidates {
@@ -64,6 +56,18 @@ impl Route {
             command.args(["-Z", "build-std=core"]);
         }
         command
+    }
+
+    /// Builds a program of the firmware and gives its file.
+    ///
+    /// # Errors
+    /// It does not build.
+    pub fn build_firmware(self, program: &str, features: &str) -> Result<PathBuf> {
+        let mut command = self.cargo("build");
+        command.args(["--package", "floe-firmware", "--bin", program]);
+        command.args(["--features", features, "--profile", "firmware"]);
+        run(&mut command)?;
+        Ok(root().join("target/arm").join(TARGET).join("firmware").join(program))
     }
 
     fn describe(self) -> &'static str {

@@ -1,40 +1,50 @@
-//! Every job around the project: `cargo xtask` lists them.
+//! Every job around the project: `cargo xtask help` lists them.
 #![forbid(unsafe_code)]
 
 mod apt;
 mod arm;
+mod emulate;
 mod qemu;
 mod shell;
 mod test;
 
 use std::process::ExitCode;
 
+use clap::{Parser, Subcommand};
+
 /// What went wrong, as one line for a person.
 type Result<T> = std::result::Result<T, String>;
 
-const USAGE: &str = "\
-cargo xtask JOB
-  test [--arm ROUTE]   everything: format, clippy, host tests, the board's code
-ROUTE (or FLOE_ARM=ROUTE) forces where the ARM compiler comes from:
-  installed            the present toolchain already has thumbv7em-none-eabihf
-  rustup               rustup target add thumbv7em-none-eabihf
-  debian               Debian's rustc-web, cargo-web, rust-web-src and lld";
+/// One command for every job around the project
+#[derive(Debug, Parser)]
+#[command(name = "cargo xtask")]
+struct Cli {
+    /// Where the compiler for the board comes from [default: the first that works]
+    #[arg(long, global = true, env = "FLOE_ARM", value_enum)]
+    arm: Option<arm::Route>,
+    #[command(subcommand)]
+    job: Job,
+}
+
+#[derive(Debug, Subcommand)]
+enum Job {
+    /// Everything: format, clippy, host tests, the firmware in the emulator
+    Test,
+    /// Run a log through the firmware in the emulator
+    Emulate(emulate::Args),
+}
 
 fn main() -> ExitCode {
-    let arguments: Vec<String> = std::env::args().skip(1).collect();
-    match run(&arguments) {
+    let cli = Cli::parse();
+    let done = match &cli.job {
+        Job::Test => test::run(cli.arm),
+        Job::Emulate(args) => emulate::run(args, cli.arm),
+    };
+    match done {
         Ok(()) => ExitCode::SUCCESS,
         Err(message) => {
             eprintln!("xtask: {message}");
             ExitCode::from(2)
         }
-    }
-}
-
-fn run(arguments: &[String]) -> Result<()> {
-    let (job, rest) = arguments.split_first().ok_or_else(|| USAGE.to_string())?;
-    match job.as_str() {
-        "test" => test::run(rest),
-        _ => Err(format!("unknown job {job}\n{USAGE}")),
     }
 }

@@ -35,14 +35,14 @@ impl Tally {
 ///
 /// # Errors
 /// Some step failed.
-pub fn run(arguments: &[String]) -> Result<()> {
+pub fn run(forced: Option<Route>) -> Result<()> {
     let mut tally = Tally { passed: Vec::new(), failed: Vec::new() };
     tally.step("format", || component("rustfmt", cargo().args(["fmt", "--all", "--check"])));
     tally.step("clippy", || component("clippy", &mut clippy()));
     tally.step("host tests", || shell::run(cargo().args(["test", "--workspace"])));
     let mut route = None;
     tally.step("ARM compiler", || {
-        route = Some(Route::find(arguments)?);
+        route = Some(Route::find(forced)?);
         Ok(())
     });
     if let Some(route) = route {

@@ -19,10 +19,13 @@ mod target {
 
     type Adc = Ads122<SerialBus<AdcLine, Delay>, Delay>;
 
+    type Logger = App<'static, ConsoleFiles, CardLog<CardFile>>;
+
     #[entry]
     fn main() -> ! {
         static SHARED: Shared = Shared::new();
         static QUEUE: StaticCell<SampleQueue> = StaticCell::new();
+        static APP: StaticCell<Logger> = StaticCell::new();
         static SAMPLER: StaticCell<Sampler<'static, Adc>> = StaticCell::new();
 
         mps2::start_clock();
@@ -34,7 +37,7 @@ mod target {
         let adc = Ads122::new(SerialBus::new(line, Delay), Delay);
         let sampler = SAMPLER.init(Sampler::new(adc, producer, &SHARED));
         let card = CardLog::new(CardFile::open(), LOG_SECTORS);
-        let mut app = App::new(consumer, &SHARED, console, card, CLOCK_HZ);
+        let app = APP.init_with(|| App::new(consumer, &SHARED, console, card, CLOCK_HZ));
         app.turn();
         mps2::start_tick(sampler);
         loop {

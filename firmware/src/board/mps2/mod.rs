@@ -115,9 +115,17 @@ impl DelayNs for Delay {
     }
 }
 
-/// Bytes of stack that were never used.
+/// Ends the emulation with an exit code, after saying how deep the stack was.
+pub fn finish(code: i32) -> ! {
+    let (used, size) = stack_used();
+    semihosting::eprintln!("stack {used} of {size} bytes");
+    semihosting::process::exit(code)
+}
+
+/// Bytes of the stack that were ever used, and its size: the reset code has
+/// painted it.
 #[must_use]
-pub fn stack_left() -> u32 {
+pub fn stack_used() -> (usize, usize) {
     unsafe extern "C" {
         static _stack_end: u32;
         static _stack_start: u32;
@@ -128,7 +136,7 @@ pub fn stack_left() -> u32 {
     while word < start && unsafe { read_volatile(word) } == cortex_m_rt::STACK_PAINT_VALUE {
         word = word.wrapping_add(1);
     }
-    (word as usize - end as usize) as u32
+    (start as usize - word as usize, start as usize - end as usize)
 }
 
 fn read(register: usize) -> u32 {
