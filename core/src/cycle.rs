@@ -8,6 +8,7 @@ use crate::event::{Coefficient, Event, Quality, Reason, SampleTime};
 use crate::fit::{Data, Fit, Point, Prior};
 use crate::line::Line;
 use crate::model::{self, Cycle, Gradient};
+use crate::residuals::Residuals;
 use crate::shared::{Shared, without_prior};
 use crate::window::Window;
 
@@ -35,9 +36,30 @@ struct Pending {
     length: usize,
     peak: Extreme,
     low: Extreme,
+    /// What the extremes alone tell, for a slip that the samples hardly resolve.
+    rough: Rough,
     fit: Option<Fit>,
     /// A saturated sample, or too many missing ones, between the lines.
     hidden: bool,
+}
+
+/// Loading rate, N per period, and omega, rad per period, to within a factor of two.
+#[derive(Clone, Copy, Debug, Default)]
+struct Rough {
+    rate: f32,
+    omega: f32,
+    /// Half-way down, periods from the event's origin.
+    middle: f32,
+}
+
+impl Rough {
+    /// The slip lies around its middle: as much as one sample in between can tell,
+    /// for the slips that have no more.
+    fn onset(&self, noise_n2: f32) -> Prior {
+        let slide = core::f32::consts::PI / self.omega;
+        let spread = 0.3 * slide.max(1.0);
+        Prior { mean: self.middle - 0.5 * slide, weight: noise_n2 / (spread * spread) }
+    }
 }
 
 /// Builds events.
@@ -47,35 +69,12 @@ pub struct Cycles {
     pending: Option<Pending>,
     rate: Shared,
     omega: Shared,
+    bend: Shared,
     residuals: Residuals,
     /// Stop of the last event.
     last_stop: Option<SampleTime>,
+    last_low: Option<Extreme>,
     count: u32,
-}
-
-/// Residuals of the fits, pooled over the events: the noise that is reported.
-#[derive(Clone, Copy, Debug, Default)]
-struct Residuals {
-    squares_n2: f32,
-    free: f32,
-}
-
-impl Residuals {
-    /// Degrees of freedom after which old events fade.
-    const MEMORY: f32 = 8000.0;
-
-    fn add(&mut self, squares_n2: f32, free: f32) {
-        if self.free > Self::MEMORY {
-            self.squares_n2 *= 0.5;
-            self.free *= 0.5;
-        }
-        self.squares_n2 += squares_n2;
-        self.free += free;
-    }
-
-    fn variance_n2(&self) -> Option<f32> {
-        (self.free >= 1.0).then(|| self.squares_n2 / self.free)
-    }
 }
 
 impl Cycles {
@@ -87,8 +86,10 @@ impl Cycles {
             pending: None,
             rate: Shared::default(),
             omega: Shared::default(),
+            bend: Shared::default(),
             residuals: Residuals::default(),
             last_stop: None,
+            last_low: None,
             count: 0,
         }
     }
@@ -120,6 +121,9 @@ impl Cycles {
         let finished = self.complete(stick, window, peak);
         let now = detector.last().index;
         let mut next = Pending::new(stick, self.start(stick), window, now, (peak, low));
+        next.rough = self.rough(stick, (peak, low));
+        next.rough.middle = next.crossing();
+        self.last_low = Some(low);
         next.hidden |= last_hidden.is_some_and(|index| index + 4 >= stick.next);
         let noise_n2 = self.residuals.variance_n2().unwrap_or(noise_n * noise_n);
         next.fit = self.fit(&next, &Line::default(), noise_n2);
@@ -130,6 +134,22 @@ impl Cycles {
     /// Completes the pending event with what there is of its stick line.
     pub fn finish(&mut self, stick: &Stick, window: &Window, last: Extreme) -> Option<Event> {
         self.complete(stick, window, last)
+    }
+
+    /// The loading rate from the last lowest sample to this highest one, omega from
+    /// the time of the fall.
+    fn rough(&self, stick: &Stick, (peak, low): (Extreme, Extreme)) -> Rough {
+        let climb = self
+            .last_low
+            .filter(|last| last.index < peak.index)
+            .map(|last| (peak.force_n - last.force_n) / (peak.index - last.index) as f32);
+        let line = stick.line.slope().filter(|_| stick.line.count >= 4);
+        let least = 1e-4 * (peak.force_n - low.force_n);
+        Rough {
+            rate: line.or(climb).unwrap_or(0.0).max(least),
+            omega: core::f32::consts::PI / ((low.index - peak.index) as f32).max(0.7),
+            middle: 0.0,
+        }
     }
 
     /// First index of an event's samples: where the stick line ends, or right after
@@ -157,7 +177,9 @@ impl Cycles {
         let data = self.data(pending, after, noise_n2);
         match pending.fit {
             Some(first) => data.fit(&first.cycle, noise_n2),
-            None => data.fit(&pending.guess(&data)?, noise_n2),
+            None => {
+                data.fit(&pending.guess(&data, self.omega.prior(noise_n2).weight > 0.0)?, noise_n2)
+            }
         }
     }
 
@@ -166,10 +188,22 @@ impl Cycles {
             before: &pending.before,
             points: pending.points.get(..pending.length).unwrap_or_default(),
             after,
-            rate: self.rate.prior(noise_n2),
-            omega: self.omega.prior(noise_n2),
-            onset: Prior::default(),
+            rate: expected(&self.rate, pending.rough.rate, noise_n2),
+            omega: expected(&self.omega, pending.rough.omega, noise_n2),
+            bend: self.bend_prior(noise_n2),
+            onset: pending.rough.onset(noise_n2),
         }
+    }
+
+    /// Until the events tell otherwise the winch turns steadily.
+    fn bend_prior(&self, noise_n2: f32) -> Prior {
+        const STEADY: f32 = 0.003;
+        let learnt = self.bend.prior(noise_n2);
+        if learnt.weight > 0.0 {
+            return learnt;
+        }
+        let spread = STEADY * self.rate.mean().unwrap_or(0.0);
+        Prior { mean: 0.0, weight: if spread > 0.0 { noise_n2 / (spread * spread) } else { 1e9 } }
     }
 
     fn event(&mut self, pending: &Pending, after: &Line, fit: Option<&Fit>) -> Event {
@@ -192,23 +226,27 @@ impl Cycles {
 
     /// Carries the event's own loading rate and omega to the next ones.
     fn learn(&mut self, data: &Data<'_>, fit: &Fit, noise_n2: f32) {
-        const RATE: Gradient = [0.0, 1.0, 0.0, 0.0, 0.0];
-        const OMEGA: Gradient = [0.0, 0.0, 0.0, 0.0, 1.0];
-        let own = |value: f32, unit: &Gradient, prior: Prior| {
-            let variance = noise_n2 * fit.information.covariance(unit, unit);
+        let own = |value: f32, unknown: usize, prior: Prior| {
+            let variance = noise_n2 * fit.variance(unknown);
             without_prior(value, variance, prior, noise_n2)
         };
-        if let Some((value, variance)) = own(fit.cycle.rate, &RATE, data.rate) {
-            self.rate.add(value, variance);
-        }
-        if let Some((value, variance)) = own(fit.cycle.omega, &OMEGA, data.omega) {
-            self.omega.add(value, variance);
+        let cycle = &fit.cycle;
+        for (shared, value, unknown, prior) in [
+            (&mut self.rate, cycle.rate, 1, data.rate),
+            (&mut self.omega, cycle.omega, 4, data.omega),
+            (&mut self.bend, cycle.bend, 5, data.bend),
+        ] {
+            let own = own(value, unknown, prior);
+            // The loading rate and omega are above zero; the bend may have any sign.
+            if let Some((value, variance)) = own.filter(|own| unknown == 5 || own.0 > 0.0) {
+                shared.add(value, variance);
+            }
         }
     }
 
     fn measured(&mut self, pending: &Pending, fit: &Fit, noise_n2: f32) -> Event {
-        const STATIC: Gradient = [0.0, 0.0, 1.0, 0.0, 0.0];
-        const DYNAMIC: Gradient = [0.0, 0.0, 1.0, -1.0, 0.0];
+        const STATIC: Gradient = [0.0, 0.0, 1.0, 0.0, 0.0, 0.0];
+        const DYNAMIC: Gradient = [0.0, 0.0, 1.0, -1.0, 0.0, 0.0];
         let site = self.site;
         let (_, cos) = crate::math::sin_cos(site.slope_rad);
         let coefficient = |force_n: f32, unit: &Gradient| {
@@ -269,6 +307,7 @@ impl Cycles {
             static_n: pending.peak.force_n,
             half_drop_n: 0.5 * drop,
             omega: core::f32::consts::PI / fall.max(1.0),
+            bend: 0.0,
         };
         let mut event = self.bare(pending, &cycle);
         event.quality =
@@ -297,6 +336,7 @@ impl Pending {
             length: 0,
             peak,
             low,
+            rough: Rough::default(),
             fit: None,
             hidden: false,
         };
@@ -332,15 +372,11 @@ impl Pending {
 
     /// A first guess: the lines' level and slope, half-way down in time, and the
     /// slip's length that fits best of a few.
-    fn guess(&self, data: &Data<'_>) -> Option<Cycle> {
+    fn guess(&self, data: &Data<'_>, known_omega: bool) -> Option<Cycle> {
         let drop = self.peak.force_n - self.low.force_n;
-        let peak_time = since(self.origin, self.peak.index);
-        let low_time = since(self.origin, self.low.index);
-        let slope = if data.rate.weight > 0.0 { Some(data.rate.mean) } else { self.before.slope() };
-        let rate = slope.unwrap_or(0.0).max(1e-4 * drop);
+        let rate = data.rate.mean;
         let half_drop_n = 0.5 * drop;
-        let middle =
-            self.crossing(self.peak.force_n - half_drop_n).unwrap_or(0.5 * (peak_time + low_time));
+        let middle = self.rough.middle;
         let with_slide = |slide: f32| {
             let phase = crate::math::atan2(rate * slide, core::f32::consts::PI * half_drop_n);
             let onset = middle - 0.5 * slide;
@@ -350,42 +386,56 @@ impl Pending {
                 self.peak.force_n
             };
             let omega = (core::f32::consts::PI + 2.0 * phase) / slide;
-            Cycle { onset, rate, static_n, half_drop_n, omega }
+            Cycle { onset, rate, static_n, half_drop_n, omega, bend: 0.0 }
         };
-        if data.omega.weight > 0.0 {
+        if known_omega {
             let phase = crate::math::atan2(rate / data.omega.mean, half_drop_n);
             return Some(with_slide((core::f32::consts::PI + 2.0 * phase) / data.omega.mean));
         }
-        let fall = low_time - peak_time;
+        let fall = (self.low.index - self.peak.index) as f32;
         [0.6, 0.8, 1.0, 1.25, 1.6]
             .map(|part| with_slide((part * fall).max(0.5)))
             .into_iter()
             .min_by(|a, b| data.cost(a).total_cmp(&data.cost(b)))
     }
 
-    /// Time at which the samples fall through a force.
-    fn crossing(&self, force_n: f32) -> Option<f32> {
-        let points = self.points.get(..self.length)?;
+    /// Time at which the samples fall through half the drop.
+    fn crossing(&self) -> f32 {
+        let half_n = 0.5 * (self.peak.force_n + self.low.force_n);
+        let points = self.points.get(..self.length).unwrap_or_default();
         let peak_time = since(self.origin, self.peak.index);
-        let pair = points
-            .windows(2)
-            .find(|pair| pair.last().is_some_and(|p| p.time > peak_time && p.force_n < force_n))?;
-        let [a, b] = pair else { return None };
-        Some(b.time - (b.time - a.time) * (force_n - b.force_n) / (a.force_n - b.force_n))
+        let falls =
+            |pair: &&[Point]| pair.last().is_some_and(|p| p.time > peak_time && p.force_n < half_n);
+        match points.windows(2).find(falls) {
+            Some([a, b]) => {
+                b.time - (b.time - a.time) * (half_n - b.force_n) / (a.force_n - b.force_n)
+            }
+            _ => 0.5 * (peak_time + since(self.origin, self.low.index)),
+        }
     }
 }
 
-/// Squared residuals of an event that no other event counts, N², and how many
-/// degrees of freedom they have.
+/// What earlier events tell of a quantity, else a guess good to a factor of two.
+fn expected(shared: &Shared, guess: f32, noise_n2: f32) -> Prior {
+    let learnt = shared.prior(noise_n2);
+    if learnt.weight > 0.0 {
+        return learnt;
+    }
+    let spread = 0.7 * guess;
+    Prior { mean: guess, weight: noise_n2 / (spread * spread) }
+}
+
+/// Squared residuals of an event that no other event counts, N², and their degrees
+/// of freedom: observations less unknowns, as far as these come from the samples
+/// and not from what was expected.
 fn own_residuals(data: &Data<'_>, fit: &Fit) -> (f32, f32) {
-    let from_prior =
-        |prior: Prior, value: f32| prior.weight * (prior.mean - value) * (prior.mean - value);
-    let priors = from_prior(data.rate, fit.cycle.rate) + from_prior(data.omega, fit.cycle.omega);
-    let squares = fit.cost - priors + data.after.residual();
-    let observations =
-        data.points.len() as f32 + data.before.count.min(2) as f32 + data.after.count as f32;
-    let known = (data.rate.weight > 0.0) as u8 + (data.omega.weight > 0.0) as u8;
-    (squares.max(0.0), observations - (model::UNKNOWNS as f32 - f32::from(known)))
+    let (mut squares, mut unknowns) = (fit.cost + data.after.residual(), model::UNKNOWNS as f32);
+    for (unknown, (prior, value)) in data.priors(&fit.cycle).into_iter().enumerate() {
+        squares -= prior.weight * (prior.mean - value) * (prior.mean - value);
+        unknowns -= prior.weight * fit.variance(unknown);
+    }
+    let lines = data.before.count.min(2) as f32 + data.after.weight;
+    (squares.max(0.0), data.points.len() as f32 + lines - unknowns)
 }
 
 /// Periods from an origin to an index, which may lie before it.

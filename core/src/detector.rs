@@ -26,16 +26,20 @@ use crate::window::{WINDOW, Window};
 
 /// Samples whose innovation exceeds this many standard deviations are not on the line.
 const OFF_LINE: f32 = 6.0;
-/// Least drop of a slip, standard deviations of the noise.
-const LEAST_DROP: f32 = 8.0;
+/// Least drop of a slip, standard deviations of the noise: before the first slip,
+/// and when the usual drop is known.
+const LEAST_DROP: (f32, f32) = (8.0, 5.0);
 /// Least drop of a slip that starts in the upper half of the last one's range,
 /// parts of the usual drop. Flop of the cable starts in the lower half.
 const LEAST_PART: f32 = 0.12;
 /// Least drop of a slip that starts in the lower half.
 const LEAST_PART_LOW: f32 = 0.5;
+/// Fewest samples that make a stick line.
+const LINE_POINTS: u32 = 4;
 /// A slip leaves the force lower by at least this part of its drop; a spike does not.
 const LEAST_SHIFT: f32 = 0.4;
-/// So many samples in a row off the line, all on one side: the line starts anew.
+/// So many samples in a row off the line, all on one side: the line starts anew;
+/// twice as many on both sides as well.
 const NEW_LINE: u32 = 3;
 /// Weight below which a sample does not count for the start of a line.
 const LEAST_WEIGHT: f32 = 0.02;
@@ -87,7 +91,9 @@ pub struct Stick {
     pub next: u64,
     /// Highest sample since the re-stick.
     pub highest: Extreme,
+    /// Samples in a row off the line, and how many of them on the last one's side.
     strikes: u32,
+    same_side: u32,
     strike_sign: f32,
 }
 
@@ -241,7 +247,12 @@ impl Detector {
         let Some(std) = self.noise.std_n(now.force_n) else { return false };
         let stick = &self.stick;
         let part = if stick.highest.force_n > self.middle_n { LEAST_PART } else { LEAST_PART_LOW };
-        let least = (LEAST_DROP * std).max(part * self.usual_drop_n);
+        let usual = self.usual_drop_n;
+        let least = if usual > 0.0 {
+            (LEAST_DROP.1 * std).min(LEAST_PART_LOW * usual).max(part * usual)
+        } else {
+            LEAST_DROP.0 * std
+        };
         if stick.highest.force_n - now.force_n < least {
             return false;
         }
@@ -253,10 +264,10 @@ impl Detector {
     }
 
     /// Sample minus the line's forecast, N, and its standard deviation in units of
-    /// the noise. `None` with fewer than three samples on the line.
+    /// the noise. `None` with fewer than four samples on the line.
     fn innovation(&self, now: Extreme) -> Option<(f32, f32)> {
         let stick = &self.stick;
-        let slope = stick.line.slope().filter(|_| stick.line.count >= 3)?;
+        let slope = stick.line.slope().filter(|_| stick.line.count >= LINE_POINTS)?;
         let time = (now.index - stick.origin) as f32;
         let spread = math::rough_sqrt(1.0 + stick.line.leverage(time));
         Some((now.force_n - stick.line.at(time, slope), spread))
@@ -295,10 +306,11 @@ impl Detector {
     /// A sample off the line is left out; several on one side start a new line.
     fn strike(&mut self, index: u64, innovation: f32) {
         let stick = &mut self.stick;
-        let same_side = stick.strikes > 0 && innovation * stick.strike_sign > 0.0;
-        stick.strikes = if same_side { stick.strikes + 1 } else { 1 };
+        stick.strikes += 1;
+        let same = stick.strikes > 1 && innovation * stick.strike_sign > 0.0;
+        stick.same_side = if same { stick.same_side + 1 } else { 1 };
         stick.strike_sign = innovation;
-        if stick.strikes < NEW_LINE {
+        if stick.same_side < NEW_LINE && stick.strikes < 2 * NEW_LINE {
             return;
         }
         stick.first_weight = 0.0;
@@ -330,18 +342,8 @@ impl Detector {
         if !(rises || rests) {
             return None;
         }
-        Some(if self.stays_low(now, drop) {
-            self.restick(now, drop, fall)
-        } else {
-            self.cancel(now)
-        })
-    }
-
-    /// Is the force still below the old stick line by a good part of the drop?
-    fn stays_low(&self, now: Extreme, drop: f32) -> bool {
-        let above =
-            self.innovation(now).map_or(self.stick.highest.force_n - now.force_n, |(i, _)| -i);
-        above > LEAST_SHIFT * drop
+        let stays_low = peak.force_n - now.force_n > LEAST_SHIFT * drop;
+        Some(if stays_low { self.restick(now, drop, fall) } else { self.cancel(now) })
     }
 
     fn restick(&mut self, now: Extreme, drop: f32, fall: u64) -> Transition {

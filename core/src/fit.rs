@@ -1,13 +1,13 @@
 //! The model fitted to a whole event: stick line, slip samples, stick line.
 //!
-//! Least squares for the five unknowns of a [`Cycle`] by damped Gauss-Newton
+//! Least squares for the six unknowns of a [`Cycle`] by damped Gauss-Newton
 //! (Levenberg, Marquardt). A stick line of any length enters as two observations,
 //! its level and its slope, which is all that a straight line holds; the samples
 //! around the slip enter one by one; what earlier events told of the loading rate
 //! and of omega enters as two more.
 
 use crate::line::Line;
-use crate::model::{Cycle, Gradient, Shape};
+use crate::model::{Cycle, Gradient, UNKNOWNS};
 use crate::solve::{Factor, Normal, dot};
 
 /// What is known of a quantity beforehand.
@@ -43,6 +43,8 @@ pub struct Data<'a> {
     pub rate: Prior,
     /// Natural frequency from earlier events, rad per period.
     pub omega: Prior,
+    /// Change of the loading rate over the slip, N per period.
+    pub bend: Prior,
     /// Held onset, for events whose onset the samples cannot tell.
     pub onset: Prior,
 }
@@ -50,7 +52,7 @@ pub struct Data<'a> {
 /// A fitted event.
 #[derive(Clone, Copy, Debug)]
 pub struct Fit {
-    /// The five unknowns.
+    /// The unknowns.
     pub cycle: Cycle,
     /// Weighted sum of squared residuals, the priors' included, N².
     pub cost: f32,
@@ -58,6 +60,18 @@ pub struct Fit {
     pub information: Factor,
     /// Whether the iteration settled.
     pub converged: bool,
+}
+
+impl Fit {
+    /// Variance of an unknown, in units of the noise variance.
+    #[must_use]
+    pub fn variance(&self, unknown: usize) -> f32 {
+        let mut unit = Gradient::default();
+        if let Some(entry) = unit.get_mut(unknown) {
+            *entry = 1.0;
+        }
+        self.information.covariance(&unit, &unit)
+    }
 }
 
 /// Most iterations before giving up; 3 to 5 are usual.
@@ -113,31 +127,43 @@ impl Data<'_> {
             let (force, gradient) = shape.force(point.time);
             normal.add(point.force_n - force, &gradient, point.weight);
         }
-        add_line(&mut normal, &shape, self.before, Shape::before, cycle.onset);
-        add_line(&mut normal, &shape, self.after, Shape::after, cycle.onset);
-        add_prior(&mut normal, self.onset, cycle.onset, 0);
-        add_prior(&mut normal, self.rate, cycle.rate, 1);
-        add_prior(&mut normal, self.omega, cycle.omega, 4);
+        let (before, after) = (self.before, self.after);
+        add_line(
+            &mut normal,
+            before,
+            shape.before(before.time - cycle.onset),
+            shape.slope_before(),
+        );
+        add_line(&mut normal, after, shape.after(after.time - cycle.onset), shape.slope_after());
+        for (unknown, (prior, value)) in self.priors(cycle).into_iter().enumerate() {
+            add_prior(&mut normal, prior, value, unknown);
+        }
         normal
+    }
+
+    /// What is expected of each unknown, and its value.
+    #[must_use]
+    pub fn priors(&self, cycle: &Cycle) -> [(Prior, f32); UNKNOWNS] {
+        let free = Prior::default();
+        [
+            (self.onset, cycle.onset),
+            (self.rate, cycle.rate),
+            (free, cycle.static_n),
+            (free, cycle.half_drop_n),
+            (self.omega, cycle.omega),
+            (self.bend, cycle.bend),
+        ]
     }
 }
 
 /// A line as two observations: its level at its mean time, and its slope.
-fn add_line(
-    normal: &mut Normal,
-    shape: &Shape,
-    line: &Line,
-    piece: impl Fn(&Shape, f32) -> (f32, Gradient),
-    onset: f32,
-) {
+fn add_line(normal: &mut Normal, line: &Line, level: (f32, Gradient), slope: (f32, Gradient)) {
     if line.weight <= 0.0 {
         return;
     }
-    let (level, gradient) = piece(shape, line.time - onset);
-    normal.add(line.level_n - level, &gradient, line.weight);
+    normal.add(line.level_n - level.0, &level.1, line.weight);
     if let Some(measured) = line.slope() {
-        let (slope, gradient) = shape.slope();
-        normal.add(measured - slope, &gradient, line.slope_weight());
+        normal.add(measured - slope.0, &slope.1, line.slope_weight());
     }
 }
 
@@ -158,6 +184,7 @@ fn moved(cycle: &Cycle, step: &Gradient) -> Cycle {
         static_n: cycle.static_n + step[2],
         half_drop_n: grown(cycle.half_drop_n, step[3]),
         omega: grown(cycle.omega, step[4]),
+        bend: cycle.bend + step[5],
     }
 }
 

@@ -30,6 +30,7 @@ pub mod model;
 pub mod noise;
 pub mod pipeline;
 pub mod report;
+pub mod residuals;
 pub mod sample;
 pub mod shared;
 pub mod solve;

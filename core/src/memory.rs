@@ -2,45 +2,46 @@
 //!
 //! A steady winch and a taut cable make straight lines: all samples count. Ripple,
 //! sag or creep bend them: only the nearest samples do. The memory is one of a
-//! ladder of lengths. Beside the line in use a trial line with the next shorter or
-//! longer memory forecasts the same samples, and the better one is kept. Steps are
-//! taken once an event; a straight line pays nothing but the trial.
+//! ladder of lengths. Beside the line in use a trial line with another memory
+//! forecasts the same samples; the trial takes over when it is significantly
+//! better, and makes room for the next one when it is not. Steps are taken at the
+//! end of a stick line; a straight line pays nothing but the trial.
 
 /// Memories, sampling periods; the longest is as good as endless.
 const LADDER: [f32; 7] = [4096.0, 64.0, 24.0, 10.0, 5.0, 3.0, 2.0];
-/// Part by which a trial has to be better.
-const MARGIN: f32 = 0.03;
-/// Fewest forecasts that decide.
-const FEWEST: f32 = 24.0;
+/// Standard errors by which a trial has to be better.
+const SIGNIFICANT: f32 = 3.0;
+/// Fewest and most forecasts that decide.
+const FORECASTS: (u32, u32) = (24, 200);
 
 /// The memory in use and the one on trial.
 #[derive(Clone, Copy, Debug)]
 pub struct Memory {
     step: usize,
-    /// The trial is the shorter one.
-    shorter: bool,
-    /// Sums of squared forecast errors: in use, on trial.
-    squares: (f32, f32),
-    count: f32,
+    trial: usize,
+    /// Sum of (squared error in use − squared error on trial), and of its squares.
+    gain: f32,
+    gain_squares: f32,
+    count: u32,
 }
 
 impl Memory {
     /// Endless, with a shorter one on trial.
     #[must_use]
     pub const fn new() -> Self {
-        Self { step: 0, shorter: true, squares: (0.0, 0.0), count: 0.0 }
+        Self { step: 0, trial: 1, gain: 0.0, gain_squares: 0.0, count: 0 }
     }
 
     /// Factor by which past weights fade with every sample of the line in use.
     #[must_use]
     pub fn fade(&self) -> f32 {
-        1.0 - 1.0 / length(self.step)
+        fade(self.step)
     }
 
     /// The same for the trial line.
     #[must_use]
     pub fn trial_fade(&self) -> f32 {
-        1.0 - 1.0 / length(self.trial())
+        fade(self.trial)
     }
 
     /// Is all of the past in use?
@@ -50,31 +51,30 @@ impl Memory {
     }
 
     /// Takes the forecast errors of both lines for one sample, N.
-    pub fn compare(&mut self, in_use: f32, trial: f32) {
-        self.squares.0 += in_use * in_use;
-        self.squares.1 += trial * trial;
-        self.count += 1.0;
+    pub fn compare(&mut self, in_use_n: f32, trial_n: f32) {
+        let gain = in_use_n * in_use_n - trial_n * trial_n;
+        self.gain += gain;
+        self.gain_squares += gain * gain;
+        self.count += 1;
     }
 
     /// Decides at the end of a stick line; the lines start anew afterwards.
     pub fn decide(&mut self) {
-        if self.count < FEWEST {
+        if self.count < FORECASTS.0 {
             return;
         }
-        if self.squares.1 < (1.0 - MARGIN) * self.squares.0 {
-            self.step = self.trial();
-        } else if self.count < 4.0 * FEWEST {
-            // Not decided yet: go on with the same trial.
+        let error = crate::math::rough_sqrt(self.gain_squares);
+        if self.gain > SIGNIFICANT * error {
+            self.step = self.trial;
+        } else if self.gain > error && self.count < FORECASTS.1 {
+            // Promising: wait for more.
             return;
-        } else {
-            self.shorter = !self.shorter;
         }
-        self.shorter = (self.shorter || self.step == 0) && self.step + 1 < LADDER.len();
-        (self.squares, self.count) = ((0.0, 0.0), 0.0);
-    }
-
-    fn trial(&self) -> usize {
-        if self.shorter { self.step + 1 } else { self.step.saturating_sub(1) }
+        self.trial = (self.trial + 1) % LADDER.len();
+        if self.trial == self.step {
+            self.trial = (self.trial + 1) % LADDER.len();
+        }
+        (self.gain, self.gain_squares, self.count) = (0.0, 0.0, 0);
     }
 }
 
@@ -84,13 +84,17 @@ impl Default for Memory {
     }
 }
 
-fn length(step: usize) -> f32 {
-    LADDER.get(step).copied().unwrap_or(2.0)
+fn fade(step: usize) -> f32 {
+    1.0 - 1.0 / LADDER.get(step).copied().unwrap_or(2.0)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn length(step: usize) -> f32 {
+        LADDER[step]
+    }
 
     /// Errors as a memory of `best` periods would minimise them.
     fn settle(best: f32) -> f32 {
@@ -98,7 +102,7 @@ mod tests {
         for _ in 0..60 {
             let error = |length: f32| 1.0 + 0.2 * (length / best).ln().abs();
             (0..26).for_each(|_| {
-                memory.compare(error(length(memory.step)), error(length(memory.trial())))
+                memory.compare(error(length(memory.step)), error(length(memory.trial)));
             });
             memory.decide();
         }

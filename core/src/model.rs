@@ -1,6 +1,7 @@
 //! The block on a cable: Pritchard, Knoke and Echert (2012), equations (4) to (31).
 //!
-//! A cycle is five numbers. While the block rests the force rises at the loading
+//! A cycle is five numbers, and a sixth that is zero while the winch turns steadily.
+//! While the block rests the force rises at the loading
 //! rate `k w` (4) until `Fs` (1). It then slides on the ellipse around `Fp` (7, 15)
 //! and rests again at `Fe = 2 Fp − Fs` (16), where the next line starts.
 //!
@@ -20,7 +21,7 @@
 use crate::math;
 
 /// Number of unknowns of a cycle.
-pub const UNKNOWNS: usize = 5;
+pub const UNKNOWNS: usize = 6;
 
 /// One stick-slip cycle: stick line, slip, stick line.
 ///
@@ -37,6 +38,8 @@ pub struct Cycle {
     pub half_drop_n: f32,
     /// Natural frequency while sliding, rad per unit of time.
     pub omega: f32,
+    /// Loading rate after the slip minus `rate`: the winch or the sag changed it.
+    pub bend: f32,
 }
 
 /// What several formulas of one [`Cycle`] share.
@@ -125,7 +128,7 @@ impl Shape {
     #[must_use]
     pub fn before(&self, since_onset: f32) -> (f32, Gradient) {
         let c = &self.cycle;
-        (c.static_n + c.rate * since_onset, [-c.rate, since_onset, 1.0, 0.0, 0.0])
+        (c.static_n + c.rate * since_onset, [-c.rate, since_onset, 1.0, 0.0, 0.0, 0.0])
     }
 
     /// On the ellipse: `F − Fp = d cos ωτ + q sin ωτ`.
@@ -136,7 +139,8 @@ impl Shape {
         let force_rate = c.rate * cos - c.half_drop_n * c.omega * sin;
         let by_rate = sin / c.omega;
         let by_omega = (force_rate * since_onset - self.q * sin) / c.omega;
-        (c.static_n - c.half_drop_n + from_centre, [-force_rate, by_rate, 1.0, cos - 1.0, by_omega])
+        let force_n = c.static_n - c.half_drop_n + from_centre;
+        (force_n, [-force_rate, by_rate, 1.0, cos - 1.0, by_omega, 0.0])
     }
 
     /// On the stick line after the slip, continued to any time.
@@ -145,17 +149,33 @@ impl Shape {
         let c = &self.cycle;
         let (d, q, a2) = (c.half_drop_n, self.q, self.a2);
         let since_stop = since_onset - self.slide;
-        let force = c.static_n - 2.0 * d + c.rate * since_stop;
-        let by_rate = since_stop - 2.0 * q * d / (c.omega * a2);
-        let by_drop = -2.0 + 2.0 * q * q / a2;
-        let by_omega = q * self.slide + 2.0 * q * q * d / (c.omega * a2);
-        (force, [-c.rate, by_rate, 1.0, by_drop, by_omega])
+        let rate = c.rate + c.bend;
+        // Derivatives of T_slide, from φ = atan(q / d).
+        let part = 2.0 / (c.omega * a2);
+        let slide_by_rate = part * d / c.omega;
+        let slide_by_drop = -part * q;
+        let slide_by_omega = -(self.slide + part * q * d) / c.omega;
+        let gradient = [
+            -rate,
+            since_stop - rate * slide_by_rate,
+            1.0,
+            -2.0 - rate * slide_by_drop,
+            -rate * slide_by_omega,
+            since_stop,
+        ];
+        (c.static_n - 2.0 * d + rate * since_stop, gradient)
     }
 
-    /// Gradient of the slope of the stick lines: the rate itself.
+    /// Slope of the line before the slip, and its gradient.
     #[must_use]
-    pub fn slope(&self) -> (f32, Gradient) {
-        (self.cycle.rate, [0.0, 1.0, 0.0, 0.0, 0.0])
+    pub fn slope_before(&self) -> (f32, Gradient) {
+        (self.cycle.rate, [0.0, 1.0, 0.0, 0.0, 0.0, 0.0])
+    }
+
+    /// Slope of the line after the slip, and its gradient.
+    #[must_use]
+    pub fn slope_after(&self) -> (f32, Gradient) {
+        (self.cycle.rate + self.cycle.bend, [0.0, 1.0, 0.0, 0.0, 0.0, 1.0])
     }
 }
 
@@ -188,7 +208,8 @@ mod tests {
 
     /// DFF8-13 in sampling periods of 1/16 s.
     fn dff8_13() -> Cycle {
-        Cycle { onset: 3.3, rate: 22.5, static_n: 781.2, half_drop_n: 289.8, omega: 1.1828 }
+        let (static_n, half_drop_n) = (781.2, 289.8);
+        Cycle { onset: 3.3, rate: 22.5, static_n, half_drop_n, omega: 1.1828, bend: 0.0 }
     }
 
     #[test]
@@ -214,18 +235,20 @@ mod tests {
 
     #[test]
     fn the_gradient_is_the_difference_quotient() {
-        let steps = [1e-3, 1e-2, 0.1, 0.1, 1e-3];
+        let steps = [1e-3, 1e-2, 0.1, 0.1, 1e-3, 0.1];
         for time in [0.0, 3.6, 4.9, 5.5, 8.0] {
-            let (_, gradient) = dff8_13().shape().force(time);
+            let bent = Cycle { bend: 3.0, ..dff8_13() };
+            let (_, gradient) = bent.shape().force(time);
             for (i, step) in steps.into_iter().enumerate() {
                 let at = |sign: f32| {
-                    let mut c = dff8_13();
+                    let mut c = bent;
                     let field = match i {
                         0 => &mut c.onset,
                         1 => &mut c.rate,
                         2 => &mut c.static_n,
                         3 => &mut c.half_drop_n,
-                        _ => &mut c.omega,
+                        4 => &mut c.omega,
+                        _ => &mut c.bend,
                     };
                     *field += sign * step;
                     c.shape().force(time).0

@@ -68,7 +68,7 @@ impl Pipeline {
             counters: Counters::default(),
             last: None,
             last_hidden: None,
-            spikes: SpikeFilter::default(),
+            spikes: SpikeFilter::new(),
             derivative: Central::new(config.rate_hz),
             detector: Detector::new(config.rate_hz),
             cycles: Cycles::new(site),
@@ -185,12 +185,7 @@ impl Pipeline {
     }
 
     fn usual(&self) -> Usual {
-        let slope = self.cycles.shared().0.map(|rate| rate / self.config.rate_hz);
-        Usual {
-            noise_n: self.detector.noise_n(),
-            drop_n: self.detector.usual_drop_n(),
-            rise_n: slope.or(self.detector.stick().line.slope()).unwrap_or(0.0).abs(),
-        }
+        Usual { noise_n: self.detector.noise_n(), drop_n: self.detector.usual_drop_n() }
     }
 
     /// `k` from `F' = k w` where the winch speed is known, else from `ω² = k / M`.

@@ -1,4 +1,4 @@
-//! The five normal equations of the event fit.
+//! The normal equations of the event fit.
 
 use crate::math;
 use crate::model::{Gradient, UNKNOWNS};
@@ -117,12 +117,13 @@ mod tests {
     fn example() -> Normal {
         let mut normal = Normal::default();
         let rows = [
-            ([-360.0, 0.1, 1.0, 0.0, 0.0], 1.0),
-            ([-350.0, 0.2, 1.0, -0.3, 2.0], -2.0),
-            ([5000.0, 0.05, 1.0, -0.9, -11.0], 3.0),
-            ([-360.0, 0.4, 1.0, -1.9, 3.0], 0.5),
-            ([-360.0, 1.4, 1.0, -1.9, 3.1], 0.0),
-            ([0.0, 9.0, 0.0, 0.0, 0.0], 1.5),
+            ([-360.0, 0.1, 1.0, 0.0, 0.0, 0.0], 1.0),
+            ([-350.0, 0.2, 1.0, -0.3, 2.0, 0.0], -2.0),
+            ([5000.0, 0.05, 1.0, -0.9, -11.0, 0.0], 3.0),
+            ([-360.0, 0.4, 1.0, -1.9, 3.0, 0.2], 0.5),
+            ([-360.0, 1.4, 1.0, -1.9, 3.1, 1.2], 0.0),
+            ([0.0, 9.0, 0.0, 0.0, 0.0, 0.0], 1.5),
+            ([0.0, 0.0, 0.0, 0.0, 0.0, 7.0], 0.3),
         ];
         rows.iter().for_each(|(g, r)| normal.add(*r, g, 0.7));
         normal
@@ -147,7 +148,7 @@ mod tests {
     #[test]
     fn a_singular_matrix_is_refused_and_damping_mends_it() {
         let mut normal = Normal::default();
-        normal.add(1.0, &[1.0, 1.0, 1.0, 1.0, 1.0], 1.0);
+        normal.add(1.0, &[1.0; UNKNOWNS], 1.0);
         assert!(normal.factor(0.0).is_none());
         assert!(normal.factor(0.1).is_some());
         assert!(Normal::default().factor(0.1).is_none());

@@ -7,6 +7,7 @@
 //! and a part of the usual drop. Delay: one good sample.
 
 use crate::detector::Extreme;
+use crate::noise::Quantile;
 
 /// Standard deviations of the noise that a spike exceeds.
 const NOISES: f32 = 10.0;
@@ -22,15 +23,15 @@ pub struct Usual {
     pub noise_n: Option<f32>,
     /// Usual drop of a slip, N.
     pub drop_n: f32,
-    /// Usual rise in one period, N.
-    pub rise_n: f32,
 }
 
 /// Holds one sample back.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 pub struct SpikeFilter {
     before: Option<Extreme>,
     held: Option<Extreme>,
+    /// Upper quartile of the rises between neighbours, N.
+    rises: Quantile,
 }
 
 /// What became of the sample held back.
@@ -45,13 +46,23 @@ pub enum Judged {
 }
 
 impl SpikeFilter {
+    /// Before the first sample.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self { before: None, held: None, rises: Quantile::new(0.75) }
+    }
+
     /// Takes a sample and gives the one before it.
     pub fn step(&mut self, sample: Extreme, usual: &Usual) -> Judged {
         let Some(held) = self.held.replace(sample) else { return Judged::Nothing };
-        if self.before.is_some_and(|before| stands_out(before, held, sample, usual)) {
+        let Some(before) = self.before.replace(held) else { return Judged::Good(held) };
+        if self.stands_out(before, held, sample, usual) {
+            self.before = Some(before);
             return Judged::Spike(held);
         }
-        self.before = Some(held);
+        if held.force_n > before.force_n && held.index == before.index + 1 {
+            self.rises.add(held.force_n - before.force_n);
+        }
         Judged::Good(held)
     }
 
@@ -59,37 +70,42 @@ impl SpikeFilter {
     pub fn finish(&mut self) -> Option<Extreme> {
         self.held.take()
     }
+
+    fn stands_out(&self, before: Extreme, held: Extreme, after: Extreme, usual: &Usual) -> bool {
+        let (Some(noise_n), Some(rise_n)) = (usual.noise_n, self.rises.value()) else {
+            return false;
+        };
+        // Neighbours further away say less: only within a few periods.
+        let span = after.index - before.index;
+        let rises = RISES * rise_n * span as f32 / 2.0;
+        let least = (NOISES * noise_n).max(PART_OF_DROP * usual.drop_n).max(rises);
+        let (left, right) = (held.force_n - before.force_n, held.force_n - after.force_n);
+        span <= 4 && left * right > 0.0 && left.abs().min(right.abs()) > least
+    }
 }
 
-fn stands_out(before: Extreme, held: Extreme, after: Extreme, usual: &Usual) -> bool {
-    let Some(noise_n) = usual.noise_n else { return false };
-    // Neighbours further away say less: only within a few periods.
-    let span = after.index - before.index;
-    if span > 4 {
-        return false;
+impl Default for SpikeFilter {
+    fn default() -> Self {
+        Self::new()
     }
-    let (left, right) = (held.force_n - before.force_n, held.force_n - after.force_n);
-    let least = (NOISES * noise_n)
-        .max(PART_OF_DROP * usual.drop_n)
-        .max(RISES * usual.rise_n * span as f32 / 2.0);
-    left * right > 0.0 && left.abs().min(right.abs()) > least
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    const USUAL: Usual = Usual { noise_n: Some(2.0), drop_n: 200.0, rise_n: 10.0 };
+    const USUAL: Usual = Usual { noise_n: Some(2.0), drop_n: 200.0 };
 
-    fn judged<const N: usize>(forces: [f32; N], usual: &Usual) -> [bool; N] {
-        let mut filter = SpikeFilter::default();
-        let mut spikes = [false; N];
-        for (i, force_n) in forces.into_iter().enumerate() {
-            if let Judged::Spike(s) = filter.step(Extreme { index: i as u64, force_n }, usual) {
-                spikes[s.index as usize] = true;
+    /// Index of the spike after a rise of 10 N a sample to 500 N.
+    fn spike_in(forces: [f32; 6], usual: &Usual) -> Option<usize> {
+        let mut filter = SpikeFilter::new();
+        let rise = (0..20).map(|i| 300.0 + 10.0 * i as f32);
+        rise.chain(forces).enumerate().fold(None, |found, (i, force_n)| {
+            match filter.step(Extreme { index: i as u64, force_n }, usual) {
+                Judged::Spike(spike) => Some(spike.index as usize - 20),
+                Judged::Nothing | Judged::Good(_) => found,
             }
-        }
-        spikes
+        })
     }
 
     #[test]
@@ -101,16 +117,23 @@ mod tests {
             ([500.0, 510.0, 200.0, 210.0, 220.0, 230.0], None),
             ([500.0, 510.0, 540.0, 530.0, 540.0, 550.0], None),
         ] {
-            let found = judged(forces, &USUAL);
-            for (i, is_spike) in found.into_iter().enumerate() {
-                assert_eq!(is_spike, spike == Some(i), "{forces:?}");
-            }
+            assert_eq!(spike_in(forces, &USUAL), spike, "{forces:?}");
         }
     }
 
     #[test]
     fn nothing_is_judged_before_the_noise_is_known() {
         let usual = Usual { noise_n: None, ..USUAL };
-        assert_eq!(judged([0.0, 0.0, 1e6, 0.0, 0.0], &usual), [false; 5]);
+        assert_eq!(spike_in([500.0, 1e6, 520.0, 530.0, 540.0, 550.0], &usual), None);
+    }
+
+    #[test]
+    fn a_steep_saw_has_no_spikes() {
+        let mut filter = SpikeFilter::new();
+        for i in 0..300 {
+            let force_n = 200.0 + 225.0 * (i as f32 * (2.0 / 7.0)).fract() * 3.5;
+            let judged = filter.step(Extreme { index: i, force_n }, &USUAL);
+            assert!(!matches!(judged, Judged::Spike(_)), "{i}");
+        }
     }
 }

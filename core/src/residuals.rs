@@ -1,0 +1,86 @@
+//! What the fits leave over: the noise that is reported and that scales every
+//! standard deviation.
+
+use crate::noise::Quantile;
+
+/// Pooled residuals of the events' fits.
+///
+/// The mean square over all degrees of freedom, without events that fit badly (a
+/// start in the middle of things, a slip that was none).
+#[derive(Clone, Copy, Debug)]
+pub struct Residuals {
+    squares_n2: f32,
+    free: f32,
+    median_n2: Quantile,
+}
+
+/// Degrees of freedom after which old events fade.
+const MEMORY: f32 = 8000.0;
+/// An event with so many times the median event's residuals is left out.
+const LIMIT: f32 = 6.0;
+
+impl Residuals {
+    /// Nothing yet.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self { squares_n2: 0.0, free: 0.0, median_n2: Quantile::new(0.5) }
+    }
+
+    /// Takes an event's squared residuals and their degrees of freedom, one or more.
+    pub fn add(&mut self, squares_n2: f32, free: f32) {
+        // Median of χ²/ν over its mean (Wilson and Hilferty).
+        let skew = 1.0 - 2.0 / (9.0 * free);
+        self.median_n2.add(squares_n2 / (free * skew * skew * skew));
+        let limit = self.median_n2.value().map_or(f32::MAX, |median| LIMIT * median);
+        if self.free > MEMORY {
+            self.squares_n2 *= 0.5;
+            self.free *= 0.5;
+        }
+        if self.squares_n2 > limit * self.free {
+            // What was pooled before the median was known does not belong.
+            self.free = self.free.min(2.0);
+            self.squares_n2 = limit / LIMIT * self.free;
+        }
+        if squares_n2 <= limit * free {
+            self.squares_n2 += squares_n2;
+            self.free += free;
+        }
+    }
+
+    /// Variance of the noise, N²; `None` before the first event.
+    #[must_use]
+    pub fn variance_n2(&self) -> Option<f32> {
+        (self.free >= 1.0).then(|| self.squares_n2 / self.free)
+    }
+}
+
+impl Default for Residuals {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pools_all_degrees_of_freedom() {
+        let mut pool = Residuals::new();
+        assert_eq!(pool.variance_n2(), None);
+        pool.add(8.0, 2.0);
+        pool.add(12.0, 8.0);
+        assert!((pool.variance_n2().unwrap() - 2.0).abs() < 1e-6);
+    }
+
+    #[test]
+    fn a_bad_start_and_single_bad_events_are_left_out() {
+        let mut pool = Residuals::new();
+        (0..3).for_each(|_| pool.add(1e4, 5.0));
+        for i in 0..400 {
+            pool.add(if i % 20 == 0 { 1e5 } else { 20.0 }, 5.0);
+        }
+        let variance = pool.variance_n2().unwrap();
+        assert!((3.5..5.5).contains(&variance), "{variance}");
+    }
+}

@@ -1,0 +1,71 @@
+//! A figure on the page: drawings for both layouts, a key, a caption.
+
+use super::plot::Layout;
+use super::svg::Mark;
+
+/// What a figure consists of; every text safe for HTML.
+#[derive(Clone, Debug)]
+pub(super) struct Figure {
+    /// Class of the element.
+    pub class: &'static str,
+    /// The drawings, each for both layouts.
+    pub drawings: Vec<String>,
+    /// Entries of the key.
+    pub keys: Vec<String>,
+    /// Without the number.
+    pub caption: String,
+}
+
+/// A drawing for both layouts.
+pub(super) fn both(draw: impl Fn(Layout) -> String) -> String {
+    format!("<div class=\"draw\">{}{}</div>", draw(Layout::Wide), draw(Layout::Narrow))
+}
+
+/// An entry of the key: a line or dots, as they are drawn.
+pub(super) fn line_key(class: &str, label: &str) -> String {
+    key(&format!("<path class=\"{class}\" d=\"M2 8H26\"/>"), label)
+}
+
+/// An entry of the key: dots.
+pub(super) fn dot_key(class: &str, label: &str) -> String {
+    key(&format!("<path class=\"{class}\" d=\"M6 8h0M14 8h0M22 8h0\"/>"), label)
+}
+
+/// An entry of the key: a tint.
+pub(super) fn tint_key(class: &str, label: &str) -> String {
+    key(
+        &format!("<rect class=\"{class} edge\" x=\"2\" y=\"2\" width=\"24\" height=\"12\"/>"),
+        label,
+    )
+}
+
+/// The entries of the key for `Fs`, `Fp` and `Fe`.
+pub(super) fn mark_keys() -> [String; 3] {
+    [
+        (Mark::Static, "<i>F</i><sub>s</sub> slip onset"),
+        (Mark::Dynamic, "<i>F</i><sub>p</sub> centre of the ellipse"),
+        (Mark::Restick, "<i>F</i><sub>e</sub> re-stick"),
+    ]
+    .map(|(mark, label)| key(&mark.at((14.0, 8.0)), label))
+}
+
+fn key(drawing: &str, label: &str) -> String {
+    format!(
+        "<span class=\"key\"><svg width=\"28\" height=\"16\" viewBox=\"0 0 28 16\" \
+         aria-hidden=\"true\">{drawing}</svg><span>{label}</span></span>"
+    )
+}
+
+impl Figure {
+    /// The element.
+    pub fn html(&self, number: usize) -> String {
+        format!(
+            "<figure class=\"{}\"><div class=\"draws\">{}</div><div class=\"keys\">{}</div>\
+             <figcaption><b>Figure {number}.</b> {}</figcaption></figure>\n",
+            self.class,
+            self.drawings.concat(),
+            self.keys.concat(),
+            self.caption
+        )
+    }
+}

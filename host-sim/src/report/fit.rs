@@ -1,0 +1,151 @@
+//! The model of one event as curves: stick line, ellipse, stick line.
+
+use std::f64::consts::PI;
+
+use crate::replay::result::EventSummary;
+
+/// The motion during a slip, `F = Fp + a cos(omega (t - t0))` (7).
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Ellipse {
+    /// `Fp`, N.
+    pub centre_n: f64,
+    /// Half the length along F, N (10).
+    pub a_n: f64,
+    /// rad/s.
+    pub omega: f64,
+    /// `omega (t - t0)` at the onset, rad, within -pi to 0.
+    pub onset_phase: f64,
+    /// The same at the re-stick, rad.
+    pub stop_phase: f64,
+}
+
+impl Ellipse {
+    /// Of an event whose frequency is known.
+    pub fn of(event: &EventSummary) -> Option<Self> {
+        let omega = event.omega_rad_per_s.filter(|&omega| omega > 0.0)?;
+        let above_n = event.static_force_n - event.dynamic_force_n;
+        let beside_n = event.loading_rate_n_per_s / omega;
+        let a_n = above_n.hypot(beside_n);
+        let onset_phase = -beside_n.atan2(above_n);
+        // Fe = 2 Fp - Fs at the same rate (16, 18): half a turn more than the
+        // mirror image of the onset.
+        let ellipse = Self {
+            centre_n: event.dynamic_force_n,
+            a_n,
+            omega,
+            onset_phase,
+            stop_phase: PI - onset_phase,
+        };
+        (a_n > 0.0).then_some(ellipse)
+    }
+
+    /// Force, N, and its rate, N/s, at a phase.
+    pub fn at(&self, phase: f64) -> (f64, f64) {
+        let (sin, cos) = phase.sin_cos();
+        (self.centre_n + self.a_n * cos, -self.a_n * self.omega * sin)
+    }
+
+    /// What a difference over ± one sampling period sees of the rate, 0 to 1.
+    pub fn attenuation(&self, period_s: f64) -> f64 {
+        let angle = self.omega * period_s;
+        angle.sin() / angle
+    }
+
+    /// Phases from `from` to `to`, close enough for a smooth curve.
+    pub fn phases(from: f64, to: f64) -> impl Iterator<Item = f64> {
+        let steps = 48;
+        (0..=steps).map(move |i| from + (to - from) * f64::from(i) / f64::from(steps))
+    }
+}
+
+/// Time, s, and force, N, from the onset to the re-stick. A straight line when
+/// the slip is too short for the sampling to show its shape.
+pub(super) fn slip_curve(event: &EventSummary) -> Vec<(f64, f64)> {
+    let Some(ellipse) = Ellipse::of(event) else {
+        return vec![(event.onset_s, event.static_force_n), (event.stop_s, event.restick_force_n)];
+    };
+    if event.slack {
+        return slack_curve(event, &ellipse);
+    }
+    let (first, last) = (ellipse.onset_phase, ellipse.stop_phase);
+    let per_phase_s = (event.stop_s - event.onset_s) / (last - first);
+    let point = |phase: f64| (event.onset_s + (phase - first) * per_phase_s, ellipse.at(phase).0);
+    Ellipse::phases(first, last).map(point).collect()
+}
+
+/// The arc down to no force at all, and none until the block rests.
+fn slack_curve(event: &EventSummary, ellipse: &Ellipse) -> Vec<(f64, f64)> {
+    let free_phase = (-ellipse.centre_n / ellipse.a_n).clamp(-1.0, 1.0).acos();
+    let time_s = |phase: f64| event.onset_s + (phase - ellipse.onset_phase) / ellipse.omega;
+    let arc = Ellipse::phases(ellipse.onset_phase, free_phase);
+    let mut curve: Vec<_> = arc.map(|phase| (time_s(phase), ellipse.at(phase).0)).collect();
+    curve.push((event.stop_s.max(time_s(free_phase)), ellipse.at(free_phase).0));
+    curve
+}
+
+/// The time of rest before an event; from its forces when it was not seen, s.
+pub(super) fn rest_s(event: &EventSummary) -> f64 {
+    let rise_n = event.static_force_n - event.restick_force_n;
+    let from_forces = || Some(rise_n / event.loading_rate_n_per_s);
+    let rest_s = event.stick_s.or_else(from_forces);
+    rest_s.filter(|rest_s| rest_s.is_finite() && *rest_s > 0.0).unwrap_or(event.slip_s)
+}
+
+/// The stick line for `before_s` up to the onset.
+pub(super) fn line_before(event: &EventSummary, before_s: f64) -> Vec<(f64, f64)> {
+    let rise_n = event.loading_rate_n_per_s * before_s;
+    let start = (event.onset_s - before_s, event.static_force_n - rise_n);
+    vec![start, (event.onset_s, event.static_force_n)]
+}
+
+/// The stick line for `after_s` from the re-stick on; none after a slack cable,
+/// which has to be taken up first.
+pub(super) fn line_after(event: &EventSummary, after_s: f64) -> Vec<(f64, f64)> {
+    if event.slack {
+        return Vec::new();
+    }
+    let end_n = event.restick_force_n + event.loading_rate_n_per_s * after_s;
+    vec![(event.stop_s, event.restick_force_n), (event.stop_s + after_s, end_n)]
+}
+
+/// Where the force passes `Fp` on its way down.
+pub(super) fn centre_time_s(event: &EventSummary) -> f64 {
+    let half_way = (event.onset_s + event.stop_s) / 2.0;
+    let Some(ellipse) = Ellipse::of(event) else { return half_way };
+    let passes_s = event.onset_s + (PI / 2.0 - ellipse.onset_phase) / ellipse.omega;
+    if passes_s < event.stop_s { passes_s } else { half_way }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::sample_log::SampleLog;
+    use super::*;
+
+    #[test]
+    fn the_curve_begins_at_fs_and_ends_at_fe() {
+        let log = SampleLog::dff8_13(30.0);
+        let event = &log.result.events[1];
+        let curve = slip_curve(event);
+        let (first, last) = (curve[0], curve[curve.len() - 1]);
+        assert!((first.1 - event.static_force_n).abs() < 1e-9);
+        assert!((last.1 - event.restick_force_n).abs() < 1e-6, "{last:?}");
+        assert!((last.0 - event.stop_s).abs() < 1e-9);
+        let ellipse = Ellipse::of(event).unwrap();
+        let turn_s = (ellipse.stop_phase - ellipse.onset_phase) / ellipse.omega;
+        assert!((turn_s - event.slip_s).abs() < 1e-9, "T_slide (25)");
+        let (_, rate) = ellipse.at(ellipse.onset_phase);
+        assert!((rate - event.loading_rate_n_per_s).abs() < 1e-6, "F' = k w at the onset");
+        let peak = curve.iter().map(|p| p.1).fold(0.0, f64::max);
+        assert!((peak - event.peak_force_n).abs() < 0.1);
+        assert!((ellipse.attenuation(1.0 / 16.0) - 0.78).abs() < 0.005);
+    }
+
+    #[test]
+    fn a_slip_of_unknown_shape_is_a_straight_line() {
+        let mut event = SampleLog::dff8_13(30.0).result.events.remove(1);
+        event.omega_rad_per_s = None;
+        assert_eq!(slip_curve(&event).len(), 2);
+        let middle = (event.onset_s + event.stop_s) / 2.0;
+        assert!((centre_time_s(&event) - middle).abs() < 1e-12);
+    }
+}

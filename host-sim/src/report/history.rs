@@ -1,0 +1,126 @@
+//! The force over the whole log.
+
+use super::context::{Context, Focus};
+use super::envelope::Bucket;
+use super::figure::{Figure, both, line_key, tint_key};
+use super::number::fixed;
+use super::plot::{Axis, Layout, Plot, Spec};
+use super::scale::extent;
+use super::shading::shade;
+use super::svg::{Path, rectangle};
+use super::zoom::window_s;
+
+/// Samples per px up to which every one is drawn.
+const SAMPLES_PER_PX: usize = 4;
+
+/// The figure; none if no sample had a force.
+pub(super) fn history(context: &Context<'_>, focus: Option<&Focus<'_>>) -> Option<Figure> {
+    context.recorder.range_n()?;
+    let drawing = both(|layout| draw(context, focus, layout));
+    let mut keys = vec![line_key("force", "force")];
+    if !context.result.events.is_empty() {
+        keys.push(tint_key("stick", "at rest (stick)"));
+        keys.push(tint_key("slip", "moving (slip)"));
+    }
+    if context.recorder.envelope.buckets().iter().any(lost) {
+        keys.push(line_key("lost", "samples missing, rejected or saturated"));
+    }
+    let zoomed = if focus.is_some() { " The box is the stretch of the next figure." } else { "" };
+    let caption = format!(
+        "Force in the cable over the whole log; where the samples do not fit, a band from the \
+         smallest to the largest, and a tint that deepens with the share of time in motion.{zoomed}"
+    );
+    Some(Figure { class: "history", drawings: vec![drawing], keys, caption })
+}
+
+fn draw(context: &Context<'_>, focus: Option<&Focus<'_>>, layout: Layout) -> String {
+    let mut plot = Plot::new(&spec(context, layout));
+    shade(context, &mut plot);
+    let width_px = (plot.x.range.1 - plot.x.range.0) as usize;
+    let buckets = context.recorder.envelope.buckets();
+    let every =
+        context.recorder.envelope.width() == 1 && buckets.len() <= SAMPLES_PER_PX * width_px;
+    if every {
+        let force = |b: &Bucket| if b.used > 0 { f64::from(b.max_n) } else { f64::NAN };
+        plot.line("force", buckets.iter().map(|b| context.shown((b.start_s, force(b)))));
+    } else {
+        let columns: Vec<Bucket> = grouped(buckets, buckets.len().div_ceil(width_px));
+        let band = band(context, &plot, &columns);
+        plot.draw(&band);
+    }
+    draw_lost(context, &mut plot, buckets);
+    if let Some(focus) = focus {
+        let (from_s, to_s) = window_s(context, focus, layout);
+        let (from, to) = (plot.x.at(from_s - context.zero_s), plot.x.at(to_s - context.zero_s));
+        let (bottom, top) = plot.y.range;
+        plot.draw(&rectangle("box", (from, top + 1.0), (to.max(from + 3.0), bottom - 1.0)));
+    }
+    plot.finish()
+}
+
+fn spec(context: &Context<'_>, layout: Layout) -> Spec<'static> {
+    let (start_s, end_s) = context.recorder.span_s().unwrap_or((0.0, 1.0));
+    let (low_n, high_n) = context.recorder.range_n().unwrap_or((0.0, 1.0));
+    let factor = context.force.factor;
+    Spec {
+        id: "history",
+        layout,
+        size: layout.pick((1160.0, 310.0), (360.0, 250.0)),
+        title: "Force history",
+        description: "Force in the cable against time for the whole log, with the times at rest \
+                      and in motion tinted.",
+        x: Axis {
+            domain: (start_s - context.zero_s, end_s - context.zero_s),
+            least_step: 0.0,
+            label: context.time_label(),
+            readout: ("t", "s".into()),
+        },
+        y: Axis {
+            domain: extent([low_n * factor, high_n * factor], 0.06),
+            least_step: 0.0,
+            label: context.force_label(),
+            readout: ("F", context.force.name.clone()),
+        },
+    }
+}
+
+fn grouped(buckets: &[Bucket], size: usize) -> Vec<Bucket> {
+    let merge = |group: &[Bucket]| group.iter().copied().reduce(Bucket::merged);
+    buckets.chunks(size.max(1)).filter_map(merge).collect()
+}
+
+/// From smallest to largest force, an outline for every stretch without a gap.
+fn band(context: &Context<'_>, plot: &Plot, columns: &[Bucket]) -> String {
+    let mut path = Path::default();
+    for run in columns.chunk_by(|a, b| a.used > 0 && b.used > 0) {
+        let at = |b: &Bucket, force: f32| plot.at(context.shown((b.start_s, force.into())));
+        let upper = run.iter().filter(|b| b.used > 0).map(|b| at(b, b.max_n));
+        let lower = run.iter().rev().filter(|b| b.used > 0).map(|b| at(b, b.min_n));
+        let mut outline = upper.chain(lower);
+        let Some(first) = outline.next() else { continue };
+        path.move_to(first);
+        outline.for_each(|point| path.line_to(point));
+        path.close();
+    }
+    path.element("band")
+}
+
+fn lost(bucket: &Bucket) -> bool {
+    bucket.lost > 0 || bucket.used == 0
+}
+
+/// Bars along the top where samples have no force.
+fn draw_lost(context: &Context<'_>, plot: &mut Plot, buckets: &[Bucket]) {
+    let mut path = Path::default();
+    let mut drawn = String::new();
+    let top = plot.y.range.1;
+    for bucket in buckets.iter().filter(|b| lost(b) && b.start_s.is_finite()) {
+        let x = plot.x.at(bucket.start_s - context.zero_s);
+        let place = fixed(x, 0);
+        if place != drawn {
+            path.bar(x, top, top + 9.0);
+            drawn = place;
+        }
+    }
+    plot.draw(&path.element("lost"));
+}

@@ -1,0 +1,45 @@
+//! The report of a replay: one HTML file that needs nothing else.
+//!
+//! ```text
+//!  Step, every sample ─► Recorder ─┐
+//!                                  ├─► render ─► result, figures, table
+//!  ReplayResult ───────────────────┘
+//! ```
+//!
+//! Figures are drawn by hand as SVG, each for a wide and for a narrow screen;
+//! colours follow the reader's light or dark setting. Its size is bounded
+//! whatever the length of the log.
+
+mod clips;
+mod context;
+mod convergence;
+mod envelope;
+mod figure;
+mod fit;
+mod history;
+mod number;
+mod page;
+mod phase_plane;
+mod plot;
+mod recorder;
+mod running;
+#[cfg(test)]
+mod sample_log;
+mod scale;
+mod shading;
+mod summary;
+mod svg;
+mod table;
+#[cfg(test)]
+mod tests;
+mod zoom;
+
+pub use recorder::Recorder;
+
+use crate::replay::result::ReplayResult;
+
+/// The page for a result, with the samples that `recorder` saw.
+#[must_use]
+pub fn render(result: &ReplayResult, recorder: &Recorder) -> String {
+    page::page(&context::Context::new(result, recorder))
+}

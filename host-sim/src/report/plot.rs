@@ -1,0 +1,202 @@
+//! Axes with ticks, and what is drawn between them.
+
+use super::number::fixed;
+use super::scale::{Scale, Ticks, ticks};
+use super::svg::{Path, coordinate, escape, rectangle, text};
+
+/// The page is drawn twice, for a wide screen or paper and for a phone; the
+/// style sheet shows the one that fits.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Layout {
+    /// From about 820 px on, and on paper.
+    Wide,
+    /// A phone.
+    Narrow,
+}
+
+impl Layout {
+    /// One of two values.
+    pub fn pick<T>(self, wide: T, narrow: T) -> T {
+        match self {
+            Self::Wide => wide,
+            Self::Narrow => narrow,
+        }
+    }
+
+    fn class(self) -> &'static str {
+        self.pick("wide", "narrow")
+    }
+}
+
+/// One axis.
+#[derive(Clone, Debug)]
+pub(super) struct Axis {
+    /// Smallest and largest value.
+    pub domain: (f64, f64),
+    /// Ticks are at least this far apart.
+    pub least_step: f64,
+    /// What it is, safe for SVG.
+    pub label: String,
+    /// Symbol and unit for the read-out under the pointer.
+    pub readout: (&'static str, String),
+}
+
+/// What a plot is and how large.
+#[derive(Clone, Debug)]
+pub(super) struct Spec<'a> {
+    /// Unique on the page, apart from the layout.
+    pub id: &'a str,
+    /// Which of the two.
+    pub layout: Layout,
+    /// Width and height, px.
+    pub size: (f64, f64),
+    /// For those who cannot see it: what it is.
+    pub title: &'a str,
+    /// And what there is to be seen.
+    pub description: &'a str,
+    /// To the right.
+    pub x: Axis,
+    /// Upwards.
+    pub y: Axis,
+}
+
+/// A plot that is being drawn.
+#[derive(Clone, Debug)]
+pub(super) struct Plot {
+    /// From values to the right.
+    pub x: Scale,
+    /// From values upwards.
+    pub y: Scale,
+    head: String,
+    inside: String,
+    above: String,
+}
+
+const LEFT: f64 = 54.0;
+const RIGHT: f64 = 14.0;
+const TOP: f64 = 30.0;
+const BOTTOM: f64 = 44.0;
+/// About the width of a digit.
+const DIGIT: f64 = 8.0;
+
+impl Plot {
+    /// Axes, ticks and labels, nothing else yet.
+    pub fn new(spec: &Spec<'_>) -> Self {
+        let (width, height) = spec.size;
+        let x = Scale { domain: spec.x.domain, range: (LEFT, width - RIGHT) };
+        let y = Scale { domain: spec.y.domain, range: (height - BOTTOM, TOP) };
+        let mut plot =
+            Self { x, y, head: open(spec, &x, &y), inside: String::new(), above: String::new() };
+        plot.grid(spec);
+        plot
+    }
+
+    fn grid(&mut self, spec: &Spec<'_>) {
+        let (x, y) = (self.x, self.y);
+        let across = ticks(x.domain, (x.range.1 - x.range.0) / 68.0, spec.x.least_step);
+        let up = ticks(y.domain, (y.range.0 - y.range.1) / 38.0, spec.y.least_step);
+        let mut lines = Path::default();
+        across.values.iter().for_each(|&v| lines.bar(x.at(v), y.range.0, y.range.1));
+        for &value in &up.values {
+            lines.move_to((x.range.0, y.at(value)));
+            lines.line_to((x.range.1, y.at(value)));
+        }
+        self.head.push_str(&lines.element("grid"));
+        let foot = y.range.0 + 18.0;
+        self.head.push_str(&labels(&across, "mid", |v, width| {
+            (x.at(v).min(spec.size.0 - width / 2.0), foot)
+        }));
+        self.head.push_str(&labels(&up, "end", |v, _| (x.range.0 - 7.0, y.at(v) + 4.5)));
+        let middle = (x.range.0 + x.range.1) / 2.0;
+        self.head.push_str(&text("axis mid", (middle, foot + 20.0), &spec.x.label));
+        self.head.push_str(&text("axis", (4.0, 16.0), &spec.y.label));
+        let id = format!("{}-{}", spec.id, spec.layout.class());
+        self.head.push_str(&format!("</g><g clip-path=\"url(#{id}-c)\">"));
+    }
+
+    /// The coordinates of a pair of values.
+    pub fn at(&self, (x, y): (f64, f64)) -> (f64, f64) {
+        (self.x.at(x), self.y.at(y))
+    }
+
+    /// Draws between the axes, cut off there.
+    pub fn draw(&mut self, element: &str) {
+        self.inside.push_str(element);
+    }
+
+    /// Draws over everything, not cut off.
+    pub fn annotate(&mut self, element: &str) {
+        self.above.push_str(element);
+    }
+
+    /// A line through pairs of values.
+    pub fn line(&mut self, class: &str, values: impl IntoIterator<Item = (f64, f64)>) {
+        let path = Path::line(values.into_iter().map(|v| self.at(v)));
+        self.draw(&path.element(class));
+    }
+
+    /// Points at pairs of values, those outside the axes left out.
+    pub fn dots(&mut self, class: &str, values: impl IntoIterator<Item = (f64, f64)>) {
+        let path = Path::dots(values.into_iter().filter(|&v| self.contains(v)).map(|v| self.at(v)));
+        self.draw(&path.element(class));
+    }
+
+    /// Whether a pair of values lies between the axes.
+    pub fn contains(&self, (x, y): (f64, f64)) -> bool {
+        let within = |v: f64, (low, high): (f64, f64)| (low..=high).contains(&v);
+        within(x, self.x.domain) && within(y, self.y.domain)
+    }
+
+    /// Tints the full height between two values of x, wide enough to be seen.
+    pub fn shade(&mut self, class: &str, from: f64, to: f64) {
+        let (low, high) = self.x.domain;
+        let (from, to) = (self.x.at(from.max(low)), self.x.at(to.min(high)));
+        if to > from {
+            let to = to.max(from + 1.2);
+            let tint = rectangle(class, (from, self.y.range.1), (to, self.y.range.0));
+            self.draw(&tint);
+        }
+    }
+
+    /// The whole SVG element.
+    pub fn finish(self) -> String {
+        let outline =
+            rectangle("frame", (self.x.range.0, self.y.range.1), (self.x.range.1, self.y.range.0));
+        format!("{}{}</g>{outline}{}</svg>", self.head, self.inside, self.above)
+    }
+}
+
+/// The opening tags up to the group that is cut off at the axes.
+fn open(spec: &Spec<'_>, x: &Scale, y: &Scale) -> String {
+    let class = spec.layout.class();
+    let id = format!("{}-{class}", spec.id);
+    let (width, height) = (coordinate(spec.size.0), coordinate(spec.size.1));
+    let area = rectangle("", (x.range.0, y.range.1), (x.range.1, y.range.0));
+    format!(
+        "<svg class=\"plot {class}\" id=\"{id}\" viewBox=\"0 0 {width} {height}\" role=\"img\" \
+         aria-labelledby=\"{id}-t {id}-d\" data-x=\"{}\" data-y=\"{}\">\
+         <title id=\"{id}-t\">{}</title><desc id=\"{id}-d\">{}</desc>\
+         <clipPath id=\"{id}-c\">{area}</clipPath><g class=\"axes\">",
+        readout(x, &spec.x),
+        readout(y, &spec.y),
+        escape(spec.title),
+        escape(spec.description),
+    )
+}
+
+/// What the script needs to turn a place into a value.
+fn readout(scale: &Scale, axis: &Axis) -> String {
+    let ((low, high), (from, to)) = (scale.domain, scale.range);
+    let (name, unit) = &axis.readout;
+    format!("{low}|{high}|{}|{}|{name}|{}", coordinate(from), coordinate(to), escape(unit))
+}
+
+/// Labels of ticks; `place` is given the value and about the width of its label.
+fn labels(ticks: &Ticks, class: &str, place: impl Fn(f64, f64) -> (f64, f64)) -> String {
+    let label = |&v: &f64| {
+        let label = fixed(v, ticks.decimals);
+        let width = DIGIT * label.chars().count() as f64;
+        text(class, place(v, width), &label)
+    };
+    ticks.values.iter().map(label).collect()
+}

@@ -1,0 +1,73 @@
+//! Stick and slip as tints behind the force.
+
+use super::context::Context;
+use super::fit::rest_s;
+use super::plot::Plot;
+use crate::replay::result::EventSummary;
+
+/// Slips closer than this, px, are shown as their share of time.
+const APART_PX: f64 = 4.5;
+/// Cycles in a column of such a share, so that the columns do not flicker.
+const CYCLES: f64 = 4.0;
+/// Its least width, px.
+const COLUMN_PX: f64 = 4.0;
+/// Steps of its strength, which grows with the root of the share.
+const LEVELS: f64 = 5.0;
+
+/// Tints the plot.
+pub(super) fn shade(context: &Context<'_>, plot: &mut Plot) {
+    let events = &context.result.events;
+    let Some(first) = events.first() else { return };
+    let apart = slips_apart(context, plot);
+    let rest_from = first.onset_s - rest_s(first) - context.zero_s;
+    if apart {
+        plot.shade("stick", rest_from, plot.x.domain.1);
+        let slips = events.iter().map(|e| (e.onset_s - context.zero_s, e.stop_s - context.zero_s));
+        slips.for_each(|(from, to)| plot.shade("slip", from, to));
+    } else {
+        shade_shares(context, plot, rest_from);
+    }
+}
+
+/// Whether single slips can be told apart.
+fn slips_apart(context: &Context<'_>, plot: &Plot) -> bool {
+    let events = &context.result.events;
+    let Some((first, last)) = events.first().zip(events.last()) else { return true };
+    let spread_px = plot.x.at(last.onset_s) - plot.x.at(first.onset_s);
+    events.len() < 2 || spread_px / (events.len() - 1) as f64 >= APART_PX
+}
+
+/// Columns whose strength is the share of time spent slipping.
+fn shade_shares(context: &Context<'_>, plot: &mut Plot, rest_from: f64) {
+    let (low, high) = plot.x.domain;
+    let width_px = plot.x.range.1 - plot.x.range.0;
+    let spacing_px = width_px / context.result.events.len() as f64;
+    let columns = (width_px / (CYCLES * spacing_px).max(COLUMN_PX)).max(1.0) as usize;
+    let width = (high - low) / columns as f64;
+    let mut shares = vec![0.0; columns];
+    for event in &context.result.events {
+        add_share(&mut shares, event, low + context.zero_s, width);
+    }
+    let level = |share: &f64| (share.clamp(0.0, 1.0).sqrt() * LEVELS).ceil() as usize;
+    let levels: Vec<usize> = shares.iter().map(level).collect();
+    let mut from = 0;
+    for run in levels.chunk_by(|a, b| a == b) {
+        let (start, end) = (low + from as f64 * width, low + (from + run.len()) as f64 * width);
+        match run.first() {
+            Some(0) => plot.shade("stick", start.max(rest_from), end),
+            Some(level) => plot.shade(&format!("slip level-{level}"), start, end),
+            None => {}
+        }
+        from += run.len();
+    }
+}
+
+fn add_share(shares: &mut [f64], event: &EventSummary, start_s: f64, width_s: f64) {
+    let column = |time_s: f64| ((time_s - start_s) / width_s).max(0.0) as usize;
+    let (from, to) = (column(event.onset_s), column(event.stop_s));
+    for (i, share) in shares.iter_mut().enumerate().take(to + 1).skip(from) {
+        let begins = start_s + i as f64 * width_s;
+        let overlap_s = event.stop_s.min(begins + width_s) - event.onset_s.max(begins);
+        *share += overlap_s.max(0.0) / width_s;
+    }
+}

@@ -1,0 +1,126 @@
+//! The result in numbers.
+
+use super::number::{count, decimals_for, decimals_of_error, fixed, quantity, significant};
+use super::svg::escape;
+use crate::replay::result::{CoefficientSummary, ReplayResult};
+
+/// Both coefficients, large, then everything else.
+pub(super) fn summary(result: &ReplayResult) -> String {
+    let estimate = &result.estimate;
+    format!(
+        "<section class=\"result\">{}<div class=\"coefficients\">{}{}</div>{}{}</section>\n",
+        nothing(result),
+        coefficient("static", "<i>μ</i><sub>s</sub>", &estimate.mu_s, "Static coefficient"),
+        coefficient("dynamic", "<i>μ</i>", &estimate.mu, "Dynamic coefficient"),
+        facts("Measured", &measured(result)),
+        log_health(result),
+    )
+}
+
+/// Said plainly when there is no result.
+fn nothing(result: &ReplayResult) -> &'static str {
+    match (result.events.is_empty(), result.estimate.events) {
+        (true, _) => {
+            "<p class=\"notice\">No stick-slip event was found in this log, so there is no \
+             coefficient.</p>"
+        }
+        (false, 0) => "<p class=\"notice\">No event gives a coefficient; the table says why.</p>",
+        (false, _) => "",
+    }
+}
+
+fn coefficient(class: &str, symbol: &str, value: &CoefficientSummary, name: &str) -> String {
+    let decimals = decimals_of_error(value.std_error);
+    let show = |x: f64| fixed(x, decimals);
+    let large = match (value.mean, value.std_error) {
+        (Some(mean), Some(error)) => {
+            format!("{}<span class=\"error\"> ± {}</span>", show(mean), show(error))
+        }
+        (Some(mean), None) => show(mean),
+        (None, _) => "–".into(),
+    };
+    let relative = match (value.mean, value.std_error) {
+        (Some(mean), Some(error)) if mean != 0.0 => {
+            format!("standard error {} % · ", significant_2(100.0 * (error / mean).abs()))
+        }
+        _ => String::new(),
+    };
+    let spread = match (value.mean, value.spread) {
+        (None, _) => "not measured".into(),
+        (_, Some(spread)) if spread <= 0.0 => "no spread between events beyond the noise".into(),
+        (_, Some(spread)) => format!("spread between events {}", show(spread)),
+        (_, None) => "spread between events unknown".into(),
+    };
+    format!(
+        "<div class=\"coefficient {class}\"><h2>{name}</h2><p class=\"large\">{symbol}\
+         <span class=\"{}\">{large}</span></p><p class=\"small\">{relative}{spread}</p></div>",
+        if value.mean.is_some() { "value" } else { "none" },
+    )
+}
+
+fn significant_2(x: f64) -> String {
+    fixed(x, decimals_for(x, 2))
+}
+
+/// Name, value, whether it deserves attention.
+type Fact = (&'static str, String, bool);
+
+fn measured(result: &ReplayResult) -> Vec<Fact> {
+    let show = |value: Option<f64>, unit: &str| {
+        value.map_or_else(|| "–".into(), |value| quantity(value, unit))
+    };
+    let omega = result.omega_rad_per_s.map_or_else(
+        || "–".into(),
+        |omega| {
+            let hertz = significant(omega / std::f64::consts::TAU);
+            format!("{} rad/s <small>{hertz} Hz</small>", significant(omega))
+        },
+    );
+    let recurrence = result.recurrence_s.map_or("–".into(), |t| format!("{} s", significant(t)));
+    let (used, found) = (result.estimate.events, result.events.len() as u64);
+    let without = found.saturating_sub(used);
+    let events = match without {
+        0 => count(used),
+        n => format!("{} <small>and {} without a value</small>", count(used), count(n)),
+    };
+    vec![
+        ("Events", events, without > 0),
+        ("Noise on the force", show(result.noise_n, "N"), false),
+        ("Loading rate <i>k w</i>", show(result.loading_rate_n_per_s, "N/s"), false),
+        ("Natural frequency <i>ω</i>", omega, false),
+        ("Stiffness <i>k</i>", show(result.stiffness_n_per_m, "N/m"), false),
+        ("Recurrence", recurrence, false),
+    ]
+}
+
+fn log_health(result: &ReplayResult) -> String {
+    let log = &result.log;
+    let counted = |n: u64| (count(n), n > 0);
+    let fact = |name, (value, attention): (String, bool)| (name, value, attention);
+    let length = format!("{} s", fixed(log.duration_s, usize::from(log.duration_s < 1e4)));
+    let list = [
+        ("Length", length, false),
+        ("Sample rate", format!("{} Hz", (log.rate_hz * 1e4).round() / 1e4), false),
+        ("Samples", count(log.samples), false),
+        fact("Missing", counted(log.missing)),
+        fact("Duplicates", counted(log.duplicates)),
+        fact("Rejected", counted(log.rejected)),
+        fact("Saturated", counted(log.saturated)),
+    ];
+    let warning = |text: &String| format!("<li>{}</li>", escape(text));
+    let warnings: String = log.warnings.iter().map(warning).collect();
+    let warnings = match log.warnings.is_empty() {
+        true => String::new(),
+        false => format!("<ul class=\"notice\">{warnings}</ul>"),
+    };
+    facts("Log", &list) + &warnings
+}
+
+fn facts(name: &str, facts: &[Fact]) -> String {
+    let item = |(name, value, attention): &Fact| {
+        let (class, sign) = if *attention { (" class=\"attention\"", "⚠ ") } else { ("", "") };
+        format!("<div{class}><dt>{name}</dt><dd>{sign}{value}</dd></div>")
+    };
+    let items: String = facts.iter().map(item).collect();
+    format!("<h2>{name}</h2><dl class=\"facts\">{items}</dl>")
+}

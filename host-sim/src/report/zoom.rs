@@ -1,0 +1,215 @@
+//! A few cycles and one slip, with the fitted model through the samples.
+
+use super::context::{Context, Focus};
+use super::figure::{Figure, both, dot_key, line_key, mark_keys, tint_key};
+use super::fit::{centre_time_s, line_after, line_before, rest_s, slip_curve};
+use super::number::{count, decimals_for, fixed};
+use super::plot::{Axis, Layout, Plot, Spec};
+use super::scale::extent;
+use super::svg::{Mark, Path, symbol, text};
+use crate::replay::result::EventSummary;
+
+/// Most samples in a panel; beyond it only every second, third, ...
+const MOST_SAMPLES: usize = 3000;
+
+/// The figure.
+pub(super) fn zoom(context: &Context<'_>, focus: &Focus<'_>) -> Figure {
+    let cycles = both(|layout| draw_cycles(context, focus, layout));
+    let slip = both(|layout| draw_slip(context, focus, layout));
+    let mut keys = vec![
+        dot_key("sample", "samples"),
+        line_key("model", "fitted model"),
+        tint_key("stick", "stick"),
+        tint_key("slip", "slip"),
+    ];
+    keys.extend(mark_keys());
+    let caption = format!(
+        "Cycles around event {} ({}), and its slip alone. The block rests while the force rises \
+         along a line; at <i>F</i><sub>s</sub> it slips, and the force follows \
+         <i>F</i><sub>p</sub> + <i>a</i> cos <i>ω</i>(<i>t</i> − <i>t</i><sub>0</sub>) to \
+         <i>F</i><sub>e</sub> = 2<i>F</i><sub>p</sub> − <i>F</i><sub>s</sub>.",
+        count(focus.event.index.into()),
+        place(context, focus),
+    );
+    Figure { class: "zoom", drawings: vec![cycles, slip], keys, caption }
+}
+
+fn place(context: &Context<'_>, focus: &Focus<'_>) -> &'static str {
+    let event = focus.event;
+    let usual = event.quality == "good" && context.result.events.len() > 2;
+    if usual { "the one nearest to the mean" } else { "the best one there is" }
+}
+
+/// Times of the panel with the cycles, s.
+pub(super) fn window_s(context: &Context<'_>, focus: &Focus<'_>, layout: Layout) -> (f64, f64) {
+    let half_s = layout.pick(1.65, 0.9) * focus.period_s;
+    let centre_s = (focus.event.onset_s + focus.event.stop_s) / 2.0;
+    within_log(context, centre_s - half_s, centre_s + half_s)
+}
+
+fn within_log(context: &Context<'_>, from_s: f64, to_s: f64) -> (f64, f64) {
+    let (start_s, end_s) = context.recorder.span_s().unwrap_or((from_s, to_s));
+    (from_s.max(start_s), to_s.min(end_s))
+}
+
+fn draw_cycles(context: &Context<'_>, focus: &Focus<'_>, layout: Layout) -> String {
+    let mut panel = Panel::new(context, window_s(context, focus, layout));
+    panel.id = "cycles";
+    panel.size = layout.pick((770.0, 360.0), (360.0, 280.0));
+    panel.title = "A few cycles";
+    panel.finish(focus, layout, false)
+}
+
+fn draw_slip(context: &Context<'_>, focus: &Focus<'_>, layout: Layout) -> String {
+    let event = focus.event;
+    let beside_s = (1.2 * event.slip_s).max(3.0 * context.recorder.period_s());
+    let span_s = within_log(context, event.onset_s - beside_s, event.stop_s + beside_s);
+    let mut panel = Panel::new(context, span_s);
+    panel.id = "slip";
+    panel.size = layout.pick((380.0, 360.0), (360.0, 300.0));
+    panel.title = "One slip";
+    panel.finish(focus, layout, true)
+}
+
+/// One of the two panels.
+struct Panel<'a> {
+    context: &'a Context<'a>,
+    span_s: (f64, f64),
+    id: &'static str,
+    size: (f64, f64),
+    title: &'static str,
+}
+
+impl<'a> Panel<'a> {
+    fn new(context: &'a Context<'a>, span_s: (f64, f64)) -> Self {
+        Self { context, span_s, id: "", size: (0.0, 0.0), title: "" }
+    }
+
+    fn samples(&self) -> Vec<(f64, f64)> {
+        let samples = self.context.recorder.clips.window(self.span_s.0, self.span_s.1);
+        let step = samples.len().div_ceil(MOST_SAMPLES).max(1);
+        samples.into_iter().step_by(step).map(|s| self.context.shown(s)).collect()
+    }
+
+    /// The events that touch the panel, with the ones before and after.
+    fn events(&self) -> &'a [EventSummary] {
+        let events = &self.context.result.events;
+        let from = events.partition_point(|e| e.stop_s < self.span_s.0).saturating_sub(1);
+        let to = events.partition_point(|e| e.onset_s < self.span_s.1) + 1;
+        events.get(from..to.min(events.len())).unwrap_or_default()
+    }
+
+    fn plot(&self, samples: &[(f64, f64)], layout: Layout) -> Plot {
+        let context = self.context;
+        let inside = |e: &&EventSummary| e.onset_s < self.span_s.1 && e.stop_s > self.span_s.0;
+        let marks = self.events().iter().filter(inside);
+        let marks = marks.flat_map(|e| [e.peak_force_n, e.static_force_n, e.restick_force_n]);
+        let forces = marks.map(|f| f * context.force.factor).chain(samples.iter().map(|s| s.1));
+        Plot::new(&Spec {
+            id: self.id,
+            layout,
+            size: self.size,
+            title: self.title,
+            description: "Samples of the force, the fitted model, and the forces at the slip \
+                          onset, the centre and the re-stick.",
+            x: Axis {
+                domain: (self.span_s.0 - context.zero_s, self.span_s.1 - context.zero_s),
+                least_step: 0.0,
+                label: context.time_label(),
+                readout: ("t", "s".into()),
+            },
+            y: Axis {
+                domain: extent(forces, 0.1),
+                least_step: 0.0,
+                label: context.force_label(),
+                readout: ("F", context.force.name.clone()),
+            },
+        })
+    }
+
+    fn finish(&self, focus: &Focus<'_>, layout: Layout, close: bool) -> String {
+        let (context, samples) = (self.context, self.samples());
+        let mut plot = self.plot(&samples, layout);
+        let events = self.events();
+        self.shade(&mut plot, events);
+        moments(context, &mut plot, focus.event, close);
+        draw_fits(context, &mut plot, events);
+        let room = (plot.x.range.1 - plot.x.range.0) as usize / 3;
+        if samples.len() <= room {
+            plot.dots("sample", samples);
+        } else {
+            plot.line("sample-line", samples);
+        }
+        for event in events {
+            draw_marks(context, &mut plot, event);
+        }
+        label_marks(context, &mut plot, focus.event, close);
+        plot.finish()
+    }
+
+    fn shade(&self, plot: &mut Plot, events: &[EventSummary]) {
+        let zero_s = self.context.zero_s;
+        let first = self.context.result.events.first();
+        let from_s = first.map_or(self.span_s.0, |e| e.onset_s - rest_s(e));
+        plot.shade("stick", from_s - zero_s, plot.x.domain.1);
+        events.iter().for_each(|e| plot.shade("slip", e.onset_s - zero_s, e.stop_s - zero_s));
+    }
+}
+
+/// Dashed lines at the onset and the re-stick, with their names in a close-up.
+fn moments(context: &Context<'_>, plot: &mut Plot, event: &EventSummary, close: bool) {
+    let (bottom, top) = plot.y.range;
+    let mut path = Path::default();
+    let [onset, stop] = [event.onset_s, event.stop_s].map(|t| plot.x.at(t - context.zero_s));
+    path.bar(onset, top, bottom);
+    path.bar(stop, top, bottom);
+    plot.draw(&path.element("moment"));
+    if close {
+        plot.annotate(&text("note end", (onset + 2.0, top - 6.0), "onset"));
+        plot.annotate(&text("note", (stop - 2.0, top - 6.0), "re-stick"));
+    }
+}
+
+/// Every event's own fit, half-way to its neighbours.
+fn draw_fits(context: &Context<'_>, plot: &mut Plot, events: &[EventSummary]) {
+    for (i, event) in events.iter().enumerate() {
+        let before = i.checked_sub(1).and_then(|i| events.get(i));
+        let since_s = before.map(|before| (event.onset_s - before.stop_s) / 2.0);
+        let after = events.get(i + 1);
+        let until_s = after.map(|after| (after.onset_s - event.stop_s) / 2.0);
+        let alone_s = rest_s(event);
+        let mut curve = line_before(event, since_s.unwrap_or(alone_s).max(0.0));
+        curve.extend(slip_curve(event));
+        curve.extend(line_after(event, until_s.unwrap_or(alone_s).max(0.0)));
+        let class = if event.omega_rad_per_s.is_some() { "model" } else { "model unresolved" };
+        plot.line(class, curve.into_iter().map(|point| context.shown(point)));
+    }
+}
+
+fn mark_places(event: &EventSummary) -> [(Mark, &'static str, (f64, f64)); 3] {
+    [
+        (Mark::Static, "s", (event.onset_s, event.static_force_n)),
+        (Mark::Dynamic, "p", (centre_time_s(event), event.dynamic_force_n)),
+        (Mark::Restick, "e", (event.stop_s, event.restick_force_n)),
+    ]
+}
+
+fn draw_marks(context: &Context<'_>, plot: &mut Plot, event: &EventSummary) {
+    for (mark, _, place) in mark_places(event) {
+        plot.draw(&mark.at(plot.at(context.shown(place))));
+    }
+}
+
+/// `Fs`, `Fp` and `Fe` beside their marks, with their values in a close-up.
+fn label_marks(context: &Context<'_>, plot: &mut Plot, event: &EventSummary, close: bool) {
+    let offsets = [("note end", -10.0, -8.0), ("note", 11.0, 4.0), ("note", 8.0, 20.0)];
+    for ((_, subscript, place), (class, dx, dy)) in mark_places(event).into_iter().zip(offsets) {
+        let (shown, mut label) = (context.shown(place), symbol("F", subscript));
+        if close {
+            let value = fixed(shown.1, decimals_for(shown.1, 4));
+            label.push_str(&format!("<tspan dy=\"-3\"> {value}</tspan>"));
+        }
+        let (x, y) = plot.at(shown);
+        plot.annotate(&text(class, (x + dx, y + dy), &label));
+    }
+}
