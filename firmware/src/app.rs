@@ -391,7 +391,7 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
     fn check_store(&mut self, failed: bool) {
         // Said at the first failure and about every half hour of them.
         if failed && self.journal.failures() % 4096 == 1 {
-            self.console.tell(&Line::Trouble("the card does not take the log"));
+            self.console.tell(&Line::Trouble("no card, or it is full or broken: nothing is kept"));
         }
     }
 

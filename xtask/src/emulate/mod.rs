@@ -16,6 +16,7 @@ pub mod record;
 use std::path::PathBuf;
 
 use floe::cli::output;
+use floe::log::{LogOptions, Unit};
 use floe::replay::table;
 use floe::replay::test::TestOptions;
 
@@ -30,6 +31,12 @@ use record::Record;
 pub struct Args {
     /// The log, 16 samples per second
     pub log: PathBuf,
+    /// Name of the force column
+    #[arg(long, value_name = "NAME")]
+    pub column: Option<String>,
+    /// Unit of the force column [default: as the log says, else N]
+    #[arg(long)]
+    pub unit: Option<Unit>,
     #[command(flatten)]
     pub test: TestOptions,
     /// Write the result as JSON to FILE, or to standard output and nothing else there
@@ -43,12 +50,18 @@ pub struct Args {
     pub live: Option<u16>,
 }
 
+impl Args {
+    fn log_options(&self) -> LogOptions {
+        LogOptions { column: self.column.clone(), unit: self.unit, ..LogOptions::default() }
+    }
+}
+
 /// Runs the job.
 ///
 /// # Errors
 /// One line for the user.
 pub fn run(args: &Args, forced: Option<Route>) -> Result<()> {
-    let record = Record::read(&args.log, &args.test)?;
+    let record = Record::read(&args.log, &args.log_options(), &args.test)?;
     let machine = Machine::prepare(forced)?;
     let run = machine.run(&record, args.live, args.card.as_deref())?;
     let outcome = outcome::decode(&run.lines)?;

@@ -40,10 +40,10 @@ impl Record {
     ///
     /// # Errors
     /// The log cannot be read, or has another rate than the board.
-    pub fn read(path: &Path, options: &TestOptions) -> Result<Self> {
+    pub fn read(path: &Path, format: &LogOptions, options: &TestOptions) -> Result<Self> {
         let place = path.display();
         let file = File::open(path).map_err(|e| format!("{place}: {e}"))?;
-        let log = Log::from_reader(Box::new(file), &LogOptions::default());
+        let log = Log::from_reader(Box::new(file), format);
         let mut log = log.map_err(|e| format!("{place}: {e}"))?;
         let config = configure(&log, options).map_err(|e| format!("{place}: {e}"))?;
         if (log.rate_hz() - RATE_HZ).abs() > 0.01 * RATE_HZ {
