@@ -116,7 +116,7 @@ pub fn run(args: &Args) -> Result<(), InputError> {
     finish(run_on(path, input, &args).map_err(|error| error.within(name))?, &args)
 }
 
-/// The bundled log with no option at all.
+/// The bundled log, with a report beside its table.
 ///
 /// # Errors
 /// One line for the user.
@@ -124,11 +124,12 @@ pub fn run_bundled() -> Result<(), InputError> {
     let Some((name, bytes)) = bundled_log() else {
         return Err(no_log());
     };
-    let args = Args::default();
+    let directory = Path::new(if Path::new("target").is_dir() { "target" } else { "." });
+    let args = Args { report: Some(directory.join("floe-report.html")), ..Args::default() };
     finish(run_on(name, Box::new(bytes), &args).map_err(|error| error.within(name))?, &args)
 }
 
-/// Name and content of the log in the binary.
+/// Name and content of the log in the binary, which says its own weight.
 fn bundled_log() -> Option<(&'static str, &'static [u8])> {
     None
 }
@@ -165,7 +166,11 @@ fn finish((result, recorder): Findings, args: &Args) -> Result<(), InputError> {
         Some(path) => output::replace(path, &json(result)?)?,
         None => {}
     }
-    if args.quiet { Ok(()) } else { output::print(&table::text(result)) }
+    if args.quiet {
+        return Ok(());
+    }
+    let written = args.outputs().map(|path| format!("written       {}\n", path.display()));
+    output::print(&(table::text(result) + &written.collect::<String>()))
 }
 
 fn json(result: &ReplayResult) -> Result<String, InputError> {

@@ -225,14 +225,17 @@ fn refuse_binary(head: &[u8]) -> Result<(), InputError> {
         }
     }
     let first = text.split(|&byte| byte == b'\n').next().unwrap_or_default();
-    if first.contains(&0) || control_share(first) > 0.05 {
+    if first.contains(&0) || control_share(head) > 0.02 {
         return refuse("is a binary file, not a csv, toa5 or cr10 log");
     }
     Ok(())
 }
 
-/// Share of bytes that no text holds.
+/// Share of bytes that no text holds, apart from the zeros that a logger leaves
+/// at the end when its power is cut.
 fn control_share(bytes: &[u8]) -> f64 {
+    let end = bytes.iter().rposition(|&byte| byte != 0).map_or(0, |last| last + 1);
+    let bytes = bytes.get(..end).unwrap_or_default();
     let control = |byte: &&u8| byte.is_ascii_control() && !byte.is_ascii_whitespace();
     bytes.iter().filter(control).count() as f64 / bytes.len().max(1) as f64
 }
