@@ -174,11 +174,11 @@ impl Noise {
     pub fn std_n(&self, force_n: f32) -> (Option<f32>, Option<f32>) {
         let floor = (0.3 * self.resolution_n).max(4e-7 * force_n.abs());
         let line = self.innovation.value().map(|median| (median * STD_PER_MEDIAN).max(floor));
-        // Good fits allow for what a line does not; bad ones tell nothing.
+        // The fits allow for what a line does not.
         let fitted = self.fitted_n.map(|fitted| 1.5 * fitted);
-        let second = self.second.value().map(|smallest| smallest * STD_PER_SECOND);
         let fourth = self.fourth.value().map(|median| median * STD_PER_FOURTH);
-        let bound = least(fitted, least(second, fourth)).map(|std| std.max(floor));
+        let second = || self.second.value().map(|smallest| smallest * STD_PER_SECOND);
+        let bound = least(fitted.or_else(second), fourth).map(|std| std.max(floor));
         (line, least(line, bound))
     }
 }
