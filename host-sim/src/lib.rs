@@ -1,8 +1,10 @@
 //! Host tools of Floe: replay recorded logs, simulate tests, compare methods.
 #![forbid(unsafe_code)]
 
+pub mod chip;
 pub mod cli;
 pub mod error;
 pub mod log;
 pub mod replay;
 pub mod report;
+pub mod sim;

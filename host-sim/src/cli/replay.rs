@@ -116,22 +116,19 @@ pub fn run(args: &Args) -> Result<(), InputError> {
     finish(run_on(path, input, &args).map_err(|error| error.within(name))?, &args)
 }
 
+/// Name and content of the log in the binary, which says its own weight.
+const BUNDLED: (&str, &[u8]) =
+    ("host-sim/logs/dff8-13.csv", include_bytes!("../../logs/dff8-13.csv"));
+
 /// The bundled log, with a report beside its table.
 ///
 /// # Errors
 /// One line for the user.
 pub fn run_bundled() -> Result<(), InputError> {
-    let Some((name, bytes)) = bundled_log() else {
-        return Err(no_log());
-    };
+    let (name, bytes) = BUNDLED;
     let directory = Path::new(if Path::new("target").is_dir() { "target" } else { "." });
     let args = Args { report: Some(directory.join("floe-report.html")), ..Args::default() };
     finish(run_on(name, Box::new(bytes), &args).map_err(|error| error.within(name))?, &args)
-}
-
-/// Name and content of the log in the binary, which says its own weight.
-fn bundled_log() -> Option<(&'static str, &'static [u8])> {
-    None
 }
 
 fn run_on(path: &str, input: Box<dyn Read + Send>, args: &Args) -> Result<Findings, InputError> {
