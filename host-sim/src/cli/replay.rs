@@ -125,12 +125,10 @@ const BUNDLED: (&str, &[u8]) =
 /// # Errors
 /// One line for the user.
 pub fn run_bundled() -> Result<(), InputError> {
-    const NAME: &str = "host-sim/logs/dff8-13.csv";
-    // It says its own weight.
-    const LOG: &[u8] = include_bytes!("../../logs/dff8-13.csv");
+    let (name, bytes) = BUNDLED;
     let directory = Path::new(if Path::new("target").is_dir() { "target" } else { "." });
     let args = Args { report: Some(directory.join("floe-report.html")), ..Args::default() };
-    finish(run_on(NAME, Box::new(LOG), &args).map_err(|error| error.within(NAME))?, &args)
+    finish(run_on(name, Box::new(bytes), &args).map_err(|error| error.within(name))?, &args)
 }
 
 fn run_on(path: &str, input: Box<dyn Read + Send>, args: &Args) -> Result<Findings, InputError> {
