@@ -48,6 +48,18 @@ struct Pending {
 struct Rough {
     rate: f32,
     omega: f32,
+    /// Half-way down, periods from the event's origin.
+    middle: f32,
+}
+
+impl Rough {
+    /// The slip lies around its middle: as much as one sample in between can tell,
+    /// for the slips that have no more.
+    fn onset(&self, noise_n2: f32) -> Prior {
+        let slide = core::f32::consts::PI / self.omega;
+        let spread = 0.3 * slide.max(1.0);
+        Prior { mean: self.middle - 0.5 * slide, weight: noise_n2 / (spread * spread) }
+    }
 }
 
 /// Builds events.
@@ -61,7 +73,6 @@ pub struct Cycles {
     residuals: Residuals,
     /// Stop of the last event.
     last_stop: Option<SampleTime>,
-    last_low: Option<Extreme>,
     count: u32,
 }
 
@@ -77,7 +88,6 @@ impl Cycles {
             bend: Shared::default(),
             residuals: Residuals::default(),
             last_stop: None,
-            last_low: None,
             count: 0,
         }
     }
@@ -109,8 +119,8 @@ impl Cycles {
         let finished = self.complete(stick, window, peak);
         let now = detector.last().index;
         let mut next = Pending::new(stick, self.start(stick), window, now, (peak, low));
-        next.rough = self.rough(stick, (peak, low));
-        self.last_low = Some(low);
+        next.rough = self.rough(stick, window, (peak, low));
+        next.rough.middle = next.crossing();
         next.hidden |= last_hidden.is_some_and(|index| index + 4 >= stick.next);
         let noise_n2 = self.residuals.variance_n2().unwrap_or(noise_n * noise_n);
         next.fit = self.fit(&next, &Line::default(), noise_n2);
@@ -123,18 +133,20 @@ impl Cycles {
         self.complete(stick, window, last)
     }
 
-    /// The loading rate from the last lowest sample to this highest one, omega from
-    /// the time of the fall.
-    fn rough(&self, stick: &Stick, (peak, low): (Extreme, Extreme)) -> Rough {
-        let climb = self
-            .last_low
-            .filter(|last| last.index < peak.index)
-            .map(|last| (peak.force_n - last.force_n) / (peak.index - last.index) as f32);
+    /// The loading rate from the line, or from the rise to the highest sample; omega
+    /// from the time of the fall.
+    fn rough(&self, stick: &Stick, window: &Window, (peak, low): (Extreme, Extreme)) -> Rough {
+        let rise = |back: u64| {
+            let force_n = window.get(peak.index.checked_sub(back)?)?;
+            Some((peak.force_n - force_n) / back as f32)
+        };
+        let climb = rise(2).into_iter().chain(rise(1)).reduce(f32::max);
         let line = stick.line.slope().filter(|_| stick.line.count >= 4);
         let least = 1e-4 * (peak.force_n - low.force_n);
         Rough {
             rate: line.or(climb).unwrap_or(0.0).max(least),
             omega: core::f32::consts::PI / ((low.index - peak.index) as f32).max(0.7),
+            middle: 0.0,
         }
     }
 
@@ -142,7 +154,9 @@ impl Cycles {
     /// the last stop when the block rested too briefly for a line.
     fn start(&self, stick: &Stick) -> u64 {
         match self.last_stop {
-            Some(stop) if stick.line.count < 3 => stick.next.min(stop.index + 1),
+            Some(stop) if stick.line.count < 3 => {
+                stick.next.min((stop.index + 1).max(stick.next.saturating_sub(4)))
+            }
             _ => stick.next,
         }
     }
@@ -177,7 +191,7 @@ impl Cycles {
             rate: expected(&self.rate, pending.rough.rate, noise_n2),
             omega: expected(&self.omega, pending.rough.omega, noise_n2),
             bend: self.bend_prior(noise_n2),
-            onset: Prior::default(),
+            onset: pending.rough.onset(noise_n2),
         }
     }
 
@@ -198,13 +212,15 @@ impl Cycles {
         };
         let data = self.data(pending, after, self.residuals.variance_n2().unwrap_or(1.0));
         let (squares_n2, free) = own_residuals(&data, fit);
-        if free < 1.0 {
+        if free < 1.0 && self.residuals.variance_n2().is_none() {
             return self.without_coefficients(pending, Reason::TooShort);
         }
         if pending.hidden {
             return self.without_coefficients(pending, Reason::Hidden);
         }
-        self.residuals.add(squares_n2, free);
+        if free >= 1.0 {
+            self.residuals.add(squares_n2, free);
+        }
         let noise_n2 = self.residuals.variance_n2().unwrap_or(squares_n2 / free);
         self.learn(&data, fit, noise_n2);
         self.measured(pending, fit, noise_n2)
@@ -213,9 +229,7 @@ impl Cycles {
     /// Carries the event's own loading rate and omega to the next ones.
     fn learn(&mut self, data: &Data<'_>, fit: &Fit, noise_n2: f32) {
         let own = |value: f32, unknown: usize, prior: Prior| {
-            let mut unit = Gradient::default();
-            unit[unknown] = 1.0;
-            let variance = noise_n2 * fit.information.covariance(&unit, &unit);
+            let variance = noise_n2 * fit.variance(unknown);
             without_prior(value, variance, prior, noise_n2)
         };
         let cycle = &fit.cycle;
@@ -224,7 +238,9 @@ impl Cycles {
             (&mut self.omega, cycle.omega, 4, data.omega),
             (&mut self.bend, cycle.bend, 5, data.bend),
         ] {
-            if let Some((value, variance)) = own(value, unknown, prior) {
+            let own = own(value, unknown, prior);
+            // The loading rate and omega are above zero; the bend may have any sign.
+            if let Some((value, variance)) = own.filter(|own| unknown == 5 || own.0 > 0.0) {
                 shared.add(value, variance);
             }
         }
@@ -351,7 +367,7 @@ impl Pending {
                 last.map_or(0, |point| self.origin.saturating_add_signed(point.time as i64) + 1);
             self.take(window, next, next_peak.saturating_sub(1));
         }
-        let end = since(self.origin, next_peak);
+        let end = since(self.origin, next_peak) - self.fit.map_or(0.0, |fit| fit.cycle.peak_time());
         let points = self.points.get(..self.length).unwrap_or_default();
         self.length = points.iter().take_while(|point| point.time < end).count();
     }
@@ -360,12 +376,9 @@ impl Pending {
     /// slip's length that fits best of a few.
     fn guess(&self, data: &Data<'_>, known_omega: bool) -> Option<Cycle> {
         let drop = self.peak.force_n - self.low.force_n;
-        let peak_time = since(self.origin, self.peak.index);
-        let low_time = since(self.origin, self.low.index);
         let rate = data.rate.mean;
         let half_drop_n = 0.5 * drop;
-        let middle =
-            self.crossing(self.peak.force_n - half_drop_n).unwrap_or(0.5 * (peak_time + low_time));
+        let middle = self.rough.middle;
         let with_slide = |slide: f32| {
             let phase = crate::math::atan2(rate * slide, core::f32::consts::PI * half_drop_n);
             let onset = middle - 0.5 * slide;
@@ -381,22 +394,26 @@ impl Pending {
             let phase = crate::math::atan2(rate / data.omega.mean, half_drop_n);
             return Some(with_slide((core::f32::consts::PI + 2.0 * phase) / data.omega.mean));
         }
-        let fall = low_time - peak_time;
+        let fall = (self.low.index - self.peak.index) as f32;
         [0.6, 0.8, 1.0, 1.25, 1.6]
             .map(|part| with_slide((part * fall).max(0.5)))
             .into_iter()
             .min_by(|a, b| data.cost(a).total_cmp(&data.cost(b)))
     }
 
-    /// Time at which the samples fall through a force.
-    fn crossing(&self, force_n: f32) -> Option<f32> {
-        let points = self.points.get(..self.length)?;
+    /// Time at which the samples fall through half the drop.
+    fn crossing(&self) -> f32 {
+        let half_n = 0.5 * (self.peak.force_n + self.low.force_n);
+        let points = self.points.get(..self.length).unwrap_or_default();
         let peak_time = since(self.origin, self.peak.index);
-        let pair = points
-            .windows(2)
-            .find(|pair| pair.last().is_some_and(|p| p.time > peak_time && p.force_n < force_n))?;
-        let [a, b] = pair else { return None };
-        Some(b.time - (b.time - a.time) * (force_n - b.force_n) / (a.force_n - b.force_n))
+        let falls =
+            |pair: &&[Point]| pair.last().is_some_and(|p| p.time > peak_time && p.force_n < half_n);
+        match points.windows(2).find(falls) {
+            Some([a, b]) => {
+                b.time - (b.time - a.time) * (half_n - b.force_n) / (a.force_n - b.force_n)
+            }
+            _ => 0.5 * (peak_time + since(self.origin, self.low.index)),
+        }
     }
 }
 
@@ -410,22 +427,17 @@ fn expected(shared: &Shared, guess: f32, noise_n2: f32) -> Prior {
     Prior { mean: guess, weight: noise_n2 / (spread * spread) }
 }
 
-/// Squared residuals of an event that no other event counts, N², and how many
-/// degrees of freedom they have.
+/// Squared residuals of an event that no other event counts, N², and their degrees
+/// of freedom: observations less unknowns, as far as these come from the samples
+/// and not from what was expected.
 fn own_residuals(data: &Data<'_>, fit: &Fit) -> (f32, f32) {
-    let from_prior =
-        |prior: Prior, value: f32| prior.weight * (prior.mean - value) * (prior.mean - value);
-    let cycle = &fit.cycle;
-    let priors = from_prior(data.rate, cycle.rate)
-        + from_prior(data.omega, cycle.omega)
-        + from_prior(data.bend, cycle.bend);
-    let squares = fit.cost - priors + data.after.residual();
-    let observations =
-        data.points.len() as f32 + data.before.count.min(2) as f32 + data.after.count as f32;
-    // A prior is as good as an observation for the unknown it is of.
-    let known =
-        [data.rate, data.omega, data.bend].iter().filter(|prior| prior.weight > 0.0).count() as u8;
-    (squares.max(0.0), observations - (model::UNKNOWNS as f32 - f32::from(known)))
+    let (mut squares, mut unknowns) = (fit.cost + data.after.residual(), model::UNKNOWNS as f32);
+    for (unknown, (prior, value)) in data.priors(&fit.cycle).into_iter().enumerate() {
+        squares -= prior.weight * (prior.mean - value) * (prior.mean - value);
+        unknowns -= prior.weight * fit.variance(unknown);
+    }
+    let lines = data.before.count.min(2) as f32 + data.after.weight;
+    (squares.max(0.0), data.points.len() as f32 + lines - unknowns)
 }
 
 /// Periods from an origin to an index, which may lie before it.

@@ -26,14 +26,17 @@ use crate::window::{WINDOW, Window};
 
 /// Samples whose innovation exceeds this many standard deviations are not on the line.
 const OFF_LINE: f32 = 6.0;
-/// Least drop of a slip, standard deviations of the noise: before the first slip,
-/// and when the usual drop is known.
-const LEAST_DROP: (f32, f32) = (8.0, 5.0);
+/// Least drop of the first slip, standard deviations of the noise.
+const FIRST_DROP: f32 = 8.0;
+/// Least drop of a slip when the usual drop is known, or when there is no line.
+const LEAST_DROP: f32 = 5.0;
 /// Least drop of a slip that starts in the upper half of the last one's range,
 /// parts of the usual drop. Flop of the cable starts in the lower half.
-const LEAST_PART: f32 = 0.12;
+const LEAST_PART: f32 = 0.35;
 /// Least drop of a slip that starts in the lower half.
 const LEAST_PART_LOW: f32 = 0.5;
+/// Rise that ends a slip at once, parts of its drop.
+const CLEAR_RISE: f32 = 0.12;
 /// Fewest samples that make a stick line.
 const LINE_POINTS: u32 = 4;
 /// A slip leaves the force lower by at least this part of its drop; a spike does not.
@@ -98,6 +101,13 @@ pub struct Stick {
 }
 
 impl Stick {
+    /// Leaves out a line that does not describe the force: only the last samples
+    /// before the highest one count.
+    fn forget_line(&mut self) {
+        (self.line, self.first) = (Line::default(), Line::default());
+        self.next = self.next.min(self.origin.max(self.highest.index.saturating_sub(3)));
+    }
+
     /// Takes a sample into the lines.
     fn take(&mut self, time: f32, force_n: f32, memory: &Memory) {
         self.line.fade(memory.fade());
@@ -226,6 +236,9 @@ impl Detector {
         self.phase = Phase::Stick;
         self.memory.decide();
         self.ended = self.stick;
+        if !self.noise.line_fits(highest.force_n) {
+            self.ended.forget_line();
+        }
         self.stick = Stick { origin: next, next, highest, first_weight: 1.0, ..Stick::default() };
     }
 
@@ -247,8 +260,14 @@ impl Detector {
         let Some(std) = self.noise.std_n(now.force_n) else { return false };
         let stick = &self.stick;
         let part = if stick.highest.force_n > self.middle_n { LEAST_PART } else { LEAST_PART_LOW };
-        let noises = if self.usual_drop_n > 0.0 { LEAST_DROP.1 } else { LEAST_DROP.0 };
-        let least = (noises * std).max(part * self.usual_drop_n);
+        let usual = self.usual_drop_n;
+        let least = if usual > 0.0 {
+            (LEAST_DROP * std).min(LEAST_PART_LOW * usual).max(part * usual)
+        } else if self.noise.line_fits(now.force_n) {
+            FIRST_DROP * std
+        } else {
+            LEAST_DROP * std
+        };
         if stick.highest.force_n - now.force_n < least {
             return false;
         }
@@ -286,7 +305,7 @@ impl Detector {
         let time = (sample.index - self.stick.origin) as f32;
         if let Some((innovation, spread)) = self.innovation(sample) {
             let relative = innovation / spread;
-            let std = self.noise.std_n(sample.force_n);
+            let std = self.noise.line_std_n(sample.force_n);
             self.noise.add(relative);
             if std.is_some_and(|std| relative.abs() > OFF_LINE * std) {
                 return self.strike(sample.index, relative);
@@ -333,13 +352,18 @@ impl Detector {
         let std = self.noise.std_n(now.force_n).unwrap_or(0.0);
         let drop = peak.force_n - self.lowest.force_n;
         let rise = now.force_n - self.lowest.force_n;
-        let rises = rise > (4.0 * std).max(LEAST_PART * drop);
+        let rises = rise > (4.0 * std).max(CLEAR_RISE * drop);
         let rests = since_lowest >= (fall.div_ceil(2)).max(2);
         if !(rises || rests) {
             return None;
         }
-        let stays_low = peak.force_n - now.force_n > LEAST_SHIFT * drop;
-        Some(if stays_low { self.restick(now, drop, fall) } else { self.cancel(now) })
+        Some(if self.is_back(now, drop) { self.cancel(now) } else { self.restick(now, drop, fall) })
+    }
+
+    /// Is the force back on the old stick line, as after a spike?
+    fn is_back(&self, now: Extreme, drop: f32) -> bool {
+        let innovation = self.innovation(now).filter(|_| self.noise.line_fits(now.force_n));
+        innovation.is_some_and(|(innovation, _)| innovation > -LEAST_SHIFT * drop)
     }
 
     fn restick(&mut self, now: Extreme, drop: f32, fall: u64) -> Transition {

@@ -7,7 +7,7 @@
 //! and of omega enters as two more.
 
 use crate::line::Line;
-use crate::model::{Cycle, Gradient};
+use crate::model::{Cycle, Gradient, UNKNOWNS};
 use crate::solve::{Factor, Normal, dot};
 
 /// What is known of a quantity beforehand.
@@ -62,10 +62,25 @@ pub struct Fit {
     pub converged: bool,
 }
 
+impl Fit {
+    /// Variance of an unknown, in units of the noise variance.
+    #[must_use]
+    pub fn variance(&self, unknown: usize) -> f32 {
+        let mut unit = Gradient::default();
+        if let Some(entry) = unit.get_mut(unknown) {
+            *entry = 1.0;
+        }
+        self.information.covariance(&unit, &unit)
+    }
+}
+
 /// Most iterations before giving up; 3 to 5 are usual.
-const MOST_STEPS: u32 = 16;
+const MOST_STEPS: u32 = 24;
 /// Settled when a step is below this share of a standard deviation, squared.
 const SETTLED: f32 = 1e-4;
+/// The same when the iterations are used up: a sample may sit right on an end of
+/// the slip, where the sum of squares has a kink.
+const NEARLY_SETTLED: f32 = 0.05;
 
 impl Data<'_> {
     /// Starts from a guess and returns the best fit near it.
@@ -92,8 +107,8 @@ impl Data<'_> {
             } else {
                 damping = (damping * 10.0).max(1e-3);
             }
+            converged = gain < NEARLY_SETTLED * noise_n2;
             if gain < SETTLED * noise_n2 {
-                converged = true;
                 break;
             }
         }
@@ -123,11 +138,24 @@ impl Data<'_> {
             shape.slope_before(),
         );
         add_line(&mut normal, after, shape.after(after.time - cycle.onset), shape.slope_after());
-        add_prior(&mut normal, self.onset, cycle.onset, 0);
-        add_prior(&mut normal, self.rate, cycle.rate, 1);
-        add_prior(&mut normal, self.omega, cycle.omega, 4);
-        add_prior(&mut normal, self.bend, cycle.bend, 5);
+        for (unknown, (prior, value)) in self.priors(cycle).into_iter().enumerate() {
+            add_prior(&mut normal, prior, value, unknown);
+        }
         normal
+    }
+
+    /// What is expected of each unknown, and its value.
+    #[must_use]
+    pub fn priors(&self, cycle: &Cycle) -> [(Prior, f32); UNKNOWNS] {
+        let free = Prior::default();
+        [
+            (self.onset, cycle.onset),
+            (self.rate, cycle.rate),
+            (free, cycle.static_n),
+            (free, cycle.half_drop_n),
+            (self.omega, cycle.omega),
+            (self.bend, cycle.bend),
+        ]
     }
 }
 
@@ -154,7 +182,7 @@ fn moved(cycle: &Cycle, step: &Gradient) -> Cycle {
     // Omega and the rate stay positive by never losing more than two thirds at once.
     let grown = |value: f32, by: f32| (value + by).clamp(0.33 * value, 3.0 * value);
     Cycle {
-        onset: cycle.onset + step[0].clamp(-2.0, 2.0),
+        onset: cycle.onset + step[0].clamp(-1.0, 1.0),
         rate: grown(cycle.rate, step[1]),
         static_n: cycle.static_n + step[2],
         half_drop_n: grown(cycle.half_drop_n, step[3]),

@@ -140,32 +140,44 @@ impl Noise {
         {
             self.resolution_n = step;
         }
-        // The events tell it better: no need to go on.
-        if self.fitted_n.is_none() {
-            if self.filled >= 3 {
-                self.second.add((c - 2.0 * d + e).abs());
-            }
-            if self.filled >= 5 {
-                self.fourth.add((a - 4.0 * b + 6.0 * c - 4.0 * d + e).abs());
-            }
+        if self.filled >= 3 {
+            self.second.add((c - 2.0 * d + e).abs());
+        }
+        if self.filled >= 5 {
+            self.fourth.add((a - 4.0 * b + 6.0 * c - 4.0 * d + e).abs());
         }
     }
 
-    /// Standard deviation, N: never below the resolution's own, nor below the
-    /// rounding of a force of this size. `None` until enough was seen.
+    /// Standard deviation of the innovations of the stick line, N: never below the
+    /// resolution's own, nor below the rounding of a force of this size. `None` until
+    /// enough was seen.
+    #[must_use]
+    pub fn line_std_n(&self, force_n: f32) -> Option<f32> {
+        let floor = (0.3 * self.resolution_n).max(4e-7 * force_n.abs());
+        self.innovation.value().map(|median| (median / MEDIAN_PER_STD).max(floor))
+    }
+
+    /// Standard deviation of the samples, N: that of the innovations, or less where
+    /// the line does not describe the force.
     #[must_use]
     pub fn std_n(&self, force_n: f32) -> Option<f32> {
         let floor = (0.3 * self.resolution_n).max(4e-7 * force_n.abs());
-        let innovation = self.innovation.value().map(|m| m / MEDIAN_PER_STD);
-        // A fit may leave out what the line does not: half as much again is allowed.
-        let bound = match self.fitted_n {
-            Some(fitted) => Some(1.5 * fitted),
-            None => {
-                let second = self.second.value().map(|q| q / SECOND_PER_STD);
-                least(second, self.fourth.value().map(|q| q / FOURTH_PER_STD))
-            }
-        };
-        least(innovation, bound).map(|std| std.max(floor))
+        // Good fits allow for what a line does not; bad ones tell nothing.
+        let fitted = self.fitted_n.map(|fitted| 1.5 * fitted);
+        let second = self.second.value().map(|smallest| smallest / SECOND_PER_STD);
+        let fourth = self.fourth.value().map(|median| median / FOURTH_PER_STD);
+        let bound = least(fitted, least(second, fourth)).map(|std| std.max(floor));
+        least(self.line_std_n(force_n), bound)
+    }
+
+    /// Does the stick line describe the force, or does the block never rest long
+    /// enough?
+    #[must_use]
+    pub fn line_fits(&self, force_n: f32) -> bool {
+        match (self.line_std_n(force_n), self.std_n(force_n)) {
+            (Some(line), Some(std)) => line < 2.5 * std,
+            _ => true,
+        }
     }
 }
 

@@ -9,18 +9,23 @@ use crate::fit::Prior;
 /// Events over which the past is forgotten.
 const MEMORY: f32 = 40.0;
 /// Events before which nothing is expected.
-const LEAST_EVENTS: f32 = 3.0;
+const LEAST_EVENTS: f32 = 2.5;
 
-/// Running mean and variance of a quantity that events share.
+/// Running mean of a quantity that events share, and how much it varies.
+///
+/// A weighted mean with weights `1/(s² + τ²)`: `s²` the event's own variance, `τ²`
+/// the variance between events, estimated alongside with the squared weights.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Shared {
     /// Number of events, at most [`MEMORY`].
     count: f32,
     mean: f32,
-    /// Variance of the measured values, noise included.
-    variance: f32,
-    /// Mean variance of the events' own noise.
-    noise: f32,
+    /// Σ w: one over it is the variance of the mean.
+    weight: f32,
+    /// Σ w² ((x − mean)² − s²) and Σ w².
+    excess: f32,
+    weight_squares: f32,
+    between: f32,
 }
 
 impl Shared {
@@ -29,12 +34,28 @@ impl Shared {
         if !(value.is_finite() && variance.is_finite() && variance > 0.0) {
             return;
         }
-        self.count = (self.count + 1.0).min(MEMORY);
-        let share = 1.0 / self.count;
+        let fade = 1.0 - 1.0 / MEMORY;
+        self.count = (fade * self.count) + 1.0;
+        let weight = 1.0 / (variance + self.between);
+        self.weight = fade * self.weight + weight;
+        let share = weight / self.weight;
         let step = value - self.mean;
         self.mean += share * step;
-        self.noise += share * (variance - self.noise);
-        self.variance += share * ((1.0 - share) * step * step - self.variance);
+        // The first value has nothing to differ from.
+        if self.count > 1.0 {
+            let square = weight * weight;
+            self.excess = fade * self.excess + square * ((1.0 - share) * step * step - variance);
+            self.weight_squares = fade * self.weight_squares + square;
+            self.between = self.significant_excess();
+        }
+    }
+
+    /// Variance between events; zero unless it is more than so few events can feign.
+    fn significant_excess(&self) -> f32 {
+        let between = self.excess / self.weight_squares;
+        let own = self.count / self.weight;
+        let feigned = own * crate::math::sqrt(2.0 / (self.count - 1.0));
+        if between > feigned { between } else { 0.0 }
     }
 
     /// Mean so far; `None` before the first event.
@@ -50,18 +71,8 @@ impl Shared {
         if self.count < LEAST_EVENTS {
             return Prior::default();
         }
-        let between = self.between();
-        let variance = between + (between + self.noise) / self.count;
-        Prior { mean: self.mean, weight: if variance > 0.0 { noise_n2 / variance } else { 0.0 } }
-    }
-
-    /// Variance between events; zero unless it is more than the events' own noise
-    /// and so few events can feign.
-    fn between(&self) -> f32 {
-        let free = self.count - 1.0;
-        let sample = self.variance * self.count / free;
-        let feigned = self.noise * (1.0 + crate::math::sqrt(2.0 / free));
-        if sample > feigned { sample - self.noise } else { 0.0 }
+        let variance = self.between + 1.0 / self.weight;
+        Prior { mean: self.mean, weight: noise_n2 / variance }
     }
 }
 
@@ -73,7 +84,7 @@ impl Shared {
 pub fn without_prior(mean: f32, variance: f32, prior: Prior, noise_n2: f32) -> Option<(f32, f32)> {
     let (fitted, expected) = (1.0 / variance, prior.weight / noise_n2);
     let own = fitted - expected;
-    (own > 0.02 * fitted).then(|| ((fitted * mean - expected * prior.mean) / own, 1.0 / own))
+    (own > 0.1 * fitted).then(|| ((fitted * mean - expected * prior.mean) / own, 1.0 / own))
 }
 
 #[cfg(test)]

@@ -1,2 +1,30 @@
-//! The logger application. See the README.
-#![no_std]
+//! The logger application: everything but pins, clocks and peripherals.
+//!
+//! ```text
+//!  tick interrupt                      main loop
+//!  converter ─► sampler ─► queue ─► core pipeline ─► live lines, log, display
+//! ```
+//!
+//! It runs on a board (`src/board/`), and on a PC under test.
+#![cfg_attr(not(test), no_std)]
+
+pub mod adc;
+pub mod ads122;
+pub mod app;
+pub mod average;
+#[cfg(target_os = "none")]
+pub mod board;
+#[cfg(feature = "card")]
+pub mod card;
+pub mod command;
+pub mod console;
+pub mod journal;
+pub mod line;
+mod log;
+pub mod period;
+pub mod record;
+pub mod sample;
+pub mod sampler;
+pub mod self_test;
+pub mod settings;
+pub mod store;

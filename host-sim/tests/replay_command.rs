@@ -89,6 +89,11 @@ fn bad_files_are_refused_in_one_line() {
         ("slow", b"t,force_n\n0,1\n60,2\n120,3\n".to_vec(), vec!["0.016667", "--rate-hz"]),
         ("fast", b"t,force_n\n0,1\n1e-6,2\n2e-6,3\n".to_vec(), vec!["--rate-hz"]),
         ("binary", (0..=255).cycle().take(9999).collect(), vec!["binary"]),
+        (
+            "scrambled",
+            (0..9999_u32).map(|i| (i.wrapping_mul(2_654_435_761) >> 24) as u8).collect(),
+            vec!["binary"],
+        ),
         ("long_line", vec![b'x'; 1 << 20], vec!["line 1", "64 KiB"]),
         ("long_later", [ramp.as_bytes(), &[b'1'; 99_999]].concat(), vec!["line 42", "64 KiB"]),
         ("utf16", [b"\xFF\xFE".as_slice(), &utf16].concat(), vec!["UTF-16", "UTF-8"]),
@@ -238,11 +243,16 @@ fn outputs_are_written_whole_and_never_over_the_log() {
     let run = |options: &[&str]| floe(&[base.as_slice(), options].concat());
 
     fs::write(&result, "old").unwrap();
-    let output = run(&["--json", &result, "--events", &events]);
+    let report = name("a.html");
+    let output = run(&["--json", &result, "--events", &events, "--report", &report]);
     assert_eq!(output.status.code(), Some(0));
+    for file in [&result, &events, &report] {
+        assert!(text(&output.stdout).contains(&format!("written       {file}\n")), "{file}");
+    }
+    assert!(fs::read_to_string(&report).unwrap().starts_with("<!"));
     assert!(fs::read_to_string(&result).unwrap().starts_with("{\n  \"schema\": \"floe-replay/1\""));
     assert!(fs::read_to_string(&events).unwrap().starts_with("index,onset_s,stop_s,"));
-    assert_eq!(fs::read_dir(&dir).unwrap().count(), 3);
+    assert_eq!(fs::read_dir(&dir).unwrap().count(), 4);
 
     assert_refused(&run(&["--json", &log]), &[&log, "already"]);
     assert_refused(&run(&["--events", &log]), &[&log, "already"]);

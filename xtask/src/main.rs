@@ -1,2 +1,50 @@
-//! Every job around the project.
-fn main() {}
+//! Every job around the project: `cargo xtask help` lists them.
+#![forbid(unsafe_code)]
+
+mod apt;
+mod arm;
+mod emulate;
+mod qemu;
+mod shell;
+mod test;
+
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+/// What went wrong, as one line for a person.
+type Result<T> = std::result::Result<T, String>;
+
+/// One command for every job around the project
+#[derive(Debug, Parser)]
+#[command(name = "cargo xtask")]
+struct Cli {
+    /// Where the compiler for the board comes from [default: the first that works]
+    #[arg(long, global = true, env = "FLOE_ARM", value_enum)]
+    arm: Option<arm::Route>,
+    #[command(subcommand)]
+    job: Job,
+}
+
+#[derive(Debug, Subcommand)]
+enum Job {
+    /// Everything: format, clippy, host tests, the firmware in the emulator
+    Test,
+    /// Run a log through the firmware in the emulator
+    Emulate(emulate::Args),
+}
+
+fn main() -> ExitCode {
+    let cli = Cli::parse();
+    let done = match &cli.job {
+        Job::Test => test::run(cli.arm),
+        Job::Emulate(args) => emulate::run(args, cli.arm),
+    };
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(message) => {
+            eprintln!("xtask: {message}");
+            ExitCode::from(2)
+        }
+    }
+}

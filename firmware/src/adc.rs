@@ -1,0 +1,63 @@
+//! The one trait a converter has to have.
+
+use floe_core::{Counts, Fault, Reading};
+
+/// What a conversion measures.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Input {
+    /// The load cell.
+    #[default]
+    Bridge,
+    /// The converter's inputs tied together: its own offset and noise.
+    Shorted,
+    /// The converter's temperature; code in 1/256 °C.
+    Temperature,
+    /// The load cell with burn-out currents on: full scale if a wire is broken.
+    BurnOut,
+}
+
+/// Why a conversion gave no code.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum AdcFault {
+    /// No answer within the bus's time limit.
+    Silent,
+    /// It answers, but has no new conversion: it is stuck or too slow.
+    NotReady,
+    /// The answer contradicts itself, or the bus reports an error.
+    Garbled,
+    /// The same code too many times in a row.
+    Stuck,
+    /// A register does not hold what was written: a brown-out, most likely.
+    Registers,
+}
+
+impl From<AdcFault> for Reading {
+    fn from(fault: AdcFault) -> Self {
+        Self::Bad(match fault {
+            AdcFault::Silent | AdcFault::NotReady => Fault::Timeout,
+            AdcFault::Garbled | AdcFault::Stuck | AdcFault::Registers => Fault::Corrupt,
+        })
+    }
+}
+
+/// A converter with one signed code per sampling period.
+///
+/// Called from the sampling interrupt: bounded in time, never waits for a
+/// conversion.
+pub trait BridgeAdc {
+    /// Takes the code of the conversion that the previous call started, then
+    /// starts the next one. `None`: nothing had been started.
+    ///
+    /// # Errors
+    /// Why there is no code. The converter has been set up again as far as
+    /// possible and the next conversion started: only this sample is lost.
+    fn tick(&mut self) -> Result<Option<Counts>, AdcFault>;
+
+    /// Measures something else from the next conversion on. A converter that
+    /// cannot leaves the bridge selected and returns `false`.
+    fn select(&mut self, input: Input) -> bool {
+        input == Input::Bridge
+    }
+}

@@ -1,0 +1,435 @@
+//! The main loop's work: samples to results, commands to deeds.
+
+use core::fmt::Write as _;
+
+use embedded_io::{Read, ReadReady, Write};
+use floe_core::{Event, Phase, Pipeline, Report};
+
+use crate::average::{Average, MOST};
+use crate::command::{Command, HELP};
+use crate::console::{Console, Typed};
+use crate::journal::Journal;
+use crate::line::{Health, Line, LiveSample, Mean, Text};
+use crate::log;
+use crate::period::PeriodMeter;
+use crate::sample::{Sample, SampleConsumer, Shared};
+use crate::self_test::SelfTest;
+use crate::settings::Settings;
+use crate::store::Store;
+
+/// Everything but the sampling interrupt and the board.
+#[expect(missing_debug_implementations, reason = "the queue has none")]
+pub struct App<'q, P, S> {
+    queue: SampleConsumer<'q>,
+    shared: &'q Shared,
+    console: Console<P>,
+    journal: Journal<S>,
+    clock_hz: u32,
+    settings: Settings,
+    run: u32,
+    live: bool,
+    job: Job,
+    health: Health,
+    period: PeriodMeter,
+    force_n: Option<f32>,
+}
+
+/// What the samples are used for.
+#[expect(clippy::large_enum_variant, reason = "there is one, and it is mostly a test")]
+enum Job {
+    Idle,
+    /// A calibration waits to be accepted.
+    Proposed(f32),
+    Test(Test),
+    Tare(Average),
+    /// The force that hangs there, N.
+    Calibrate(f32, Average),
+    SelfTest(SelfTest),
+}
+
+struct Test {
+    pipeline: Pipeline,
+    /// Index of its first sample, once that has come.
+    first_index: Option<u32>,
+    phase: Phase,
+}
+
+/// What a display shows.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct View {
+    /// Force now, N.
+    pub force_n: Option<f32>,
+    /// The result so far, while a test is running.
+    pub report: Option<Report>,
+    /// What the block is doing.
+    pub phase: Phase,
+    /// The state of the board.
+    pub health: Health,
+}
+
+impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
+    /// Takes the settings of the last test from the card.
+    pub fn new(
+        queue: SampleConsumer<'q>,
+        shared: &'q Shared,
+        port: P,
+        store: S,
+        clock_hz: u32,
+    ) -> Self {
+        let (journal, last) = Journal::new(store, clock_hz);
+        let run = last.as_ref().map_or(0, |record| record.run);
+        let settings = last.map(|record| record.settings).unwrap_or_default();
+        let mut app = Self {
+            queue,
+            shared,
+            console: Console::new(port),
+            journal,
+            clock_hz,
+            settings,
+            run,
+            live: true,
+            job: Job::Idle,
+            health: Health::default(),
+            period: PeriodMeter::default(),
+            force_n: None,
+        };
+        app.info("floe, help lists the commands");
+        app
+    }
+
+    /// Does all there is to do now. Afterwards the board may sleep until an
+    /// interrupt. Returns whether a sample was there.
+    pub fn turn(&mut self) -> bool {
+        let mut any = false;
+        while let Some(sample) = self.queue.dequeue() {
+            self.take(sample);
+            any = true;
+        }
+        while let Some(typed) = self.console.poll() {
+            self.obey(&typed);
+        }
+        any
+    }
+
+    /// Whether a sample waits: no time to sleep.
+    pub fn has_samples(&self) -> bool {
+        self.queue.ready()
+    }
+
+    /// What a display should show now.
+    pub fn view(&self) -> View {
+        let test = match &self.job {
+            Job::Test(test) => Some(test),
+            Job::Idle | Job::Proposed(_) | Job::Tare(_) | Job::Calibrate(..) | Job::SelfTest(_) => {
+                None
+            }
+        };
+        View {
+            force_n: self.force_n,
+            report: test.map(|t| t.pipeline.report()),
+            phase: test.map_or(Phase::Unknown, |t| t.phase),
+            health: self.health(),
+        }
+    }
+
+    /// Gives the card back, for tests.
+    pub fn into_store(self) -> S {
+        self.journal.into_store()
+    }
+
+    fn take(&mut self, sample: Sample) {
+        self.count(&sample);
+        match &mut self.job {
+            Job::Idle | Job::Proposed(_) => self.show_force(&sample),
+            Job::Test(_) => self.step(sample),
+            Job::Tare(average) => {
+                if let Some(mean) = average.add(&sample) {
+                    self.tare(mean);
+                }
+            }
+            Job::Calibrate(force_n, average) => {
+                let force_n = *force_n;
+                if let Some(mean) = average.add(&sample) {
+                    self.propose(force_n, mean);
+                }
+            }
+            Job::SelfTest(test) => {
+                if let Some(mean) = test.add(&sample) {
+                    self.self_test(mean);
+                }
+            }
+        }
+    }
+
+    fn count(&mut self, sample: &Sample) {
+        self.period.add(sample);
+        self.health.samples = self.health.samples.wrapping_add(1);
+        match sample.reading {
+            Ok(code) => {
+                let (lowest, highest) = self.settings.config.calibration.range_counts;
+                let full = code.0 <= lowest || code.0 >= highest;
+                self.health.saturated = self.health.saturated.wrapping_add(u32::from(full));
+            }
+            Err(fault) => {
+                self.health.adc_faults = self.health.adc_faults.wrapping_add(1);
+                log::warn!("sample {}: {}", sample.index, fault);
+                // While a fault lasts it is said once a second, with every change.
+                self.adc_trouble(sample, fault);
+            }
+        }
+    }
+
+    fn adc_trouble(&mut self, sample: &Sample, fault: crate::adc::AdcFault) {
+        if self.health.adc_faults % 16 == 1 {
+            let mut text = Text::new();
+            let _ = write!(text, "converter at sample {}: {:?}", sample.index, fault);
+            self.trouble(&text);
+        }
+    }
+
+    fn show_force(&mut self, sample: &Sample) {
+        self.force_n = sample.reading.ok().map(|code| self.settings.force_n(code));
+    }
+
+    fn step(&mut self, sample: Sample) {
+        let Job::Test(test) = &mut self.job else { return };
+        if test.first_index.is_none() {
+            self.journal.begin(self.run, sample.index, &self.settings);
+        }
+        let first_index = *test.first_index.get_or_insert(sample.index);
+        let step = test.pipeline.step(sample.raw(first_index));
+        test.phase = step.phase;
+        self.force_n = step.sample.force_n;
+        if self.live {
+            let floe_core::ForceSample { index, force_n, flag, gap } = step.sample;
+            let phase = step.phase;
+            self.console.tell(&Line::Sample(LiveSample { index, force_n, flag, phase, gap }));
+        }
+        if let Some(index) = step.spike {
+            self.tell(&Line::Spike(index));
+        }
+        if let Some(event) = step.event {
+            log::debug!("{}", event);
+            self.tell(&Line::Event(event));
+        }
+        self.journal.counters(self.shared.overruns(), self.health.adc_faults);
+        let stored = self.journal.sample(sample);
+        self.check_store(stored.is_err());
+    }
+
+    fn obey(&mut self, typed: &Typed) {
+        let command = match typed {
+            Typed::TooLong => Err("that line is too long"),
+            Typed::Line(line) => Command::parse(line),
+        };
+        let done = command.and_then(|command| self.execute(command));
+        if let Err(reason) = done {
+            self.console.tell(&Line::Trouble(reason));
+        }
+    }
+
+    // Kept out of the main loop's frame: a new pipeline passes through here.
+    #[inline(never)]
+    fn execute(&mut self, command: Command) -> Result<(), &'static str> {
+        match command {
+            Command::Status => self.status(),
+            Command::Live(live) => self.live = live,
+            Command::Help => self.console.tell(&Line::Info(HELP)),
+            Command::Stop => self.stop()?,
+            Command::Abort => self.abort(),
+            _ if self.testing() => return Err("a test is running; stop ends it"),
+            Command::Start => self.start()?,
+            Command::MeasureTare => {
+                self.job = Job::Tare(Average::new(crate::adc::Input::Bridge, MOST));
+            }
+            Command::Calibrate(force_n) => {
+                let average = Average::new(crate::adc::Input::Bridge, MOST);
+                self.job = Job::Calibrate(force_n, average);
+            }
+            Command::Accept => self.accept()?,
+            Command::SelfTest => self.begin_self_test(),
+            Command::Set(setting) => {
+                let settings = self.settings.with(setting).map_err(config_error)?;
+                self.change(settings);
+            }
+        }
+        Ok(())
+    }
+
+    fn change(&mut self, settings: Settings) {
+        self.settings = settings;
+        let stored = self.journal.remember(&self.settings);
+        self.check_store(stored.is_err());
+        self.say_settings();
+    }
+
+    fn start(&mut self) -> Result<(), &'static str> {
+        let pipeline = Pipeline::new(&self.settings.config).map_err(config_error)?;
+        self.shared.want(crate::adc::Input::Bridge);
+        self.run = self.run.wrapping_add(1);
+        log::info!("test {} starts", self.run);
+        self.journal.begin(self.run, 0, &self.settings);
+        self.say_settings();
+        self.job = Job::Test(Test { pipeline, first_index: None, phase: Phase::Unknown });
+        Ok(())
+    }
+
+    fn stop(&mut self) -> Result<(), &'static str> {
+        if !self.testing() {
+            return Err("no test is running");
+        }
+        while let Some(event) = self.finish_event() {
+            self.tell(&Line::Event(event));
+        }
+        if let Some(report) = self.view().report {
+            self.tell(&Line::Report(report));
+        }
+        self.tell(&Line::Health(self.health()));
+        self.tell(&Line::End { run: self.run });
+        self.job = Job::Idle;
+        log::info!("test {} ends", self.run);
+        let stored = self.journal.flush();
+        self.journal.begin(0, 0, &self.settings);
+        self.check_store(stored.is_err());
+        Ok(())
+    }
+
+    /// What the pipeline still holds back.
+    fn finish_event(&mut self) -> Option<Event> {
+        if let Job::Test(test) = &mut self.job { test.pipeline.finish() } else { None }
+    }
+
+    fn abort(&mut self) {
+        if !self.testing() {
+            self.shared.want(crate::adc::Input::Bridge);
+            self.job = Job::Idle;
+            self.info("aborted");
+        }
+    }
+
+    fn status(&mut self) {
+        self.say_settings();
+        let view = self.view();
+        if let Some(report) = view.report {
+            self.console.tell(&Line::Report(report));
+        }
+        self.console.tell(&Line::Health(view.health));
+    }
+
+    fn tare(&mut self, mean: Mean) {
+        self.job = Job::Idle;
+        self.console.tell(&Line::Mean(mean));
+        if mean.count == 0 {
+            return self.trouble("no tare: the converter gave no readings");
+        }
+        let mut settings = self.settings.clone();
+        settings.config.calibration.tare_counts = mean.mean as i32;
+        self.change(settings);
+    }
+
+    fn propose(&mut self, force_n: f32, mean: Mean) {
+        self.job = Job::Idle;
+        self.console.tell(&Line::Mean(mean));
+        let tare = self.settings.config.calibration.tare_counts;
+        let counts_per_n = (mean.mean - tare as f32) / force_n;
+        if !counts_per_n.is_finite() || counts_per_n == 0.0 {
+            return self.trouble("no calibration: tare first, then hang a known weight");
+        }
+        let mut text = Text::new();
+        let _ = write!(text, "span {counts_per_n} codes per N: accept, or abort");
+        self.info(&text);
+        self.job = Job::Proposed(counts_per_n);
+    }
+
+    fn accept(&mut self) -> Result<(), &'static str> {
+        let Job::Proposed(counts_per_n) = self.job else {
+            return Err("nothing to accept; calibrate first");
+        };
+        self.job = Job::Idle;
+        let mut settings = self.settings.clone();
+        settings.config.calibration.counts_per_n = counts_per_n;
+        self.change(settings);
+        Ok(())
+    }
+
+    fn begin_self_test(&mut self) {
+        let test = SelfTest::new();
+        self.shared.want(test.input());
+        self.job = Job::SelfTest(test);
+    }
+
+    fn self_test(&mut self, mean: Mean) {
+        self.console.tell(&Line::Mean(mean));
+        let Job::SelfTest(test) = &mut self.job else { return };
+        if let Some(trouble) = SelfTest::judge(&mean) {
+            test.fail();
+            self.console.tell(&Line::Trouble(trouble));
+        }
+        if test.advance() {
+            return self.shared.want(test.input());
+        }
+        let passed = test.passed();
+        self.job = Job::Idle;
+        self.shared.want(crate::adc::Input::Bridge);
+        self.console.tell(&Line::Health(self.health()));
+        self.info(if passed { "self test passed" } else { "self test FAILED" });
+    }
+
+    fn health(&self) -> Health {
+        let seconds = |ticks: u32| ticks as f32 / self.clock_hz as f32;
+        Health {
+            overruns: self.shared.overruns(),
+            deepest: self.shared.deepest(),
+            period_s: self.period.mean_s(self.clock_hz).map(|s| s as f32),
+            jitter_s: self.period.extremes().map(|(low, high)| seconds(high - low)),
+            sectors: self.journal.sectors(),
+            store_failures: self.journal.failures(),
+            ..self.health
+        }
+    }
+
+    fn check_store(&mut self, failed: bool) {
+        // Said at the first failure and about every half hour of them.
+        if failed && self.journal.failures() % 4096 == 1 {
+            self.console.tell(&Line::Trouble("no card, or it is full or broken: nothing is kept"));
+        }
+    }
+
+    fn testing(&self) -> bool {
+        matches!(self.job, Job::Test(_))
+    }
+
+    fn say_settings(&mut self) {
+        let line = Line::Start { run: self.run, settings: self.settings.clone() };
+        self.tell(&line);
+    }
+
+    fn info(&mut self, text: &str) {
+        self.console.tell(&Line::Info(text));
+    }
+
+    fn trouble(&mut self, text: &str) {
+        self.tell(&Line::Trouble(text));
+    }
+
+    /// Says a line, and during a test writes it to the card too.
+    fn tell(&mut self, line: &Line<'_>) {
+        let Ok(text) = line.to_text() else { return };
+        self.console.say(&text);
+        if self.testing() {
+            self.journal.line(&text);
+        }
+    }
+}
+
+fn config_error(error: floe_core::ConfigError) -> &'static str {
+    use floe_core::ConfigError::{Calibration, Range, Rate, Slope, Weight, Winch};
+    match error {
+        Rate => "the rate must be 1 to 2000 Hz",
+        Weight => "set weight N first: the weight of the block",
+        Slope => "the slope must be within 68 degrees",
+        Winch => "the winch speed must be above zero, in m/s",
+        Range => "the range must be above zero, in N",
+        Calibration => "the span must not be zero",
+    }
+}

@@ -1,0 +1,59 @@
+//! The mean of some readings: taring, calibrating, self test.
+
+use heapless::Vec;
+
+use crate::adc::Input;
+use crate::line::Mean;
+use crate::sample::Sample;
+
+/// Most readings that are averaged: two seconds.
+pub const MOST: usize = 32;
+
+/// Collects readings of one input.
+#[derive(Clone, Debug)]
+pub struct Average {
+    input: Input,
+    wanted: usize,
+    codes: Vec<i32, MOST>,
+    failed: u32,
+}
+
+impl Average {
+    /// Wants so many readings, at most [`MOST`].
+    #[must_use]
+    pub fn new(input: Input, wanted: usize) -> Self {
+        Self { input, wanted: wanted.min(MOST), codes: Vec::new(), failed: 0 }
+    }
+
+    /// Takes a sample; gives the mean when there are enough, or too many failed.
+    pub fn add(&mut self, sample: &Sample) -> Option<Mean> {
+        if sample.input != self.input {
+            return None;
+        }
+        match sample.reading {
+            Ok(code) => drop(self.codes.push(code.0)),
+            Err(_) => self.failed += 1,
+        }
+        let enough = self.codes.len() >= self.wanted || self.failed as usize > self.wanted;
+        enough.then(|| self.mean())
+    }
+
+    fn mean(&self) -> Mean {
+        let first = self.codes.first().copied().unwrap_or(0);
+        let count = self.codes.len().max(1) as f32;
+        let offsets = self.codes.iter().map(|&code| code.wrapping_sub(first) as f32);
+        let mean = offsets.clone().sum::<f32>() / count;
+        let square = offsets.map(|x| (x - mean) * (x - mean)).sum::<f32>() / count;
+        let mut sorted = self.codes.clone();
+        sorted.sort_unstable();
+        let changes = sorted.windows(2).filter(|pair| pair[0] != pair[1]).count() as u32;
+        Mean {
+            input: self.input,
+            count: self.codes.len() as u32,
+            failed: self.failed,
+            mean: first as f32 + mean,
+            deviation: floe_core::math::sqrt(square),
+            different: changes + u32::from(!self.codes.is_empty()),
+        }
+    }
+}

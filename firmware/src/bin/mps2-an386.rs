@@ -1,0 +1,63 @@
+//! The logger on the emulated board.
+#![cfg_attr(target_os = "none", no_std, no_main)]
+
+#[cfg(target_os = "none")]
+mod target {
+    use cortex_m_rt::entry;
+    use floe_firmware::ads122::{Ads122, SerialBus};
+    use floe_firmware::app::App;
+    use floe_firmware::board::mps2::files::{AdcLine, CardFile, ConsoleFiles};
+    use floe_firmware::board::mps2::{self, CLOCK_HZ, Delay};
+    use floe_firmware::card::CardLog;
+    use floe_firmware::sample::{SampleQueue, Shared};
+    use floe_firmware::sampler::Sampler;
+    use semihosting::process::exit;
+    use static_cell::StaticCell;
+
+    /// 4 MiB: an hour and eight minutes.
+    const LOG_SECTORS: u32 = 8192;
+
+    type Adc = Ads122<SerialBus<AdcLine, Delay>, Delay>;
+
+    type Logger = App<'static, ConsoleFiles, CardLog<CardFile>>;
+
+    #[entry]
+    fn main() -> ! {
+        static SHARED: Shared = Shared::new();
+        static QUEUE: StaticCell<SampleQueue> = StaticCell::new();
+        static APP: StaticCell<Logger> = StaticCell::new();
+        static SAMPLER: StaticCell<Sampler<'static, Adc>> = StaticCell::new();
+
+        mps2::start_clock();
+        let (Some(console), Some(line)) = (ConsoleFiles::open(), AdcLine::open()) else {
+            // Started without its neighbours.
+            exit(3)
+        };
+        let (producer, consumer) = QUEUE.init(SampleQueue::new()).split();
+        let adc = Ads122::new(SerialBus::new(line, Delay), Delay);
+        let sampler = SAMPLER.init(Sampler::new(adc, producer, &SHARED));
+        let card = CardLog::new(CardFile::open(), LOG_SECTORS);
+        let app = APP.init_with(|| App::new(consumer, &SHARED, console, card, CLOCK_HZ));
+        app.turn();
+        mps2::start_tick(sampler);
+        loop {
+            app.turn();
+            mps2::sleep_unless(|| app.has_samples());
+        }
+    }
+
+    #[cortex_m_rt::exception]
+    #[allow(unsafe_code)] // SAFETY: it never returns and touches nothing.
+    unsafe fn HardFault(_: &cortex_m_rt::ExceptionFrame) -> ! {
+        exit(102)
+    }
+
+    #[panic_handler]
+    fn panic(info: &core::panic::PanicInfo<'_>) -> ! {
+        semihosting::eprintln!("{info}");
+        exit(101)
+    }
+}
+
+#[cfg(not(target_os = "none"))]
+fn main() {}

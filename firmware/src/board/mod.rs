@@ -1,0 +1,5 @@
+//! The boards: pins, clocks, peripherals. All `unsafe` code is here.
+#![allow(unsafe_code)]
+
+#[cfg(feature = "mps2-an386")]
+pub mod mps2;

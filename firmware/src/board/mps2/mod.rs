@@ -1,0 +1,150 @@
+//! Arm MPS2 with image AN386: a Cortex-M4F that QEMU has, to test on.
+//!
+//! Timer 0 is the sampling tick, timer 1 the clock. The converter, the console and
+//! the card are files of the emulator's host, see [`files`].
+
+pub mod files;
+
+use core::cell::RefCell;
+use core::ptr::{read_volatile, write_volatile};
+
+use cortex_m::peripheral::NVIC;
+use critical_section::Mutex;
+use embedded_hal::delay::DelayNs;
+
+use crate::sampler::Tick;
+
+/// Both timers count at the processor's 25 MHz.
+pub const CLOCK_HZ: u32 = 25_000_000;
+/// Periods of the clock in a sampling period: 16 Hz exactly.
+const TICK_PERIODS: u32 = CLOCK_HZ / 16;
+
+/// APB timers of the CMSDK: control, value (down), reload, interrupt.
+const TIMER0: usize = 0x4000_0000;
+const TIMER1: usize = 0x4000_1000;
+const CTRL: usize = 0x0;
+const VALUE: usize = 0x4;
+const RELOAD: usize = 0x8;
+const INT_CLEAR: usize = 0xC;
+const ENABLE: u32 = 1 << 0;
+const INTERRUPT: u32 = 1 << 3;
+
+/// Interrupt 8 is timer 0; nothing else is used.
+#[derive(Clone, Copy)]
+struct Timer0Line;
+
+// SAFETY: 8 is timer 0's number on this board.
+unsafe impl cortex_m::interrupt::InterruptNumber for Timer0Line {
+    fn number(self) -> u16 {
+        8
+    }
+}
+
+/// An entry of the vector table.
+pub type Vector = unsafe extern "C" fn();
+
+unsafe extern "C" {
+    fn DefaultHandler();
+}
+
+/// The board's part of the vector table.
+#[unsafe(link_section = ".vector_table.interrupts")]
+#[unsafe(no_mangle)]
+pub static __INTERRUPTS: [Vector; 32] = {
+    let mut table: [Vector; 32] = [DefaultHandler; 32];
+    table[8] = on_timer0;
+    table
+};
+
+static TICK: Mutex<RefCell<Option<&'static mut dyn Tick>>> = Mutex::new(RefCell::new(None));
+
+unsafe extern "C" fn on_timer0() {
+    write(TIMER0 + INT_CLEAR, 1);
+    let stamp = clock();
+    critical_section::with(|cs| {
+        if let Some(tick) = TICK.borrow_ref_mut(cs).as_mut() {
+            tick.tick(stamp);
+        }
+    });
+}
+
+/// Starts the clock. Call it first, once.
+pub fn start_clock() {
+    write(TIMER1 + RELOAD, u32::MAX);
+    write(TIMER1 + VALUE, u32::MAX);
+    write(TIMER1 + CTRL, ENABLE);
+}
+
+/// Ticks of the clock since its start, modulo 2³².
+#[must_use]
+pub fn clock() -> u32 {
+    !read(TIMER1 + VALUE)
+}
+
+/// Starts the sampling tick, 16 times a second from now on.
+pub fn start_tick(tick: &'static mut dyn Tick) {
+    critical_section::with(|cs| *TICK.borrow_ref_mut(cs) = Some(tick));
+    write(TIMER0 + RELOAD, TICK_PERIODS - 1);
+    write(TIMER0 + VALUE, TICK_PERIODS - 1);
+    write(TIMER0 + CTRL, ENABLE | INTERRUPT);
+    // SAFETY: the handler above is in the vector table.
+    unsafe { NVIC::unmask(Timer0Line) };
+}
+
+/// Sleeps until an interrupt unless `busy` says that there is work. The question
+/// is asked with interrupts off, so no wake-up is lost: a pending interrupt ends
+/// the sleep even then.
+pub fn sleep_unless(busy: impl FnOnce() -> bool) {
+    cortex_m::interrupt::disable();
+    if !busy() {
+        cortex_m::asm::wfi();
+    }
+    // SAFETY: they were on before.
+    unsafe { cortex_m::interrupt::enable() };
+}
+
+/// Waits by the clock.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Delay;
+
+impl DelayNs for Delay {
+    fn delay_ns(&mut self, ns: u32) {
+        const TICK_NS: u32 = 1_000_000_000 / CLOCK_HZ;
+        let start = clock();
+        while clock().wrapping_sub(start) < ns.div_ceil(TICK_NS) {}
+    }
+}
+
+/// Ends the emulation with an exit code, after saying how deep the stack was.
+pub fn finish(code: i32) -> ! {
+    let (used, size) = stack_used();
+    semihosting::eprintln!("stack {used} of {size} bytes");
+    semihosting::process::exit(code)
+}
+
+/// Bytes of the stack that were ever used, and its size: the reset code has
+/// painted it.
+#[must_use]
+pub fn stack_used() -> (usize, usize) {
+    unsafe extern "C" {
+        static _stack_end: u32;
+        static _stack_start: u32;
+    }
+    let (end, start) = (&raw const _stack_end, &raw const _stack_start);
+    let mut word = end;
+    // SAFETY: from the linker script: the words from end to start are the stack.
+    while word < start && unsafe { read_volatile(word) } == cortex_m_rt::STACK_PAINT_VALUE {
+        word = word.wrapping_add(1);
+    }
+    (start as usize - word as usize, start as usize - end as usize)
+}
+
+fn read(register: usize) -> u32 {
+    // SAFETY: callers name registers of this board's timers only.
+    unsafe { read_volatile(register as *const u32) }
+}
+
+fn write(register: usize, value: u32) {
+    // SAFETY: callers name registers of this board's timers only.
+    unsafe { write_volatile(register as *mut u32, value) }
+}

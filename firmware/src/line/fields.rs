@@ -1,0 +1,112 @@
+//! Single fields, there and back.
+
+use core::fmt::{self, Display, Write};
+use core::str::{FromStr, Split};
+
+use floe_core::{Phase, Quality, Reason, SampleFlag};
+
+use super::LineError;
+use crate::adc::Input;
+
+/// Writes a field per call.
+pub(super) struct Writer<'w, W>(pub &'w mut W);
+
+impl<W: Write> Writer<'_, W> {
+    pub(super) fn put(&mut self, value: impl Display) -> fmt::Result {
+        write!(self.0, ",{value}")
+    }
+
+    pub(super) fn put_some(&mut self, value: Option<impl Display>) -> fmt::Result {
+        match value {
+            Some(value) => self.put(value),
+            None => self.0.write_char(','),
+        }
+    }
+
+    pub(super) fn put_word<T: Word>(&mut self, value: T) -> fmt::Result {
+        let word = T::WORDS.iter().find(|(v, _)| *v == value).map_or("", |(_, word)| word);
+        self.put(word)
+    }
+}
+
+/// Reads a field per call.
+pub(super) struct Reader<'a>(pub Split<'a, char>);
+
+impl<'a> Reader<'a> {
+    pub(super) fn text(&mut self) -> Result<&'a str, LineError> {
+        self.0.next().ok_or(LineError::Field)
+    }
+
+    pub(super) fn take<T: FromStr>(&mut self) -> Result<T, LineError> {
+        self.text()?.parse().map_err(|_| LineError::Field)
+    }
+
+    pub(super) fn take_some<T: FromStr>(&mut self) -> Result<Option<T>, LineError> {
+        match self.text()? {
+            "" => Ok(None),
+            text => text.parse().map(Some).map_err(|_| LineError::Field),
+        }
+    }
+
+    pub(super) fn take_word<T: Word>(&mut self) -> Result<T, LineError> {
+        word(self.text()?).ok_or(LineError::Field)
+    }
+
+    pub(super) fn take_some_word<T: Word>(&mut self) -> Result<Option<T>, LineError> {
+        match self.text()? {
+            "" => Ok(None),
+            text => word(text).map(Some).ok_or(LineError::Field),
+        }
+    }
+}
+
+fn word<T: Word>(text: &str) -> Option<T> {
+    T::WORDS.iter().find(|(_, word)| *word == text).map(|(value, _)| *value)
+}
+
+/// A value that is one of a few words.
+pub(super) trait Word: Copy + PartialEq + 'static {
+    const WORDS: &'static [(Self, &'static str)];
+}
+
+impl Word for bool {
+    const WORDS: &'static [(Self, &'static str)] = &[(false, "0"), (true, "1")];
+}
+
+impl Word for SampleFlag {
+    const WORDS: &'static [(Self, &'static str)] = &[
+        (Self::Good, "good"),
+        (Self::Saturated, "saturated"),
+        (Self::Rejected, "rejected"),
+        (Self::Spike, "spike"),
+        (Self::Duplicate, "duplicate"),
+    ];
+}
+
+impl Word for Phase {
+    const WORDS: &'static [(Self, &'static str)] =
+        &[(Self::Unknown, "unknown"), (Self::Stick, "stick"), (Self::Slip, "slip")];
+}
+
+impl Word for Quality {
+    const WORDS: &'static [(Self, &'static str)] = &[
+        (Self::Good, "good"),
+        (Self::Unresolved, "unresolved"),
+        (Self::Slack, "slack"),
+        (Self::Clipped, "clipped"),
+    ];
+}
+
+impl Word for Reason {
+    const WORDS: &'static [(Self, &'static str)] =
+        &[(Self::Hidden, "hidden"), (Self::TooShort, "short"), (Self::NoFit, "nofit")];
+}
+
+impl Word for Input {
+    const WORDS: &'static [(Self, &'static str)] = &[
+        (Self::Bridge, "bridge"),
+        (Self::Shorted, "shorted"),
+        (Self::Temperature, "temperature"),
+        (Self::BurnOut, "burn-out"),
+    ];
+}

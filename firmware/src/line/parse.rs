@@ -1,0 +1,145 @@
+//! Text to values: the host's half.
+
+use floe_core::{Calibration, Coefficient, Config, Counters, Estimate, Event, Report, SampleTime};
+use heapless::String;
+
+use super::fields::Reader;
+use super::{Health, Line, LineError, LiveSample, Mean, checksum};
+use crate::settings::Settings;
+
+impl<'a> Line<'a> {
+    /// Reads a line back; its end (CR, LF, spaces) may be there or not.
+    ///
+    /// # Errors
+    /// What is wrong with it.
+    pub fn parse(text: &'a str) -> Result<Self, LineError> {
+        let (body, sum) = text.trim_end().rsplit_once('*').ok_or(LineError::NoChecksum)?;
+        let sum = u16::from_str_radix(sum, 16).map_err(|_| LineError::NoChecksum)?;
+        if sum != checksum(body) {
+            return Err(LineError::Checksum);
+        }
+        let (kind, fields) = body.split_once(',').ok_or(LineError::UnknownKind)?;
+        let from = &mut Reader(fields.split(','));
+        Ok(match kind {
+            "T" => Line::Start { run: from.take()?, settings: settings(from)? },
+            "S" => Line::Sample(live_sample(from)?),
+            "P" => Line::Spike(from.take()?),
+            "E" => Line::Event(event(from)?),
+            "R" => Line::Report(report(from)?),
+            "Z" => Line::End { run: from.take()? },
+            "H" => Line::Health(health(from)?),
+            "M" => Line::Mean(mean(from)?),
+            "I" => Line::Info(fields),
+            "!" => Line::Trouble(fields),
+            _ => return Err(LineError::UnknownKind),
+        })
+    }
+}
+
+fn settings(from: &mut Reader<'_>) -> Result<Settings, LineError> {
+    let name = String::try_from(from.text()?).map_err(|_| LineError::Field)?;
+    let config = Config {
+        rate_hz: from.take()?,
+        weight_n: from.take()?,
+        slope_rad: from.take()?,
+        winch_m_per_s: from.take_some()?,
+        range_n: from.take_some()?,
+        calibration: Calibration {
+            tare_counts: from.take()?,
+            counts_per_n: from.take()?,
+            range_counts: (from.take()?, from.take()?),
+        },
+    };
+    Ok(Settings { config, name })
+}
+
+fn live_sample(from: &mut Reader<'_>) -> Result<LiveSample, LineError> {
+    Ok(LiveSample {
+        index: from.take()?,
+        force_n: from.take_some()?,
+        flag: from.take_word()?,
+        phase: from.take_word()?,
+        gap: from.take()?,
+    })
+}
+
+fn event(from: &mut Reader<'_>) -> Result<Event, LineError> {
+    Ok(Event {
+        index: from.take()?,
+        onset: time(from)?,
+        stop: time(from)?,
+        static_force_n: from.take()?,
+        dynamic_force_n: from.take()?,
+        peak_force_n: from.take()?,
+        restick_force_n: from.take()?,
+        mu_s: coefficient(from)?,
+        mu: coefficient(from)?,
+        stick_s: from.take_some()?,
+        slip_s: from.take()?,
+        loading_rate_n_per_s: from.take()?,
+        omega_rad_per_s: from.take_some()?,
+        slack: from.take_word()?,
+        quality: from.take_word()?,
+        reason: from.take_some_word()?,
+    })
+}
+
+fn time(from: &mut Reader<'_>) -> Result<SampleTime, LineError> {
+    Ok(SampleTime { index: from.take()?, fraction: from.take()? })
+}
+
+fn coefficient(from: &mut Reader<'_>) -> Result<Option<Coefficient>, LineError> {
+    let (value, std) = (from.take_some()?, from.take_some()?);
+    Ok(value.zip(std).map(|(value, std)| Coefficient { value, std }))
+}
+
+fn report(from: &mut Reader<'_>) -> Result<Report, LineError> {
+    Ok(Report {
+        counters: Counters {
+            samples: from.take()?,
+            missing: from.take()?,
+            duplicates: from.take()?,
+            rejected: from.take()?,
+            saturated: from.take()?,
+        },
+        events: from.take()?,
+        mu_s: estimate(from)?,
+        mu: estimate(from)?,
+        noise_n: from.take_some()?,
+        loading_rate_n_per_s: from.take_some()?,
+        omega_rad_per_s: from.take_some()?,
+        stiffness_n_per_m: from.take_some()?,
+        recurrence_s: from.take_some()?,
+    })
+}
+
+fn estimate(from: &mut Reader<'_>) -> Result<Option<Estimate>, LineError> {
+    let (mean, std_error) = (from.take_some()?, from.take_some()?);
+    let (spread, events) = (from.take_some()?, from.take_some()?.unwrap_or(0));
+    Ok(mean.zip(std_error).map(|(mean, std_error)| Estimate { mean, std_error, spread, events }))
+}
+
+fn health(from: &mut Reader<'_>) -> Result<Health, LineError> {
+    Ok(Health {
+        samples: from.take()?,
+        overruns: from.take()?,
+        deepest: from.take()?,
+        adc_faults: from.take()?,
+        saturated: from.take()?,
+        period_s: from.take_some()?,
+        jitter_s: from.take_some()?,
+        sectors: from.take()?,
+        store_failures: from.take()?,
+    })
+}
+
+fn mean(from: &mut Reader<'_>) -> Result<Mean, LineError> {
+    Ok(Mean {
+        input: from.take_word()?,
+        count: from.take()?,
+        failed: from.take()?,
+        mean: from.take()?,
+        deviation: from.take()?,
+        different: from.take()?,
+    })
+}

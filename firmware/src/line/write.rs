@@ -1,0 +1,154 @@
+//! Values to text.
+
+use core::fmt::{self, Write};
+
+use floe_core::{Coefficient, Config, Estimate, Event, Report, SampleTime};
+
+use super::fields::Writer;
+use super::{Health, Line, LiveSample, Mean, Text, checksum};
+use crate::settings::Settings;
+
+impl Line<'_> {
+    /// The line without its end, checksum included.
+    ///
+    /// # Errors
+    /// The line is too long, which only a long text can be.
+    pub fn to_text(&self) -> Result<Text, fmt::Error> {
+        let mut text = Text::new();
+        text.write_char(self.kind())?;
+        self.put_fields(&mut Writer(&mut text))?;
+        let sum = checksum(&text);
+        write!(text, "*{sum:04X}")?;
+        Ok(text)
+    }
+
+    fn kind(&self) -> char {
+        match self {
+            Line::Start { .. } => 'T',
+            Line::Sample(_) => 'S',
+            Line::Spike(_) => 'P',
+            Line::Event(_) => 'E',
+            Line::Report(_) => 'R',
+            Line::End { .. } => 'Z',
+            Line::Health(_) => 'H',
+            Line::Mean(_) => 'M',
+            Line::Info(_) => 'I',
+            Line::Trouble(_) => '!',
+        }
+    }
+
+    fn put_fields<W: Write>(&self, out: &mut Writer<'_, W>) -> fmt::Result {
+        match self {
+            Line::Start { run, settings } => start(out, *run, settings),
+            Line::Sample(sample) => live_sample(out, sample),
+            Line::Spike(index) => out.put(index),
+            Line::Event(e) => event(out, e),
+            Line::Report(r) => report(out, r),
+            Line::End { run } => out.put(run),
+            Line::Health(h) => health(out, h),
+            Line::Mean(m) => mean(out, m),
+            Line::Info(text) | Line::Trouble(text) => out.put(text),
+        }
+    }
+}
+
+fn start<W: Write>(out: &mut Writer<'_, W>, run: u32, settings: &Settings) -> fmt::Result {
+    out.put(run)?;
+    out.put(&settings.name)?;
+    let Config { rate_hz, weight_n, slope_rad, winch_m_per_s, range_n, calibration } =
+        settings.config;
+    out.put(rate_hz)?;
+    out.put(weight_n)?;
+    out.put(slope_rad)?;
+    out.put_some(winch_m_per_s)?;
+    out.put_some(range_n)?;
+    out.put(calibration.tare_counts)?;
+    out.put(calibration.counts_per_n)?;
+    out.put(calibration.range_counts.0)?;
+    out.put(calibration.range_counts.1)
+}
+
+fn live_sample<W: Write>(out: &mut Writer<'_, W>, sample: &LiveSample) -> fmt::Result {
+    out.put(sample.index)?;
+    out.put_some(sample.force_n)?;
+    out.put_word(sample.flag)?;
+    out.put_word(sample.phase)?;
+    out.put(sample.gap)
+}
+
+fn event<W: Write>(out: &mut Writer<'_, W>, event: &Event) -> fmt::Result {
+    out.put(event.index)?;
+    time(out, event.onset)?;
+    time(out, event.stop)?;
+    out.put(event.static_force_n)?;
+    out.put(event.dynamic_force_n)?;
+    out.put(event.peak_force_n)?;
+    out.put(event.restick_force_n)?;
+    coefficient(out, event.mu_s)?;
+    coefficient(out, event.mu)?;
+    out.put_some(event.stick_s)?;
+    out.put(event.slip_s)?;
+    out.put(event.loading_rate_n_per_s)?;
+    out.put_some(event.omega_rad_per_s)?;
+    out.put_word(event.slack)?;
+    out.put_word(event.quality)?;
+    match event.reason {
+        Some(reason) => out.put_word(reason),
+        None => out.put(""),
+    }
+}
+
+fn time<W: Write>(out: &mut Writer<'_, W>, time: SampleTime) -> fmt::Result {
+    out.put(time.index)?;
+    out.put(time.fraction)
+}
+
+fn coefficient<W: Write>(out: &mut Writer<'_, W>, value: Option<Coefficient>) -> fmt::Result {
+    out.put_some(value.map(|c| c.value))?;
+    out.put_some(value.map(|c| c.std))
+}
+
+fn report<W: Write>(out: &mut Writer<'_, W>, report: &Report) -> fmt::Result {
+    let counters = &report.counters;
+    out.put(counters.samples)?;
+    out.put(counters.missing)?;
+    out.put(counters.duplicates)?;
+    out.put(counters.rejected)?;
+    out.put(counters.saturated)?;
+    out.put(report.events)?;
+    estimate(out, report.mu_s)?;
+    estimate(out, report.mu)?;
+    out.put_some(report.noise_n)?;
+    out.put_some(report.loading_rate_n_per_s)?;
+    out.put_some(report.omega_rad_per_s)?;
+    out.put_some(report.stiffness_n_per_m)?;
+    out.put_some(report.recurrence_s)
+}
+
+fn estimate<W: Write>(out: &mut Writer<'_, W>, estimate: Option<Estimate>) -> fmt::Result {
+    out.put_some(estimate.map(|e| e.mean))?;
+    out.put_some(estimate.map(|e| e.std_error))?;
+    out.put_some(estimate.and_then(|e| e.spread))?;
+    out.put_some(estimate.map(|e| e.events))
+}
+
+fn health<W: Write>(out: &mut Writer<'_, W>, health: &Health) -> fmt::Result {
+    out.put(health.samples)?;
+    out.put(health.overruns)?;
+    out.put(health.deepest)?;
+    out.put(health.adc_faults)?;
+    out.put(health.saturated)?;
+    out.put_some(health.period_s)?;
+    out.put_some(health.jitter_s)?;
+    out.put(health.sectors)?;
+    out.put(health.store_failures)
+}
+
+fn mean<W: Write>(out: &mut Writer<'_, W>, mean: &Mean) -> fmt::Result {
+    out.put_word(mean.input)?;
+    out.put(mean.count)?;
+    out.put(mean.failed)?;
+    out.put(mean.mean)?;
+    out.put(mean.deviation)?;
+    out.put(mean.different)
+}

@@ -1,0 +1,41 @@
+//! The true sampling period, by the board's clock.
+
+use crate::sample::Sample;
+
+/// Times between samples that follow each other.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct PeriodMeter {
+    last: Option<(u32, u32)>,
+    ticks: u64,
+    periods: u32,
+    shortest: Option<u32>,
+    longest: u32,
+}
+
+impl PeriodMeter {
+    /// Takes a sample; across a gap no time is taken.
+    pub fn add(&mut self, sample: &Sample) {
+        let next_to = |index: u32| index.wrapping_add(1) == sample.index;
+        if let Some((_, stamp)) = self.last.filter(|&(index, _)| next_to(index)) {
+            let ticks = sample.stamp.wrapping_sub(stamp);
+            self.ticks += u64::from(ticks);
+            self.periods = self.periods.saturating_add(1);
+            self.shortest = Some(self.shortest.map_or(ticks, |s| s.min(ticks)));
+            self.longest = self.longest.max(ticks);
+        }
+        self.last = Some((sample.index, sample.stamp));
+    }
+
+    /// Mean period, s; `None` before two samples.
+    #[must_use]
+    pub fn mean_s(&self, clock_hz: u32) -> Option<f64> {
+        let mean = self.ticks as f64 / f64::from(self.periods);
+        (self.periods > 0).then(|| mean / f64::from(clock_hz))
+    }
+
+    /// Shortest and longest period in clock ticks; `None` before two samples.
+    #[must_use]
+    pub fn extremes(&self) -> Option<(u32, u32)> {
+        self.shortest.map(|shortest| (shortest, self.longest))
+    }
+}

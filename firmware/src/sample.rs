@@ -1,0 +1,94 @@
+//! What travels from the interrupt to the main loop.
+
+use core::sync::atomic::{AtomicU8, AtomicU32, Ordering};
+
+use floe_core::{Counts, RawSample, Reading};
+use heapless::spsc::{Consumer, Producer, Queue};
+
+use crate::adc::{AdcFault, Input};
+
+/// Samples per second. On the board it is 2048 periods of a 32 768 Hz crystal.
+pub const RATE_HZ: f32 = 16.0;
+
+/// Samples that wait while the main loop is busy: 127, or 7.9 s.
+pub const QUEUE_DEPTH: usize = QUEUE_SLOTS - 1;
+/// The queue keeps one slot free.
+const QUEUE_SLOTS: usize = 128;
+
+/// The queue between the two.
+pub type SampleQueue = Queue<Sample, QUEUE_SLOTS>;
+/// The interrupt's end.
+pub type SampleProducer<'q> = Producer<'q, Sample>;
+/// The main loop's end.
+pub type SampleConsumer<'q> = Consumer<'q, Sample>;
+
+/// One sampling period.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Sample {
+    /// Number of the period since power-up.
+    pub index: u32,
+    /// When its conversion was started, in ticks of the board's clock.
+    pub stamp: u32,
+    /// What was measured.
+    pub input: Input,
+    /// The code, or why there is none.
+    pub reading: Result<Counts, AdcFault>,
+}
+
+impl Sample {
+    /// As the core wants it, counted from the first sample of a test.
+    #[must_use]
+    pub fn raw(&self, first_index: u32) -> RawSample {
+        let index = u64::from(self.index.wrapping_sub(first_index));
+        RawSample { index, reading: self.reading.map_or_else(Reading::from, Reading::Counts) }
+    }
+}
+
+/// What interrupt and main loop tell each other beside the samples.
+#[derive(Debug, Default)]
+pub struct Shared {
+    overruns: AtomicU32,
+    deepest: AtomicU32,
+    wanted: AtomicU8,
+}
+
+impl Shared {
+    /// Nothing lost, bridge wanted.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self { overruns: AtomicU32::new(0), deepest: AtomicU32::new(0), wanted: AtomicU8::new(0) }
+    }
+
+    /// Samples lost because the queue was full.
+    pub fn overruns(&self) -> u32 {
+        self.overruns.load(Ordering::Relaxed)
+    }
+
+    /// Most samples that ever waited.
+    pub fn deepest(&self) -> u32 {
+        self.deepest.load(Ordering::Relaxed)
+    }
+
+    /// Asks for another input from one of the next samples on.
+    pub fn want(&self, input: Input) {
+        self.wanted.store(input as u8, Ordering::Relaxed);
+    }
+
+    pub(crate) fn wanted(&self) -> Input {
+        const INPUTS: [Input; 4] =
+            [Input::Bridge, Input::Shorted, Input::Temperature, Input::BurnOut];
+        let wanted = self.wanted.load(Ordering::Relaxed);
+        INPUTS.get(usize::from(wanted)).copied().unwrap_or_default()
+    }
+
+    pub(crate) fn count_overrun(&self) {
+        // Only the sampling interrupt writes.
+        self.overruns.store(self.overruns().wrapping_add(1), Ordering::Relaxed);
+    }
+
+    pub(crate) fn count_depth(&self, depth: usize) {
+        let depth = u32::try_from(depth).unwrap_or(u32::MAX);
+        self.deepest.store(self.deepest().max(depth), Ordering::Relaxed);
+    }
+}

@@ -1,0 +1,87 @@
+//! The ADS122C04's I²C port, as an embedded-hal bus.
+
+use std::cell::RefCell;
+use std::rc::Rc;
+
+use embedded_hal::i2c::{Error, ErrorKind, ErrorType, I2c, NoAcknowledgeSource, Operation};
+
+use super::device::Device;
+use super::line::Clock;
+use super::trouble::Trouble;
+
+/// Nobody pulls the line down.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct NoAnswer;
+
+impl Error for NoAnswer {
+    fn kind(&self) -> ErrorKind {
+        ErrorKind::NoAcknowledge(NoAcknowledgeSource::Address)
+    }
+}
+
+/// The chip on a bus of its own, at address 0x40. The clock is shared with
+/// whoever lets time pass.
+#[derive(Clone, Debug)]
+pub struct I2cChip {
+    device: Rc<RefCell<Device>>,
+    clock: Clock,
+}
+
+const ADDRESS: u8 = 0x40;
+
+impl I2cChip {
+    /// Connects a chip to a clock.
+    #[must_use]
+    pub fn new(device: Rc<RefCell<Device>>, clock: Clock) -> Self {
+        Self { device, clock }
+    }
+
+    fn write_bytes(&self, bytes: &[u8]) -> Vec<u8> {
+        let now_ns = self.clock.now_ns();
+        let mut device = self.device.borrow_mut();
+        let [command, rest @ ..] = bytes else { return Vec::new() };
+        let register = usize::from(command >> 2 & 0b11);
+        match command >> 4 {
+            0b0001 => return device.read_data(now_ns),
+            0b0010 => return device.read_register(now_ns, register),
+            0b0100 => {
+                if let Some(&value) = rest.first() {
+                    device.write_register(now_ns, register, value);
+                }
+            }
+            _ => device.command(now_ns, *command),
+        }
+        Vec::new()
+    }
+}
+
+impl ErrorType for I2cChip {
+    type Error = NoAnswer;
+}
+
+impl I2c for I2cChip {
+    fn transaction(
+        &mut self,
+        address: u8,
+        operations: &mut [Operation<'_>],
+    ) -> Result<(), NoAnswer> {
+        let trouble = self.device.borrow().trouble(self.clock.now_ns());
+        if address != ADDRESS || trouble == Some(Trouble::Silent) {
+            return Err(NoAnswer);
+        }
+        let mut answer = Vec::new();
+        for operation in operations {
+            match operation {
+                Operation::Write(bytes) => answer = self.write_bytes(bytes),
+                Operation::Read(buffer) => {
+                    // A chip that has nothing more to say leaves the line high.
+                    let bytes = answer.drain(..answer.len().min(buffer.len()));
+                    let bytes: Vec<u8> = bytes.collect();
+                    buffer.fill(0xFF);
+                    buffer[..bytes.len()].copy_from_slice(&bytes);
+                }
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,136 @@
+//! A compiler for the board, `thumbv7em-none-eabihf`, wherever there is one.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::time::Duration;
+
+use crate::shell::{output, root, run, run_within, say};
+use crate::{Result, apt};
+
+/// The board's architecture.
+pub const TARGET: &str = "thumbv7em-none-eabihf";
+
+/// Where the compiler comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum Route {
+    /// The toolchain that runs this program knows the target already.
+    Installed,
+    /// `rustup target add`.
+    Rustup,
+    /// Debian's own Rust, with `core` compiled from its source.
+    Debian,
+}
+
+impl Route {
+    /// The first route that works, or the one that was forced.
+    ///
+    /// # Errors
+    /// No route works; says what each said.
+    pub fn find(forced: Option<Self>) -> Result<Self> {
+        let candidates = match forced {
+            None => vec![Self::Installed, Self::Rustup, Self::Debian],
+            Some(route) => vec![route],
+        };
+        let mut reasons = Vec::new();
+        for route in candidates {
+            match route.prepare() {
+                Ok(()) => {
+                    say(&format!("ARM compiler: {}", route.describe()));
+                    return Ok(route);
+                }
+                Err(reason) => reasons.push(reason),
+            }
+        }
+        Err(format!("no compiler for {TARGET}: {}", reasons.join("; ")))
+    }
+
+    /// A cargo that builds for the target: `cargo(["build", "-p", ...])`.
+    pub fn cargo(self, subcommand: &str) -> Command {
+        let mut command = match self {
+            Self::Installed | Self::Rustup => crate::shell::cargo(),
+            Self::Debian => debian_cargo(),
+        };
+        command.arg(subcommand).args(["--target", TARGET, "--target-dir"]);
+        command.arg(root().join("target/arm"));
+        if self == Self::Debian {
+            command.args(["-Z", "build-std=core"]);
+        }
+        command
+    }
+
+    /// Builds a program of the firmware and gives its file.
+    ///
+    /// # Errors
+    /// It does not build.
+    pub fn build_firmware(self, program: &str, features: &str) -> Result<PathBuf> {
+        let mut command = self.cargo("build");
+        command.args(["--package", "floe-firmware", "--bin", program]);
+        command.args(["--features", features, "--profile", "firmware"]);
+        run(&mut command)?;
+        Ok(root().join("target/arm").join(TARGET).join("firmware").join(program))
+    }
+
+    fn describe(self) -> &'static str {
+        match self {
+            Self::Installed => "the installed toolchain",
+            Self::Rustup => "the installed toolchain, target added by rustup",
+            Self::Debian => "Debian's rustc-web with core from source",
+        }
+    }
+
+    fn prepare(self) -> Result<()> {
+        match self {
+            Self::Installed => {
+                if has_target() {
+                    Ok(())
+                } else {
+                    Err("not in the installed toolchain".into())
+                }
+            }
+            Self::Rustup => {
+                let mut rustup = Command::new("rustup");
+                rustup.args(["target", "add", TARGET]).env("RUSTUP_MAX_RETRIES", "0");
+                run_within(&mut rustup, Duration::from_secs(90))?;
+                if has_target() { Ok(()) } else { Err("rustup did not add it".into()) }
+            }
+            Self::Debian => prepare_debian(),
+        }
+    }
+}
+
+fn has_target() -> bool {
+    let rustc = std::env::var_os("RUSTC").unwrap_or("rustc".into());
+    let libdir = output(Command::new(rustc).args(["--print", "target-libdir", "--target", TARGET]));
+    libdir.is_some_and(|dir| {
+        std::fs::read_dir(dir.trim()).is_ok_and(|mut files| {
+            files.any(|f| f.is_ok_and(|f| f.file_name().to_string_lossy().starts_with("libcore")))
+        })
+    })
+}
+
+fn prepare_debian() -> Result<()> {
+    let needed = ["/usr/bin/rustc", "/usr/bin/cargo", "/usr/bin/ld.lld", "/usr/lib/rustlib/src"];
+    if needed.iter().all(|path| Path::new(path).exists()) {
+        return Ok(());
+    }
+    if !apt::present() {
+        return Err("this is not a Debian machine (no apt-get)".into());
+    }
+    say("installing Debian's Rust and linker");
+    apt::install(&["rustc-web", "cargo-web", "rust-web-src", "lld"])
+}
+
+/// The link is Debian's lld, since there is no `rust-lld` in its packages.
+fn debian_cargo() -> Command {
+    let mut command = Command::new("/usr/bin/cargo");
+    command.current_dir(root());
+    for name in ["CARGO", "RUSTUP_TOOLCHAIN", "RUSTC_WRAPPER", "RUSTFLAGS"] {
+        command.env_remove(name);
+    }
+    command.env("RUSTC", "/usr/bin/rustc").env("RUSTC_BOOTSTRAP", "1");
+    command.env(
+        "CARGO_TARGET_THUMBV7EM_NONE_EABIHF_RUSTFLAGS",
+        "-Clinker=ld.lld -Clinker-flavor=ld.lld",
+    );
+    command
+}

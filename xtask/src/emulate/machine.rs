@@ -1,0 +1,160 @@
+//! The emulator with the firmware in it.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::sync::mpsc;
+use std::time::{Duration, Instant};
+
+use floe::chip::SerialChip;
+
+use super::link::{self, Typist};
+use super::record::Record;
+use crate::Result;
+use crate::arm::Route;
+use crate::qemu;
+use crate::shell::root;
+
+/// A firmware that is ready to run.
+#[derive(Debug)]
+pub struct Machine {
+    qemu: &'static str,
+    firmware: PathBuf,
+}
+
+/// What a run gave.
+#[derive(Debug)]
+pub struct Run {
+    /// What the board said.
+    pub lines: Vec<String>,
+    /// Every conversion that the board read: number of the sample and code.
+    pub delivered: Vec<(u64, i32)>,
+    /// Time it took.
+    pub wall: Duration,
+}
+
+impl Machine {
+    /// Builds the firmware and finds the emulator.
+    ///
+    /// # Errors
+    /// One of them is not to be had.
+    pub fn prepare(forced: Option<Route>) -> Result<Self> {
+        let qemu = qemu::find()?;
+        let firmware = Route::find(forced)?.build_firmware("mps2-an386", "mps2-an386")?;
+        Ok(Self { qemu, firmware })
+    }
+
+    /// Runs a record from power-up to the end of the test.
+    ///
+    /// # Errors
+    /// The firmware or the emulator failed.
+    pub fn run(&self, record: &Record, live: Option<u16>, card: Option<&Path>) -> Result<Run> {
+        let directory = Directory::new(card)?;
+        directory.write("console.in", record.commands() + quiet(live) + "start\r\n")?;
+        let typist = vec![(record.codes.len() as u64, "stop\r\n".to_string())];
+        let typist = Typist::new(&directory.path("console.in"), typist);
+        let typist = typist.map_err(|e| e.to_string())?;
+        let (load_cell, trouble) = record.load_cell();
+        let chip = SerialChip::new(load_cell, trouble, 0);
+        let start = Instant::now();
+        let mut child = self.spawn(&directory)?;
+        let done = serve(&directory, chip, typist, live.is_some(), &mut child);
+        let wall = start.elapsed();
+        let shown = fs::read_to_string(directory.path("console.out")).unwrap_or_default();
+        let chip = done.map_err(|e| format!("{e}; the board's last words: {}", tail(&shown)))?;
+        let lines = shown.lines().map(str::to_string).collect();
+        Ok(Run { lines, delivered: chip.device().delivered().to_vec(), wall })
+    }
+
+    fn spawn(&self, directory: &Directory) -> Result<Child> {
+        let mut command = Command::new(self.qemu);
+        command.args(["-M", "mps2-an386", "-display", "none", "-monitor", "none"]);
+        command.args(["-serial", "none", "-icount", "shift=4,sleep=off"]);
+        command.args(["-semihosting-config", "enable=on,target=native", "-kernel"]);
+        command.arg(&self.firmware).current_dir(&directory.0);
+        command.stdin(Stdio::null()).stdout(Stdio::null());
+        command.spawn().map_err(|e| format!("cannot start {}: {e}", self.qemu))
+    }
+}
+
+/// During a live run the samples are shown, else only what comes of them.
+fn quiet(live: Option<u16>) -> &'static str {
+    if live.is_some() { "live on\r\n" } else { "live off\r\n" }
+}
+
+/// Serves the converter while the emulator lives.
+fn serve(
+    directory: &Directory,
+    chip: SerialChip,
+    typist: Typist,
+    real_time: bool,
+    child: &mut Child,
+) -> Result<SerialChip> {
+    let (sender, receiver) = mpsc::channel();
+    let place = directory.0.clone();
+    std::thread::spawn(move || sender.send(link::serve(&place, chip, typist, real_time)));
+    let done = loop {
+        if let Ok(done) = receiver.recv_timeout(Duration::from_millis(20)) {
+            break done.map_err(|e| e.to_string())?;
+        }
+        if let Ok(Some(status)) = child.try_wait() {
+            return Err(format!("the firmware stopped ({status})"));
+        }
+    };
+    // The line is closed: the board ends by itself.
+    let end = Instant::now() + Duration::from_secs(5);
+    while Instant::now() < end {
+        match child.try_wait() {
+            Ok(Some(status)) if status.success() => return Ok(done),
+            Ok(Some(status)) => return Err(format!("the firmware stopped ({status})")),
+            _ => std::thread::sleep(Duration::from_millis(2)),
+        }
+    }
+    let _ = child.kill();
+    Err("the firmware did not notice the end".into())
+}
+
+fn tail(text: &str) -> String {
+    let lines: Vec<&str> = text.lines().collect();
+    lines[lines.len().saturating_sub(3)..].join(" | ")
+}
+
+/// The emulator's working directory, gone at the end.
+#[derive(Debug)]
+struct Directory(PathBuf);
+
+impl Directory {
+    fn new(card: Option<&Path>) -> Result<Self> {
+        static COUNT: std::sync::atomic::AtomicU32 = std::sync::atomic::AtomicU32::new(0);
+        let number = COUNT.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
+        let name = format!("emulate-{}-{number}", std::process::id());
+        let directory = Self(root().join("target").join(name));
+        fs::create_dir_all(&directory.0).map_err(|e| e.to_string())?;
+        for fifo in ["adc.in", "adc.out"] {
+            let made = Command::new("mkfifo").arg(directory.path(fifo)).status();
+            if !made.is_ok_and(|status| status.success()) {
+                return Err("cannot make a FIFO: is mkfifo installed?".into());
+            }
+        }
+        if let Some(card) = card {
+            let card = card.canonicalize().map_err(|e| format!("{}: {e}", card.display()))?;
+            let linked = std::os::unix::fs::symlink(card, directory.path("card.img"));
+            linked.map_err(|e| e.to_string())?;
+        }
+        Ok(directory)
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.0.join(name)
+    }
+
+    fn write(&self, name: &str, text: String) -> Result<()> {
+        fs::write(self.path(name), text).map_err(|e| e.to_string())
+    }
+}
+
+impl Drop for Directory {
+    fn drop(&mut self) {
+        let _ = fs::remove_dir_all(&self.0);
+    }
+}

@@ -1,0 +1,85 @@
+//! `cargo xtask emulate`: a log through the firmware in the emulator.
+//!
+//! ```text
+//!  log ─► load cell ─► model of the converter ─► FIFOs ─► firmware in QEMU
+//!                                                 console ─► lines ─► result
+//! ```
+//!
+//! Emulated time stands still whenever the host answers, so a run is as fast as
+//! the PC and the same every time.
+
+pub mod link;
+pub mod machine;
+pub mod outcome;
+pub mod record;
+
+use std::path::PathBuf;
+
+use floe::cli::output;
+use floe::log::{LogOptions, Unit};
+use floe::replay::table;
+use floe::replay::test::TestOptions;
+
+use crate::Result;
+use crate::arm::Route;
+use crate::shell::say;
+use machine::Machine;
+use record::Record;
+
+/// Options of the job.
+#[derive(Clone, Debug, clap::Args)]
+pub struct Args {
+    /// The log, 16 samples per second
+    pub log: PathBuf,
+    /// Name of the force column
+    #[arg(long, value_name = "NAME")]
+    pub column: Option<String>,
+    /// Unit of the force column [default: as the log says, else N]
+    #[arg(long)]
+    pub unit: Option<Unit>,
+    #[command(flatten)]
+    pub test: TestOptions,
+    /// Write the result as JSON to FILE, or to standard output and nothing else there
+    #[arg(long, value_name = "FILE", num_args = 0..=1, default_missing_value = "-")]
+    pub json: Option<PathBuf>,
+    /// Log on this image of an SD card
+    #[arg(long, value_name = "IMAGE")]
+    pub card: Option<PathBuf>,
+    /// Run in real time, the console on this TCP port
+    #[arg(long, value_name = "PORT", num_args = 0..=1, default_missing_value = "4004")]
+    pub live: Option<u16>,
+}
+
+impl Args {
+    fn log_options(&self) -> LogOptions {
+        LogOptions { column: self.column.clone(), unit: self.unit, ..LogOptions::default() }
+    }
+}
+
+/// Runs the job.
+///
+/// # Errors
+/// One line for the user.
+pub fn run(args: &Args, forced: Option<Route>) -> Result<()> {
+    let record = Record::read(&args.log, &args.log_options(), &args.test)?;
+    let machine = Machine::prepare(forced)?;
+    let run = machine.run(&record, args.live, args.card.as_deref())?;
+    let outcome = outcome::decode(&run.lines)?;
+    say(&format!(
+        "{} samples in {:.1} s; {}",
+        outcome.health.samples,
+        run.wall.as_secs_f64(),
+        outcome.compare(&record, &run.delivered)?
+    ));
+    for trouble in &outcome.troubles {
+        say(&format!("the board says: {trouble}"));
+    }
+    let result = outcome.result(&args.log, &record);
+    let text = serde_json::to_string_pretty(&result).map_err(|e| e.to_string())? + "\n";
+    let done = match args.json.as_deref() {
+        Some(path) if path.as_os_str() == "-" => output::print(&text),
+        Some(path) => output::replace(path, &text),
+        None => output::print(&table::text(&result)),
+    };
+    done.map_err(|error| error.to_string())
+}

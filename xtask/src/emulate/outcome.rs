@@ -1,0 +1,142 @@
+//! What the board said, and whether the PC says the same.
+
+use std::path::Path;
+
+use floe::replay::result::{EventSummary, LogSummary, ReplayResult, TestSummary};
+use floe_core::{Config, Counts, Event, Pipeline, RawSample, Reading, Report, SampleTime};
+use floe_firmware::line::{Health, Line};
+
+use super::record::Record;
+use crate::Result;
+
+/// The board's words, decoded.
+#[derive(Debug)]
+pub struct Outcome {
+    /// What the test was computed with.
+    pub config: Config,
+    /// Every event.
+    pub events: Vec<Event>,
+    /// The last report.
+    pub report: Report,
+    /// The last health.
+    pub health: Health,
+    /// What the board complained of.
+    pub troubles: Vec<String>,
+}
+
+/// Decodes every line.
+///
+/// # Errors
+/// A damaged line, or no complete test among them.
+pub fn decode(lines: &[String]) -> Result<Outcome> {
+    let (mut config, mut report, mut health, mut ended) = (None, None, None, false);
+    let (mut events, mut troubles) = (Vec::new(), Vec::new());
+    for line in lines {
+        match Line::parse(line).map_err(|e| format!("the board's line '{line}': {e}"))? {
+            Line::Start { settings, .. } => config = Some(settings.config),
+            Line::Event(event) => events.push(event),
+            Line::Report(r) => report = Some(r),
+            Line::Health(h) => health = Some(h),
+            Line::End { .. } => ended = true,
+            Line::Trouble(text) => troubles.push(text.to_string()),
+            Line::Sample(_) | Line::Spike(_) | Line::Mean(_) | Line::Info(_) => {}
+        }
+    }
+    match (config, report, health, ended) {
+        (Some(config), Some(report), Some(health), true) => {
+            Ok(Outcome { config, events, report, health, troubles })
+        }
+        _ => Err(format!("the board did not complete a test: {troubles:?}")),
+    }
+}
+
+impl Outcome {
+    /// Runs the converter's codes through the core on this PC: every event has to
+    /// be the board's, bit for bit. Gives a sentence about it.
+    ///
+    /// # Errors
+    /// The first event that differs.
+    pub fn compare(&self, record: &Record, delivered: &[(u64, i32)]) -> Result<String> {
+        let periods = record.codes.len() as u64;
+        if (delivered.len() as u64) < periods {
+            return Ok("not compared with this PC: the converter failed in between".into());
+        }
+        let samples = delivered.iter().take_while(|(index, _)| *index < periods);
+        let samples = samples
+            .map(|&(index, code)| RawSample { index, reading: Reading::Counts(Counts(code)) });
+        let (events, report) = host(&self.config, samples)?;
+        if events.len() != self.events.len() {
+            let (board, host) = (self.events.len(), events.len());
+            return Err(format!("the board found {board} events, this PC {host}"));
+        }
+        for (board, host) in self.events.iter().zip(&events) {
+            if bits(board) != bits(host) {
+                return Err(format!("event differs: board {board:?}, this PC {host:?}"));
+            }
+        }
+        if format!("{:?}", self.report) != format!("{report:?}") {
+            return Err(format!("report differs: board {:?}, this PC {report:?}", self.report));
+        }
+        Ok(format!("{} events and the report as on this PC, bit for bit", events.len()))
+    }
+
+    /// As `floe replay` would give it.
+    #[must_use]
+    pub fn result(&self, path: &Path, record: &Record) -> ReplayResult {
+        let span = |times: &[f64]| Some(times.last()? - times.first()?);
+        let log = LogSummary {
+            path: path.display().to_string(),
+            format: record.format.to_string(),
+            rate_hz: f64::from(self.config.rate_hz),
+            duration_s: span(&record.times_s).unwrap_or(0.0),
+            warnings: self.troubles.clone(),
+            ..LogSummary::from(self.report.counters)
+        };
+        let test = TestSummary {
+            test_id: record.test_id.clone(),
+            weight_n: f64::from(self.config.weight_n),
+            slope_rad: f64::from(self.config.slope_rad),
+        };
+        let seconds = |moment: SampleTime| {
+            let last = record.times_s.len().saturating_sub(1);
+            let index = (moment.index as usize).min(last);
+            let periods = (moment.index as usize - index) as f64 + f64::from(moment.fraction);
+            let time_s = record.times_s.get(index).copied().unwrap_or(0.0);
+            time_s + periods / f64::from(self.config.rate_hz)
+        };
+        let events = self.events.iter();
+        let events = events.map(|e| EventSummary::new(e, seconds(e.onset), seconds(e.stop)));
+        ReplayResult::new(log, test, &self.report, events.collect())
+    }
+}
+
+fn host(config: &Config, samples: impl Iterator<Item = RawSample>) -> Result<(Vec<Event>, Report)> {
+    let mut pipeline = Pipeline::new(config).map_err(|e| e.to_string())?;
+    let mut events: Vec<Event> = samples.filter_map(|s| pipeline.step(s).event).collect();
+    while let Some(event) = pipeline.finish() {
+        events.push(event);
+    }
+    Ok((events, pipeline.report()))
+}
+
+/// Every number of an event as its bits; the rest as text.
+fn bits(event: &Event) -> (Vec<Option<u32>>, String) {
+    let mut numbers: Vec<Option<f32>> = vec![
+        Some(event.onset.fraction),
+        Some(event.stop.fraction),
+        Some(event.static_force_n),
+        Some(event.dynamic_force_n),
+        Some(event.peak_force_n),
+        Some(event.restick_force_n),
+        event.stick_s,
+        Some(event.slip_s),
+        Some(event.loading_rate_n_per_s),
+        event.omega_rad_per_s,
+    ];
+    for coefficient in [event.mu_s, event.mu] {
+        numbers.extend([coefficient.map(|c| c.value), coefficient.map(|c| c.std)]);
+    }
+    let places = (event.index, event.onset.index, event.stop.index);
+    let words = (event.slack, event.quality, event.reason);
+    (numbers.iter().map(|n| n.map(f32::to_bits)).collect(), format!("{places:?} {words:?}"))
+}

@@ -1,0 +1,144 @@
+//! A log as what the load cell does in every sampling period.
+
+use std::fs::File;
+use std::path::Path;
+
+use floe::chip::{LoadCell, Schedule, Trouble};
+use floe::log::{Log, LogOptions};
+use floe::replay::test::{TestOptions, configure};
+use floe_core::{Calibration, Config, Reading};
+
+use crate::Result;
+
+/// The rate of the board.
+const RATE_HZ: f64 = 16.0;
+/// The largest force of a log is at this share of the converter's range.
+const HEADROOM: f64 = 0.5;
+/// Standard deviation of the converter's own noise, in codes.
+const NOISE_CODES: f64 = 12.0;
+const NOISE_SEED: u64 = 20_260_321;
+
+/// What the load cell does.
+#[derive(Clone, Debug)]
+pub struct Record {
+    /// Format of the log.
+    pub format: &'static str,
+    /// Name of the test.
+    pub test_id: Option<String>,
+    /// What the core is told, calibration of the load cell included.
+    pub config: Config,
+    /// Code in every sampling period; `None` where the log has none.
+    pub codes: Vec<Option<i32>>,
+    /// The log's own time of every period.
+    pub times_s: Vec<f64>,
+    /// More that is wrong with the converter.
+    pub trouble: Schedule,
+}
+
+impl Record {
+    /// Reads a log and chooses a load cell that fits its forces.
+    ///
+    /// # Errors
+    /// The log cannot be read, or has another rate than the board.
+    pub fn read(path: &Path, format: &LogOptions, options: &TestOptions) -> Result<Self> {
+        let place = path.display();
+        let file = File::open(path).map_err(|e| format!("{place}: {e}"))?;
+        let log = Log::from_reader(Box::new(file), format);
+        let mut log = log.map_err(|e| format!("{place}: {e}"))?;
+        let config = configure(&log, options).map_err(|e| format!("{place}: {e}"))?;
+        if (log.rate_hz() - RATE_HZ).abs() > 0.01 * RATE_HZ {
+            let rate = log.rate_hz();
+            return Err(format!("{place}: has {rate} samples per second, the board takes 16"));
+        }
+        let (readings, times_s) = read_all(&mut log).map_err(|e| format!("{place}: {e}"))?;
+        let calibration = calibration(&readings, config.calibration);
+        Ok(Self {
+            format: log.format().name(),
+            test_id: log.metadata().test_id.clone(),
+            config: Config { calibration, ..config },
+            codes: readings.iter().map(|&r| code(r, &calibration)).collect(),
+            times_s,
+            trouble: Schedule::default(),
+        })
+    }
+
+    /// The load cell: where the log has nothing, the converter says nothing.
+    #[must_use]
+    pub fn load_cell(&self) -> (LoadCell, Schedule) {
+        let mut trouble = self.trouble.clone();
+        let mut last = 0;
+        let codes: Vec<i32> = (0..)
+            .zip(&self.codes)
+            .map(|(index, code)| {
+                if code.is_none() {
+                    // The answer of a period comes in the next one.
+                    trouble =
+                        std::mem::take(&mut trouble).with(index + 1, index + 2, Trouble::Silent);
+                }
+                last = code.unwrap_or(last);
+                last
+            })
+            .collect();
+        (LoadCell::from_codes(&codes, RATE_HZ).with_noise(NOISE_CODES, NOISE_SEED), trouble)
+    }
+
+    /// What has to be typed before the test.
+    #[must_use]
+    pub fn commands(&self) -> String {
+        let Config { weight_n, slope_rad, winch_m_per_s, range_n, calibration, .. } = self.config;
+        let mut lines = vec![
+            format!("set weight {weight_n}"),
+            format!("set slope {}", slope_rad.to_degrees()),
+            format!("set tare {}", calibration.tare_counts),
+            format!("set span {}", calibration.counts_per_n),
+        ];
+        lines.extend(winch_m_per_s.map(|w| format!("set winch {w}")));
+        lines.extend(range_n.map(|r| format!("set range {r}")));
+        lines.extend(self.test_id.iter().map(|name| format!("set name {name}")));
+        lines.join("\r\n") + "\r\n"
+    }
+}
+
+/// Every period from the first sample to the last, and its time.
+fn read_all(log: &mut Log) -> Result<(Vec<Option<Reading>>, Vec<f64>)> {
+    let (mut readings, mut times_s) = (Vec::new(), Vec::new());
+    let mut first = None;
+    while let Some(sample) = log.next_sample().map_err(|e| e.to_string())? {
+        let first = *first.get_or_insert(sample.raw.index);
+        let index = (sample.raw.index - first) as usize;
+        while readings.len() < index {
+            readings.push(None);
+            times_s.push(sample.time_s - (index - times_s.len()) as f64 / RATE_HZ);
+        }
+        if readings.len() == index {
+            readings.push(Some(sample.raw.reading));
+            times_s.push(sample.time_s);
+        }
+    }
+    Ok((readings, times_s))
+}
+
+fn calibration(readings: &[Option<Reading>], given: Calibration) -> Calibration {
+    let force = |reading: &Option<Reading>| match reading {
+        Some(Reading::Force(force)) if force.0.is_finite() => force.0.abs(),
+        _ => 0.0,
+    };
+    let counts = readings.iter().any(|r| matches!(r, Some(Reading::Counts(_))));
+    let largest = readings.iter().map(force).fold(0.0, f32::max);
+    if counts || largest == 0.0 {
+        return given;
+    }
+    let counts_per_n = (HEADROOM * f64::from(1 << 23) / f64::from(largest)).round() as f32;
+    Calibration { tare_counts: 0, counts_per_n: counts_per_n.max(1.0), ..given }
+}
+
+fn code(reading: Option<Reading>, calibration: &Calibration) -> Option<i32> {
+    match reading? {
+        Reading::Counts(counts) => Some(counts.0),
+        Reading::Force(force) if force.0.is_finite() => {
+            let codes = (f64::from(force.0) * f64::from(calibration.counts_per_n)).round();
+            Some(codes as i32 + calibration.tare_counts)
+        }
+        Reading::Force(_) | Reading::Bad(_) => None,
+    }
+}

@@ -1,0 +1,65 @@
+//! Running other programs, saying which.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+
+use crate::Result;
+
+/// The top of the workspace.
+pub fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap_or(Path::new(".")).to_path_buf()
+}
+
+/// The cargo that runs this program.
+pub fn cargo() -> Command {
+    let mut command = Command::new(std::env::var_os("CARGO").unwrap_or("cargo".into()));
+    command.current_dir(root());
+    command
+}
+
+/// Prints the command line, runs it, and fails if it does.
+pub fn run(command: &mut Command) -> Result<()> {
+    say(&format!("$ {}", line(command)));
+    let status = command.status().map_err(|e| format!("cannot start {}: {e}", line(command)))?;
+    if status.success() { Ok(()) } else { Err(format!("failed ({status}): {}", line(command))) }
+}
+
+/// Like [`run`], but gives up after `limit` and keeps quiet unless it fails.
+pub fn run_within(command: &mut Command, limit: Duration) -> Result<()> {
+    say(&format!("$ {}", line(command)));
+    let mut child = command
+        .stdin(Stdio::null())
+        .spawn()
+        .map_err(|e| format!("cannot start {}: {e}", line(command)))?;
+    let end = Instant::now() + limit;
+    loop {
+        match child.try_wait().map_err(|e| e.to_string())? {
+            Some(status) if status.success() => return Ok(()),
+            Some(status) => return Err(format!("failed ({status}): {}", line(command))),
+            None if Instant::now() > end => {
+                let _ = child.kill();
+                let _ = child.wait();
+                return Err(format!("no result after {limit:?}: {}", line(command)));
+            }
+            None => std::thread::sleep(Duration::from_millis(50)),
+        }
+    }
+}
+
+/// Standard output of a command; `None` if it cannot run or fails.
+pub fn output(command: &mut Command) -> Option<String> {
+    let out = command.stderr(Stdio::null()).output().ok()?;
+    out.status.success().then(|| String::from_utf8_lossy(&out.stdout).into_owned())
+}
+
+/// One line about what is going on, kept apart from results on standard output.
+pub fn say(text: &str) {
+    eprintln!("xtask: {text}");
+}
+
+fn line(command: &Command) -> String {
+    let mut words = vec![command.get_program().to_string_lossy().into_owned()];
+    words.extend(command.get_args().map(|a| a.to_string_lossy().into_owned()));
+    words.join(" ")
+}

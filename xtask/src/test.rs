@@ -1,0 +1,82 @@
+//! `cargo xtask test`: everything, in the order of how soon it fails.
+
+use std::process::Command;
+use std::time::Instant;
+
+use crate::Result;
+use crate::arm::Route;
+use crate::qemu;
+use crate::shell::{self, cargo, run_within, say};
+
+/// Names of the steps that passed and of those that did not.
+struct Tally {
+    passed: Vec<&'static str>,
+    failed: Vec<String>,
+}
+
+impl Tally {
+    fn step(&mut self, name: &'static str, job: impl FnOnce() -> Result<()>) {
+        say(&format!("== {name}"));
+        let start = Instant::now();
+        match job() {
+            Ok(()) => {
+                say(&format!("== {name}: ok, {:.0} s", start.elapsed().as_secs_f32()));
+                self.passed.push(name);
+            }
+            Err(reason) => {
+                say(&format!("== {name}: FAILED: {reason}"));
+                self.failed.push(format!("{name}: {reason}"));
+            }
+        }
+    }
+}
+
+/// Runs every step, even after a failure, and ends with one summary line.
+///
+/// # Errors
+/// Some step failed.
+pub fn run(forced: Option<Route>) -> Result<()> {
+    let mut tally = Tally { passed: Vec::new(), failed: Vec::new() };
+    tally.step("format", || component("rustfmt", cargo().args(["fmt", "--all", "--check"])));
+    tally.step("clippy", || component("clippy", &mut clippy()));
+    tally.step("host tests", || shell::run(cargo().args(["test", "--workspace"])));
+    let mut route = None;
+    tally.step("ARM compiler", || {
+        route = Some(Route::find(forced)?);
+        Ok(())
+    });
+    if let Some(route) = route {
+        tally.step("core on ARM", || {
+            shell::run(route.cargo("build").args([
+                "-p",
+                "floe-core",
+                "--no-default-features",
+                "--release",
+            ]))
+        });
+    }
+    tally.step("QEMU", || qemu::find().map(drop));
+    let summary = format!("steps: {} passed, {} failed", tally.passed.len(), tally.failed.len());
+    println!("{summary}");
+    if tally.failed.is_empty() { Ok(()) } else { Err(tally.failed.join("\n       ")) }
+}
+
+fn clippy() -> Command {
+    let mut command = cargo();
+    command.args(["clippy", "--workspace", "--all-targets"]);
+    // A new lint of a newer compiler must not stop a user.
+    if std::env::var("CI").is_ok_and(|ci| ci == "true") {
+        command.args(["--", "-D", "warnings"]);
+    }
+    command
+}
+
+/// Runs a job that needs a component of the toolchain, adding it if it is missing.
+fn component(name: &str, job: &mut Command) -> Result<()> {
+    let program = if name == "rustfmt" { "cargo-fmt" } else { "cargo-clippy" };
+    if shell::output(Command::new(program).arg("--version")).is_none() {
+        let limit = std::time::Duration::from_secs(90);
+        run_within(Command::new("rustup").args(["component", "add", name]), limit)?;
+    }
+    shell::run(job)
+}
