@@ -8,3 +8,4 @@ pub mod log;
 pub mod replay;
 pub mod report;
 pub mod sim;
+pub mod stiffness;

@@ -12,6 +12,7 @@ use crate::error::InputError;
 pub mod output;
 pub mod replay;
 pub mod simulate;
+pub mod stiffness;
 
 /// Friction of sea ice from the force in the cable: replays, simulates, compares.
 #[derive(Debug, Parser)]
@@ -25,6 +26,7 @@ struct Cli {
 enum Command {
     Replay(replay::Args),
     Simulate(simulate::Args),
+    Stiffness(stiffness::Args),
 }
 
 /// Runs the command that the process was started with.
@@ -33,6 +35,7 @@ pub fn main() -> ExitCode {
     let result = match Cli::try_parse() {
         Ok(Cli { command: Some(Command::Replay(args)) }) => replay::run(&args),
         Ok(Cli { command: Some(Command::Simulate(args)) }) => simulate::run(&args),
+        Ok(Cli { command: Some(Command::Stiffness(args)) }) => stiffness::run(&args),
         Ok(Cli { command: None }) => replay::run_bundled(),
         Err(error) if error.use_stderr() => Err(one_line(&error)),
         // Help and version are asked for, not wrong.
