@@ -177,3 +177,48 @@ fn write_column(
     }
     .map(|_| ())
 }
+
+#[cfg(test)]
+mod tests {
+    use parquet::file::reader::{FileReader, SerializedFileReader};
+    use parquet::record::RowAccessor;
+
+    use super::*;
+    use crate::campaign::programme;
+
+    fn table(tests: &[TestRecord]) -> Vec<u8> {
+        let mut bytes = Vec::new();
+        let mut table = EventTable::new(&mut bytes).unwrap();
+        for test in tests {
+            table.push(test.clone()).unwrap();
+        }
+        table.finish().unwrap();
+        bytes
+    }
+
+    #[test]
+    fn the_table_reads_back_as_it_was_written() {
+        let tests: Vec<_> = (0..3).map(|i| programme::evaluate(1, 0, i).unwrap()).collect();
+        let reader = SerializedFileReader::new(bytes::Bytes::from(table(&tests))).unwrap();
+        let events = tests.iter().flat_map(|t| t.events.iter().map(move |e| (t, e)));
+        let mut rows = reader.get_row_iter(None).unwrap();
+        for (test, event) in events {
+            let row = rows.next().unwrap().unwrap();
+            assert_eq!(row.get_int(1).unwrap(), test.test as i32);
+            assert_eq!(row.get_string(2).unwrap(), &test.test_id);
+            assert_eq!(row.get_double(8).unwrap().to_bits(), event.measured.onset_s.to_bits());
+            assert_eq!(row.get_double(16).ok(), event.measured.mu);
+            assert_eq!(row.get_string(23).unwrap(), &event.measured.quality);
+            assert_eq!(row.get_double(26).ok(), event.true_mu);
+        }
+        assert!(rows.next().is_none());
+    }
+
+    #[test]
+    fn a_table_without_events_is_a_table() {
+        let reader = SerializedFileReader::new(bytes::Bytes::from(table(&[]))).unwrap();
+        assert_eq!(reader.metadata().file_metadata().num_rows(), 0);
+        let columns = reader.metadata().file_metadata().schema_descr().num_columns();
+        assert_eq!(columns, COLUMNS.len());
+    }
+}
