@@ -108,7 +108,7 @@ impl Summary {
                 group.published_mu_s,
             );
         }
-        text += "\ntrend                        slope            tests\n";
+        text += "\ntrend                           slope\n";
         for t in &self.trends {
             let (name, unit) = t.against.name();
             let what = format!("{} against {name}, {}", t.coefficient.name(), t.group.name());
@@ -134,7 +134,7 @@ impl Summary {
             };
             let _ = writeln!(
                 text,
-                "{:<18}  {:>7.0}  {:>5}  {:>5}  {:>6}  {:<15}  {:<15}",
+                "{:<18}  {:>7.0}  {:>5}  {:>5}  {:>6}  {:<15}  {}",
                 test.test_id,
                 test.weight_n,
                 known(test.winch_m_per_s.map(|w| w * 1e3)),
