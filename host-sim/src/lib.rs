@@ -1,6 +1,7 @@
 //! Host tools of Floe: replay recorded logs, simulate tests, compare methods.
 #![forbid(unsafe_code)]
 
+pub mod campaign;
 pub mod chip;
 pub mod cli;
 pub mod error;
@@ -8,3 +9,4 @@ pub mod log;
 pub mod replay;
 pub mod report;
 pub mod sim;
+pub mod stiffness;

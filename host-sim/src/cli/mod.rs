@@ -9,9 +9,11 @@ use clap::{Parser, Subcommand};
 
 use crate::error::InputError;
 
+pub mod campaign;
 pub mod output;
 pub mod replay;
 pub mod simulate;
+pub mod stiffness;
 
 /// Friction of sea ice from the force in the cable: replays, simulates, compares.
 #[derive(Debug, Parser)]
@@ -23,8 +25,10 @@ struct Cli {
 
 #[derive(Debug, Subcommand)]
 enum Command {
+    Campaign(campaign::Args),
     Replay(replay::Args),
     Simulate(simulate::Args),
+    Stiffness(stiffness::Args),
 }
 
 /// Runs the command that the process was started with.
@@ -33,6 +37,8 @@ pub fn main() -> ExitCode {
     let result = match Cli::try_parse() {
         Ok(Cli { command: Some(Command::Replay(args)) }) => replay::run(&args),
         Ok(Cli { command: Some(Command::Simulate(args)) }) => simulate::run(&args),
+        Ok(Cli { command: Some(Command::Stiffness(args)) }) => stiffness::run(&args),
+        Ok(Cli { command: Some(Command::Campaign(args)) }) => campaign::run(&args),
         Ok(Cli { command: None }) => replay::run_bundled(),
         Err(error) if error.use_stderr() => Err(one_line(&error)),
         // Help and version are asked for, not wrong.
