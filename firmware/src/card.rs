@@ -55,6 +55,7 @@ type Error<D> = embedded_sdmmc::Error<<D as BlockDevice>::Error>;
 impl<D: BlockDevice> CardLog<D> {
     /// A log of so many sectors (a half second each). A card that is not there
     /// yet is looked for again when something is to be written.
+    #[inline(never)]
     pub fn new(device: D, sectors: u32) -> Self {
         let volumes = VolumeManager::new(device, NoClock);
         let mut card = Self { volumes, open: None, sectors, next: 0, failed: 0 };

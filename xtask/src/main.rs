@@ -4,8 +4,10 @@
 mod apt;
 mod arm;
 mod emulate;
+mod flash;
 mod qemu;
 mod shell;
+mod size;
 mod test;
 
 use std::process::ExitCode;
@@ -32,6 +34,10 @@ enum Job {
     Test,
     /// Run a log through the firmware in the emulator
     Emulate(emulate::Args),
+    /// Write the firmware to a NUCLEO-L476RG on USB
+    Flash,
+    /// Flash, RAM and stack of the firmware
+    Size,
 }
 
 fn main() -> ExitCode {
@@ -39,6 +45,8 @@ fn main() -> ExitCode {
     let done = match &cli.job {
         Job::Test => test::run(cli.arm),
         Job::Emulate(args) => emulate::run(args, cli.arm),
+        Job::Flash => flash::run(cli.arm),
+        Job::Size => size::run(cli.arm),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

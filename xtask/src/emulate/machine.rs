@@ -1,6 +1,7 @@
 //! The emulator with the firmware in it.
 
 use std::fs;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::sync::mpsc;
@@ -29,6 +30,8 @@ pub struct Run {
     pub lines: Vec<String>,
     /// Every conversion that the board read: number of the sample and code.
     pub delivered: Vec<(u64, i32)>,
+    /// Bytes of stack used at most.
+    pub stack: u64,
     /// Time it took.
     pub wall: Duration,
 }
@@ -59,11 +62,20 @@ impl Machine {
         let start = Instant::now();
         let mut child = self.spawn(&directory)?;
         let done = serve(&directory, chip, typist, live.is_some(), &mut child);
+        let stack = stack_of(&mut child);
         let wall = start.elapsed();
         let shown = fs::read_to_string(directory.path("console.out")).unwrap_or_default();
         let chip = done.map_err(|e| format!("{e}; the board's last words: {}", tail(&shown)))?;
         let lines = shown.lines().map(str::to_string).collect();
-        Ok(Run { lines, delivered: chip.device().delivered().to_vec(), wall })
+        Ok(Run { lines, delivered: chip.device().delivered().to_vec(), stack, wall })
+    }
+
+    /// Deepest stack in a test with events.
+    ///
+    /// # Errors
+    /// As [`Machine::run`].
+    pub fn stack_used(&self) -> Result<u64> {
+        Ok(self.run(&Record::stick_slip(), None, None)?.stack)
     }
 
     fn spawn(&self, directory: &Directory) -> Result<Child> {
@@ -72,9 +84,26 @@ impl Machine {
         command.args(["-serial", "none", "-icount", "shift=4,sleep=off"]);
         command.args(["-semihosting-config", "enable=on,target=native", "-kernel"]);
         command.arg(&self.firmware).current_dir(&directory.0);
-        command.stdin(Stdio::null()).stdout(Stdio::null());
+        command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::piped());
         command.spawn().map_err(|e| format!("cannot start {}: {e}", self.qemu))
     }
+}
+
+/// What the board says about its stack at its end; whatever else it or the
+/// emulator says there is passed on.
+fn stack_of(child: &mut Child) -> u64 {
+    let mut text = String::new();
+    if let Some(mut stderr) = child.stderr.take() {
+        let _ = stderr.read_to_string(&mut text);
+    }
+    let mut stack = 0;
+    for line in text.lines() {
+        match line.strip_prefix("stack ").and_then(|rest| rest.split(' ').next()?.parse().ok()) {
+            Some(used) => stack = used,
+            None => eprintln!("{line}"),
+        }
+    }
+    stack
 }
 
 /// During a live run the samples are shown, else only what comes of them.
@@ -92,7 +121,10 @@ fn serve(
 ) -> Result<SerialChip> {
     let (sender, receiver) = mpsc::channel();
     let place = directory.0.clone();
-    std::thread::spawn(move || sender.send(link::serve(&place, chip, typist, real_time)));
+    std::thread::spawn(move || {
+        // Nobody waits for the answer when the emulator has failed.
+        let _ = sender.send(link::serve(&place, chip, typist, real_time));
+    });
     let done = loop {
         if let Ok(done) = receiver.recv_timeout(Duration::from_millis(20)) {
             break done.map_err(|e| e.to_string())?;

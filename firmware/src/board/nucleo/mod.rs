@@ -43,6 +43,9 @@ pub type Card = SdCard<
     Delay,
 >;
 
+/// The watchdog.
+pub type Watchdog = IndependentWatchdog<'static, IWDG>;
+
 /// Longest time on the bus that is not a fault: the display's 65 bytes take 1.5 ms.
 const I2C_LIMIT: Duration = Duration::from_millis(4);
 /// Longer than the longest pause of a card, shorter than a user's patience.
@@ -58,7 +61,7 @@ pub struct Board {
     /// The serial line.
     pub console: Console,
     /// Resets the board unless it is petted.
-    pub watchdog: IndependentWatchdog<'static, IWDG>,
+    pub watchdog: Watchdog,
 }
 
 impl Board {
