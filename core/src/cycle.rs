@@ -73,7 +73,6 @@ pub struct Cycles {
     residuals: Residuals,
     /// Stop of the last event.
     last_stop: Option<SampleTime>,
-    last_low: Option<Extreme>,
     count: u32,
 }
 
@@ -89,7 +88,6 @@ impl Cycles {
             bend: Shared::default(),
             residuals: Residuals::default(),
             last_stop: None,
-            last_low: None,
             count: 0,
         }
     }
@@ -121,9 +119,8 @@ impl Cycles {
         let finished = self.complete(stick, window, peak);
         let now = detector.last().index;
         let mut next = Pending::new(stick, self.start(stick), window, now, (peak, low));
-        next.rough = self.rough(stick, (peak, low));
+        next.rough = self.rough(stick, window, (peak, low));
         next.rough.middle = next.crossing();
-        self.last_low = Some(low);
         next.hidden |= last_hidden.is_some_and(|index| index + 4 >= stick.next);
         let noise_n2 = self.residuals.variance_n2().unwrap_or(noise_n * noise_n);
         next.fit = self.fit(&next, &Line::default(), noise_n2);
@@ -136,13 +133,14 @@ impl Cycles {
         self.complete(stick, window, last)
     }
 
-    /// The loading rate from the last lowest sample to this highest one, omega from
-    /// the time of the fall.
-    fn rough(&self, stick: &Stick, (peak, low): (Extreme, Extreme)) -> Rough {
-        let climb = self
-            .last_low
-            .filter(|last| last.index < peak.index)
-            .map(|last| (peak.force_n - last.force_n) / (peak.index - last.index) as f32);
+    /// The loading rate from the line, or from the rise to the highest sample; omega
+    /// from the time of the fall.
+    fn rough(&self, stick: &Stick, window: &Window, (peak, low): (Extreme, Extreme)) -> Rough {
+        let rise = |back: u64| {
+            let force_n = window.get(peak.index.checked_sub(back)?)?;
+            Some((peak.force_n - force_n) / back as f32)
+        };
+        let climb = rise(2).into_iter().chain(rise(1)).reduce(f32::max);
         let line = stick.line.slope().filter(|_| stick.line.count >= 4);
         let least = 1e-4 * (peak.force_n - low.force_n);
         Rough {
@@ -156,7 +154,9 @@ impl Cycles {
     /// the last stop when the block rested too briefly for a line.
     fn start(&self, stick: &Stick) -> u64 {
         match self.last_stop {
-            Some(stop) if stick.line.count < 3 => stick.next.min(stop.index + 1),
+            Some(stop) if stick.line.count < 3 => {
+                stick.next.min((stop.index + 1).max(stick.next.saturating_sub(4)))
+            }
             _ => stick.next,
         }
     }
@@ -164,7 +164,7 @@ impl Cycles {
     fn complete(&mut self, stick: &Stick, window: &Window, next_peak: Extreme) -> Option<Event> {
         let mut pending = self.pending.take()?;
         pending.end_before(stick, window, next_peak.index);
-        let mut after = stick.first;
+        let mut after = *stick.first();
         after.shift(since(stick.origin, pending.origin));
         let noise_n2 = self.residuals.variance_n2().unwrap_or(1.0);
         let fit = self.fit(&pending, &after, noise_n2);
@@ -212,13 +212,15 @@ impl Cycles {
         };
         let data = self.data(pending, after, self.residuals.variance_n2().unwrap_or(1.0));
         let (squares_n2, free) = own_residuals(&data, fit);
-        if free < 1.0 {
+        if free < 1.0 && self.residuals.variance_n2().is_none() {
             return self.without_coefficients(pending, Reason::TooShort);
         }
         if pending.hidden {
             return self.without_coefficients(pending, Reason::Hidden);
         }
-        self.residuals.add(squares_n2, free);
+        if free >= 1.0 {
+            self.residuals.add(squares_n2, free);
+        }
         let noise_n2 = self.residuals.variance_n2().unwrap_or(squares_n2 / free);
         self.learn(&data, fit, noise_n2);
         self.measured(pending, fit, noise_n2)
@@ -359,13 +361,13 @@ impl Pending {
     /// Ends the event before the next one's peak; a stick too brief for a line
     /// gives its samples one by one.
     fn end_before(&mut self, stick: &Stick, window: &Window, next_peak: u64) {
-        if stick.first.count == 0 {
+        if stick.first().count == 0 {
             let last = self.points.get(..self.length).and_then(<[Point]>::last);
             let next =
                 last.map_or(0, |point| self.origin.saturating_add_signed(point.time as i64) + 1);
             self.take(window, next, next_peak.saturating_sub(1));
         }
-        let end = since(self.origin, next_peak);
+        let end = since(self.origin, next_peak) - self.fit.map_or(0.0, |fit| fit.cycle.peak_time());
         let points = self.points.get(..self.length).unwrap_or_default();
         self.length = points.iter().take_while(|point| point.time < end).count();
     }

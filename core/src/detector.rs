@@ -26,14 +26,17 @@ use crate::window::{WINDOW, Window};
 
 /// Samples whose innovation exceeds this many standard deviations are not on the line.
 const OFF_LINE: f32 = 6.0;
-/// Least drop of a slip, standard deviations of the noise: before the first slip,
-/// and when the usual drop is known.
-const LEAST_DROP: (f32, f32) = (8.0, 5.0);
+/// Least drop of the first slip, standard deviations of the noise.
+const FIRST_DROP: f32 = 8.0;
+/// Least drop of a slip when the usual drop is known, or when there is no line.
+const LEAST_DROP: f32 = 5.0;
 /// Least drop of a slip that starts in the upper half of the last one's range,
 /// parts of the usual drop. Flop of the cable starts in the lower half.
-const LEAST_PART: f32 = 0.12;
+const LEAST_PART: f32 = 0.35;
 /// Least drop of a slip that starts in the lower half.
 const LEAST_PART_LOW: f32 = 0.5;
+/// Rise that ends a slip at once, parts of its drop.
+const CLEAR_RISE: f32 = 0.12;
 /// Fewest samples that make a stick line.
 const LINE_POINTS: u32 = 4;
 /// A slip leaves the force lower by at least this part of its drop; a spike does not.
@@ -80,9 +83,11 @@ pub struct Stick {
     pub origin: u64,
     /// Where the line is now: ends at the next onset.
     pub line: Line,
-    /// The line as it started: begins at the last re-stick. The same as `line`
-    /// while the stick line is straight.
-    pub first: Line,
+    /// The line as it started, unless `straight`.
+    first: Line,
+    /// All samples so far are on one line, with endless memory: `line` is also how
+    /// it started.
+    straight: bool,
     /// Weight of the next sample in `first`; zero: `first` is complete.
     first_weight: f32,
     /// The line with another memory, on trial.
@@ -98,18 +103,26 @@ pub struct Stick {
 }
 
 impl Stick {
+    /// The line as it started: begins at the last re-stick.
+    #[must_use]
+    pub fn first(&self) -> &Line {
+        if self.straight { &self.line } else { &self.first }
+    }
+
+    /// Leaves out a line that does not describe the force: only the last samples
+    /// before the highest one count.
+    fn forget_line(&mut self) {
+        (self.line, self.first) = (Line::default(), Line::default());
+        self.next = self.next.min(self.origin.max(self.highest.index.saturating_sub(3)));
+    }
+
     /// Takes a sample into the lines.
     fn take(&mut self, time: f32, force_n: f32, memory: &Memory) {
         self.line.fade(memory.fade());
         self.line.add(time, force_n, 1.0);
         self.trial.fade(memory.trial_fade());
         self.trial.add(time, force_n, 1.0);
-        if self.first_weight < LEAST_WEIGHT {
-            return;
-        }
-        if memory.is_endless() {
-            self.first = self.line;
-        } else {
+        if !self.straight && self.first_weight > LEAST_WEIGHT {
             self.first.add(time, force_n, self.first_weight);
             self.first_weight *= memory.fade();
         }
@@ -121,6 +134,9 @@ impl Stick {
 pub struct Detector {
     window: Window,
     noise: Noise,
+    /// The noise's standard deviations at the newest sample, N.
+    std_n: Option<f32>,
+    line_std_n: Option<f32>,
     memory: Memory,
     phase: Phase,
     stick: Stick,
@@ -143,6 +159,8 @@ impl Detector {
         Self {
             window: Window::new(),
             noise: Noise::new(),
+            std_n: None,
+            line_std_n: None,
             memory: Memory::new(),
             phase: Phase::Unknown,
             stick: Stick::default(),
@@ -189,7 +207,7 @@ impl Detector {
     /// Standard deviation of the noise, N, to about 10 %.
     #[must_use]
     pub fn noise_n(&self) -> Option<f32> {
-        self.noise.std_n(self.last.force_n)
+        self.std_n
     }
 
     /// Usual drop of a slip, N; zero before the first.
@@ -210,6 +228,7 @@ impl Detector {
         self.window.push(index, force_n);
         let started = self.phase != Phase::Unknown;
         self.noise.see(force_n, started && gap == 1);
+        (self.line_std_n, self.std_n) = self.noise.std_n(force_n);
         self.last = now;
         if !started || gap > LONGEST_GAP {
             self.rest_from(now, index);
@@ -226,7 +245,12 @@ impl Detector {
         self.phase = Phase::Stick;
         self.memory.decide();
         self.ended = self.stick;
-        self.stick = Stick { origin: next, next, highest, first_weight: 1.0, ..Stick::default() };
+        if !self.line_fits() {
+            self.ended.forget_line();
+        }
+        let straight = self.memory.is_endless();
+        self.stick =
+            Stick { origin: next, next, highest, straight, first_weight: 1.0, ..Stick::default() };
     }
 
     fn stick_step(&mut self, now: Extreme) -> Option<Transition> {
@@ -244,14 +268,16 @@ impl Detector {
 
     /// Has the force left the stick line downwards, by more than noise and flop do?
     fn slips(&self, now: Extreme) -> bool {
-        let Some(std) = self.noise.std_n(now.force_n) else { return false };
+        let Some(std) = self.std_n else { return false };
         let stick = &self.stick;
         let part = if stick.highest.force_n > self.middle_n { LEAST_PART } else { LEAST_PART_LOW };
         let usual = self.usual_drop_n;
         let least = if usual > 0.0 {
-            (LEAST_DROP.1 * std).min(LEAST_PART_LOW * usual).max(part * usual)
+            (LEAST_DROP * std).min(LEAST_PART_LOW * usual).max(part * usual)
+        } else if self.line_fits() {
+            FIRST_DROP * std
         } else {
-            LEAST_DROP.0 * std
+            LEAST_DROP * std
         };
         if stick.highest.force_n - now.force_n < least {
             return false;
@@ -260,6 +286,15 @@ impl Detector {
             Some((innovation, spread)) => innovation < -OFF_LINE * std * spread,
             // Rests too briefly for a line: the drop alone decides.
             None => true,
+        }
+    }
+
+    /// Does the stick line describe the force, or does the block never rest long
+    /// enough?
+    fn line_fits(&self) -> bool {
+        match (self.line_std_n, self.std_n) {
+            (Some(line), Some(std)) => line < 2.5 * std,
+            _ => true,
         }
     }
 
@@ -290,7 +325,7 @@ impl Detector {
         let time = (sample.index - self.stick.origin) as f32;
         if let Some((innovation, spread)) = self.innovation(sample) {
             let relative = innovation / spread;
-            let std = self.noise.std_n(sample.force_n);
+            let std = self.line_std_n;
             self.noise.add(relative);
             if std.is_some_and(|std| relative.abs() > OFF_LINE * std) {
                 return self.strike(sample.index, relative);
@@ -313,7 +348,8 @@ impl Detector {
         if stick.same_side < NEW_LINE && stick.strikes < 2 * NEW_LINE {
             return;
         }
-        stick.first_weight = 0.0;
+        stick.first = *stick.first();
+        (stick.straight, stick.first_weight) = (false, 0.0);
         stick.strikes = 0;
         (stick.line, stick.trial) = (Line::default(), Line::default());
         for past in (index + 1).saturating_sub(u64::from(NEW_LINE))..=index {
@@ -334,16 +370,21 @@ impl Detector {
             self.rest_from(now, now.index);
             return Some(Transition::Lost);
         }
-        let std = self.noise.std_n(now.force_n).unwrap_or(0.0);
+        let std = self.std_n.unwrap_or(0.0);
         let drop = peak.force_n - self.lowest.force_n;
         let rise = now.force_n - self.lowest.force_n;
-        let rises = rise > (4.0 * std).max(LEAST_PART * drop);
+        let rises = rise > (4.0 * std).max(CLEAR_RISE * drop);
         let rests = since_lowest >= (fall.div_ceil(2)).max(2);
         if !(rises || rests) {
             return None;
         }
-        let stays_low = peak.force_n - now.force_n > LEAST_SHIFT * drop;
-        Some(if stays_low { self.restick(now, drop, fall) } else { self.cancel(now) })
+        Some(if self.is_back(now, drop) { self.cancel(now) } else { self.restick(now, drop, fall) })
+    }
+
+    /// Is the force back on the old stick line, as after a spike?
+    fn is_back(&self, now: Extreme, drop: f32) -> bool {
+        let innovation = self.innovation(now).filter(|_| self.line_fits());
+        innovation.is_some_and(|(innovation, _)| innovation > -LEAST_SHIFT * drop)
     }
 
     fn restick(&mut self, now: Extreme, drop: f32, fall: u64) -> Transition {

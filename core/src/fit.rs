@@ -66,18 +66,17 @@ impl Fit {
     /// Variance of an unknown, in units of the noise variance.
     #[must_use]
     pub fn variance(&self, unknown: usize) -> f32 {
-        let mut unit = Gradient::default();
-        if let Some(entry) = unit.get_mut(unknown) {
-            *entry = 1.0;
-        }
-        self.information.covariance(&unit, &unit)
+        self.information.variance(unknown)
     }
 }
 
 /// Most iterations before giving up; 3 to 5 are usual.
-const MOST_STEPS: u32 = 16;
+const MOST_STEPS: u32 = 24;
 /// Settled when a step is below this share of a standard deviation, squared.
-const SETTLED: f32 = 1e-4;
+const SETTLED: f32 = 1e-3;
+/// The same when the iterations are used up: a sample may sit right on an end of
+/// the slip, where the sum of squares has a kink.
+const NEARLY_SETTLED: f32 = 0.05;
 
 impl Data<'_> {
     /// Starts from a guess and returns the best fit near it.
@@ -104,8 +103,8 @@ impl Data<'_> {
             } else {
                 damping = (damping * 10.0).max(1e-3);
             }
+            converged = gain < NEARLY_SETTLED * noise_n2;
             if gain < SETTLED * noise_n2 {
-                converged = true;
                 break;
             }
         }
@@ -136,7 +135,7 @@ impl Data<'_> {
         );
         add_line(&mut normal, after, shape.after(after.time - cycle.onset), shape.slope_after());
         for (unknown, (prior, value)) in self.priors(cycle).into_iter().enumerate() {
-            add_prior(&mut normal, prior, value, unknown);
+            normal.add_one(prior.mean - value, unknown, prior.weight);
         }
         normal
     }
@@ -167,19 +166,11 @@ fn add_line(normal: &mut Normal, line: &Line, level: (f32, Gradient), slope: (f3
     }
 }
 
-fn add_prior(normal: &mut Normal, prior: Prior, value: f32, unknown: usize) {
-    if prior.weight > 0.0 {
-        let mut gradient = Gradient::default();
-        gradient[unknown] = 1.0;
-        normal.add(prior.mean - value, &gradient, prior.weight);
-    }
-}
-
 fn moved(cycle: &Cycle, step: &Gradient) -> Cycle {
     // Omega and the rate stay positive by never losing more than two thirds at once.
     let grown = |value: f32, by: f32| (value + by).clamp(0.33 * value, 3.0 * value);
     Cycle {
-        onset: cycle.onset + step[0].clamp(-2.0, 2.0),
+        onset: cycle.onset + step[0].clamp(-1.0, 1.0),
         rate: grown(cycle.rate, step[1]),
         static_n: cycle.static_n + step[2],
         half_drop_n: grown(cycle.half_drop_n, step[3]),

@@ -82,6 +82,12 @@ impl Cycle {
         self.dynamic_n() + self.amplitude_n()
     }
 
+    /// Time from the onset to the largest force, `φ / ω`.
+    #[must_use]
+    pub fn peak_time(&self) -> f32 {
+        math::atan2(self.rate / self.omega, self.half_drop_n) / self.omega
+    }
+
     /// Time of sliding, `T_slide` (25).
     #[must_use]
     pub fn slide_time(&self) -> f32 {

@@ -11,6 +11,7 @@ use crate::error::InputError;
 
 pub mod output;
 pub mod replay;
+pub mod simulate;
 
 /// Friction of sea ice from the force in the cable: replays, simulates, compares.
 #[derive(Debug, Parser)]
@@ -23,6 +24,7 @@ struct Cli {
 #[derive(Debug, Subcommand)]
 enum Command {
     Replay(replay::Args),
+    Simulate(simulate::Args),
 }
 
 /// Runs the command that the process was started with.
@@ -30,6 +32,7 @@ enum Command {
 pub fn main() -> ExitCode {
     let result = match Cli::try_parse() {
         Ok(Cli { command: Some(Command::Replay(args)) }) => replay::run(&args),
+        Ok(Cli { command: Some(Command::Simulate(args)) }) => simulate::run(&args),
         Ok(Cli { command: None }) => replay::run_bundled(),
         Err(error) if error.use_stderr() => Err(one_line(&error)),
         // Help and version are asked for, not wrong.

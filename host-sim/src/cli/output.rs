@@ -1,7 +1,7 @@
 //! Writing results without ever leaving half a file or the input destroyed.
 
 use std::fs::{self, File};
-use std::io::{ErrorKind, Write};
+use std::io::{self, BufWriter, ErrorKind, Write};
 use std::path::Path;
 
 use crate::error::InputError;
@@ -48,21 +48,40 @@ pub fn check(path: &Path, inputs: &[&Path]) -> Result<(), InputError> {
 /// # Errors
 /// The file cannot be written; then nothing has changed.
 pub fn replace(path: &Path, text: &str) -> Result<(), InputError> {
+    stream(path, |out| out.write_all(text.as_bytes()))
+}
+
+/// Replaces a file as a whole by what `write` writes, piece by piece.
+///
+/// # Errors
+/// The file cannot be written; then nothing has changed.
+pub fn stream(
+    path: &Path,
+    write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>,
+) -> Result<(), InputError> {
     let target = path.canonicalize().unwrap_or_else(|_| path.to_path_buf());
     let written = match fs::metadata(&target) {
         // A device or a pipe is written to, not replaced.
-        Ok(old) if !old.is_file() => fs::write(&target, text),
-        _ => replace_whole(&target, text),
+        Ok(old) if !old.is_file() => File::options().write(true).open(&target).and_then(|file| {
+            let mut out = BufWriter::new(file);
+            write(&mut out).and_then(|()| out.flush())
+        }),
+        _ => replace_whole(&target, write),
     };
     written.map_err(|e| InputError::new(format!("cannot be written: {e}")).within(path.display()))
 }
 
-fn replace_whole(path: &Path, text: &str) -> std::io::Result<()> {
+fn replace_whole(
+    path: &Path,
+    write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>,
+) -> io::Result<()> {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     let new = directory(path).join(format!(".{name}.{}.part", std::process::id()));
-    let written = File::create_new(&new)
-        .and_then(|mut file| file.write_all(text.as_bytes()).and_then(|()| file.sync_all()))
-        .and_then(|()| fs::rename(&new, path));
+    let fill = |file: File| {
+        let mut out = BufWriter::new(file);
+        write(&mut out).and_then(|()| out.flush()).and_then(|()| out.get_ref().sync_all())
+    };
+    let written = File::create_new(&new).and_then(fill).and_then(|()| fs::rename(&new, path));
     if written.is_err() {
         // What went wrong is told by the first error.
         let _ = fs::remove_file(&new);

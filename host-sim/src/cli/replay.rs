@@ -11,6 +11,7 @@ use crate::log::{Format, Log, LogOptions, Unit};
 use crate::replay::result::ReplayResult;
 use crate::replay::test::{TestOptions, configure};
 use crate::replay::{replay, table};
+use crate::report::{self, Recorder};
 
 use super::output;
 
@@ -96,6 +97,9 @@ fn no_log() -> InputError {
     InputError::new("no log given: name a file, or - for standard input (see --help)")
 }
 
+/// A result, and what a report needs beside it.
+type Findings = (ReplayResult, Option<Recorder>);
+
 /// Runs the command.
 ///
 /// # Errors
@@ -109,39 +113,43 @@ pub fn run(args: &Args) -> Result<(), InputError> {
         taken.push(output);
     }
     let input = open(path, args.quiet).map_err(|error| error.within(name))?;
-    let result = run_on(path, input, &args).map_err(|error| error.within(name))?;
-    write(&result, &args)
+    finish(run_on(path, input, &args).map_err(|error| error.within(name))?, &args)
 }
 
-/// The bundled log with no option at all.
+/// Name and content of the log in the binary, which says its own weight.
+const BUNDLED: (&str, &[u8]) =
+    ("host-sim/logs/dff8-13.csv", include_bytes!("../../logs/dff8-13.csv"));
+
+/// The bundled log, with a report beside its table.
 ///
 /// # Errors
 /// One line for the user.
 pub fn run_bundled() -> Result<(), InputError> {
-    let Some((name, bytes)) = bundled_log() else {
-        return Err(no_log());
-    };
-    let args = Args::default();
-    let result = run_on(name, Box::new(bytes), &args).map_err(|error| error.within(name))?;
-    write(&result, &args)
+    let (name, bytes) = BUNDLED;
+    let directory = Path::new(if Path::new("target").is_dir() { "target" } else { "." });
+    let args = Args { report: Some(directory.join("floe-report.html")), ..Args::default() };
+    finish(run_on(name, Box::new(bytes), &args).map_err(|error| error.within(name))?, &args)
 }
 
-/// Name and content of the log in the binary.
-fn bundled_log() -> Option<(&'static str, &'static [u8])> {
-    None
-}
-
-fn run_on(
-    path: &str,
-    input: Box<dyn Read + Send>,
-    args: &Args,
-) -> Result<ReplayResult, InputError> {
+fn run_on(path: &str, input: Box<dyn Read + Send>, args: &Args) -> Result<Findings, InputError> {
     let mut log = Log::from_reader(input, &args.log_options())?;
     let config = configure(&log, &args.test)?;
-    replay(path, &mut log, &config, |_, _| {})
+    let mut recorder = args.report.as_ref().map(|_| Recorder::new(log.rate_hz()));
+    let result = match &mut recorder {
+        Some(recorder) => {
+            replay(path, &mut log, &config, |time_s, step| recorder.push(time_s, step))?
+        }
+        None => replay(path, &mut log, &config, |_, _| {})?,
+    };
+    Ok((result, recorder))
 }
 
-fn write(result: &ReplayResult, args: &Args) -> Result<(), InputError> {
+/// Writes and prints what was asked for.
+fn finish((result, recorder): Findings, args: &Args) -> Result<(), InputError> {
+    let result = &result;
+    if let (Some(path), Some(recorder)) = (&args.report, &recorder) {
+        output::replace(path, &report::render(result, recorder))?;
+    }
     if let Some(path) = &args.events {
         output::replace(path, &events_csv(result)?)?;
     }
@@ -155,7 +163,11 @@ fn write(result: &ReplayResult, args: &Args) -> Result<(), InputError> {
         Some(path) => output::replace(path, &json(result)?)?,
         None => {}
     }
-    if args.quiet { Ok(()) } else { output::print(&table::text(result)) }
+    if args.quiet {
+        return Ok(());
+    }
+    let written = args.outputs().map(|path| format!("written       {}\n", path.display()));
+    output::print(&(table::text(result) + &written.collect::<String>()))
 }
 
 fn json(result: &ReplayResult) -> Result<String, InputError> {

@@ -21,6 +21,7 @@ const LONG_GAP: f64 = 256.0;
 #[derive(Clone, Debug)]
 pub struct Clock {
     timing: Timing,
+    period_s: f64,
     /// Index of the last sample plus one.
     next: u64,
     /// Time of the last sample, s.
@@ -34,8 +35,9 @@ impl Clock {
     /// Starts before the first sample.
     #[must_use]
     pub fn new(timing: Timing) -> Self {
-        let time_s = timing.start_s - timing.rate_hz.recip();
-        Self { timing, next: 0, time_s, averaged: PHASE_SAMPLES, misfits: 0 }
+        let period_s = timing.rate_hz.recip();
+        let time_s = timing.start_s - period_s;
+        Self { timing, period_s, next: 0, time_s, averaged: PHASE_SAMPLES, misfits: 0 }
     }
 
     /// Index and time of the row with this stamp. `records`: rows since the one
@@ -52,7 +54,7 @@ impl Clock {
             None => self.fine_steps(stamp_s, records),
             Some(shared) => self.shared_steps(shared, stamp_s, records, ahead),
         };
-        self.next += steps;
+        self.next = self.next.saturating_add(steps);
         (self.next.saturating_sub(1), self.time_s)
     }
 
@@ -80,13 +82,27 @@ impl Clock {
         let elapsed = (stamp_s - self.time_s) * self.timing.rate_hz;
         // A jump in the numbers is a gap even where the stamps hide it.
         let least = if records > 1.0 { records } else { 0.0 };
-        let steps = elapsed.round().max(least);
+        let regular = (elapsed - 1.0).abs() < 0.5 && least < 1.0;
+        let steps = if regular { 1.0 } else { elapsed.round().max(least) };
         let off = elapsed - steps;
         self.misfits += u64::from(off.abs() > MISFIT);
-        self.averaged =
-            if steps > LONG_GAP { 1.0 } else { (self.averaged + 1.0).min(PHASE_SAMPLES) };
-        self.time_s += (steps + off / self.averaged) / self.timing.rate_hz;
+        let share = if steps > LONG_GAP { self.begin_phase() } else { self.phase_share() };
+        self.time_s += (steps + off * share) * self.period_s;
         steps as u64
+    }
+
+    /// Weight of a stamp in the mean phase: all of it for the first.
+    fn begin_phase(&mut self) -> f64 {
+        self.averaged = 1.0;
+        1.0
+    }
+
+    fn phase_share(&mut self) -> f64 {
+        if self.averaged < PHASE_SAMPLES {
+            self.averaged += 1.0;
+            return self.averaged.recip();
+        }
+        PHASE_SAMPLES.recip()
     }
 
     fn shared_steps(
@@ -111,7 +127,7 @@ impl Clock {
             self.misfits += u64::from(shift.abs() < 0.5);
             steps = (records + shift.round()).max(0.0);
         }
-        self.time_s += steps / rate_hz;
+        self.time_s += steps * self.period_s;
         steps as u64
     }
 }

@@ -48,17 +48,18 @@ impl Lines {
         Self { input, buffer, start: 0, end: 0, exhausted: false, number: 0 }
     }
 
-    /// The beginning of the stream, up to at least [`MAX_LINE`] bytes or its
-    /// end, without a UTF-8 mark. Takes nothing away. Call it first.
+    /// The beginning of the stream, [`MAX_LINE`] bytes or all there is, without a
+    /// UTF-8 mark. Takes nothing away. Call it first.
     ///
     /// # Errors
     /// The stream cannot be read.
     pub fn head(&mut self) -> Result<&[u8], InputError> {
-        while self.end <= MAX_LINE && self.refill()? {}
+        while self.end < MAX_LINE + UTF8_MARK.len() && self.refill()? {}
         if self.number == 0 && self.unread().starts_with(UTF8_MARK) {
             self.start += UTF8_MARK.len();
         }
-        Ok(self.unread())
+        let unread = self.unread();
+        Ok(unread.get(..MAX_LINE).unwrap_or(unread))
     }
 
     /// The next line, `None` at the end.

@@ -124,16 +124,24 @@ impl Log {
     /// # Errors
     /// A line that cannot be used, with its number.
     pub fn next_sample(&mut self) -> Result<Option<Sample>, InputError> {
-        let lookahead = self.clock.lookahead();
-        while self.ahead.len() <= lookahead {
-            let Some(row) = self.rows.next_row()? else { break };
-            self.ahead.push_back(row);
-        }
-        let Some(row) = self.ahead.pop_front() else { return Ok(None) };
+        let Some(row) = self.next_row()? else { return Ok(None) };
         let stamps = self.ahead.iter().map(|row| row.time_s);
         let (index, time_s) = self.clock.place(row.time_s, row.records, stamps);
         let raw = RawSample { index, reading: row.reading };
         Ok(Some(Sample { raw, time_s: time_s - self.origin_s }))
+    }
+
+    /// The next row, with as many behind it in `ahead` as the clock looks at.
+    fn next_row(&mut self) -> Result<Option<Row>, InputError> {
+        let lookahead = self.clock.lookahead();
+        if lookahead == 0 && self.ahead.is_empty() {
+            return self.rows.next_row();
+        }
+        while self.ahead.len() <= lookahead {
+            let Some(row) = self.rows.next_row()? else { break };
+            self.ahead.push_back(row);
+        }
+        Ok(self.ahead.pop_front())
     }
 
     /// What was recognised, or said by the caller.
@@ -217,14 +225,17 @@ fn refuse_binary(head: &[u8]) -> Result<(), InputError> {
         }
     }
     let first = text.split(|&byte| byte == b'\n').next().unwrap_or_default();
-    if first.contains(&0) || control_share(first) > 0.05 {
+    if first.contains(&0) || control_share(head) > 0.02 {
         return refuse("is a binary file, not a csv, toa5 or cr10 log");
     }
     Ok(())
 }
 
-/// Share of bytes that no text holds.
+/// Share of bytes that no text holds, apart from the zeros that a logger leaves
+/// at the end when its power is cut.
 fn control_share(bytes: &[u8]) -> f64 {
+    let end = bytes.iter().rposition(|&byte| byte != 0).map_or(0, |last| last + 1);
+    let bytes = bytes.get(..end).unwrap_or_default();
     let control = |byte: &&u8| byte.is_ascii_control() && !byte.is_ascii_whitespace();
     bytes.iter().filter(control).count() as f64 / bytes.len().max(1) as f64
 }

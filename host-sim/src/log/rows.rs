@@ -10,6 +10,9 @@ use super::metadata::Metadata;
 use super::number::{Unit, finite, reading};
 use super::stamp::{cr10_seconds, toa5_seconds};
 
+/// Largest time that is taken, s: 31 000 years.
+const LATEST_S: f64 = 1e12;
+
 /// Where in a row everything is; found from the header, or given.
 ///
 /// Cells are counted from 0.
@@ -92,22 +95,22 @@ impl Rows {
     /// A row that cannot be used, with its line number.
     pub fn next_row(&mut self) -> Result<Option<Row>, InputError> {
         while let Some(line) = self.lines.next_line()? {
+            let (number, ended) = (line.number, line.ended);
             let result = match line.bytes.trim_ascii_start().first() {
                 None => Ok(None),
                 Some(b'#') => self.metadata.take(line.bytes).map(|()| None),
-                Some(_) => self.layout.row(line.bytes, line.ended, &mut self.cells),
+                Some(_) => self.layout.row(line.bytes, ended, &mut self.cells),
             };
+            let result = result
+                .and_then(|found| found.map(|(row, record)| self.follow(row, record)).transpose());
             match result {
                 Ok(None) => {}
-                Ok(Some((row, record))) => {
-                    let number = line.number;
-                    return self.follow(row, record).map(Some).map_err(|e| at_line(e, number));
-                }
-                Err(_) if !line.ended => {
-                    self.truncated = Some(line.number);
+                Ok(row) => return Ok(row),
+                Err(_) if !ended => {
+                    self.truncated = Some(number);
                     return Ok(None);
                 }
-                Err(error) => return Err(at_line(error, line.number)),
+                Err(error) => return Err(error.within(format_args!("line {number}"))),
             }
         }
         Ok(None)
@@ -142,10 +145,6 @@ impl Rows {
         self.last_record = record;
         Ok(row)
     }
-}
-
-fn at_line(error: InputError, number: u64) -> InputError {
-    error.within(format_args!("line {number}"))
 }
 
 impl Layout {
@@ -189,6 +188,8 @@ impl Layout {
             TimeCells::Toa5(index) => (cell(index), toa5_seconds(cell(index))),
             TimeCells::Cr10 { seconds } => (line, cr10_time(line, cells, seconds)),
         };
+        // Times further out leave no room for a fraction of a second.
+        let time = time.filter(|time_s| time_s.abs() <= LATEST_S);
         time.ok_or_else(|| InputError::new(format!("no time can be read from {}", excerpt(text))))
     }
 }

@@ -5,6 +5,7 @@ use floe_core::{Config, Event, Pipeline, Step};
 use crate::error::InputError;
 use crate::log::Log;
 
+pub mod batches;
 pub mod result;
 pub mod table;
 pub mod test;
@@ -14,6 +15,7 @@ use result::{EventSummary, LogSummary, ReplayResult, TestSummary};
 use timeline::Timeline;
 
 /// Runs a whole log through the core; constant memory apart from the events.
+/// The log is read on a second thread.
 ///
 /// `path` is only named in the result. `observe` sees every sample's time, in the
 /// log's own seconds, and what the core made of it.
@@ -30,12 +32,12 @@ pub fn replay(
     let mut pipeline = Pipeline::new(config).map_err(refused)?;
     let mut timeline = Timeline::new(log.rate_hz());
     let mut events = Vec::new();
-    while let Some(sample) = log.next_sample()? {
+    batches::for_each_sample(log, |sample| {
         timeline.push(sample.raw.index, sample.time_s);
         let step = pipeline.step(sample.raw);
         observe(sample.time_s, &step);
         events.extend(step.event.map(|event| summary(&event, &timeline)));
-    }
+    })?;
     while let Some(event) = pipeline.finish() {
         events.push(summary(&event, &timeline));
     }
@@ -50,8 +52,8 @@ pub fn replay(
     };
     let test = TestSummary {
         test_id: log.metadata().test_id.clone(),
-        weight_n: result::decimal(config.weight_n),
-        slope_rad: result::decimal(config.slope_rad),
+        weight_n: config.weight_n.into(),
+        slope_rad: config.slope_rad.into(),
     };
     Ok(ReplayResult::new(log_summary, test, &report, events))
 }

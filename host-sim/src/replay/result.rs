@@ -4,7 +4,7 @@
 //! every number is finite.
 
 use floe_core::{Counters, Estimate, Event, Report};
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 
 /// Name and version of this format; changes when a meaning changes.
 pub const SCHEMA: &str = "floe-replay/1";
@@ -21,14 +21,19 @@ pub struct ReplayResult {
     /// The coefficients; `null` fields before the first event.
     pub estimate: EstimateSummary,
     /// Standard deviation of the noise on the force.
+    #[serde(serialize_with = "short_or_null")]
     pub noise_n: Option<f64>,
     /// Mean rate of the force at rest.
+    #[serde(serialize_with = "short_or_null")]
     pub loading_rate_n_per_s: Option<f64>,
     /// Natural frequency while sliding.
+    #[serde(serialize_with = "short_or_null")]
     pub omega_rad_per_s: Option<f64>,
     /// Stiffness of the cable.
+    #[serde(serialize_with = "short_or_null")]
     pub stiffness_n_per_m: Option<f64>,
     /// Mean time from onset to onset.
+    #[serde(serialize_with = "short_or_null")]
     pub recurrence_s: Option<f64>,
     /// Every event, in order.
     pub events: Vec<EventSummary>,
@@ -66,8 +71,10 @@ pub struct TestSummary {
     /// Name of the test, if the log gives one.
     pub test_id: Option<String>,
     /// Weight of the block.
+    #[serde(serialize_with = "short")]
     pub weight_n: f64,
     /// Slope of the ice, uphill positive.
+    #[serde(serialize_with = "short")]
     pub slope_rad: f64,
 }
 
@@ -86,10 +93,13 @@ pub struct EstimateSummary {
 #[derive(Clone, Copy, Debug, Default, Serialize)]
 pub struct CoefficientSummary {
     /// Mean over the events.
+    #[serde(serialize_with = "short_or_null")]
     pub mean: Option<f64>,
     /// Its standard error, with the variation between events in it.
+    #[serde(serialize_with = "short_or_null")]
     pub std_error: Option<f64>,
     /// Standard deviation between events, noise removed.
+    #[serde(serialize_with = "short_or_null")]
     pub spread: Option<f64>,
 }
 
@@ -103,28 +113,40 @@ pub struct EventSummary {
     /// In the log's own time, between samples.
     pub stop_s: f64,
     /// `Fs`.
+    #[serde(serialize_with = "short")]
     pub static_force_n: f64,
     /// `Fp`.
+    #[serde(serialize_with = "short")]
     pub dynamic_force_n: f64,
     /// Largest force.
+    #[serde(serialize_with = "short")]
     pub peak_force_n: f64,
     /// `Fe`.
+    #[serde(serialize_with = "short")]
     pub restick_force_n: f64,
     /// Static coefficient.
+    #[serde(serialize_with = "short_or_null")]
     pub mu_s: Option<f64>,
     /// One standard deviation.
+    #[serde(serialize_with = "short_or_null")]
     pub mu_s_std: Option<f64>,
     /// Dynamic coefficient.
+    #[serde(serialize_with = "short_or_null")]
     pub mu: Option<f64>,
     /// One standard deviation.
+    #[serde(serialize_with = "short_or_null")]
     pub mu_std: Option<f64>,
     /// Time of rest before the onset.
+    #[serde(serialize_with = "short_or_null")]
     pub stick_s: Option<f64>,
     /// Time of motion.
+    #[serde(serialize_with = "short")]
     pub slip_s: f64,
     /// `k w`.
+    #[serde(serialize_with = "short")]
     pub loading_rate_n_per_s: f64,
     /// Natural frequency.
+    #[serde(serialize_with = "short_or_null")]
     pub omega_rad_per_s: Option<f64>,
     /// Whether the cable went slack.
     pub slack: bool,
@@ -194,17 +216,17 @@ impl EventSummary {
             index: event.index,
             onset_s,
             stop_s,
-            static_force_n: decimal(event.static_force_n),
-            dynamic_force_n: decimal(event.dynamic_force_n),
-            peak_force_n: decimal(event.peak_force_n),
-            restick_force_n: decimal(event.restick_force_n),
+            static_force_n: f64::from(event.static_force_n),
+            dynamic_force_n: f64::from(event.dynamic_force_n),
+            peak_force_n: f64::from(event.peak_force_n),
+            restick_force_n: f64::from(event.restick_force_n),
             mu_s: known(event.mu_s.map(|c| c.value)),
             mu_s_std: known(event.mu_s.map(|c| c.std)),
             mu: known(event.mu.map(|c| c.value)),
             mu_std: known(event.mu.map(|c| c.std)),
             stick_s: known(event.stick_s),
-            slip_s: decimal(event.slip_s),
-            loading_rate_n_per_s: decimal(event.loading_rate_n_per_s),
+            slip_s: f64::from(event.slip_s),
+            loading_rate_n_per_s: f64::from(event.loading_rate_n_per_s),
             omega_rad_per_s: known(event.omega_rad_per_s),
             slack: event.slack,
             quality: event.quality.to_string(),
@@ -213,36 +235,38 @@ impl EventSummary {
     }
 }
 
-/// The shortest decimal that is this `f32`, as `f64`: 0.78 stays 0.78, and turns
-/// back into the same `f32`.
-#[must_use]
-pub fn decimal(value: f32) -> f64 {
-    value.to_string().parse().unwrap_or(f64::NAN)
-}
-
 /// A number that is known, which a NaN or an infinity is not.
 fn known(value: Option<f32>) -> Option<f64> {
-    value.filter(|value| value.is_finite()).map(decimal)
+    value.filter(|value| value.is_finite()).map(f64::from)
+}
+
+/// Writes a number that came from the core with the digits that an `f32` has:
+/// 0.78, which reads back as the same `f32`, and not 0.7799999713897705.
+fn short<S: Serializer>(value: &f64, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.serialize_f32(*value as f32)
+}
+
+fn short_or_null<S: Serializer>(value: &Option<f64>, serializer: S) -> Result<S::Ok, S::Error> {
+    match value {
+        Some(value) => serializer.serialize_some(&(*value as f32)),
+        None => serializer.serialize_none(),
+    }
 }
 
 #[cfg(test)]
-#[allow(clippy::float_cmp)] // exact by construction
 mod tests {
     use super::*;
 
     #[test]
-    fn decimals_are_short_and_turn_back() {
-        for value in [0.78_f32, 1.0e-7, 12345.678, f32::MAX, f32::MIN_POSITIVE] {
-            assert_eq!(decimal(value) as f32, value);
-        }
-        assert_eq!(decimal(0.78), 0.78);
-    }
-
-    #[test]
-    fn what_is_not_finite_is_null() {
-        assert_eq!(known(Some(f32::NAN)), None);
-        assert_eq!(known(Some(f32::INFINITY)), None);
-        let text = serde_json::to_string(&decimal(f32::NAN)).unwrap();
-        assert_eq!(text, "null");
+    fn numbers_are_written_short_and_what_is_not_finite_as_null() {
+        let estimate = |mean| Estimate { mean, std_error: 1e-4, spread: None, events: 3 };
+        let text =
+            |mean| serde_json::to_string(&CoefficientSummary::from(Some(estimate(mean)))).unwrap();
+        assert_eq!(text(0.78), r#"{"mean":0.78,"std_error":0.0001,"spread":null}"#);
+        assert_eq!(text(f32::NAN), r#"{"mean":null,"std_error":0.0001,"spread":null}"#);
+        let test = |weight_n| TestSummary { test_id: None, weight_n, slope_rad: 0.0 };
+        let text = |weight_n| serde_json::to_string(&test(weight_n)).unwrap();
+        assert_eq!(text(0.3_f32.into()), r#"{"test_id":null,"weight_n":0.3,"slope_rad":0.0}"#);
+        assert_eq!(text(f64::NAN), r#"{"test_id":null,"weight_n":null,"slope_rad":0.0}"#);
     }
 }

@@ -8,7 +8,7 @@ use super::result::{CoefficientSummary, EventSummary, LogSummary, ReplayResult};
 #[must_use]
 pub fn text(result: &ReplayResult) -> String {
     let mut out = String::new();
-    let force = Force::for_weight(result.test.weight_n);
+    let force = decimals(result.test.weight_n);
     // Writing to a String cannot fail.
     let _ = header(&mut out, result, force);
     let _ = match result.events.as_slice() {
@@ -16,32 +16,21 @@ pub fn text(result: &ReplayResult) -> String {
         events => event_lines(&mut out, events, force),
     };
     let _ = coefficients(&mut out, result);
-    let _ = quantities(&mut out, result, force);
+    let _ = quantities(&mut out, result);
     let _ = samples(&mut out, &result.log);
     out
 }
 
-/// How forces are written: four digits at the block's weight.
-#[derive(Clone, Copy, Debug)]
-struct Force {
-    decimals: usize,
-}
-
-impl Force {
-    fn for_weight(weight_n: f64) -> Self {
-        Self { decimals: (3.0 - weight_n.log10().floor()).clamp(0.0, 8.0) as usize }
-    }
-
-    fn cell(self, force_n: f64) -> String {
-        format!("{force_n:.*}", self.decimals)
-    }
+/// Decimals that give a number of this size four digits.
+fn decimals(size: f64) -> usize {
+    (3.0 - size.abs().log10().floor()).clamp(0.0, 8.0) as usize
 }
 
 fn cell(value: Option<f64>, decimals: usize) -> String {
     value.map_or_else(|| "-".to_string(), |value| format!("{value:.decimals$}"))
 }
 
-fn header(out: &mut String, result: &ReplayResult, force: Force) -> std::fmt::Result {
+fn header(out: &mut String, result: &ReplayResult, force: usize) -> std::fmt::Result {
     let (log, test) = (&result.log, &result.test);
     writeln!(
         out,
@@ -53,7 +42,7 @@ fn header(out: &mut String, result: &ReplayResult, force: Force) -> std::fmt::Re
         log.duration_s
     )?;
     let id = test.test_id.as_ref().map(|id| format!("{id}, ")).unwrap_or_default();
-    let weight = force.cell(test.weight_n);
+    let weight = cell(Some(test.weight_n), force);
     writeln!(out, "test   {id}weight {weight} N, slope {:.2}°\n", test.slope_rad.to_degrees())
 }
 
@@ -63,7 +52,7 @@ fn significant(value: f64) -> String {
     text.trim_end_matches('0').trim_end_matches('.').to_string()
 }
 
-fn event_lines(out: &mut String, events: &[EventSummary], force: Force) -> std::fmt::Result {
+fn event_lines(out: &mut String, events: &[EventSummary], force: usize) -> std::fmt::Result {
     let titles = [
         "event", "onset s", "stop s", "mu_s", "±", "mu", "±", "Fs N", "Fp N", "Fe N", "stick s",
         "slip s",
@@ -79,9 +68,9 @@ fn event_lines(out: &mut String, events: &[EventSummary], force: Force) -> std::
             cell(event.mu_s_std, 4),
             cell(event.mu, 4),
             cell(event.mu_std, 4),
-            force.cell(event.static_force_n),
-            force.cell(event.dynamic_force_n),
-            force.cell(event.restick_force_n),
+            cell(Some(event.static_force_n), force),
+            cell(Some(event.dynamic_force_n), force),
+            cell(Some(event.restick_force_n), force),
             cell(event.stick_s, 3),
             cell(Some(event.slip_s), 3),
         ];
@@ -90,7 +79,6 @@ fn event_lines(out: &mut String, events: &[EventSummary], force: Force) -> std::
     writeln!(out)
 }
 
-/// One line of the event table; `±` takes part of its width from `mu`.
 fn line(out: &mut String, cells: &[String; 12], last: &str) -> std::fmt::Result {
     const WIDTHS: [usize; 12] = [6, 11, 11, 9, 8, 9, 8, 9, 9, 9, 9, 8];
     for (cell, width) in cells.iter().zip(WIDTHS) {
@@ -118,18 +106,19 @@ fn coefficient(out: &mut String, name: &str, value: &CoefficientSummary) -> std:
     writeln!(out, "{name:<6} {mean:.4} ± {error}   spread between events {spread}")
 }
 
-fn quantities(out: &mut String, result: &ReplayResult, force: Force) -> std::fmt::Result {
-    let fine = Force { decimals: force.decimals + 1 };
-    let kilo = result.stiffness_n_per_m.map(|k| k / 1e3);
+fn quantities(out: &mut String, result: &ReplayResult) -> std::fmt::Result {
     let lines = [
-        ("noise", result.noise_n.map(|n| format!("{} N", fine.cell(n)))),
-        ("loading rate", result.loading_rate_n_per_s.map(|r| format!("{} N/s", force.cell(r)))),
-        ("omega", result.omega_rad_per_s.map(|o| format!("{o:.2} rad/s"))),
-        ("stiffness", kilo.map(|k| format!("{k:.4} kN/m"))),
-        ("recurrence", result.recurrence_s.map(|t| format!("{t:.3} s"))),
+        ("noise", result.noise_n, "N"),
+        ("loading rate", result.loading_rate_n_per_s, "N/s"),
+        ("omega", result.omega_rad_per_s, "rad/s"),
+        ("stiffness", result.stiffness_n_per_m, "N/m"),
+        ("recurrence", result.recurrence_s, "s"),
     ];
-    for (name, value) in lines {
-        writeln!(out, "{name:<14}{}", value.as_deref().unwrap_or("unknown"))?;
+    for (name, value, unit) in lines {
+        match value {
+            Some(value) => writeln!(out, "{name:<14}{:.*} {unit}", decimals(value), value)?,
+            None => writeln!(out, "{name:<14}unknown")?,
+        }
     }
     writeln!(out)
 }
@@ -141,4 +130,94 @@ fn samples(out: &mut String, log: &LogSummary) -> std::fmt::Result {
         log.samples, log.missing, log.duplicates, log.rejected, log.saturated
     )?;
     log.warnings.iter().try_for_each(|warning| writeln!(out, "note          {warning}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::replay::result::{EstimateSummary, SCHEMA, TestSummary};
+
+    fn result(events: Vec<EventSummary>) -> ReplayResult {
+        let mean = |mean| CoefficientSummary {
+            mean: Some(mean),
+            std_error: Some(0.0002),
+            spread: Some(0.0008),
+        };
+        ReplayResult {
+            schema: SCHEMA,
+            log: LogSummary {
+                path: "x.csv".to_string(),
+                format: "csv".to_string(),
+                rate_hz: 16.0,
+                samples: 1920,
+                duration_s: 119.9375,
+                missing: 3,
+                warnings: vec!["line 9 is odd".to_string()],
+                ..LogSummary::default()
+            },
+            test: TestSummary { test_id: None, weight_n: 630.0, slope_rad: 0.0 },
+            estimate: EstimateSummary { mu_s: mean(1.2401), mu: mean(0.78), events: 1 },
+            noise_n: Some(1.98765),
+            loading_rate_n_per_s: Some(361.1234),
+            omega_rad_per_s: Some(18.91),
+            stiffness_n_per_m: Some(23_012.3),
+            recurrence_s: None,
+            events,
+        }
+    }
+
+    fn event() -> EventSummary {
+        EventSummary {
+            index: 0,
+            onset_s: 2.16345,
+            stop_s: 2.3364,
+            static_force_n: 781.23,
+            dynamic_force_n: 491.4,
+            peak_force_n: 781.8,
+            restick_force_n: 201.6,
+            mu_s: None,
+            mu_s_std: None,
+            mu: Some(0.78),
+            mu_std: Some(0.0005),
+            stick_s: None,
+            slip_s: 0.173,
+            loading_rate_n_per_s: 361.1,
+            omega_rad_per_s: Some(18.9),
+            slack: false,
+            quality: "clipped".to_string(),
+            reason: Some("a gap".to_string()),
+        }
+    }
+
+    #[test]
+    fn the_whole_text() {
+        let expected = "\
+log    x.csv (csv), 1920 samples at 16 Hz, 119.94 s
+test   weight 630.0 N, slope 0.00°
+
+ event    onset s     stop s     mu_s       ±       mu       ±     Fs N     Fp N     Fe N  \
+stick s  slip s  quality
+     0      2.163      2.336        -       -   0.7800  0.0005    781.2    491.4    201.6        \
+-   0.173  clipped: a gap
+
+mu_s   1.2401 ± 0.0002   spread between events 0.0008
+mu     0.7800 ± 0.0002   spread between events 0.0008
+       ± standard error of the mean; 1 of 1 events count
+
+noise         1.988 N
+loading rate  361.1 N/s
+omega         18.91 rad/s
+stiffness     23012 N/m
+recurrence    unknown
+
+samples       1920 read, 3 missing, 0 duplicates, 0 rejected, 0 saturated
+note          line 9 is odd
+";
+        assert_eq!(text(&result(vec![event()])), expected);
+    }
+
+    #[test]
+    fn no_events_is_said() {
+        assert!(text(&result(Vec::new())).contains("\nNo events: no slip was found"));
+    }
 }

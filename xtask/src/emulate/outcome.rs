@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use floe::replay::result::{EventSummary, LogSummary, ReplayResult, TestSummary, decimal};
+use floe::replay::result::{EventSummary, LogSummary, ReplayResult, TestSummary};
 use floe_core::{Config, Counts, Event, Pipeline, RawSample, Reading, Report, SampleTime};
 use floe_firmware::line::{Health, Line};
 
@@ -94,8 +94,8 @@ impl Outcome {
         };
         let test = TestSummary {
             test_id: record.test_id.clone(),
-            weight_n: decimal(self.config.weight_n),
-            slope_rad: decimal(self.config.slope_rad),
+            weight_n: f64::from(self.config.weight_n),
+            slope_rad: f64::from(self.config.slope_rad),
         };
         let seconds = |moment: SampleTime| {
             let last = record.times_s.len().saturating_sub(1);

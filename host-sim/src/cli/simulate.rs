@@ -1,0 +1,131 @@
+//! `floe simulate`: a log with known truth from a scene.
+
+use std::fs;
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+use crate::error::InputError;
+use crate::sim::truth_file::{Truth, TruthBuilder};
+use crate::sim::{Method, Run, Scene, write};
+
+use super::output;
+
+/// Simulate a test: a log with known truth
+#[derive(Clone, Debug, clap::Args)]
+pub struct Args {
+    /// The scene, TOML
+    #[arg(value_name = "SCENE.toml")]
+    pub scene: PathBuf,
+    /// The log to write: .csv, or .dat for the mixed arrays of a Campbell CR10
+    #[arg(short, long, value_name = "LOG")]
+    pub output: PathBuf,
+    /// Write the truth as JSON: every event, the state at every sample
+    #[arg(long, value_name = "TRUTH.json")]
+    pub truth: Option<PathBuf>,
+    /// Seed of everything random
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub seed: u64,
+    /// Length of the record instead of the scene's, s
+    #[arg(long, value_name = "T")]
+    pub duration_s: Option<f64>,
+}
+
+/// Form of the log.
+#[derive(Clone, Copy, Debug)]
+enum Form {
+    Csv,
+    Cr10,
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// One line for the user.
+pub fn run(args: &Args) -> Result<(), InputError> {
+    let form = form(&args.output)?;
+    output::check(&args.output, &[&args.scene])?;
+    if let Some(truth) = &args.truth {
+        output::check(truth, &[&args.scene, &args.output])?;
+    }
+    let scene = read_scene(&args.scene, args.duration_s)?;
+    let in_scene =
+        |error: &dyn ToString| InputError::new(error.to_string()).within(args.scene.display());
+    let mut run = Run::new(&scene, args.seed).map_err(|e| in_scene(&e))?;
+    let mut truth = TruthBuilder::default();
+    output::stream(&args.output, |out| write_log(out, form, args, &scene, &mut run, &mut truth))?;
+    if let Some(failure) = run.failure() {
+        return Err(in_scene(&failure));
+    }
+    let truth = truth.finish(&scene, args.seed, &run);
+    if let Some(path) = &args.truth {
+        let json = serde_json::to_string_pretty(&truth).map_err(|e| in_scene(&e))?;
+        output::replace(path, &(json + "\n"))?;
+    }
+    output::print(&summary(args, &scene, &truth))
+}
+
+fn form(path: &Path) -> Result<Form, InputError> {
+    match path.extension().and_then(|extension| extension.to_str()) {
+        Some("csv") => Ok(Form::Csv),
+        Some("dat") => Ok(Form::Cr10),
+        Some(_) | None => {
+            let why = "the name of the log must end in .csv, or .dat for a CR10's form";
+            Err(InputError::new(why).within(path.display()))
+        }
+    }
+}
+
+/// Reads a scene, with another length if one is given.
+///
+/// # Errors
+/// The file, the line or the value that cannot be used.
+pub fn read_scene(path: &Path, duration_s: Option<f64>) -> Result<Scene, InputError> {
+    let refused = |why: String| InputError::new(why).within(path.display());
+    let text = fs::read_to_string(path).map_err(|e| refused(format!("cannot be read: {e}")))?;
+    let mut scene = Scene::from_toml(&text).map_err(|e| refused(e.to_string()))?;
+    if let Some(duration_s) = duration_s {
+        scene.duration_s = duration_s;
+    }
+    Ok(scene)
+}
+
+fn write_log(
+    out: &mut impl Write,
+    form: Form,
+    args: &Args,
+    scene: &Scene,
+    run: &mut Run,
+    truth: &mut TruthBuilder,
+) -> io::Result<()> {
+    if let Form::Csv = form {
+        write::csv_head(out, scene, args.seed, &command_line(args))?;
+    }
+    for sample in run {
+        truth.push(&sample);
+        match form {
+            Form::Csv => write::csv_line(out, scene, &sample)?,
+            Form::Cr10 => write::cr10_line(out, scene.start, &sample)?,
+        }
+    }
+    Ok(())
+}
+
+/// The command as a person would repeat it, without the truth.
+fn command_line(args: &Args) -> String {
+    let duration = args.duration_s.map(|d| format!(" --duration-s {d}")).unwrap_or_default();
+    let (scene, output) = (args.scene.display(), args.output.display());
+    format!("floe simulate {scene} -o {output} --seed {}{duration}", args.seed)
+}
+
+fn summary(args: &Args, scene: &Scene, truth: &Truth) -> String {
+    let terms = if truth.terms.is_empty() { "none".to_owned() } else { truth.terms.join(", ") };
+    format!(
+        "{}: {} samples at {} Hz, {} events, seed {}\nmethod: {}\nterms: {terms}\n",
+        args.output.display(),
+        scene.sample_count(),
+        scene.rate_hz,
+        truth.events.len(),
+        args.seed,
+        Method::for_scene(scene),
+    )
+}

@@ -1,0 +1,87 @@
+//! Reading ahead on a thread of its own, a batch of samples at a time.
+
+use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
+
+use crate::error::InputError;
+use crate::log::{Log, Sample};
+
+/// Samples handed over at once: enough that the hand-over costs nothing.
+const BATCH: usize = 4096;
+/// Batches read ahead; bounds the memory.
+const AHEAD: usize = 4;
+
+type Batch = Result<Vec<Sample>, InputError>;
+
+/// Gives every sample of a log to `take` while the log is read on beside it.
+///
+/// # Errors
+/// A line of the log that cannot be used; the samples before it were given.
+pub fn for_each_sample(log: &mut Log, mut take: impl FnMut(Sample)) -> Result<(), InputError> {
+    std::thread::scope(|scope| {
+        let (sender, receiver): (_, Receiver<Batch>) = sync_channel(AHEAD);
+        scope.spawn(move || send_all(log, &sender));
+        for batch in receiver {
+            batch?.into_iter().for_each(&mut take);
+        }
+        Ok(())
+    })
+}
+
+fn send_all(log: &mut Log, sender: &SyncSender<Batch>) {
+    loop {
+        let mut batch = Vec::with_capacity(BATCH);
+        let end = fill(log, &mut batch);
+        // Nobody listens any more after an error: then there is nothing to do.
+        let goes_on = batch.len() == BATCH && end.is_ok();
+        if sender.send(Ok(batch)).is_err() || !goes_on {
+            if let Err(error) = end {
+                let _ = sender.send(Err(error));
+            }
+            return;
+        }
+    }
+}
+
+fn fill(log: &mut Log, batch: &mut Vec<Sample>) -> Result<(), InputError> {
+    while batch.len() < BATCH {
+        let Some(sample) = log.next_sample()? else { break };
+        batch.push(sample);
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::log::LogOptions;
+
+    fn taken(rows: usize, tail: &str) -> (usize, Result<(), InputError>) {
+        let row = |i: usize| format!("{},{i}\n", i as f64 / 16.0);
+        let text = "t,force_n\n".to_string() + &(0..rows).map(row).collect::<String>() + tail;
+        let input = std::io::Cursor::new(text.into_bytes());
+        let mut log = Log::from_reader(Box::new(input), &LogOptions::default()).unwrap();
+        let mut count = 0;
+        let result = for_each_sample(&mut log, |sample| {
+            assert_eq!(sample.raw.index, count as u64);
+            count += 1;
+        });
+        (count, result)
+    }
+
+    #[test]
+    fn every_sample_comes_once_and_in_order() {
+        for rows in [1, BATCH - 1, BATCH, BATCH + 1, 3 * BATCH, 10 * BATCH + 7] {
+            assert_eq!(taken(rows, ""), (rows, Ok(())));
+        }
+    }
+
+    #[test]
+    fn an_error_comes_after_the_samples_before_it() {
+        for rows in [BATCH + 10, 2 * BATCH, 9 * BATCH] {
+            let (count, result) = taken(rows, "oops,1\n0,0\n");
+            assert_eq!(count, rows);
+            let place = format!("line {}: ", rows + 2);
+            assert!(result.unwrap_err().to_string().starts_with(&place));
+        }
+    }
+}

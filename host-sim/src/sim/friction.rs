@@ -1,0 +1,84 @@
+//! The coefficients of each event.
+
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal, StandardUniform};
+
+use super::scene::Scene;
+use super::terms::{PartialSlips, Variation};
+
+/// Coefficients of one event.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pair {
+    /// Static, at the reference time of rest if there is a law for it.
+    pub mu_s: f64,
+    /// Dynamic, at vanishing speed if there is a law for it.
+    pub mu: f64,
+    /// Only a part of the contact slips.
+    pub partial: bool,
+}
+
+/// Draws the coefficients of one event after the other.
+#[derive(Clone, Debug)]
+pub struct Friction {
+    mean: Pair,
+    variation: Option<Variation>,
+    partial_slips: Option<PartialSlips>,
+    random: ChaCha8Rng,
+}
+
+impl Friction {
+    /// Draws around the scene's coefficients.
+    #[must_use]
+    pub fn new(scene: &Scene, random: ChaCha8Rng) -> Self {
+        let (mu_s, mu) = scene.coefficients();
+        Self {
+            mean: Pair { mu_s, mu, partial: false },
+            variation: scene.variation,
+            partial_slips: scene.partial_slips,
+            random,
+        }
+    }
+
+    /// The coefficients of the next event.
+    pub fn draw(&mut self) -> Pair {
+        let pair = match self.variation {
+            Some(variation) => self.vary(variation),
+            None => self.mean,
+        };
+        match self.partial_slips {
+            Some(partial) => self.reduce(pair, partial),
+            None => pair,
+        }
+    }
+
+    /// Now and then, the coefficients of a partial slip. The drop is twice the
+    /// difference of the coefficients; the dynamic one stays above a tenth of its
+    /// full value.
+    fn reduce(&mut self, full: Pair, partial: PartialSlips) -> Pair {
+        if self.uniform() >= partial.probability {
+            return full;
+        }
+        let difference = full.mu_s - full.mu;
+        let mu_s = full.mu + self.uniform() * difference;
+        let mu = (mu_s - partial.drop_fraction * difference).max(0.1 * full.mu);
+        Pair { mu_s, mu, partial: true }
+    }
+
+    fn vary(&mut self, variation: Variation) -> Pair {
+        loop {
+            let mu_s = self.mean.mu_s * (1.0 + variation.mu_s_fraction * self.normal());
+            let mu = self.mean.mu * (1.0 + variation.mu_fraction * self.normal());
+            if mu > 0.0 && mu_s >= mu {
+                return Pair { mu_s, mu, partial: false };
+            }
+        }
+    }
+
+    fn normal(&mut self) -> f64 {
+        StandardNormal.sample(&mut self.random)
+    }
+
+    fn uniform(&mut self) -> f64 {
+        StandardUniform.sample(&mut self.random)
+    }
+}

@@ -1,0 +1,411 @@
+//! The block on a cable where the closed form does not hold: Verner's adaptive
+//! method of order 9(8) with its dense output of order 8.
+//!
+//! The method is the `differential-equations` crate's. A step becomes the
+//! polynomial of degree 9 that its dense output is, and the moments of onset,
+//! stop, slack and taut are roots of that polynomial. (The dense output of the
+//! crate's Dormand-Prince 8(5,3) is four digits worse than its steps.)
+
+use differential_equations::error::Error;
+use differential_equations::interpolate::Interpolation;
+use differential_equations::methods::{Adaptive, ExplicitRungeKutta, Ordinary};
+use differential_equations::ode::{ODE, OrdinaryNumericalMethod};
+use differential_equations::status::Status;
+
+use super::physics::Physics;
+use super::root;
+use super::state::{End, Phase, State};
+
+/// Relative tolerance of a step unless told otherwise.
+pub const TOLERANCE: f64 = 1e-13;
+
+/// Force on a taut cable or slack on a slack one, speed, way.
+type Vector = [f64; 3];
+pub(super) type Method = ExplicitRungeKutta<Ordinary, Adaptive, f64, Vector, 9, 16, 21>;
+
+/// Number of points that fix a polynomial of degree 9.
+pub(super) const COUNT: usize = 10;
+
+/// Chebyshev's points from 0 to 1.
+pub(super) const NODES: [f64; COUNT] = [
+    0.0,
+    0.030_153_689_607_045_786,
+    0.116_977_778_440_511,
+    0.25,
+    0.413_175_911_166_534_8,
+    0.586_824_088_833_465_2,
+    0.75,
+    0.883_022_221_559_489,
+    0.969_846_310_392_954_2,
+    1.0,
+];
+
+/// One step, or the part of it before an event.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Step {
+    phase: Phase,
+    length_s: f64,
+    at_nodes: [Vector; COUNT],
+}
+
+impl Step {
+    /// A step by its values at [`NODES`].
+    pub(super) fn new(phase: Phase, length_s: f64, at_nodes: [Vector; COUNT]) -> Self {
+        Self { phase, length_s, at_nodes }
+    }
+
+    /// The state `t` seconds after the step's start, within the step.
+    #[must_use]
+    pub fn state(&self, from: &State, t: f64) -> State {
+        let values = self.values(t / self.length_s);
+        let state = State { time_s: from.time_s + t, ..*from };
+        to_state(self.phase, values, state)
+    }
+
+    /// Barycentric interpolation at a fraction of the step.
+    fn values(&self, fraction: f64) -> Vector {
+        let (mut sum, mut weights) = ([0.0; 3], 0.0);
+        for (j, (node, values)) in NODES.iter().zip(&self.at_nodes).enumerate() {
+            let distance = fraction - node;
+            if distance == 0.0 {
+                return *values;
+            }
+            let end = if j == 0 || j == NODES.len() - 1 { 0.5 } else { 1.0 };
+            let sign = if j % 2 == 0 { 1.0 } else { -1.0 };
+            let weight = sign * end / distance;
+            weights += weight;
+            for (s, v) in sum.iter_mut().zip(values) {
+                *s += weight * v;
+            }
+        }
+        sum.map(|s| s / weights)
+    }
+
+    /// First fraction of the step at which `f` falls below zero, if it does.
+    fn first_fall(&self, f: impl Fn(f64, &Vector) -> f64) -> Option<f64> {
+        let at = |fraction: f64| f(fraction, &self.values(fraction));
+        let values = NODES.map(at);
+        let below = values.iter().skip(1).position(|&v| v < 0.0).map(|i| i + 1);
+        if let Some(i) = below {
+            let (before, after) = (NODES.get(i - 1)?, NODES.get(i)?);
+            return Some(root::crossing(at, *before, *after));
+        }
+        let dip = self.dip(&values, at)?;
+        (at(dip.1) < 0.0).then(|| root::crossing(at, dip.0, dip.1))
+    }
+
+    /// The point before and the point of a minimum between nodes.
+    fn dip(&self, values: &[f64; COUNT], at: impl Fn(f64) -> f64) -> Option<(f64, f64)> {
+        let lowest =
+            |i: &usize| values.get(i - 1) > values.get(*i) && values.get(*i) < values.get(i + 1);
+        let i = (1..COUNT - 1).find(lowest)?;
+        let (before, after) = (*NODES.get(i - 1)?, *NODES.get(i + 1)?);
+        Some((before, root::lowest(at, before, after)))
+    }
+
+    /// Largest force from the start to a fraction of the step, N.
+    #[must_use]
+    pub fn peak_force_n(&self, duration_s: f64) -> f64 {
+        let end = duration_s / self.length_s;
+        let below = |fraction: f64| -self.values(fraction)[0];
+        -below(root::lowest(below, 0.0, end)).min(below(0.0)).min(below(end))
+    }
+
+    /// Averages over the way, by Gauss-Legendre: force of resistance, N, and
+    /// dynamic coefficient.
+    fn averages(&self, physics: &Physics, end: f64) -> (f64, f64) {
+        let (mut way, mut work, mut friction) = (0.0, 0.0, 0.0);
+        for (point, weight) in super::quadrature::GAUSS_5 {
+            let [_, v, x] = self.values(point * end);
+            way += weight * v;
+            work += weight * v * physics.resistance_n(v, x);
+            friction += weight * v * physics.mu(v);
+        }
+        if way > 0.0 { (work / way, friction / way) } else { (0.0, 0.0) }
+    }
+}
+
+fn to_state(phase: Phase, [u, v, x]: Vector, state: State) -> State {
+    let (force_n, slack_m) = match phase {
+        Phase::Stick | Phase::Slip => (u, 0.0),
+        Phase::SlackSliding | Phase::SlackStuck => (0.0, u),
+    };
+    State { force_n, slack_m, speed_m_per_s: v, position_m: x, ..state }
+}
+
+fn to_vector(phase: Phase, state: &State) -> Vector {
+    let u = match phase {
+        Phase::Stick | Phase::Slip => state.force_n,
+        Phase::SlackSliding | Phase::SlackStuck => state.slack_m,
+    };
+    [u, state.speed_m_per_s, state.position_m]
+}
+
+/// Equations (2) and (3) with all terms. Time counts from the start of the phase.
+struct Equations<'a> {
+    physics: &'a Physics,
+    phase: Phase,
+    from: State,
+}
+
+impl ODE<f64, Vector> for Equations<'_> {
+    fn diff(&self, t: f64, y: &Vector, dydt: &mut Vector) {
+        let physics = self.physics;
+        let state = State { time_s: self.from.time_s + t, ..self.from };
+        let state = to_state(self.phase, *y, state);
+        let (v, x) = (state.speed_m_per_s, state.position_m);
+        let winch = physics.winch_m_per_s(state.time_s);
+        let accelerate = |force_n: f64| (force_n - physics.resistance_n(v, x)) / physics.mass_kg();
+        let stiffness = || physics.stiffness_n_per_m(state.force_n, x);
+        *dydt = match self.phase {
+            Phase::Stick => {
+                let creep = physics.creep_m_per_s(&state);
+                [stiffness() * (winch - creep), 0.0, creep]
+            }
+            Phase::Slip => [stiffness() * (winch - v), accelerate(state.force_n), v],
+            Phase::SlackSliding => [v - winch, accelerate(0.0), v],
+            Phase::SlackStuck => [-winch, 0.0, 0.0],
+        };
+    }
+}
+
+/// What one step led to.
+#[derive(Clone, Copy, Debug)]
+pub struct Advance {
+    /// The step.
+    pub step: Step,
+    /// State at its end.
+    pub to: State,
+    /// Why it ended.
+    pub end: End,
+    /// Average force of resistance over the way, N.
+    pub mean_resistance_n: f64,
+    /// Average dynamic coefficient over the way.
+    pub mean_mu: f64,
+}
+
+/// Steps through one phase.
+#[derive(Debug)]
+pub struct Integrator {
+    phase: Phase,
+    from: State,
+    limits: Limits,
+    method: MethodBox,
+}
+
+/// Tolerances and longest step of a phase.
+#[derive(Clone, Copy, Debug)]
+struct Limits {
+    relative: f64,
+    absolute: Vector,
+    first_s: f64,
+    longest_s: f64,
+}
+
+impl Limits {
+    fn new(phase: Phase, from: &State, physics: &Physics, relative: f64) -> Self {
+        let mechanics = physics.mechanics(from);
+        let omega = mechanics.omega_rad_per_s();
+        let reach_n = mechanics.reference_static_force_n.min(1e3 * mechanics.weight_n);
+        let speed = mechanics.winch_m_per_s + reach_n / (omega * mechanics.mass_kg);
+        let u = match phase {
+            Phase::Stick | Phase::Slip => mechanics.weight_n,
+            Phase::SlackSliding | Phase::SlackStuck => speed / omega,
+        };
+        // A quarter of a stick or a turn of the ellipse: no more can be resolved.
+        let stick_s = mechanics.weight_n / mechanics.loading_rate_n_per_s();
+        let longest_s = (0.25 * stick_s).max(6.0 / omega).min(1e6);
+        Self {
+            relative,
+            absolute: [u, speed, speed / omega].map(|scale| scale * relative),
+            first_s: 0.05 / omega,
+            longest_s: longest_s.min(physics.longest_step_s()),
+        }
+    }
+
+    fn method(&self, equations: &Equations, t: f64, y: &Vector) -> Result<Method, String> {
+        let mut method = verner_9(self.relative, self.absolute, self.longest_s).h0(self.first_s);
+        method.init(equations, t, t + 1e12, y).map_err(|e| explain(&e))?;
+        Ok(method)
+    }
+}
+
+/// The method with its tolerances and longest step.
+pub(super) fn verner_9(relative: f64, absolute: Vector, longest_s: f64) -> Method {
+    ExplicitRungeKutta::rkv988e()
+        .rtol(relative)
+        .atol(absolute)
+        .h_max(longest_s)
+        .max_steps(usize::MAX)
+        .max_rejects(1000)
+}
+
+/// Steps until a step is accepted.
+pub(super) fn accepted_step(
+    method: &mut Method,
+    equations: &impl ODE<f64, Vector>,
+) -> Result<(), String> {
+    loop {
+        method.step(equations).map_err(|e| explain(&e))?;
+        if !matches!(method.status(), Status::RejectedStep) {
+            return Ok(());
+        }
+    }
+}
+
+/// The method is large, and knows no `Debug`.
+struct MethodBox(Box<Method>);
+
+impl std::fmt::Debug for MethodBox {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str("Method")
+    }
+}
+
+pub(super) fn explain(error: &Error<f64, Vector>) -> String {
+    format!("the integrator gave up: {error:?}")
+}
+
+impl Integrator {
+    /// Starts a phase.
+    ///
+    /// # Errors
+    /// When the method cannot start.
+    pub fn new(
+        phase: Phase,
+        from: State,
+        physics: &Physics,
+        tolerance: f64,
+    ) -> Result<Self, String> {
+        let limits = Limits::new(phase, &from, physics, tolerance);
+        let equations = Equations { physics, phase, from };
+        let method = limits.method(&equations, 0.0, &to_vector(phase, &from))?;
+        Ok(Self { phase, from, limits, method: MethodBox(Box::new(method)) })
+    }
+
+    /// Takes one step, at most up to the time `until_s`.
+    ///
+    /// # Errors
+    /// When the method cannot go on.
+    pub fn advance(&mut self, physics: &Physics, until_s: f64) -> Result<Advance, String> {
+        let equations = Equations { physics, phase: self.phase, from: self.from };
+        let method = &mut self.method.0;
+        let start_s = method.t();
+        let left_s = until_s - self.from.time_s - start_s;
+        if method.h() >= left_s {
+            method.set_h(left_s);
+        }
+        accepted_step(method, &equations)?;
+        let step = dense(method, self.phase, start_s)?;
+        self.find_end(step, start_s, &equations)
+    }
+
+    fn find_end(&self, step: Step, start_s: f64, equations: &Equations) -> Result<Advance, String> {
+        let physics = equations.physics;
+        let start = State { time_s: self.from.time_s + start_s, ..self.from };
+        let (fraction, end) = first_event(&step, &start, physics);
+        let to = if end == End::Continue {
+            step.state(&start, step.length_s)
+        } else {
+            self.polish(&step, start_s, fraction, end, equations)?
+        };
+        let (mean_resistance_n, mean_mu) =
+            if self.phase.is_moving() { step.averages(physics, fraction) } else { (0.0, 0.0) };
+        Ok(Advance { step, to: settle(end, to, physics), end, mean_resistance_n, mean_mu })
+    }
+
+    /// The dense output rounds at about 1e-12; a step of its own to the event
+    /// and one of Newton's there give its time and state to rounding.
+    fn polish(
+        &self,
+        step: &Step,
+        start_s: f64,
+        fraction: f64,
+        end: End,
+        equations: &Equations,
+    ) -> Result<State, String> {
+        let length_s = fraction * step.length_s;
+        let mut y = step.values(fraction);
+        if length_s > 0.0 {
+            let mut method = self.limits.method(equations, start_s, &step.values(0.0))?;
+            method.set_h(length_s);
+            method.step(equations).map_err(|e| explain(&e))?;
+            if !matches!(method.status(), Status::RejectedStep) {
+                y = *method.y();
+            }
+        }
+        let value = |t: f64, y: Vector| {
+            let state = State { time_s: self.from.time_s + start_s + t, ..self.from };
+            event_value(end, &to_state(self.phase, y, state), equations.physics)
+        };
+        let near = 1e-3;
+        let before = value((fraction - near) * step.length_s, step.values(fraction - near));
+        let after = value((fraction + near) * step.length_s, step.values(fraction + near));
+        let slope = (after - before) / (2.0 * near * step.length_s);
+        let shift_s = -value(length_s, y) / slope;
+        let mut t = length_s;
+        if shift_s.abs() < 1e-6 * step.length_s {
+            let mut rate = [0.0; 3];
+            equations.diff(start_s + t, &y, &mut rate);
+            for (value, rate) in y.iter_mut().zip(rate) {
+                *value += rate * shift_s;
+            }
+            t += shift_s;
+        }
+        let state = State { time_s: self.from.time_s + start_s + t, ..self.from };
+        Ok(to_state(self.phase, y, state))
+    }
+}
+
+fn dense(method: &mut Method, phase: Phase, start_s: f64) -> Result<Step, String> {
+    let (end_s, mut at_nodes) = (method.t(), [[0.0; 3]; COUNT]);
+    for (node, values) in NODES.iter().zip(&mut at_nodes) {
+        let t = (start_s + node * (end_s - start_s)).min(end_s);
+        *values = method.interpolate(t).map_err(|e| explain(&e))?;
+    }
+    // The ends are the method's own, without the rounding of the dense output.
+    at_nodes[0] = *method.y_prev();
+    at_nodes[COUNT - 1] = *method.y();
+    Ok(Step::new(phase, end_s - start_s, at_nodes))
+}
+
+/// What falls through zero at an event.
+fn event_value(end: End, state: &State, physics: &Physics) -> f64 {
+    match end {
+        End::Onset => physics.mechanics(state).static_force_n(state) - state.force_n,
+        End::Stop => state.speed_m_per_s,
+        End::Slack => state.force_n,
+        End::Taut => state.slack_m,
+        End::Continue => 1.0,
+    }
+}
+
+/// The first event in a step, as a fraction of it.
+fn first_event(step: &Step, start: &State, physics: &Physics) -> (f64, End) {
+    let possible: &[End] = match step.phase {
+        Phase::Stick => &[End::Onset],
+        Phase::Slip => &[End::Slack, End::Stop],
+        Phase::SlackSliding => &[End::Taut, End::Stop],
+        Phase::SlackStuck => &[End::Taut],
+    };
+    let fall = |end: End| {
+        let value = |fraction: f64, y: &Vector| {
+            let time_s = start.time_s + fraction * step.length_s;
+            event_value(end, &to_state(step.phase, *y, State { time_s, ..*start }), physics)
+        };
+        step.first_fall(value).map(|fraction| (fraction, end))
+    };
+    let events = possible.iter().filter_map(|&end| fall(end));
+    events.min_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or((1.0, End::Continue))
+}
+
+/// Sets exactly what an event fixes.
+fn settle(end: End, to: State, physics: &Physics) -> State {
+    match end {
+        End::Onset => State { speed_m_per_s: physics.creep_m_per_s(&to), ..to },
+        End::Stop => State { speed_m_per_s: 0.0, rest_since_s: to.time_s, ..to },
+        End::Slack => State { force_n: 0.0, ..to },
+        End::Taut => State { slack_m: 0.0, ..to },
+        End::Continue => to,
+    }
+}

@@ -1,0 +1,254 @@
+//! A test as a sequence of pieces of motion.
+
+use super::exact::{self, Motion};
+use super::friction::Friction;
+use super::integrate::{self, Integrator};
+use super::physics::Physics;
+use super::random::{self, Stream};
+use super::scene::Scene;
+use super::state::{End, Mechanics, Phase, State};
+use super::weighing::Swing;
+
+/// How the motion is computed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Method {
+    /// From event to event in closed form.
+    ClosedForm,
+    /// By an adaptive integrator with this relative tolerance.
+    Integrator {
+        /// Relative tolerance of a step.
+        tolerance: f64,
+    },
+}
+
+impl Method {
+    /// The closed form wherever it holds.
+    #[must_use]
+    pub fn for_scene(scene: &Scene) -> Self {
+        if scene.is_linear() {
+            Self::ClosedForm
+        } else {
+            Self::Integrator { tolerance: integrate::TOLERANCE }
+        }
+    }
+}
+
+impl std::fmt::Display for Method {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::ClosedForm => f.write_str("closed form from event to event"),
+            Self::Integrator { tolerance } => {
+                write!(f, "adaptive integrator (Verner 9(8), tolerance {tolerance:e})")
+            }
+        }
+    }
+}
+
+/// A piece of motion with its two ends.
+#[derive(Clone, Copy, Debug)]
+pub struct Segment {
+    /// What block and cable do.
+    pub phase: Phase,
+    /// At its start.
+    pub from: State,
+    /// At its end; the time is infinite for a motion without end.
+    pub to: State,
+    /// Why it ends.
+    pub end: End,
+    /// What holds at its start (at its end for an onset), and all through it in
+    /// closed form.
+    pub mechanics: Mechanics,
+    /// Only a part of the contact slips in this event.
+    pub partial: bool,
+    /// The motion in between.
+    pub motion: Motion,
+    /// Average force of friction, slope and drag over the way, N.
+    pub mean_resistance_n: f64,
+    /// Average dynamic coefficient over the way.
+    pub mean_mu: f64,
+}
+
+impl Segment {
+    /// Force at a time inside the segment, N.
+    #[must_use]
+    pub fn force_n(&self, time_s: f64) -> f64 {
+        self.motion.force_n(&self.from, time_s - self.from.time_s)
+    }
+
+    /// The whole state at a time inside the segment.
+    #[must_use]
+    pub fn state(&self, time_s: f64) -> State {
+        self.motion.state(&self.from, time_s - self.from.time_s)
+    }
+
+    /// Largest force in the segment, N.
+    #[must_use]
+    pub fn peak_force_n(&self) -> f64 {
+        let ends = self.from.force_n.max(self.to.force_n);
+        match self.motion {
+            // The top of the ellipse lies ahead while the force still rises.
+            Motion::Ellipse { centre_n, cosine_n, sine_n, .. }
+                if cosine_n >= 0.0 && sine_n > 0.0 =>
+            {
+                ends.max(centre_n + cosine_n.hypot(sine_n))
+            }
+            Motion::Step(step) => ends.max(step.peak_force_n(self.to.time_s - self.from.time_s)),
+            Motion::Ellipse { .. } | Motion::Line { .. } | Motion::Slack { .. } => ends,
+        }
+    }
+}
+
+/// All segments of a scene in order. Ends only when the integrator gives up, see
+/// [`Segments::failure`], or after a motion without end.
+#[derive(Debug)]
+pub struct Segments {
+    method: Method,
+    physics: Physics,
+    friction: Friction,
+    phase: Phase,
+    state: State,
+    integrator: Option<Integrator>,
+    swing: Option<Swing>,
+    failure: Option<String>,
+}
+
+impl Segments {
+    /// Starts a test: the block at rest on a taut cable, or sliding evenly.
+    #[must_use]
+    pub fn new(scene: &Scene, seed: u64, method: Method) -> Self {
+        let mut friction = Friction::new(scene, random::stream(seed, Stream::Friction));
+        let physics = Physics::new(scene, friction.draw());
+        let mut state = State { force_n: scene.start_force_n, ..State::default() };
+        if scene.start_sliding {
+            state.speed_m_per_s = scene.winch_m_per_s;
+            state.force_n = physics.resistance_n(state.speed_m_per_s, 0.0);
+        }
+        let phase = if scene.start_sliding { Phase::Slip } else { Phase::Stick };
+        let mut segments = Self {
+            method,
+            physics,
+            friction,
+            phase,
+            state,
+            integrator: None,
+            swing: None,
+            failure: None,
+        };
+        match scene.weighing.map(|weighing| Swing::new(scene, weighing)) {
+            Some(Ok(swing)) => segments.swing = Some(swing),
+            Some(Err(failure)) => segments.failure = Some(failure),
+            None => {}
+        }
+        segments
+    }
+
+    /// Why the integrator gave up, if it did.
+    #[must_use]
+    pub fn failure(&self) -> Option<&str> {
+        self.failure.as_deref()
+    }
+
+    fn closed_form(&self) -> Segment {
+        let (phase, from) = (self.phase, self.state);
+        let mechanics = self.physics.mechanics(&from);
+        let motion = Motion::start(phase, &from, &mechanics);
+        let (_, mut end, mut to) = exact::finish(phase, &from, &mechanics);
+        let break_s = self.physics.next_break_s();
+        if to.time_s > break_s {
+            to = State { time_s: break_s, ..motion.state(&from, break_s - from.time_s) };
+            end = End::Continue;
+        }
+        Segment {
+            phase,
+            from,
+            to,
+            end,
+            mechanics,
+            partial: self.physics.pair().partial,
+            motion,
+            mean_resistance_n: mechanics.dynamic_force_n,
+            mean_mu: mechanics.mu,
+        }
+    }
+
+    fn integrated(&mut self, tolerance: f64) -> Result<Segment, String> {
+        let (phase, from, physics) = (self.phase, self.state, &self.physics);
+        let mut integrator = match self.integrator.take() {
+            Some(integrator) => integrator,
+            None => Integrator::new(phase, from, physics, tolerance)?,
+        };
+        let advance = integrator.advance(physics, physics.next_break_s())?;
+        let at_break = advance.to.time_s >= physics.next_break_s();
+        if advance.end == End::Continue && !at_break {
+            self.integrator = Some(integrator);
+        }
+        // A slip starts with what holds at its onset.
+        let at = if advance.end == End::Onset { &advance.to } else { &from };
+        Ok(Segment {
+            phase,
+            from,
+            to: advance.to,
+            end: advance.end,
+            mechanics: physics.mechanics(at),
+            partial: physics.pair().partial,
+            motion: Motion::Step(advance.step),
+            mean_resistance_n: advance.mean_resistance_n,
+            mean_mu: advance.mean_mu,
+        })
+    }
+
+    fn compute(&mut self) -> Result<Segment, String> {
+        if let Some(swing) = &mut self.swing {
+            let (step, to) = swing.advance(&self.state)?;
+            let motion = Motion::Step(step);
+            return Ok(Segment { to, end: End::Continue, motion, ..self.closed_form() });
+        }
+        match self.method {
+            Method::ClosedForm => Ok(self.closed_form()),
+            Method::Integrator { tolerance } => self.integrated(tolerance),
+        }
+    }
+
+    /// Prepares what follows a segment.
+    fn enter_next(&mut self, last: &Segment) {
+        self.state = last.to;
+        self.phase = after(last.phase, last.end);
+        if last.end == End::Stop {
+            let pair = self.friction.draw();
+            self.physics.set_pair(pair);
+        }
+        if last.end == End::Continue && last.to.time_s >= self.physics.next_break_s() {
+            self.physics.pass_break();
+        }
+    }
+}
+
+impl Iterator for Segments {
+    type Item = Segment;
+
+    fn next(&mut self) -> Option<Segment> {
+        if !self.state.time_s.is_finite() || self.failure.is_some() {
+            return None;
+        }
+        let segment = match self.compute() {
+            Ok(segment) => segment,
+            Err(failure) => {
+                self.failure = Some(failure);
+                return None;
+            }
+        };
+        self.enter_next(&segment);
+        Some(segment)
+    }
+}
+
+/// The state machine, see [`Phase`].
+fn after(phase: Phase, end: End) -> Phase {
+    match (phase, end) {
+        (Phase::Stick, End::Onset) | (Phase::SlackSliding, End::Taut) => Phase::Slip,
+        (Phase::Slip, End::Stop) | (Phase::SlackStuck, End::Taut) => Phase::Stick,
+        (Phase::Slip, End::Slack) => Phase::SlackSliding,
+        (Phase::SlackSliding, End::Stop) => Phase::SlackStuck,
+        (phase, End::Continue | End::Onset | End::Stop | End::Slack | End::Taut) => phase,
+    }
+}

@@ -1,0 +1,26 @@
+//! Random numbers: one seed, one independent stream for each purpose, so that
+//! switching a term on leaves the draws of the others as they were.
+
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::SeedableRng;
+
+/// What the numbers are for.
+#[derive(Clone, Copy, Debug)]
+pub enum Stream {
+    /// White noise.
+    White = 0,
+    /// Coefficients of the events.
+    Friction = 1,
+    /// 1/f noise.
+    Flicker = 2,
+    /// Spikes, dropped, repeated and late samples.
+    Faults = 3,
+}
+
+/// The generator for a purpose.
+#[must_use]
+pub fn stream(seed: u64, stream: Stream) -> ChaCha8Rng {
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    random.set_stream(stream as u64);
+    random
+}

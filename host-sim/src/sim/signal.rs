@@ -1,0 +1,122 @@
+//! The force at the cell at any moment of a test, and its mean over an aperture.
+
+use std::collections::VecDeque;
+
+use super::measurement::{Flop, Hum, Measurement};
+use super::motion::{Method, Segment, Segments};
+use super::quadrature;
+use super::scene::Scene;
+use super::state::{End, Phase};
+
+/// Walks along the segments of a test.
+#[derive(Debug)]
+pub(super) struct Signal {
+    segments: Segments,
+    window: VecDeque<Segment>,
+    flop: Option<Flop>,
+    hum: Option<Hum>,
+    aperture_s: f64,
+    first_stop_s: f64,
+}
+
+impl Signal {
+    pub(super) fn new(scene: &Scene, seed: u64, method: Method) -> Self {
+        let Measurement { flop, hum, aperture_s, .. } = scene.measurement;
+        Self {
+            segments: Segments::new(scene, seed, method),
+            window: VecDeque::new(),
+            flop,
+            hum,
+            aperture_s,
+            first_stop_s: f64::INFINITY,
+        }
+    }
+
+    pub(super) fn failure(&self) -> Option<&str> {
+        self.segments.failure()
+    }
+
+    /// Makes the segments from `start_s` to `end_s` present, forgets earlier
+    /// ones, and shows each new one to `meet`.
+    pub(super) fn cover(&mut self, start_s: f64, end_s: f64, mut meet: impl FnMut(&Segment)) {
+        while self.window.front().is_some_and(|s| s.to.time_s < start_s) {
+            self.window.pop_front();
+        }
+        while self.window.back().is_none_or(|s| s.to.time_s < end_s) {
+            let Some(segment) = self.segments.next() else { return };
+            meet(&segment);
+            if segment.end == End::Stop {
+                self.first_stop_s = self.first_stop_s.min(segment.to.time_s);
+            }
+            if segment.to.time_s >= start_s {
+                self.window.push_back(segment);
+            }
+        }
+    }
+
+    fn at(&self, time_s: f64) -> Option<&Segment> {
+        self.window.iter().find(|s| s.to.time_s >= time_s).or(self.window.back())
+    }
+
+    /// Force in the cable, N, and what the block does.
+    pub(super) fn force_n(&self, time_s: f64) -> (f64, Phase) {
+        self.at(time_s).map_or((0.0, Phase::Stick), |s| (s.force_n(time_s), s.phase))
+    }
+
+    /// What the converter sees at a time: mean over the aperture from there on, N.
+    pub(super) fn seen_n(&self, time_s: f64) -> f64 {
+        let mechanical_n = if self.aperture_s > 0.0 {
+            self.integral(time_s, time_s + self.aperture_s) / self.aperture_s
+        } else {
+            self.at(time_s).map_or(0.0, |s| self.mechanical_n(s, time_s))
+        };
+        mechanical_n + self.hum_n(time_s)
+    }
+
+    fn mechanical_n(&self, segment: &Segment, time_s: f64) -> f64 {
+        segment.force_n(time_s) + self.flop_n(segment, time_s)
+    }
+
+    /// The flop starts at the first stop: before it the cable has not fallen.
+    fn flop_n(&self, segment: &Segment, time_s: f64) -> f64 {
+        let Some(flop) = self.flop else { return 0.0 };
+        let since_s = time_s - segment.from.rest_since_s;
+        if segment.phase != Phase::Stick || time_s < self.first_stop_s {
+            return 0.0;
+        }
+        let swing = (std::f64::consts::TAU * flop.hz * since_s).sin();
+        flop.amplitude_n * (-flop.decay_per_s * since_s).exp() * swing
+    }
+
+    /// Hum, averaged over the aperture in closed form.
+    fn hum_n(&self, time_s: f64) -> f64 {
+        let Some(hum) = self.hum else { return 0.0 };
+        let half = std::f64::consts::PI * hum.hz * self.aperture_s;
+        let passed = if half > 0.0 { half.sin() / half } else { 1.0 };
+        hum.amplitude_n * passed * (std::f64::consts::TAU * hum.hz * time_s + half).sin()
+    }
+
+    fn integral(&self, start_s: f64, end_s: f64) -> f64 {
+        let mut sum = 0.0;
+        for segment in &self.window {
+            let from_s = start_s.max(segment.from.time_s);
+            let to_s = end_s.min(segment.to.time_s);
+            if from_s < to_s {
+                let panel_s = self.panel_s(segment);
+                sum +=
+                    quadrature::integral(|t| self.mechanical_n(segment, t), from_s, to_s, panel_s);
+            }
+        }
+        sum
+    }
+
+    /// A panel is a fraction of a turn of the ellipse and of the flop.
+    fn panel_s(&self, segment: &Segment) -> f64 {
+        let slip_s = if segment.phase == Phase::Slip {
+            1.0 / segment.mechanics.omega_rad_per_s()
+        } else {
+            f64::INFINITY
+        };
+        self.flop.map_or(slip_s, |f| slip_s.min(0.1 / f.hz))
+    }
+}

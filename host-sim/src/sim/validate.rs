@@ -1,0 +1,133 @@
+//! What a scene must satisfy before it is computed.
+
+use super::scene::{Scene, SceneError};
+
+/// Refuses with `message` unless `ok`.
+pub(super) fn require(ok: bool, message: impl FnOnce() -> String) -> Result<(), SceneError> {
+    if ok { Ok(()) } else { Err(SceneError(message())) }
+}
+
+/// Refuses unless `value` is finite and above zero.
+pub(super) fn positive(name: &str, value: f64) -> Result<(), SceneError> {
+    require(value.is_finite() && value > 0.0, || {
+        format!("{name} = {value}: must be a number above zero")
+    })
+}
+
+/// Refuses unless `value` is finite and not negative.
+pub(super) fn not_negative(name: &str, value: f64) -> Result<(), SceneError> {
+    require(value.is_finite() && value >= 0.0, || {
+        format!("{name} = {value}: must be a number not below zero")
+    })
+}
+
+/// Refuses unless `value` is finite and within the limits.
+pub(super) fn between(name: &str, value: f64, low: f64, high: f64) -> Result<(), SceneError> {
+    require((low..=high).contains(&value), || format!("{name} = {value}: must be {low} to {high}"))
+}
+
+impl Scene {
+    /// Checks every value.
+    ///
+    /// # Errors
+    /// The first value out of its range, by its name.
+    pub fn validate(&self) -> Result<(), SceneError> {
+        positive("duration_s", self.duration_s)?;
+        between("duration_s", self.duration_s, 0.0, 1e8)?;
+        between("rate_hz", self.rate_hz, 1.0, 2000.0)?;
+        positive("weight_n", self.weight_n)?;
+        positive("stiffness_n_per_m", self.stiffness_n_per_m)?;
+        positive("winch_m_per_s", self.winch_m_per_s)?;
+        positive("cable_length_m", self.cable_length_m)?;
+        between("slope_deg", self.slope_deg, -60.0, 60.0)?;
+        not_negative("start_force_n", self.start_force_n)?;
+        self.validate_start()?;
+        self.validate_terms()?;
+        self.validate_friction()?;
+        self.validate_length()?;
+        self.measurement.validate(self.rate_hz)
+    }
+
+    fn validate_terms(&self) -> Result<(), SceneError> {
+        if let Some(snow) = &self.snow {
+            not_negative("snow.depth_mm", snow.depth_mm)?;
+            between("snow.mu_s_offset", snow.mu_s_offset, -10.0, 10.0)?;
+            between("snow.mu_offset", snow.mu_offset, -10.0, 10.0)?;
+        }
+        if let Some(variation) = &self.variation {
+            between("variation.mu_s_fraction", variation.mu_s_fraction, 0.0, 0.3)?;
+            between("variation.mu_fraction", variation.mu_fraction, 0.0, 0.3)?;
+        }
+        if let Some(partial) = &self.partial_slips {
+            between("partial_slips.probability", partial.probability, 0.0, 1.0)?;
+            between("partial_slips.drop_fraction", partial.drop_fraction, 0.0, 1.0)?;
+        }
+        if let Some(creep) = &self.creep {
+            between("creep.onset_fraction", creep.onset_fraction, 0.0, 0.99)?;
+            positive("creep.range_n", creep.range_n)?;
+        }
+        if let Some(sag) = &self.sag {
+            positive("sag.weight_n_per_m", sag.weight_n_per_m)?;
+            positive("sag.height_m", sag.height_m)?;
+        }
+        if let Some(breaking) = &self.breaking {
+            positive("breaking.at_s", breaking.at_s)?;
+            positive("breaking.weight_n", breaking.weight_n)?;
+        }
+        if let Some(drag) = &self.drag {
+            not_negative("drag.n_s2_per_m2", drag.n_s2_per_m2)?;
+        }
+        if let Some(weighing) = &self.weighing {
+            between("weighing.swing_deg", weighing.swing_deg, 0.0, 60.0)?;
+            positive("weighing.length_m", weighing.length_m)?;
+            not_negative("weighing.damping_per_s", weighing.damping_per_s)?;
+        }
+        self.hold_time.as_ref().map_or(Ok(()), |h| h.validate())?;
+        self.rate_dependence.as_ref().map_or(Ok(()), |r| r.validate(self.mu))?;
+        self.winch_profile.as_ref().map_or(Ok(()), |w| w.validate())
+    }
+
+    /// The block must rest on the slope by itself: the state machine knows no
+    /// sliding back.
+    fn validate_friction(&self) -> Result<(), SceneError> {
+        let (mu_s, mu) = self.coefficients();
+        positive("mu", self.mu)?;
+        positive("mu with snow", mu)?;
+        require(mu_s.is_finite() && mu_s >= mu, || {
+            format!("mu_s = {mu_s}: must be a number not below mu = {mu}")
+        })?;
+        let end_deg = self.slope_deg + self.tilt.map_or(0.0, |t| t.deg_per_m) * self.way_m();
+        let tangent = |deg: f64| deg.to_radians().tan().abs();
+        let steepest = tangent(self.slope_deg).max(tangent(end_deg));
+        require(end_deg.abs() < 60.0 && steepest < mu, || {
+            format!(
+                "slope_deg, {} to {end_deg:.1}: a block with mu = {mu} slides down by itself",
+                self.slope_deg
+            )
+        })
+    }
+
+    /// How far the winch pulls the block, m.
+    fn way_m(&self) -> f64 {
+        self.winch_m_per_s * self.duration_s
+    }
+
+    fn validate_length(&self) -> Result<(), SceneError> {
+        let needs_room = self.shortening || self.sag.is_some();
+        // Half a metre ahead of the winch for the last slip.
+        require(!needs_room || self.way_m() + 0.5 < self.cable_length_m, || {
+            format!(
+                "cable_length_m = {}: the winch takes up {:.1} m in {} s",
+                self.cable_length_m,
+                self.way_m(),
+                self.duration_s
+            )
+        })
+    }
+
+    fn validate_start(&self) -> Result<(), SceneError> {
+        let s = &self.start;
+        let ok = (1..=366).contains(&s.day) && s.hour < 24 && s.minute < 60;
+        require(ok, || "start: day must be 1 to 366, hour 0 to 23, minute 0 to 59".to_owned())
+    }
+}

@@ -1,0 +1,109 @@
+//! Simulated logs as files: CSV, and the mixed arrays of a Campbell CR10.
+
+use std::io::{self, Write};
+
+use super::run::Sample;
+use super::scene::{Scene, Start};
+
+/// Array ID of the simulated CR10 logs.
+pub const CR10_ARRAY_ID: u32 = 101;
+
+/// Writes the head of a CSV log: metadata and the names of the columns.
+///
+/// `command` is the command that makes the log.
+///
+/// # Errors
+/// Of the writer.
+pub fn csv_head(out: &mut impl Write, scene: &Scene, seed: u64, command: &str) -> io::Result<()> {
+    writeln!(out, "# SYNTHETIC: computed, not measured; seed {seed}")?;
+    writeln!(out, "# made_by: {command}")?;
+    if let Some(id) = &scene.test_id {
+        writeln!(out, "# test_id: {id}")?;
+    }
+    writeln!(out, "# rate_hz: {}", scene.rate_hz)?;
+    writeln!(out, "# weight_n: {}", scene.weight_n)?;
+    writeln!(out, "# slope_deg: {}", scene.slope_deg)?;
+    writeln!(out, "# winch_m_per_s: {}", scene.winch_m_per_s)?;
+    writeln!(out, "# cable_length_m: {}", scene.cable_length_m)?;
+    if let Some(snow) = &scene.snow {
+        writeln!(out, "# snow_mm: {}", snow.depth_mm)?;
+    }
+    if scene.measurement.range_n > 0.0 {
+        // What is left of the range above the dead load.
+        writeln!(out, "# range_n: {}", scene.measurement.range_n - scene.measurement.tare_n)?;
+    }
+    writeln!(out, "time_s,force_n")
+}
+
+/// Writes one sample as a CSV line. Forces are rounded to a millionth of the
+/// weight or finer, times to a microsecond.
+///
+/// # Errors
+/// Of the writer.
+pub fn csv_line(out: &mut impl Write, scene: &Scene, sample: &Sample) -> io::Result<()> {
+    let decimals = (6.0 - scene.weight_n.log10()).ceil().clamp(0.0, 12.0) as usize;
+    let time = format!("{:.6}", sample.time_s);
+    writeln!(out, "{},{:.decimals$}", trim(&time), sample.force_n)
+}
+
+/// Writes one sample as a mixed array: ID, year, day of the year, hhmm,
+/// seconds in steps of 0.125 s, force in N with five digits.
+///
+/// # Errors
+/// Of the writer.
+pub fn cr10_line(out: &mut impl Write, start: Start, sample: &Sample) -> io::Result<()> {
+    let eighths = (sample.time_s * 8.0 + 1e-6).floor() as u64;
+    let minutes = eighths / 480 + u64::from(start.hour * 60 + start.minute);
+    let (year, day) = calendar(start, minutes / 1440);
+    let hhmm = minutes / 60 % 24 * 100 + minutes % 60;
+    let seconds = format!("{:.3}", (eighths % 480) as f64 / 8.0);
+    writeln!(
+        out,
+        "{CR10_ARRAY_ID},{year},{day},{hhmm},{},{}",
+        cr10_number(&seconds),
+        cr10_number(&five_digits(sample.force_n)),
+    )
+}
+
+/// Year and day of the year, `days` after the start.
+fn calendar(start: Start, days: u64) -> (i32, u64) {
+    let (mut year, mut day) = (start.year, u64::from(start.day) + days);
+    loop {
+        let leap = year % 4 == 0 && (year % 100 != 0 || year % 400 == 0);
+        let length = if leap { 366 } else { 365 };
+        if day <= length {
+            return (year, day);
+        }
+        day -= length;
+        year += 1;
+    }
+}
+
+/// The CR10's high resolution: five digits, never more than 99999.
+fn five_digits(value: f64) -> String {
+    let value = value.clamp(-99_999.0, 99_999.0);
+    let decimals = (0..=4_usize)
+        .rev()
+        .find(|&d| (value.abs() * 10_f64.powi(d as i32)).round() < 100_000.0)
+        .unwrap_or(0);
+    format!("{value:.decimals$}")
+}
+
+/// As the CR10 prints numbers: no zero before the point, none at the end.
+fn cr10_number(text: &str) -> String {
+    let text = trim(text);
+    let (sign, digits) = match text.strip_prefix('-') {
+        Some(digits) => ("-", digits),
+        None => ("", text),
+    };
+    match digits.strip_prefix("0.") {
+        Some(fraction) => format!("{sign}.{fraction}"),
+        None if digits == "0" => "0".to_owned(),
+        None => text.to_owned(),
+    }
+}
+
+/// Drops zeros at the end of a decimal fraction.
+fn trim(text: &str) -> &str {
+    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { text }
+}

@@ -1,0 +1,321 @@
+//! `floe replay` from outside: exit codes, one-line messages, outputs.
+
+use std::fs;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
+
+/// A directory of this test's own, empty.
+fn directory(test: &str) -> PathBuf {
+    let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(test);
+    let _ = fs::remove_dir_all(&path);
+    fs::create_dir_all(&path).unwrap();
+    path
+}
+
+fn floe(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_floe")).args(arguments).output().unwrap()
+}
+
+fn floe_fed(arguments: &[&str], input: &[u8]) -> Output {
+    let mut child = Command::new(env!("CARGO_BIN_EXE_floe"))
+        .args(arguments)
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let mut stdin = child.stdin.take().unwrap();
+    // A command that refuses its input early closes the pipe.
+    let _ = stdin.write_all(input);
+    drop(stdin);
+    child.wait_with_output().unwrap()
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8(bytes.to_vec()).unwrap()
+}
+
+/// Exit 2, nothing on standard output, one line on standard error that holds
+/// all of `parts`.
+fn assert_refused(output: &Output, parts: &[&str]) {
+    let said = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{said}");
+    assert_eq!(text(&output.stdout), "", "{said}");
+    assert_eq!(said.lines().count(), 1, "{said}");
+    for part in parts {
+        assert!(said.contains(part), "'{part}' is not in: {said}");
+    }
+}
+
+/// The result on standard output; nothing on standard error.
+fn json(output: &Output) -> serde_json::Value {
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    serde_json::from_slice(&output.stdout).unwrap()
+}
+
+/// A log of `samples` rows at 16 Hz on a slow ramp.
+fn ramp(samples: u32) -> String {
+    let row = |i| format!("{},{}\n", f64::from(i) / 16.0, 100.0 + f64::from(i) * 0.25);
+    "time_s,force_n\n".to_string() + &(0..samples).map(row).collect::<String>()
+}
+
+#[test]
+fn bad_files_are_refused_in_one_line() {
+    let dir = directory("bad_files");
+    let ramp = ramp(40);
+    let utf16: Vec<u8> = ramp.encode_utf16().flat_map(u16::to_le_bytes).collect();
+    let broken = |line: usize, new: &str| {
+        let mut lines: Vec<&str> = ramp.lines().collect();
+        lines[line - 1] = new;
+        (lines.join("\n") + "\n").into_bytes()
+    };
+    let table: Vec<(&str, Vec<u8>, Vec<&str>)> = vec![
+        ("empty", b"".to_vec(), vec!["is empty"]),
+        ("blank", b"\n \r\n".to_vec(), vec!["is empty"]),
+        ("header_only", b"time_s,force_n\n".to_vec(), vec!["no samples"]),
+        ("no_header", b"0.0,1.5\n0.0625,1.5\n".to_vec(), vec!["line 1", "no header"]),
+        ("comments_only", b"# weight_n: 5\n".to_vec(), vec!["ends before its header"]),
+        ("no_force", b"time_s,f\n0,1\n".to_vec(), vec!["line 1", "--column", "time_s, f"]),
+        ("no_time", b"x,force_n\n0,1\n".to_vec(), vec!["line 1", "time_s", "x, force_n"]),
+        ("not_a_number", broken(12, "0.625,abc"), vec!["line 12", "'abc'", "not a number"]),
+        ("bad_time", broken(12, "nan,5"), vec!["line 12", "time", "'nan'"]),
+        ("short_row", broken(12, "0.625"), vec!["line 12", "1 cells instead of 2"]),
+        ("long_row", broken(12, "0.625,1,2"), vec!["line 12", "3 cells instead of 2"]),
+        ("open_quote", broken(12, "0.625,\"1"), vec!["line 12", "quote"]),
+        ("backwards", broken(12, "0.25,5"), vec!["line 12", "time goes back"]),
+        ("metadata", broken(12, "# weight_n: big"), vec!["line 12", "'big'"]),
+        ("constant", b"t,force_n\n1,1\n1,2\n1,3\n".to_vec(), vec!["time stands still"]),
+        ("slow", b"t,force_n\n0,1\n60,2\n120,3\n".to_vec(), vec!["0.016667", "--rate-hz"]),
+        ("fast", b"t,force_n\n0,1\n1e-6,2\n2e-6,3\n".to_vec(), vec!["--rate-hz"]),
+        ("binary", (0..=255).cycle().take(9999).collect(), vec!["binary"]),
+        (
+            "scrambled",
+            (0..9999_u32).map(|i| (i.wrapping_mul(2_654_435_761) >> 24) as u8).collect(),
+            vec!["binary"],
+        ),
+        ("long_line", vec![b'x'; 1 << 20], vec!["line 1", "64 KiB"]),
+        ("long_later", [ramp.as_bytes(), &[b'1'; 99_999]].concat(), vec!["line 42", "64 KiB"]),
+        ("utf16", [b"\xFF\xFE".as_slice(), &utf16].concat(), vec!["UTF-16", "UTF-8"]),
+        ("utf16_bare", utf16.clone(), vec!["binary"]),
+        ("tob1", b"\"TOB1\",\"a\"\n".to_vec(), vec!["TOB1", "TOA5"]),
+        (
+            "cr10_short_row",
+            b"1,94,1,0,0,5\n1,94,1,0,0\n1,94,1,0,.125,5\n".to_vec(),
+            vec!["line 2", "5 cells instead of 6"],
+        ),
+        ("toa5_cut", b"\"TOA5\",\"a\"\n\"TIMESTAMP\"\n".to_vec(), vec!["ends before its header"]),
+    ];
+    for (name, content, parts) in table {
+        let path = dir.join(name);
+        fs::write(&path, content).unwrap();
+        let path = path.to_str().unwrap();
+        let mut parts = parts;
+        parts.push(path);
+        assert_refused(&floe(&["replay", path, "--weight-n", "100"]), &parts);
+    }
+}
+
+#[test]
+fn files_that_are_not_there_are_refused() {
+    let dir = directory("not_there");
+    let path = dir.to_str().unwrap();
+    assert_refused(&floe(&["replay", path]), &[path, "is a directory"]);
+    let missing = dir.join("nope.csv");
+    let missing = missing.to_str().unwrap();
+    assert_refused(&floe(&["replay", missing]), &[missing, "no such file"]);
+    assert_refused(&floe(&["replay"]), &["no log given"]);
+}
+
+#[test]
+fn bad_options_are_refused_in_one_line() {
+    let dir = directory("bad_options");
+    let path = dir.join("log.csv");
+    fs::write(&path, ramp(40)).unwrap();
+    let path = path.to_str().unwrap();
+    let table: [(&[&str], &[&str]); 13] = [
+        (&[], &["weight", "--weight-n", "--mass-kg", "# weight_n:"]),
+        (&["--weight-n", "0"], &["weight", "above zero"]),
+        (&["--weight-n", "-5"], &["weight", "above zero", "-5"]),
+        (&["--weight-n", "nan"], &["weight", "above zero"]),
+        (&["--weight-n", "inf"], &["weight", "above zero"]),
+        (&["--mass-kg", "-1"], &["weight", "above zero"]),
+        (&["--weight-n", "abc"], &["--weight-n", "abc"]),
+        (&["--weight-n", "5", "--mass-kg", "1"], &["cannot be used with"]),
+        (&["--weight-n", "5", "--slope-deg", "90"], &["slope", "90"]),
+        (&["--weight-n", "5", "--rate-hz", "0.5"], &["0.5", "1 to 2000"]),
+        (&["--weight-n", "5", "--rate-hz", "nan"], &["1 to 2000"]),
+        (&["--weight-n", "5", "--format", "xls"], &["xls", "csv, toa5, cr10"]),
+        (&["--weight-n", "5", "--column", "f"], &["line 1", "'f'", "time_s, force_n"]),
+    ];
+    for (options, parts) in table {
+        assert_refused(&floe(&[&["replay", path], options].concat()), parts);
+    }
+    for format in ["toa5", "cr10"] {
+        assert_refused(&floe(&["replay", path, "--weight-n", "5", "--format", format]), &[path]);
+    }
+    let counts = b"t,force_n\n0,100\n0.0625,110\n";
+    let options = ["replay", "-", "--weight-n", "5", "--unit", "counts"];
+    assert_refused(&floe_fed(&options, counts), &["--tare-counts", "--counts-per-n"]);
+    assert_refused(&floe(&["replya"]), &["replya"]);
+}
+
+#[test]
+fn any_plausible_text_form_gives_the_same_samples() {
+    let plain = ramp(100);
+    let decimal_comma = plain.replace(',', ";").replace('.', ",");
+    let forms: Vec<(&str, Vec<u8>)> = vec![
+        ("plain", plain.clone().into_bytes()),
+        ("crlf", plain.replace('\n', "\r\n").into_bytes()),
+        ("no_end", plain.trim_end().as_bytes().to_vec()),
+        ("mark", [b"\xEF\xBB\xBF".as_slice(), plain.as_bytes()].concat()),
+        ("decimal_comma", decimal_comma.into_bytes()),
+        ("tabs", plain.replace(',', "\t").into_bytes()),
+        ("spaces", plain.replace(',', " , ").into_bytes()),
+        ("quotes", plain.replace(',', "\",\"").replace('\n', "\"\n\"").into_bytes()),
+        ("comments", plain.replace("\n1,", "\n# a comment\n\n1,").into_bytes()),
+        ("names", plain.replace("time_s,force_n", "T,Force_N").into_bytes()),
+    ];
+    for (name, mut content) in forms {
+        if name == "quotes" {
+            content.insert(0, b'"');
+            content.pop();
+        }
+        let result = json(&floe_fed(&["replay", "-", "--weight-n", "100", "--json"], &content));
+        let log = &result["log"];
+        assert_eq!(log["format"], "csv", "{name}");
+        assert_eq!(log["samples"], 100, "{name}");
+        assert_eq!(log["rate_hz"], 16.0, "{name}");
+        assert_eq!(log["duration_s"], 99.0 / 16.0, "{name}");
+        assert_eq!(log["warnings"], serde_json::json!([]), "{name}");
+    }
+}
+
+#[test]
+fn a_truncated_last_line_is_left_out_and_told() {
+    let whole = ramp(40);
+    for cut in ["2.5", "2.5,", "2.5,-", "2.5,\"11", "2.5,1e", "\0\0\0"] {
+        let content = format!("{whole}{cut}");
+        let arguments = ["replay", "-", "--weight-n", "100", "--json"];
+        let output = floe_fed(&arguments, content.as_bytes());
+        let result = json(&output);
+        assert_eq!(result["log"]["samples"], 40, "{cut}");
+        let warning = result["log"]["warnings"][0].as_str().unwrap();
+        assert!(warning.contains("line 42") && warning.contains("cut off"), "{warning}");
+        assert!(text(&output.stderr).contains(warning), "{cut}");
+        let quiet = floe_fed(&[arguments.as_slice(), &["--quiet"]].concat(), content.as_bytes());
+        assert_eq!(text(&quiet.stderr), "");
+    }
+}
+
+#[test]
+fn the_log_can_say_what_was_pulled() {
+    let content = "# test_id: DFF8-13\n# weight_n: 630\n# slope_deg: 2\n".to_string() + &ramp(40);
+    let test = &json(&floe_fed(&["replay", "-", "--json"], content.as_bytes()))["test"];
+    assert_eq!(test["test_id"], "DFF8-13");
+    assert_eq!(test["weight_n"], 630.0);
+    assert!((test["slope_rad"].as_f64().unwrap() - 2.0_f64.to_radians()).abs() < 1e-6);
+    let options = ["replay", "-", "--json", "--mass-kg", "10", "--slope-deg", "-1"];
+    let test = &json(&floe_fed(&options, content.as_bytes()))["test"];
+    assert!((test["weight_n"].as_f64().unwrap() - 98.0665).abs() < 1e-4);
+    assert!(test["slope_rad"].as_f64().unwrap() < 0.0);
+}
+
+#[test]
+fn no_events_is_a_result() {
+    let log = ramp(40);
+    let output = floe_fed(&["replay", "-", "--weight-n", "100"], log.as_bytes());
+    assert_eq!(output.status.code(), Some(0));
+    assert!(text(&output.stdout).contains("No events"));
+    assert_eq!(text(&output.stderr), "");
+    let quiet = floe_fed(&["replay", "-", "--weight-n", "100", "--quiet"], log.as_bytes());
+    assert_eq!((quiet.status.code(), text(&quiet.stdout)), (Some(0), String::new()));
+}
+
+#[test]
+fn outputs_are_written_whole_and_never_over_the_log() {
+    let dir = directory("outputs");
+    let path = dir.join("log.csv");
+    fs::write(&path, ramp(40)).unwrap();
+    let name = |file: &str| dir.join(file).to_str().unwrap().to_string();
+    let (log, result, events) = (name("log.csv"), name("a.json"), name("a.csv"));
+    let base = ["replay", log.as_str(), "--weight-n", "100"];
+    let run = |options: &[&str]| floe(&[base.as_slice(), options].concat());
+
+    fs::write(&result, "old").unwrap();
+    let report = name("a.html");
+    let output = run(&["--json", &result, "--events", &events, "--report", &report]);
+    assert_eq!(output.status.code(), Some(0));
+    for file in [&result, &events, &report] {
+        assert!(text(&output.stdout).contains(&format!("written       {file}\n")), "{file}");
+    }
+    assert!(fs::read_to_string(&report).unwrap().starts_with("<!"));
+    assert!(fs::read_to_string(&result).unwrap().starts_with("{\n  \"schema\": \"floe-replay/1\""));
+    assert!(fs::read_to_string(&events).unwrap().starts_with("index,onset_s,stop_s,"));
+    assert_eq!(fs::read_dir(&dir).unwrap().count(), 4);
+
+    assert_refused(&run(&["--json", &log]), &[&log, "already"]);
+    assert_refused(&run(&["--events", &log]), &[&log, "already"]);
+    assert_refused(&run(&["--events", &result, "--json", &result]), &[&result, "already"]);
+    assert_refused(&run(&["--events", dir.to_str().unwrap()]), &["is a directory"]);
+    assert_refused(&run(&["--json", &name("no/such/a.json")]), &["directory does not exist"]);
+    assert_eq!(fs::read_to_string(&path).unwrap(), ramp(40));
+
+    fs::write(&path, "time_s,force_n\n0,oops\n1,2\n").unwrap();
+    fs::write(&result, "old").unwrap();
+    assert_refused(&run(&["--json", &result]), &["line 2"]);
+    assert_eq!(fs::read_to_string(&result).unwrap(), "old");
+}
+
+#[test]
+fn a_log_behind_json_is_a_log() {
+    let dir = directory("behind_json");
+    let path = dir.join("log.csv");
+    fs::write(&path, ramp(40)).unwrap();
+    let path = path.to_str().unwrap();
+    let result = json(&floe(&["replay", "--weight-n", "100", "--json", path]));
+    assert_eq!(result["log"]["samples"], 40);
+}
+
+#[test]
+fn without_arguments_the_bundled_log_is_replayed_and_reported() {
+    let dir = directory("bundled");
+    let run = || Command::new(env!("CARGO_BIN_EXE_floe")).current_dir(&dir).output().unwrap();
+    let output = run();
+    let said = text(&output.stdout);
+    assert_eq!((output.status.code(), text(&output.stderr)), (Some(0), String::new()));
+    assert!(said.contains("mu_s   1.24") && said.contains("mu     0.78"), "{said}");
+    assert!(said.ends_with("written       ./floe-report.html\n"), "{said}");
+    fs::create_dir(dir.join("target")).unwrap();
+    assert!(text(&run().stdout).ends_with("written       target/floe-report.html\n"));
+    assert!(fs::metadata(dir.join("target/floe-report.html")).unwrap().len() > 10_000);
+}
+
+#[test]
+fn the_bundled_log_reads_the_same_in_both_formats() {
+    let path = |name| format!("{}/logs/{name}", env!("CARGO_MANIFEST_DIR"));
+    let run = |name| json(&floe(&["replay", &path(name), "--weight-n", "630", "--json"]));
+    let (csv, cr10) = (run("dff8-13.csv"), run("dff8-13.dat"));
+    assert_eq!((&csv["log"]["format"], &cr10["log"]["format"]), (&"csv".into(), &"cr10".into()));
+    for field in ["samples", "rate_hz", "duration_s", "missing", "duplicates", "rejected"] {
+        assert_eq!(csv["log"][field], cr10["log"][field], "{field}");
+    }
+    let (csv, cr10) = (csv["events"].as_array().unwrap(), cr10["events"].as_array().unwrap());
+    assert!(csv.len() > 60 && csv.len() == cr10.len());
+    for (a, b) in csv.iter().zip(cr10) {
+        // The logger keeps four or five digits of the force.
+        for (field, most) in [("onset_s", 1e-3), ("mu_s", 1e-3), ("mu", 1e-3)] {
+            let difference = a[field].as_f64().unwrap() - b[field].as_f64().unwrap();
+            assert!(difference.abs() < most, "{field} {difference}");
+        }
+    }
+}
+
+#[test]
+fn help_goes_to_standard_output() {
+    for arguments in [["replay", "--help"], ["--version", "--version"], ["help", "replay"]] {
+        let output = floe(&arguments);
+        assert_eq!((output.status.code(), output.stderr.len()), (Some(0), 0), "{arguments:?}");
+        assert!(!output.stdout.is_empty());
+    }
+}
