@@ -101,12 +101,16 @@ mod target {
     #[cortex_m_rt::exception]
     #[allow(unsafe_code)] // SAFETY: it never returns and touches nothing.
     unsafe fn HardFault(frame: &cortex_m_rt::ExceptionFrame) -> ! {
-        crash::die(&format_args!("a fault at {:#010x}", frame.pc()))
+        crash::die(format_args!("a fault at {:#010x}", frame.pc()))
     }
 
     #[panic_handler]
     fn panic(info: &core::panic::PanicInfo<'_>) -> ! {
-        crash::die(info)
+        // Only where: with the words, every format of the program would stay in it.
+        match info.location() {
+            Some(place) => crash::die(format_args!("a panic at {}:{}", place.file(), place.line())),
+            None => crash::die(format_args!("a panic")),
+        }
     }
 }
 
