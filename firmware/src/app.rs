@@ -141,9 +141,9 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
         }
     }
 
-    /// Gives the card back, for tests.
-    pub fn into_store(self) -> S {
-        self.journal.into_store()
+    /// The card.
+    pub fn store(&self) -> &S {
+        self.journal.store()
     }
 
     fn take(&mut self, sample: Sample) {

@@ -166,7 +166,7 @@ impl<D: BlockDevice> Store for CardLog<D> {
         // A card that is gone is looked for now and then, not at every sector.
         if self.open.is_none() {
             self.failed += 1;
-            if self.failed % TRIES != 0 || !self.ensure_open() {
+            if !self.failed.is_multiple_of(TRIES) || !self.ensure_open() {
                 return Err(StoreError::NoCard);
             }
         }

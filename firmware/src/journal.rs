@@ -80,9 +80,9 @@ impl<S: Store> Journal<S> {
         result.and(self.write())
     }
 
-    /// Gives the card back.
-    pub fn into_store(self) -> S {
-        self.store
+    /// The card.
+    pub fn store(&self) -> &S {
+        &self.store
     }
 
     /// Sectors written.

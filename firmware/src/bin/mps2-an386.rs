@@ -23,7 +23,7 @@ mod target {
 
     #[entry]
     fn main() -> ! {
-        mps2::start_clock();
+        mps2::start();
         let (app, sampler) = build();
         app.greet(None);
         app.turn();

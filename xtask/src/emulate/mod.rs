@@ -22,7 +22,7 @@ use floe::replay::test::TestOptions;
 
 use crate::Result;
 use crate::arm::Route;
-use crate::shell::say;
+use crate::shell::{root, say};
 use machine::Machine;
 use record::Record;
 
@@ -48,6 +48,34 @@ pub struct Args {
     /// Run in real time, the console on this TCP port
     #[arg(long, value_name = "PORT", num_args = 0..=1, default_missing_value = "4004")]
     pub live: Option<u16>,
+}
+
+/// Runs every bundled log and compares every event with this PC's.
+///
+/// # Errors
+/// The first difference.
+pub fn check_bundled(route: Route) -> Result<()> {
+    let machine = Machine::prepare(Some(route))?;
+    let logs = root().join("host-sim/logs");
+    let files = std::fs::read_dir(&logs).into_iter().flatten().flatten();
+    let mut files: Vec<PathBuf> = files.map(|entry| entry.path()).collect();
+    files.retain(|path| path.extension().is_some_and(|e| e == "csv" || e == "dat"));
+    files.sort();
+    let weight = TestOptions { weight_n: Some(630.0), ..TestOptions::default() };
+    for path in &files {
+        let record = Record::read(path, &LogOptions::default(), &weight)?;
+        check(&machine, &path.display().to_string(), &record)?;
+    }
+    check(&machine, "a sawtooth", &Record::stick_slip())
+}
+
+fn check(machine: &Machine, name: &str, record: &Record) -> Result<()> {
+    let run = machine.run(record, None, None)?;
+    let outcome = outcome::decode(&run.lines)?;
+    let samples = outcome.report.counters.samples;
+    let same = outcome.compare(record, &run.delivered)?;
+    println!("emulated: {name}: {samples} samples, {same}");
+    Ok(())
 }
 
 impl Args {

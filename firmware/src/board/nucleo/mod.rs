@@ -30,6 +30,7 @@ use embedded_hal_bus::spi::ExclusiveDevice;
 use embedded_sdmmc::SdCard;
 use static_cell::StaticCell;
 
+use super::stack;
 use clock::Delay;
 use console::Console;
 
@@ -68,6 +69,10 @@ impl Board {
     /// Starts clocks and peripherals; the tick is started by [`clock::start_tick`].
     #[must_use]
     pub fn init() -> Self {
+        // Embassy leaves the core's own peripherals to us.
+        if let Some(core) = cortex_m::Peripherals::take() {
+            stack::guard(&core.MPU);
+        }
         let p = embassy_stm32::init(clocks());
         clock::start();
         Self::with(p)
