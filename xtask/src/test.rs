@@ -60,6 +60,7 @@ pub fn run(forced: Option<Route>) -> Result<()> {
     if let Some(route) = route {
         tally.step("tests on target", || Tests::prepare(Some(route))?.run_all());
         tally.step("logs through the firmware", || emulate::check_bundled(route));
+        tally.step("converter troubles", || emulate::check_troubles(route));
         tally.step("board image", || size::run(Some(route)));
     }
     let summary = format!("steps: {} passed, {} failed", tally.passed.len(), tally.failed.len());

@@ -11,6 +11,7 @@ use floe::chip::SerialChip;
 
 use super::link::{self, Typist};
 use super::record::Record;
+use super::socket;
 use crate::Result;
 use crate::arm::Route;
 use crate::qemu;
@@ -23,11 +24,22 @@ pub struct Machine {
     firmware: PathBuf,
 }
 
+/// How to run.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Setup<'a> {
+    /// Every sample is shown, not only what comes of them.
+    pub samples: bool,
+    /// In real time, the console on this TCP port of this PC.
+    pub port: Option<u16>,
+    /// The SD card.
+    pub card: Option<&'a Path>,
+}
+
 /// What a run gave.
 #[derive(Debug)]
 pub struct Run {
     /// What the board said.
-    pub lines: Vec<String>,
+    pub shown: String,
     /// Every conversion that the board read: number of the sample and code.
     pub delivered: Vec<(u64, i32)>,
     /// Bytes of stack used at most.
@@ -51,9 +63,10 @@ impl Machine {
     ///
     /// # Errors
     /// The firmware or the emulator failed.
-    pub fn run(&self, record: &Record, live: Option<u16>, card: Option<&Path>) -> Result<Run> {
-        let directory = Directory::new(card)?;
-        directory.write("console.in", record.commands() + quiet(live) + "start\r\n")?;
+    pub fn run(&self, record: &Record, setup: Setup<'_>) -> Result<Run> {
+        let directory = Directory::new(setup.card)?;
+        let live = if setup.samples { "live on\r\n" } else { "live off\r\n" };
+        directory.write("console.in", record.commands() + live + "start\r\n")?;
         let typist = vec![(record.codes.len() as u64, "stop\r\n".to_string())];
         let typist = Typist::new(&directory.path("console.in"), typist);
         let typist = typist.map_err(|e| e.to_string())?;
@@ -61,13 +74,15 @@ impl Machine {
         let chip = SerialChip::new(load_cell, trouble, 0);
         let start = Instant::now();
         let mut child = self.spawn(&directory)?;
-        let done = serve(&directory, chip, typist, live.is_some(), &mut child);
+        if let Some(port) = setup.port {
+            socket::serve(port, &directory.0)?;
+        }
+        let done = serve(&directory, chip, typist, setup.port.is_some(), &mut child);
         let stack = stack_of(&mut child);
         let wall = start.elapsed();
         let shown = fs::read_to_string(directory.path("console.out")).unwrap_or_default();
         let chip = done.map_err(|e| format!("{e}; the board's last words: {}", tail(&shown)))?;
-        let lines = shown.lines().map(str::to_string).collect();
-        Ok(Run { lines, delivered: chip.device().delivered().to_vec(), stack, wall })
+        Ok(Run { shown, delivered: chip.device().delivered().to_vec(), stack, wall })
     }
 
     /// Deepest stack in a test with events.
@@ -75,7 +90,7 @@ impl Machine {
     /// # Errors
     /// As [`Machine::run`].
     pub fn stack_used(&self) -> Result<u64> {
-        Ok(self.run(&Record::stick_slip(), None, None)?.stack)
+        Ok(self.run(&Record::stick_slip(), Setup::default())?.stack)
     }
 
     fn spawn(&self, directory: &Directory) -> Result<Child> {
@@ -104,11 +119,6 @@ fn stack_of(child: &mut Child) -> u64 {
         }
     }
     stack
-}
-
-/// During a live run the samples are shown, else only what comes of them.
-fn quiet(live: Option<u16>) -> &'static str {
-    if live.is_some() { "live on\r\n" } else { "live off\r\n" }
 }
 
 /// Serves the converter while the emulator lives.
