@@ -9,6 +9,7 @@ use clap::{Parser, Subcommand};
 
 use crate::error::InputError;
 
+pub mod bench;
 pub mod output;
 pub mod replay;
 pub mod simulate;
@@ -23,6 +24,7 @@ struct Cli {
 
 #[derive(Debug, Subcommand)]
 enum Command {
+    Bench(bench::Args),
     Replay(replay::Args),
     Simulate(simulate::Args),
 }
@@ -33,6 +35,7 @@ pub fn main() -> ExitCode {
     let result = match Cli::try_parse() {
         Ok(Cli { command: Some(Command::Replay(args)) }) => replay::run(&args),
         Ok(Cli { command: Some(Command::Simulate(args)) }) => simulate::run(&args),
+        Ok(Cli { command: Some(Command::Bench(args)) }) => bench::run(&args),
         Ok(Cli { command: None }) => replay::run_bundled(),
         Err(error) if error.use_stderr() => Err(one_line(&error)),
         // Help and version are asked for, not wrong.
