@@ -6,9 +6,11 @@
 //! residuals of the fits.
 //!
 //! Where the block rests long enough the innovations of the stick line tell the
-//! noise. Where it never does, two differences that a smooth force hardly has bound
-//! it from above until the first fits are there: the smallest second differences
-//! (some triples always lie on a line) and the median of the fourth.
+//! noise. Where it never does, the line does not describe the force, and two other
+//! measures do, until the first fits are there: the smallest second differences, if
+//! they are far smaller than the usual one (a steep saw: some triples lie on one
+//! tooth), or the fourth difference, if it is small against the second (a smooth
+//! swing). White noise shows neither.
 
 /// A running quantile of positive numbers.
 #[derive(Clone, Copy, Debug)]
@@ -17,10 +19,15 @@ pub struct Quantile {
     count: u32,
     /// Probability of the quantile.
     part: f32,
+    /// Factors up and down, once settled.
+    up: f32,
+    down: f32,
 }
 
 /// Final step of a quantile: settles to 8 % within a hundred samples.
-const SMALLEST_GAIN: f32 = 0.04;
+const SMALLEST_GAIN: f32 = 0.08;
+/// Numbers after which the step is final.
+const SETTLED: u32 = 40;
 /// Fewest numbers that tell a quantile.
 const FEWEST: u32 = 8;
 
@@ -28,22 +35,29 @@ impl Quantile {
     /// For a probability.
     #[must_use]
     pub const fn new(part: f32) -> Self {
-        Self { value: 0.0, count: 0, part }
+        let (up, down) = factors(SMALLEST_GAIN, part);
+        Self { value: 0.0, count: 0, part, up, down }
     }
 
     /// Takes a number at or above zero.
     pub fn add(&mut self, size: f32) {
+        let (up, down) =
+            if self.count >= SETTLED { (self.up, self.down) } else { self.start(size) };
+        if size > self.value {
+            // Zero (a noiseless start) could not grow by a factor alone.
+            self.value = (self.value * up).max(1e-3 * size);
+        } else {
+            self.value *= down;
+        }
+    }
+
+    /// Larger steps at first.
+    fn start(&mut self, size: f32) -> (f32, f32) {
         if self.count == 0 {
             self.value = size;
         }
-        self.count = self.count.saturating_add(1);
-        let gain = (4.0 / self.count as f32).clamp(2.0 * SMALLEST_GAIN, 1.0);
-        if size > self.value {
-            // Zero (a noiseless start) could not grow by a factor alone.
-            self.value = (self.value * (1.0 + gain * self.part)).max(1e-3 * size);
-        } else {
-            self.value /= 1.0 + gain * (1.0 - self.part);
-        }
+        self.count += 1;
+        factors((4.0 / self.count as f32).clamp(SMALLEST_GAIN, 1.0), self.part)
     }
 
     /// The quantile so far; `None` until eight numbers were seen.
@@ -53,32 +67,41 @@ impl Quantile {
     }
 }
 
-/// The larger of the smallest numbers in the last two blocks of sixteen.
+/// Factors that balance when a part of the numbers lies below the quantile.
+const fn factors(gain: f32, part: f32) -> (f32, f32) {
+    (1.0 + gain * part, 1.0 / (1.0 + gain * (1.0 - part)))
+}
+
+/// The larger of the last two blocks' third smallest of 32 numbers.
 #[derive(Clone, Copy, Debug)]
 struct Smallest {
-    now: f32,
+    now: [f32; 3],
     count: u32,
-    last: [Option<f32>; 2],
+    blocks: [f32; 2],
+    full: u32,
 }
 
 impl Smallest {
-    const BLOCK: u32 = 16;
+    const BLOCK: u32 = 32;
 
     const fn new() -> Self {
-        Self { now: f32::MAX, count: 0, last: [None; 2] }
+        Self { now: [f32::MAX; 3], count: 0, blocks: [0.0; 2], full: 0 }
     }
 
     fn add(&mut self, size: f32) {
-        self.now = self.now.min(size);
+        let [a, b, c] = self.now;
+        self.now = [a.min(size), b.min(a.max(size)), c.min(b.max(size))];
         self.count += 1;
         if self.count == Self::BLOCK {
-            self.last = [self.last[1], Some(self.now)];
-            (self.now, self.count) = (f32::MAX, 0);
+            self.blocks = [self.blocks[1], self.now[2]];
+            (self.now, self.count) = ([f32::MAX; 3], 0);
+            self.full = self.full.saturating_add(1);
         }
     }
 
+    /// `None` before two blocks are full.
     fn value(&self) -> Option<f32> {
-        self.last[1].map(|new| self.last[0].map_or(new, |old| old.max(new)))
+        (self.full > 1).then(|| self.blocks.into_iter().fold(0.0, f32::max))
     }
 }
 
@@ -86,7 +109,8 @@ impl Smallest {
 #[derive(Clone, Copy, Debug)]
 pub struct Noise {
     innovation: Quantile,
-    second: Smallest,
+    smallest: Smallest,
+    second: Quantile,
     fourth: Quantile,
     /// The newest samples in a row, newest last.
     row: [f32; 5],
@@ -97,12 +121,19 @@ pub struct Noise {
     fitted_n: Option<f32>,
 }
 
-/// Median of |x| over the standard deviation, for a normal distribution.
-const MEDIAN_PER_STD: f32 = 0.674_49;
-/// Mean smallest of sixteen |second differences| over the noise: 0.078 √6.
-const SECOND_PER_STD: f32 = 0.19;
-/// Median of |fourth difference| over the noise: 0.6745 √70.
-const FOURTH_PER_STD: f32 = 5.643;
+/// Standard deviation over the median of |x|, for a normal distribution.
+const STD_PER_MEDIAN: f32 = 1.0 / 0.674_49;
+/// Noise over the mean of [`Smallest`] of |second differences|.
+const STD_PER_SMALLEST: f32 = 1.0 / 0.42;
+/// Noise over the upper quartile of |second difference|, 1.150 √6.
+const STD_PER_SECOND: f32 = 1.0 / 2.818;
+/// Noise over the median of |fourth difference|, 0.6745 √70.
+const STD_PER_FOURTH: f32 = 1.0 / 5.643;
+/// A steep saw: the smallest second differences are below this part of what white
+/// noise would give.
+const SAW: f32 = 0.06;
+/// A smooth swing: the same for the fourth difference.
+const SWING: f32 = 0.5;
 
 impl Noise {
     /// Nothing known.
@@ -110,7 +141,8 @@ impl Noise {
     pub const fn new() -> Self {
         Self {
             innovation: Quantile::new(0.5),
-            second: Smallest::new(),
+            smallest: Smallest::new(),
+            second: Quantile::new(0.75),
             fourth: Quantile::new(0.5),
             row: [0.0; 5],
             filled: 0,
@@ -132,52 +164,51 @@ impl Noise {
     /// Takes a sample; `in_a_row` if it follows the one before without a gap.
     pub fn see(&mut self, force_n: f32, in_a_row: bool) {
         self.filled = if in_a_row { (self.filled + 1).min(5) } else { 1 };
-        self.row.rotate_left(1);
-        self.row[4] = force_n;
-        let [a, b, c, d, e] = self.row;
+        let [_, a, b, c, d] = self.row;
+        let e = force_n;
+        self.row = [a, b, c, d, e];
         let step = (e - d).abs();
         if self.filled >= 2 && step > 0.0 && (self.resolution_n <= 0.0 || step < self.resolution_n)
         {
             self.resolution_n = step;
         }
         if self.filled >= 3 {
-            self.second.add((c - 2.0 * d + e).abs());
+            let second = (c - 2.0 * d + e).abs();
+            self.second.add(second);
+            self.smallest.add(second);
         }
         if self.filled >= 5 {
             self.fourth.add((a - 4.0 * b + 6.0 * c - 4.0 * d + e).abs());
         }
     }
 
-    /// Standard deviation of the innovations of the stick line, N: never below the
-    /// resolution's own, nor below the rounding of a force of this size. `None` until
-    /// enough was seen.
+    /// Two standard deviations, N: of the innovations of the stick line, and of the
+    /// samples, which is less where the line does not describe the force.
+    ///
+    /// Never below the resolution's own, nor below the rounding of a force of this
+    /// size. `None` until enough was seen.
     #[must_use]
-    pub fn line_std_n(&self, force_n: f32) -> Option<f32> {
+    pub fn std_n(&self, force_n: f32) -> (Option<f32>, Option<f32>) {
         let floor = (0.3 * self.resolution_n).max(4e-7 * force_n.abs());
-        self.innovation.value().map(|median| (median / MEDIAN_PER_STD).max(floor))
-    }
-
-    /// Standard deviation of the samples, N: that of the innovations, or less where
-    /// the line does not describe the force.
-    #[must_use]
-    pub fn std_n(&self, force_n: f32) -> Option<f32> {
-        let floor = (0.3 * self.resolution_n).max(4e-7 * force_n.abs());
-        // Good fits allow for what a line does not; bad ones tell nothing.
+        let line = self.innovation.value().map(|median| (median * STD_PER_MEDIAN).max(floor));
+        // The fits allow for what a line does not.
         let fitted = self.fitted_n.map(|fitted| 1.5 * fitted);
-        let second = self.second.value().map(|smallest| smallest / SECOND_PER_STD);
-        let fourth = self.fourth.value().map(|median| median / FOURTH_PER_STD);
-        let bound = least(fitted, least(second, fourth)).map(|std| std.max(floor));
-        least(self.line_std_n(force_n), bound)
+        let bound = fitted.or_else(|| self.without_line_n()).map(|std| std.max(floor));
+        (line, least(line, bound))
     }
 
-    /// Does the stick line describe the force, or does the block never rest long
-    /// enough?
-    #[must_use]
-    pub fn line_fits(&self, force_n: f32) -> bool {
-        match (self.line_std_n(force_n), self.std_n(force_n)) {
-            (Some(line), Some(std)) => line < 2.5 * std,
-            _ => true,
+    /// Standard deviation where there is no line to be followed, N.
+    fn without_line_n(&self) -> Option<f32> {
+        if self.fourth.count < SETTLED {
+            return None;
         }
+        let second = self.second.value()? * STD_PER_SECOND;
+        let smallest = self.smallest.value().map(|size| size * STD_PER_SMALLEST);
+        let fourth = self.fourth.value().map(|size| size * STD_PER_FOURTH);
+        least(
+            smallest.filter(|&smallest| smallest < SAW * second),
+            fourth.filter(|&fourth| fourth < SWING * second),
+        )
     }
 }
 
@@ -213,7 +244,7 @@ mod tests {
         (0..500)
             .map(|_| {
                 take(&mut noise, normal(&mut state));
-                noise.std_n(0.0).unwrap() / 500.0
+                noise.std_n(0.0).1.unwrap() / 500.0
             })
             .sum()
     }
@@ -223,9 +254,27 @@ mod tests {
         for std in [1e-4, 2.0, 300.0] {
             let line = settled(|noise, x| noise.add(std * x));
             assert!((line / std - 1.0).abs() < 0.1, "{line} {std}");
-            let bound = settled(|noise, x| noise.see(std * x, true));
-            assert!((0.7..1.1).contains(&(bound / std)), "{bound} {std}");
         }
+    }
+
+    #[test]
+    fn white_noise_is_neither_a_saw_nor_a_swing() {
+        let (mut noise, mut state) = (Noise::new(), 5);
+        for i in 0..20_000 {
+            noise.see(normal(&mut state), true);
+            assert_eq!(noise.without_line_n(), None, "{i}");
+        }
+    }
+
+    #[test]
+    fn a_steep_saw_shows_its_noise() {
+        let (mut noise, mut state) = (Noise::new(), 5);
+        (0..400).for_each(|i| {
+            let saw = 2000.0 * (i as f32 * (2.0 / 7.0)).fract();
+            noise.see(saw + 2.0 * normal(&mut state), true);
+        });
+        let std = noise.without_line_n().unwrap();
+        assert!((1.0..40.0).contains(&std), "{std}");
     }
 
     #[test]
@@ -237,7 +286,7 @@ mod tests {
             // A line through it sees the swing as noise.
             noise.add(swing);
         }
-        assert!(noise.std_n(0.0).unwrap() < 90.0, "{:?}", noise.std_n(0.0));
+        assert!(noise.std_n(0.0).1.unwrap() < 90.0, "{:?}", noise.std_n(0.0));
     }
 
     #[test]
@@ -245,7 +294,7 @@ mod tests {
         let (mut noise, mut state) = (Noise::new(), 9);
         noise.add(1e4);
         (0..300).for_each(|i| noise.add(if i % 20 == 0 { 500.0 } else { normal(&mut state) }));
-        let std = noise.std_n(0.0).unwrap();
+        let std = noise.std_n(0.0).1.unwrap();
         assert!((0.6..1.6).contains(&std), "{std}");
     }
 
@@ -255,6 +304,6 @@ mod tests {
         (0..50).for_each(|_| noise.add(0.0));
         noise.see(0.0, false);
         noise.see(5.0, true);
-        assert!(noise.std_n(0.0).unwrap() >= 1.5);
+        assert!(noise.std_n(0.0).1.unwrap() >= 1.5);
     }
 }

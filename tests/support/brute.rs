@@ -1,6 +1,11 @@
 //! The block on a cable by brute force: Newton's law in small steps.
 //!
-//! Knows none of the formulas it is to check: no ellipse, no closed times.
+//! Knows only `M dv/dt = F − W (sin α + mu cos α)` and `d(stretch)/dt = w − v`, and
+//! none of the formulas it is to check: no ellipse, no closed times. Classical
+//! Runge-Kutta; the moments at which the block starts, stops, or the cable turns
+//! slack are found by halving the step.
+
+use crate::normal::Normal;
 
 /// What is pulled; SI units.
 #[derive(Clone, Copy, Debug)]
@@ -17,7 +22,7 @@ pub struct Pull {
     pub winch_m_per_s: f64,
     /// Slope, rad.
     pub slope_rad: f64,
-    /// Compliance of the sag, N³·(m/N)/... : stretch = F/k + sag (1/F0² − 1/F²)/2.
+    /// Sag, N² m: `stretch = F/k − sag/(2 F²)`.
     pub sag_n2_m: f64,
     /// Sinusoidal variation of the winch speed: relative size and period, s.
     pub ripple: (f64, f64),
@@ -35,6 +40,8 @@ pub struct Pull {
     pub delay_s: f64,
     /// Time step, s.
     pub step_s: f64,
+    /// Gravity, m/s²: turns the weight into a mass.
+    pub gravity_m_per_s2: f64,
 }
 
 impl Default for Pull {
@@ -55,7 +62,8 @@ impl Default for Pull {
             noise_n: 0.0,
             duration_s: 120.0,
             delay_s: 0.0,
-            step_s: 2e-5,
+            step_s: 1e-3,
+            gravity_m_per_s2: 9.806_65,
         }
     }
 }
@@ -73,7 +81,7 @@ pub struct Truth {
     pub peak_n: f64,
     /// Force at the re-stick, N.
     pub restick_n: f64,
-    /// Smallest speed the equations would reach, m/s.
+    /// Largest speed, m/s.
     pub top_speed_m_per_s: f64,
     /// Coefficients.
     pub mu_s: f64,
@@ -92,109 +100,214 @@ pub struct Record {
     pub events: Vec<Truth>,
 }
 
-/// Runs the pull.
-#[must_use]
-pub fn run(pull: &Pull, seed: u64) -> Record {
-    let mut random = crate::normal::Normal::new(seed);
-    let mut block = Block::new(pull, &mut random);
-    let mut record = Record::default();
-    let (mut sum, mut parts) = (0.0, 0);
-    let mut sample_s = pull.delay_s;
-    let steps = (pull.duration_s / pull.step_s) as u64;
-    for i in 0..steps {
-        let time_s = i as f64 * pull.step_s;
-        if time_s > sample_s - pull.aperture_s - pull.step_s {
-            sum += block.force_n(pull);
-            parts += 1;
-        }
-        if time_s >= sample_s {
-            let force_n =
-                if pull.aperture_s > 0.0 { sum / f64::from(parts) } else { block.force_n(pull) };
-            record.forces_n.push(force_n + pull.noise_n * random.sample());
-            (sum, parts) = (0.0, 0);
-            sample_s = pull.delay_s + record.forces_n.len() as f64 / pull.rate_hz;
-        }
-        if let Some(event) = block.step(pull, time_s, &mut random) {
-            record.events.push(event);
-        }
-    }
-    record
+/// Block and cable at one moment.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct State {
+    /// Time, s.
+    pub time_s: f64,
+    /// Cable taken up minus way of the block, m; below zero: slack.
+    pub stretch_m: f64,
+    /// Speed of the block, m/s.
+    pub speed_m_per_s: f64,
+    /// Whether the block moves.
+    pub sliding: bool,
 }
 
-#[derive(Debug)]
-struct Block {
-    /// Cable taken up minus way of the block, m.
-    stretch_m: f64,
-    speed_m_per_s: f64,
-    sliding: bool,
-    now: Truth,
-}
-
-impl Block {
-    fn new(pull: &Pull, random: &mut crate::normal::Normal) -> Self {
-        let mut block =
-            Self { stretch_m: 0.0, speed_m_per_s: 0.0, sliding: false, now: Truth::default() };
-        block.draw(pull, random);
-        let rest = pull.weight_n * (2.0 * pull.mu - pull.mu_s);
-        block.stretch_m = rest.max(0.0) / pull.stiffness_n_per_m;
-        block
-    }
-
-    fn draw(&mut self, pull: &Pull, random: &mut crate::normal::Normal) {
-        let mut vary = || 1.0 + pull.variation * random.sample().clamp(-2.0, 2.0);
-        self.now = Truth { mu_s: pull.mu_s * vary(), mu: pull.mu * vary(), ..Truth::default() };
-    }
-
-    fn force_n(&self, pull: &Pull) -> f64 {
-        let force_n = pull.stiffness_n_per_m * self.stretch_m;
-        if force_n <= 0.0 || pull.sag_n2_m <= 0.0 {
+impl Pull {
+    /// Force in the cable, N; a cable does not push.
+    #[must_use]
+    pub fn force_n(&self, state: &State) -> f64 {
+        let force_n = self.stiffness_n_per_m * state.stretch_m;
+        if force_n <= 0.0 || self.sag_n2_m <= 0.0 {
             return force_n.max(0.0);
         }
         // F/k − sag/(2 F²) = stretch, by Newton's rule.
         let mut f = force_n.max(50.0);
         for _ in 0..20 {
-            let value = f / pull.stiffness_n_per_m - pull.sag_n2_m / (2.0 * f * f) - self.stretch_m;
-            let slope = 1.0 / pull.stiffness_n_per_m + pull.sag_n2_m / (f * f * f);
+            let value =
+                f / self.stiffness_n_per_m - self.sag_n2_m / (2.0 * f * f) - state.stretch_m;
+            let slope = 1.0 / self.stiffness_n_per_m + self.sag_n2_m / (f * f * f);
             f = (f - value / slope).max(0.5 * f);
         }
         f
     }
 
-    fn step(
-        &mut self,
-        pull: &Pull,
-        time_s: f64,
-        random: &mut crate::normal::Normal,
-    ) -> Option<Truth> {
-        let (sin, cos) = pull.slope_rad.sin_cos();
-        let ripple = 1.0 + pull.ripple.0 * (std::f64::consts::TAU * time_s / pull.ripple.1).sin();
-        let winch = pull.winch_m_per_s * ripple;
-        let force_n = self.force_n(pull);
-        let limit_n = pull.weight_n * (sin + self.now.mu_s * cos);
-        if !self.sliding {
-            if force_n < limit_n {
-                self.stretch_m += winch * pull.step_s;
-                return None;
+    /// Force of friction with this coefficient and of the slope, N.
+    #[must_use]
+    pub fn resistance_n(&self, mu: f64) -> f64 {
+        self.weight_n * (self.slope_rad.sin() + mu * self.slope_rad.cos())
+    }
+
+    /// Speed of the winch, m/s.
+    #[must_use]
+    pub fn winch_m_per_s(&self, time_s: f64) -> f64 {
+        let phase = std::f64::consts::TAU * time_s / self.ripple.1;
+        self.winch_m_per_s * (1.0 + self.ripple.0 * phase.sin())
+    }
+
+    /// The state `h` seconds later by one Runge-Kutta step: a resting block rests, a
+    /// sliding one slides on against `mu`, whatever its speed.
+    #[must_use]
+    pub fn moved(&self, mu: f64, from: &State, h: f64) -> State {
+        let mass_kg = self.weight_n / self.gravity_m_per_s2;
+        let after = |part: f64, rate: (f64, f64)| State {
+            time_s: from.time_s + part,
+            stretch_m: from.stretch_m + part * rate.0,
+            speed_m_per_s: from.speed_m_per_s + part * rate.1,
+            ..*from
+        };
+        let rates = |s: State| {
+            let stretching = self.winch_m_per_s(s.time_s) - s.speed_m_per_s;
+            let net_n = self.force_n(&s) - self.resistance_n(mu);
+            (stretching, if s.sliding { net_n / mass_kg } else { 0.0 })
+        };
+        let a = rates(*from);
+        let b = rates(after(0.5 * h, a));
+        let c = rates(after(0.5 * h, b));
+        let d = rates(after(h, c));
+        let mean = |a: f64, b: f64, c: f64, d: f64| (a + 2.0 * (b + c) + d) / 6.0;
+        after(h, (mean(a.0, b.0, c.0, d.0), mean(a.1, b.1, c.1, d.1)))
+    }
+
+    /// The first state within `h` seconds for which something holds that holds at the
+    /// end of them, by halving.
+    #[must_use]
+    pub fn first(&self, mu: f64, from: &State, h: f64, holds: impl Fn(&State) -> bool) -> State {
+        let (mut before, mut after) = (0.0, h);
+        for _ in 0..60 {
+            let middle = 0.5 * (before + after);
+            if holds(&self.moved(mu, from, middle)) {
+                after = middle;
+            } else {
+                before = middle;
             }
-            self.sliding = true;
-            self.now.onset_s = time_s;
-            self.now.static_n = force_n;
         }
-        let mass_kg = pull.weight_n / 9.806_65;
-        let drag_n = pull.weight_n * (sin + self.now.mu * cos);
-        let acceleration = (force_n - drag_n) / mass_kg;
-        // Midpoint in the stretch, so that the ellipse keeps its size.
-        self.speed_m_per_s += acceleration * pull.step_s;
-        self.stretch_m += (winch - self.speed_m_per_s) * pull.step_s;
-        self.now.peak_n = self.now.peak_n.max(force_n);
-        self.now.top_speed_m_per_s = self.now.top_speed_m_per_s.max(self.speed_m_per_s);
-        self.now.slack |= self.stretch_m < 0.0;
-        if self.speed_m_per_s > 0.0 {
+        self.moved(mu, from, after)
+    }
+}
+
+/// A block being pulled, with the event it is in.
+#[derive(Clone, Copy, Debug)]
+pub struct Block {
+    /// Where it is.
+    pub state: State,
+    now: Truth,
+}
+
+impl Block {
+    /// At rest at the given force in a straight cable, N.
+    #[must_use]
+    pub fn resting(pull: &Pull, force_n: f64) -> Self {
+        let stretch_m = force_n / pull.stiffness_n_per_m;
+        let now = Truth { mu_s: pull.mu_s, mu: pull.mu, ..Truth::default() };
+        Self { state: State { stretch_m, ..State::default() }, now }
+    }
+
+    fn draw(&mut self, pull: &Pull, random: &mut Normal) {
+        let mut vary = || 1.0 + pull.variation * random.sample().clamp(-2.0, 2.0);
+        self.now = Truth { mu_s: pull.mu_s * vary(), mu: pull.mu * vary(), ..Truth::default() };
+    }
+
+    /// Moves on by `h` seconds, or less if something happens before; gives the event
+    /// that is complete.
+    pub fn step(&mut self, pull: &Pull, h: f64) -> Option<Truth> {
+        let from = self.state;
+        let (mu, limit_n) = (self.now.mu, pull.resistance_n(self.now.mu_s));
+        let starts = |s: &State| pull.force_n(s) >= limit_n;
+        let turns =
+            |s: &State| s.speed_m_per_s <= 0.0 || (s.stretch_m < 0.0) != (from.stretch_m < 0.0);
+        let next = pull.moved(mu, &from, h);
+        self.state = match from.sliding {
+            false if starts(&next) => pull.first(mu, &from, h, starts),
+            true if turns(&next) => pull.first(mu, &from, h, turns),
+            _ => next,
+        };
+        if from.sliding {
+            self.slide(pull, &from)
+        } else {
+            self.rest(pull, &starts);
+            None
+        }
+    }
+
+    fn rest(&mut self, pull: &Pull, starts: &impl Fn(&State) -> bool) {
+        self.state.sliding = starts(&self.state);
+        if self.state.sliding {
+            self.now.onset_s = self.state.time_s;
+            self.now.static_n = pull.force_n(&self.state);
+            self.now.peak_n = self.now.static_n;
+        }
+    }
+
+    fn slide(&mut self, pull: &Pull, from: &State) -> Option<Truth> {
+        let falls = |s: &State| s.speed_m_per_s >= pull.winch_m_per_s(s.time_s);
+        if falls(&self.state) && !falls(from) {
+            let h = self.state.time_s - from.time_s;
+            let peak_n = pull.force_n(&pull.first(self.now.mu, from, h, falls));
+            self.now.peak_n = self.now.peak_n.max(peak_n);
+        }
+        let state = &mut self.state;
+        self.now.peak_n = self.now.peak_n.max(pull.force_n(state));
+        self.now.top_speed_m_per_s = self.now.top_speed_m_per_s.max(state.speed_m_per_s);
+        self.now.slack |= state.stretch_m < 0.0;
+        if state.speed_m_per_s > 0.0 {
             return None;
         }
-        (self.sliding, self.speed_m_per_s) = (false, 0.0);
-        let event = Truth { stop_s: time_s, restick_n: self.force_n(pull), ..self.now };
-        self.draw(pull, random);
-        Some(event)
+        (state.sliding, state.speed_m_per_s) = (false, 0.0);
+        Some(Truth { stop_s: state.time_s, restick_n: pull.force_n(state), ..self.now })
+    }
+}
+
+/// Runs the pull from where a stick usually starts.
+#[must_use]
+pub fn run(pull: &Pull, seed: u64) -> Record {
+    let mut random = Normal::new(seed);
+    let rest_n = pull.weight_n * (2.0 * pull.mu - pull.mu_s);
+    let mut block = Block::resting(pull, rest_n.max(0.0));
+    block.draw(pull, &mut random);
+    let mut runner = Runner { pull, block, random, record: Record::default() };
+    let count = ((pull.duration_s - pull.delay_s) * pull.rate_hz).ceil() as usize;
+    for i in 0..count {
+        let sample_s = pull.delay_s + i as f64 / pull.rate_hz;
+        let force_n = runner.sample_n(sample_s);
+        let noise_n = pull.noise_n * runner.random.sample();
+        runner.record.forces_n.push(force_n + noise_n);
+    }
+    runner.record
+}
+
+struct Runner<'a> {
+    pull: &'a Pull,
+    block: Block,
+    random: Normal,
+    record: Record,
+}
+
+impl Runner<'_> {
+    /// Mean force over the aperture that ends now, N.
+    fn sample_n(&mut self, sample_s: f64) -> f64 {
+        let aperture_s = self.pull.aperture_s;
+        self.advance(sample_s - aperture_s);
+        let parts = (aperture_s / self.pull.step_s).ceil();
+        let mut mean_n = 0.0;
+        for part in 0..parts as u32 {
+            self.advance(sample_s - aperture_s * (1.0 - (f64::from(part) + 0.5) / parts));
+            mean_n += self.pull.force_n(&self.block.state) / parts;
+        }
+        self.advance(sample_s);
+        if parts > 0.0 { mean_n } else { self.pull.force_n(&self.block.state) }
+    }
+
+    fn advance(&mut self, until_s: f64) {
+        while self.block.state.time_s < until_s {
+            let h = self.pull.step_s.min(until_s - self.block.state.time_s);
+            if self.block.state.time_s + h <= self.block.state.time_s {
+                return;
+            }
+            if let Some(event) = self.block.step(self.pull, h) {
+                self.record.events.push(event);
+                self.block.draw(self.pull, &mut self.random);
+            }
+        }
     }
 }

@@ -1,4 +1,6 @@
 //! Helpers shared by the tests across the crates.
 
 pub mod brute;
+pub mod feed;
 pub mod normal;
+pub mod scenes;

@@ -1,0 +1,49 @@
+//! Samples into the core, events and report out.
+
+use floe_core::{Config, Event, Newtons, Pipeline, RawSample, Reading, Report};
+
+/// What came out of a pipeline.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Outcome {
+    /// All events, the pending one too.
+    pub events: Vec<Event>,
+    /// The result at the end.
+    pub report: Report,
+}
+
+/// A force in newtons at an index.
+#[must_use]
+pub fn force(index: u64, force_n: f64) -> RawSample {
+    RawSample { index, reading: Reading::Force(Newtons(force_n as f32)) }
+}
+
+/// Forces in a row from index zero.
+pub fn in_a_row(forces_n: &[f64]) -> impl Iterator<Item = RawSample> + '_ {
+    (0..).zip(forces_n).map(|(index, &force_n)| force(index, force_n))
+}
+
+/// Feeds a whole test.
+///
+/// # Panics
+/// The configuration is refused.
+pub fn replay(config: &Config, samples: impl IntoIterator<Item = RawSample>) -> Outcome {
+    let mut pipeline = Pipeline::new(config).expect("the configuration is valid");
+    let mut events = feed(&mut pipeline, samples);
+    events.extend(finish(&mut pipeline));
+    Outcome { events, report: pipeline.report() }
+}
+
+/// Feeds samples into a test that is under way.
+pub fn feed(pipeline: &mut Pipeline, samples: impl IntoIterator<Item = RawSample>) -> Vec<Event> {
+    samples.into_iter().filter_map(|sample| pipeline.step(sample).event).collect()
+}
+
+/// Ends a test.
+///
+/// # Panics
+/// It does not end.
+pub fn finish(pipeline: &mut Pipeline) -> Vec<Event> {
+    let events: Vec<Event> = std::iter::from_fn(|| pipeline.finish()).take(10).collect();
+    assert!(events.len() < 10, "finish gives the few pending events and then nothing");
+    events
+}

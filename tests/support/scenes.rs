@@ -1,0 +1,68 @@
+//! The blocks that several tests pull.
+
+use floe::sim::Scene;
+use floe_core::Config;
+
+use crate::brute::Pull;
+
+/// White noise of every scene, N.
+pub const NOISE_N: f64 = 2.0;
+
+/// Test DFF8-13.
+#[must_use]
+pub fn dff8_13() -> Pull {
+    Pull { noise_n: NOISE_N, ..Pull::default() }
+}
+
+/// The heaviest block of the field study.
+#[must_use]
+pub fn heavy() -> Pull {
+    Pull { weight_n: 3000.0, mu_s: 0.9, mu: 0.55, ..dff8_13() }
+}
+
+/// The winch at its fastest.
+#[must_use]
+pub fn fast() -> Pull {
+    Pull { winch_m_per_s: 0.04, ..dff8_13() }
+}
+
+/// The means of the study's tests on snow.
+#[must_use]
+pub fn snow() -> Pull {
+    Pull { weight_n: 900.0, mu_s: 1.0, mu: 0.62, ..dff8_13() }
+}
+
+/// The lightest block: 1.8 samples a slip.
+#[must_use]
+pub fn light() -> Pull {
+    Pull { weight_n: 300.0, mu_s: 0.9, mu: 0.56, ..dff8_13() }
+}
+
+/// What the core is told about a pull.
+#[must_use]
+pub fn config(pull: &Pull) -> Config {
+    Config {
+        rate_hz: pull.rate_hz as f32,
+        weight_n: pull.weight_n as f32,
+        slope_rad: pull.slope_rad as f32,
+        ..Config::default()
+    }
+}
+
+/// The same pull for the project's simulator: white noise is its only trouble.
+#[must_use]
+pub fn scene(pull: &Pull) -> Scene {
+    let mut scene = Scene {
+        weight_n: pull.weight_n,
+        mu_s: pull.mu_s,
+        mu: pull.mu,
+        stiffness_n_per_m: pull.stiffness_n_per_m,
+        winch_m_per_s: pull.winch_m_per_s,
+        slope_deg: pull.slope_rad.to_degrees(),
+        rate_hz: pull.rate_hz,
+        duration_s: pull.duration_s,
+        ..Scene::default()
+    };
+    scene.measurement.white_n = pull.noise_n;
+    scene
+}
