@@ -39,17 +39,32 @@ const CENTRE_GUESS: (f64, f64) = (0.62, 0.15);
 /// From event to event: change of `Fp` over the weight, of `omega` and of `k w`
 /// over themselves.
 const DRIFT: (f64, f64, f64) = (0.1, 0.01, 0.01);
+/// Samples in a row that fit no mode, until the filter starts anew.
+const STRIKES: u32 = 4;
+/// Samples before anything is declared.
+const LEARNING: f64 = 8.0;
 /// Samples over which the noise is averaged.
-const NOISE_MEMORY: f64 = 200.0;
+const NOISE_MEMORY: f64 = 100.0;
 
 /// State and covariance.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 struct Filter {
     x: Vector,
     p: Matrix,
 }
 
 impl Filter {
+    /// Before the first sample.
+    fn new(setup: &Setup) -> Self {
+        let omega = OMEGA_GUESS.0 / setup.rate_hz;
+        let x = Vector::from([0.0, 0.0, 0.0, 0.0, omega, 0.0]);
+        let mut filter = Self { x, p: Matrix::zeros() };
+        filter.widen(FORCE, setup.weight_n);
+        filter.widen(LOADING, 0.1 * setup.weight_n);
+        filter.widen(OMEGA, OMEGA_GUESS.1 * omega);
+        filter
+    }
+
     /// Moves on by `motion`, linearized by central differences.
     fn predict(&mut self, motion: impl Fn(&Vector) -> Vector) {
         let mut jacobian = Matrix::zeros();
@@ -120,12 +135,17 @@ fn start(x: &Vector, resting: f64, sliding: f64) -> Vector {
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Mode {
     Rest,
-    /// Since this many periods.
-    Slip(f64),
+    /// Began between these samples.
+    Slip {
+        /// The one before, with the filter then.
+        base: Past,
+        /// Periods after it.
+        onset: f64,
+    },
 }
 
 /// A filter after a sample.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 struct Past {
     filter: Filter,
     sample: Sample,
@@ -143,29 +163,25 @@ pub struct Kalman {
     past: [Option<Past>; 2],
     /// Onset of the event that is still being refined, periods.
     pending: Option<f64>,
-    events: u32,
+    /// Slips since the filter started.
+    slips: u32,
+    strikes: u32,
 }
 
 impl Method for Kalman {
     const NAME: &'static str = "Kalman filter";
 
     fn new(setup: &Setup) -> Self {
-        let weight_n = setup.weight_n;
-        let omega = OMEGA_GUESS.0 / setup.rate_hz;
-        let x = Vector::from([0.0, 0.0, 0.0, 0.0, omega, 0.0]);
-        let mut filter = Filter { x, p: Matrix::zeros() };
-        filter.widen(FORCE, weight_n);
-        filter.widen(LOADING, 0.1 * weight_n);
-        filter.widen(OMEGA, OMEGA_GUESS.1 * omega);
         Self {
             setup: *setup,
-            filter,
+            filter: Filter::new(setup),
             mode: Mode::Rest,
-            noise_n2: (0.01 * weight_n).powi(2),
-            noise_count: 4.0,
+            noise_n2: (0.01 * setup.weight_n).powi(2),
+            noise_count: 0.0,
             past: [None; 2],
             pending: None,
-            events: 0,
+            slips: 0,
+            strikes: 0,
         }
     }
 
@@ -177,8 +193,8 @@ impl Method for Kalman {
         let periods = last.map_or(0.0, |last| (sample.index - last) as f64);
         let event = match self.mode {
             Mode::Rest => self.rest_step(sample, periods),
-            Mode::Slip(since) => {
-                self.slip_step(sample, periods, since);
+            Mode::Slip { base, onset } => {
+                self.slip_step(sample, periods, base, onset);
                 None
             }
         };
@@ -205,34 +221,55 @@ impl Kalman {
         let force_n = f64::from(sample.force_n);
         self.filter.predict(|x| rest(x, periods));
         let (innovation, variance) = self.filter.innovation(force_n);
-        let gate = GATE * (variance + self.noise_n2).sqrt();
-        if innovation < -gate
+        let relative2 = innovation * innovation / (variance + self.noise_n2);
+        let fits = relative2 < GATE * GATE || self.noise_count < LEARNING;
+        let high = self.slips == 0 || self.filter.x[FORCE] > self.filter.x[CENTRE];
+        if !fits
+            && innovation < 0.0
+            && high
             && let [Some(last), Some(base)] = self.past
-            && (self.events == 0 || base.filter.x[FORCE] > self.filter.x[CENTRE])
         {
             let event = self.close(&base.filter);
             self.slip_from(base, [last.sample, sample]);
             return event;
         }
-        if innovation.abs() > gate {
-            // Neither rest nor slip as the model has them: start the line anew.
-            self.filter.widen(FORCE, innovation);
-        } else {
+        if fits {
             self.noise_count = (self.noise_count + 1.0).min(NOISE_MEMORY);
-            let excess_n2 = (innovation * innovation - variance).max(0.0);
-            self.noise_n2 += (excess_n2 - self.noise_n2) / self.noise_count;
+            let change = (relative2.min(GATE * GATE) - 1.0) / (self.noise_count + 4.0);
+            self.noise_n2 *= 1.0 + change;
+        }
+        self.strikes = if fits { 0 } else { self.strikes + 1 };
+        if self.strikes >= STRIKES {
+            (self.filter, self.slips, self.strikes) = (Filter::new(&self.setup), 0, 0);
+            self.noise_count = 0.0;
+        } else if !fits {
+            // Neither rest nor slip as the model has them: the line may have jumped.
+            self.filter.widen(FORCE, innovation);
         }
         self.filter.correct(force_n, self.noise_n2);
         None
     }
 
-    fn slip_step(&mut self, sample: Sample, periods: f64, since: f64) {
+    fn slip_step(&mut self, sample: Sample, periods: f64, base: Past, onset: f64) {
+        let force_n = f64::from(sample.force_n);
+        let since = (sample.index - base.sample.index) as f64;
+        let mut without = base.filter;
+        without.predict(|x| rest(x, since));
+        let (innovation, variance) = without.innovation(force_n);
+        if innovation > -GATE * (variance + self.noise_n2).sqrt() {
+            // Back on the stick line: it was no slip.
+            without.correct(force_n, self.noise_n2);
+            (self.filter, self.mode, self.pending) = (without, Mode::Rest, None);
+            return;
+        }
         self.filter.predict(|x| slide(x, periods));
         let stopped = self.is_at_rest();
-        self.filter.correct(f64::from(sample.force_n), self.noise_n2);
+        self.filter.correct(force_n, self.noise_n2);
         self.keep_possible();
-        let too_long = since > 2.0 * std::f64::consts::PI / self.filter.x[OMEGA] + 2.0;
-        self.mode = if stopped || too_long { Mode::Rest } else { Mode::Slip(since + periods) };
+        let longest = 2.0 * std::f64::consts::PI / self.filter.x[OMEGA] + 2.0;
+        if stopped || since - onset > longest {
+            self.mode = Mode::Rest;
+        }
     }
 
     fn is_at_rest(&self) -> bool {
@@ -266,15 +303,15 @@ impl Kalman {
         self.filter.correct(forces_n[1], self.noise_n2);
         self.keep_possible();
         self.pending = Some(base.sample.index as f64 + onset);
-        self.events += 1;
-        self.mode = if self.is_at_rest() { Mode::Rest } else { Mode::Slip(times[1] - onset) };
+        self.slips += 1;
+        self.mode = if self.is_at_rest() { Mode::Rest } else { Mode::Slip { base, onset } };
     }
 
     /// From event to event the coefficients vary, the cable and the winch hardly.
     fn expect_change(&mut self) {
         let (centre, omega, loading) = DRIFT;
         let x = self.filter.x;
-        if self.events == 0 {
+        if self.slips == 0 {
             self.filter.x[CENTRE] = CENTRE_GUESS.0 * x[FORCE];
             self.filter.widen(CENTRE, CENTRE_GUESS.1 * x[FORCE]);
         }

@@ -3,7 +3,8 @@
 //!
 //! All samples are kept. A first pass over them cuts the record at its turning
 //! points; then five unknowns (`t0`, `k w`, `Fs`, `Fp`, `omega`) are fitted to all
-//! samples from the stop before an event to the onset after it, twice: the second
+//! samples from the stop before an event to the onset after it (`k w` and `omega` as
+//! their logarithms, so that they stay above zero), twice: the second
 //! time with the ends that the first fits found. Levenberg-Marquardt from the crate
 //! of that name.
 
@@ -86,7 +87,7 @@ impl Problem<'_> {
     }
 
     fn is_possible(&self) -> bool {
-        self.event.omega_rad_per_s > 0.0 && self.event.loading_rate_n_per_s > 0.0
+        self.event.omega_rad_per_s.is_finite() && self.event.loading_rate_n_per_s.is_finite()
     }
 }
 
@@ -98,10 +99,10 @@ impl LeastSquaresProblem<f64, Dyn, U5> for Problem<'_> {
     fn set_params(&mut self, x: &SVector<f64, 5>) {
         self.event = LinearEvent {
             onset_s: x[0],
-            loading_rate_n_per_s: x[1],
+            loading_rate_n_per_s: x[1].exp(),
             static_force_n: x[2],
             dynamic_force_n: x[3],
-            omega_rad_per_s: x[4],
+            omega_rad_per_s: x[4].exp(),
         };
     }
 
@@ -109,10 +110,10 @@ impl LeastSquaresProblem<f64, Dyn, U5> for Problem<'_> {
         let e = &self.event;
         SVector::from([
             e.onset_s,
-            e.loading_rate_n_per_s,
+            e.loading_rate_n_per_s.ln(),
             e.static_force_n,
             e.dynamic_force_n,
-            e.omega_rad_per_s,
+            e.omega_rad_per_s.ln(),
         ])
     }
 
@@ -122,7 +123,11 @@ impl LeastSquaresProblem<f64, Dyn, U5> for Problem<'_> {
     }
 
     fn jacobian(&self) -> Option<OMatrix<f64, Dyn, U5>> {
-        let rows = self.points.iter().map(|&(time_s, _)| self.event.gradient(time_s));
+        let e = &self.event;
+        let rows = self.points.iter().map(|&(time_s, _)| {
+            let [t0, rate, static_n, dynamic_n, omega] = e.gradient(time_s);
+            [t0, rate * e.loading_rate_n_per_s, static_n, dynamic_n, omega * e.omega_rad_per_s]
+        });
         let cells: Vec<f64> = rows.flatten().collect();
         Some(OMatrix::<f64, Dyn, U5>::from_row_slice(&cells))
     }

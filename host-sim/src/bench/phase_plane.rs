@@ -1,8 +1,9 @@
 //! The phase plane as a person reads it: where the trajectory leaves the stick
 //! line and where it comes back to it.
 //!
-//! `F'` is the central difference. The stick line is the mean `F'` at rest; the
-//! trajectory crosses it at `Fs` and at `Fe`, interpolated between points; the
+//! `F'` is the central difference. The stick line is the mean `F'` at rest. A point
+//! clearly below it belongs to the ellipse; between such a point and its neighbour on
+//! the line the trajectory crosses it, at `Fs` and at `Fe`, by interpolation. The
 //! ellipse's centre is half-way, `Fp = (Fs + Fe)/2`.
 
 use super::cutter::{Cut, Cutter};
@@ -13,6 +14,8 @@ use super::method::{Found, Method, Sample, Setup, Tick, Value};
 const MEMORY: f64 = 10.0;
 /// Samples after the rise that shows the rest, until the loop is closed.
 const CLOSING: u64 = 2;
+/// A point this deep below the stick line, parts of the loop's depth, is off it.
+const CLEARLY: f64 = 0.15;
 /// Periods around the turning points that a loop may reach into.
 const MARGIN: u64 = 4;
 
@@ -110,9 +113,9 @@ struct Crossing {
 }
 
 impl Loop {
-    /// Between an outer point on or above the stick line and an inner one below.
+    /// Between an outer point near the stick line and an inner one clearly below.
     fn crossing(&self, outer: &Point, inner: &Point) -> Crossing {
-        let part = (self.level_n - inner.rate_n) / (outer.rate_n - inner.rate_n);
+        let part = ((self.level_n - inner.rate_n) / (outer.rate_n - inner.rate_n)).min(1.0);
         let between = |inner: f64, outer: f64| inner + part * (outer - inner);
         Crossing {
             force_n: between(inner.force_n, outer.force_n),
@@ -120,15 +123,17 @@ impl Loop {
         }
     }
 
-    /// The points below the stick line, from first to last place.
+    /// The points clearly below the stick line, from first to last place.
     fn inside(&self) -> Option<(usize, usize)> {
-        let above = |p: &Point| p.rate_n >= self.level_n;
+        let lowest_n = self.points.get(self.bottom)?.rate_n;
+        let clearly_n = self.level_n - CLEARLY * (self.level_n - lowest_n);
+        let above = |p: &Point| p.rate_n >= clearly_n;
         let first = self.points.get(..self.bottom)?.iter().rposition(above)? + 1;
         let last = self.bottom + self.points.get(self.bottom..)?.iter().position(above)?;
         (first < last).then_some((first, last - 1))
     }
 
-    /// Points below the stick line.
+    /// Points clearly below the stick line.
     #[must_use]
     pub fn ellipse(&self) -> &[Point] {
         let inside = self.inside().and_then(|(first, last)| self.points.get(first..=last));

@@ -81,6 +81,15 @@ pub struct Record {
     pub events: Vec<Truth>,
 }
 
+impl Record {
+    /// The events that are judged: all but the last, whose stick line after it the end
+    /// of the record cuts.
+    #[must_use]
+    pub fn judged(&self) -> &[Truth] {
+        self.events.split_last().map_or(&[], |(_, judged)| judged)
+    }
+}
+
 /// A scene, simulated.
 #[derive(Clone, Debug)]
 pub struct Trial {
