@@ -164,7 +164,7 @@ impl Cycles {
     fn complete(&mut self, stick: &Stick, window: &Window, next_peak: Extreme) -> Option<Event> {
         let mut pending = self.pending.take()?;
         pending.end_before(stick, window, next_peak.index);
-        let mut after = stick.first;
+        let mut after = *stick.first();
         after.shift(since(stick.origin, pending.origin));
         let noise_n2 = self.residuals.variance_n2().unwrap_or(1.0);
         let fit = self.fit(&pending, &after, noise_n2);
@@ -361,7 +361,7 @@ impl Pending {
     /// Ends the event before the next one's peak; a stick too brief for a line
     /// gives its samples one by one.
     fn end_before(&mut self, stick: &Stick, window: &Window, next_peak: u64) {
-        if stick.first.count == 0 {
+        if stick.first().count == 0 {
             let last = self.points.get(..self.length).and_then(<[Point]>::last);
             let next =
                 last.map_or(0, |point| self.origin.saturating_add_signed(point.time as i64) + 1);

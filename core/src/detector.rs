@@ -83,9 +83,11 @@ pub struct Stick {
     pub origin: u64,
     /// Where the line is now: ends at the next onset.
     pub line: Line,
-    /// The line as it started: begins at the last re-stick. The same as `line`
-    /// while the stick line is straight.
-    pub first: Line,
+    /// The line as it started, unless `straight`.
+    first: Line,
+    /// All samples so far are on one line, with endless memory: `line` is also how
+    /// it started.
+    straight: bool,
     /// Weight of the next sample in `first`; zero: `first` is complete.
     first_weight: f32,
     /// The line with another memory, on trial.
@@ -101,6 +103,12 @@ pub struct Stick {
 }
 
 impl Stick {
+    /// The line as it started: begins at the last re-stick.
+    #[must_use]
+    pub fn first(&self) -> &Line {
+        if self.straight { &self.line } else { &self.first }
+    }
+
     /// Leaves out a line that does not describe the force: only the last samples
     /// before the highest one count.
     fn forget_line(&mut self) {
@@ -114,12 +122,7 @@ impl Stick {
         self.line.add(time, force_n, 1.0);
         self.trial.fade(memory.trial_fade());
         self.trial.add(time, force_n, 1.0);
-        if self.first_weight < LEAST_WEIGHT {
-            return;
-        }
-        if memory.is_endless() {
-            self.first = self.line;
-        } else {
+        if !self.straight && self.first_weight > LEAST_WEIGHT {
             self.first.add(time, force_n, self.first_weight);
             self.first_weight *= memory.fade();
         }
@@ -131,6 +134,9 @@ impl Stick {
 pub struct Detector {
     window: Window,
     noise: Noise,
+    /// The noise's standard deviations at the newest sample, N.
+    std_n: Option<f32>,
+    line_std_n: Option<f32>,
     memory: Memory,
     phase: Phase,
     stick: Stick,
@@ -153,6 +159,8 @@ impl Detector {
         Self {
             window: Window::new(),
             noise: Noise::new(),
+            std_n: None,
+            line_std_n: None,
             memory: Memory::new(),
             phase: Phase::Unknown,
             stick: Stick::default(),
@@ -199,7 +207,7 @@ impl Detector {
     /// Standard deviation of the noise, N, to about 10 %.
     #[must_use]
     pub fn noise_n(&self) -> Option<f32> {
-        self.noise.std_n(self.last.force_n)
+        self.std_n
     }
 
     /// Usual drop of a slip, N; zero before the first.
@@ -220,6 +228,7 @@ impl Detector {
         self.window.push(index, force_n);
         let started = self.phase != Phase::Unknown;
         self.noise.see(force_n, started && gap == 1);
+        (self.line_std_n, self.std_n) = self.noise.std_n(force_n);
         self.last = now;
         if !started || gap > LONGEST_GAP {
             self.rest_from(now, index);
@@ -236,10 +245,12 @@ impl Detector {
         self.phase = Phase::Stick;
         self.memory.decide();
         self.ended = self.stick;
-        if !self.noise.line_fits(highest.force_n) {
+        if !self.line_fits() {
             self.ended.forget_line();
         }
-        self.stick = Stick { origin: next, next, highest, first_weight: 1.0, ..Stick::default() };
+        let straight = self.memory.is_endless();
+        self.stick =
+            Stick { origin: next, next, highest, straight, first_weight: 1.0, ..Stick::default() };
     }
 
     fn stick_step(&mut self, now: Extreme) -> Option<Transition> {
@@ -257,13 +268,13 @@ impl Detector {
 
     /// Has the force left the stick line downwards, by more than noise and flop do?
     fn slips(&self, now: Extreme) -> bool {
-        let Some(std) = self.noise.std_n(now.force_n) else { return false };
+        let Some(std) = self.std_n else { return false };
         let stick = &self.stick;
         let part = if stick.highest.force_n > self.middle_n { LEAST_PART } else { LEAST_PART_LOW };
         let usual = self.usual_drop_n;
         let least = if usual > 0.0 {
             (LEAST_DROP * std).min(LEAST_PART_LOW * usual).max(part * usual)
-        } else if self.noise.line_fits(now.force_n) {
+        } else if self.line_fits() {
             FIRST_DROP * std
         } else {
             LEAST_DROP * std
@@ -275,6 +286,15 @@ impl Detector {
             Some((innovation, spread)) => innovation < -OFF_LINE * std * spread,
             // Rests too briefly for a line: the drop alone decides.
             None => true,
+        }
+    }
+
+    /// Does the stick line describe the force, or does the block never rest long
+    /// enough?
+    fn line_fits(&self) -> bool {
+        match (self.line_std_n, self.std_n) {
+            (Some(line), Some(std)) => line < 2.5 * std,
+            _ => true,
         }
     }
 
@@ -305,7 +325,7 @@ impl Detector {
         let time = (sample.index - self.stick.origin) as f32;
         if let Some((innovation, spread)) = self.innovation(sample) {
             let relative = innovation / spread;
-            let std = self.noise.line_std_n(sample.force_n);
+            let std = self.line_std_n;
             self.noise.add(relative);
             if std.is_some_and(|std| relative.abs() > OFF_LINE * std) {
                 return self.strike(sample.index, relative);
@@ -328,7 +348,8 @@ impl Detector {
         if stick.same_side < NEW_LINE && stick.strikes < 2 * NEW_LINE {
             return;
         }
-        stick.first_weight = 0.0;
+        stick.first = *stick.first();
+        (stick.straight, stick.first_weight) = (false, 0.0);
         stick.strikes = 0;
         (stick.line, stick.trial) = (Line::default(), Line::default());
         for past in (index + 1).saturating_sub(u64::from(NEW_LINE))..=index {
@@ -349,7 +370,7 @@ impl Detector {
             self.rest_from(now, now.index);
             return Some(Transition::Lost);
         }
-        let std = self.noise.std_n(now.force_n).unwrap_or(0.0);
+        let std = self.std_n.unwrap_or(0.0);
         let drop = peak.force_n - self.lowest.force_n;
         let rise = now.force_n - self.lowest.force_n;
         let rises = rise > (4.0 * std).max(CLEAR_RISE * drop);
@@ -362,7 +383,7 @@ impl Detector {
 
     /// Is the force back on the old stick line, as after a spike?
     fn is_back(&self, now: Extreme, drop: f32) -> bool {
-        let innovation = self.innovation(now).filter(|_| self.noise.line_fits(now.force_n));
+        let innovation = self.innovation(now).filter(|_| self.line_fits());
         innovation.is_some_and(|(innovation, _)| innovation > -LEAST_SHIFT * drop)
     }
 

@@ -66,18 +66,14 @@ impl Fit {
     /// Variance of an unknown, in units of the noise variance.
     #[must_use]
     pub fn variance(&self, unknown: usize) -> f32 {
-        let mut unit = Gradient::default();
-        if let Some(entry) = unit.get_mut(unknown) {
-            *entry = 1.0;
-        }
-        self.information.covariance(&unit, &unit)
+        self.information.variance(unknown)
     }
 }
 
 /// Most iterations before giving up; 3 to 5 are usual.
 const MOST_STEPS: u32 = 24;
 /// Settled when a step is below this share of a standard deviation, squared.
-const SETTLED: f32 = 1e-4;
+const SETTLED: f32 = 1e-3;
 /// The same when the iterations are used up: a sample may sit right on an end of
 /// the slip, where the sum of squares has a kink.
 const NEARLY_SETTLED: f32 = 0.05;
@@ -139,7 +135,7 @@ impl Data<'_> {
         );
         add_line(&mut normal, after, shape.after(after.time - cycle.onset), shape.slope_after());
         for (unknown, (prior, value)) in self.priors(cycle).into_iter().enumerate() {
-            add_prior(&mut normal, prior, value, unknown);
+            normal.add_one(prior.mean - value, unknown, prior.weight);
         }
         normal
     }
@@ -167,14 +163,6 @@ fn add_line(normal: &mut Normal, line: &Line, level: (f32, Gradient), slope: (f3
     normal.add(line.level_n - level.0, &level.1, line.weight);
     if let Some(measured) = line.slope() {
         normal.add(measured - slope.0, &slope.1, line.slope_weight());
-    }
-}
-
-fn add_prior(normal: &mut Normal, prior: Prior, value: f32, unknown: usize) {
-    if prior.weight > 0.0 {
-        let mut gradient = Gradient::default();
-        gradient[unknown] = 1.0;
-        normal.add(prior.mean - value, &gradient, prior.weight);
     }
 }
 

@@ -17,10 +17,15 @@ pub struct Quantile {
     count: u32,
     /// Probability of the quantile.
     part: f32,
+    /// Factors up and down, once settled.
+    up: f32,
+    down: f32,
 }
 
 /// Final step of a quantile: settles to 8 % within a hundred samples.
-const SMALLEST_GAIN: f32 = 0.04;
+const SMALLEST_GAIN: f32 = 0.08;
+/// Numbers after which the step is final.
+const SETTLED: u32 = 50;
 /// Fewest numbers that tell a quantile.
 const FEWEST: u32 = 8;
 
@@ -28,22 +33,29 @@ impl Quantile {
     /// For a probability.
     #[must_use]
     pub const fn new(part: f32) -> Self {
-        Self { value: 0.0, count: 0, part }
+        let (up, down) = factors(SMALLEST_GAIN, part);
+        Self { value: 0.0, count: 0, part, up, down }
     }
 
     /// Takes a number at or above zero.
     pub fn add(&mut self, size: f32) {
+        let (up, down) =
+            if self.count >= SETTLED { (self.up, self.down) } else { self.start(size) };
+        if size > self.value {
+            // Zero (a noiseless start) could not grow by a factor alone.
+            self.value = (self.value * up).max(1e-3 * size);
+        } else {
+            self.value *= down;
+        }
+    }
+
+    /// Larger steps at first.
+    fn start(&mut self, size: f32) -> (f32, f32) {
         if self.count == 0 {
             self.value = size;
         }
-        self.count = self.count.saturating_add(1);
-        let gain = (4.0 / self.count as f32).clamp(2.0 * SMALLEST_GAIN, 1.0);
-        if size > self.value {
-            // Zero (a noiseless start) could not grow by a factor alone.
-            self.value = (self.value * (1.0 + gain * self.part)).max(1e-3 * size);
-        } else {
-            self.value /= 1.0 + gain * (1.0 - self.part);
-        }
+        self.count += 1;
+        factors((4.0 / self.count as f32).clamp(SMALLEST_GAIN, 1.0), self.part)
     }
 
     /// The quantile so far; `None` until eight numbers were seen.
@@ -51,6 +63,11 @@ impl Quantile {
     pub fn value(&self) -> Option<f32> {
         (self.count >= FEWEST).then_some(self.value)
     }
+}
+
+/// Factors that balance when a part of the numbers lies below the quantile.
+const fn factors(gain: f32, part: f32) -> (f32, f32) {
+    (1.0 + gain * part, 1.0 / (1.0 + gain * (1.0 - part)))
 }
 
 /// The larger of the smallest numbers in the last two blocks of sixteen.
@@ -97,12 +114,12 @@ pub struct Noise {
     fitted_n: Option<f32>,
 }
 
-/// Median of |x| over the standard deviation, for a normal distribution.
-const MEDIAN_PER_STD: f32 = 0.674_49;
-/// Mean smallest of sixteen |second differences| over the noise: 0.078 √6.
-const SECOND_PER_STD: f32 = 0.19;
-/// Median of |fourth difference| over the noise: 0.6745 √70.
-const FOURTH_PER_STD: f32 = 5.643;
+/// Standard deviation over the median of |x|, for a normal distribution.
+const STD_PER_MEDIAN: f32 = 1.0 / 0.674_49;
+/// Noise over the mean smallest of sixteen |second differences|, 0.078 √6.
+const STD_PER_SECOND: f32 = 1.0 / 0.19;
+/// Noise over the median of |fourth difference|, 0.6745 √70.
+const STD_PER_FOURTH: f32 = 1.0 / 5.643;
 
 impl Noise {
     /// Nothing known.
@@ -132,9 +149,9 @@ impl Noise {
     /// Takes a sample; `in_a_row` if it follows the one before without a gap.
     pub fn see(&mut self, force_n: f32, in_a_row: bool) {
         self.filled = if in_a_row { (self.filled + 1).min(5) } else { 1 };
-        self.row.rotate_left(1);
-        self.row[4] = force_n;
-        let [a, b, c, d, e] = self.row;
+        let [_, a, b, c, d] = self.row;
+        let e = force_n;
+        self.row = [a, b, c, d, e];
         let step = (e - d).abs();
         if self.filled >= 2 && step > 0.0 && (self.resolution_n <= 0.0 || step < self.resolution_n)
         {
@@ -148,36 +165,21 @@ impl Noise {
         }
     }
 
-    /// Standard deviation of the innovations of the stick line, N: never below the
-    /// resolution's own, nor below the rounding of a force of this size. `None` until
-    /// enough was seen.
+    /// Two standard deviations, N: of the innovations of the stick line, and of the
+    /// samples, which is less where the line does not describe the force.
+    ///
+    /// Never below the resolution's own, nor below the rounding of a force of this
+    /// size. `None` until enough was seen.
     #[must_use]
-    pub fn line_std_n(&self, force_n: f32) -> Option<f32> {
+    pub fn std_n(&self, force_n: f32) -> (Option<f32>, Option<f32>) {
         let floor = (0.3 * self.resolution_n).max(4e-7 * force_n.abs());
-        self.innovation.value().map(|median| (median / MEDIAN_PER_STD).max(floor))
-    }
-
-    /// Standard deviation of the samples, N: that of the innovations, or less where
-    /// the line does not describe the force.
-    #[must_use]
-    pub fn std_n(&self, force_n: f32) -> Option<f32> {
-        let floor = (0.3 * self.resolution_n).max(4e-7 * force_n.abs());
-        // Good fits allow for what a line does not; bad ones tell nothing.
+        let line = self.innovation.value().map(|median| (median * STD_PER_MEDIAN).max(floor));
+        // The fits allow for what a line does not.
         let fitted = self.fitted_n.map(|fitted| 1.5 * fitted);
-        let second = self.second.value().map(|smallest| smallest / SECOND_PER_STD);
-        let fourth = self.fourth.value().map(|median| median / FOURTH_PER_STD);
-        let bound = least(fitted, least(second, fourth)).map(|std| std.max(floor));
-        least(self.line_std_n(force_n), bound)
-    }
-
-    /// Does the stick line describe the force, or does the block never rest long
-    /// enough?
-    #[must_use]
-    pub fn line_fits(&self, force_n: f32) -> bool {
-        match (self.line_std_n(force_n), self.std_n(force_n)) {
-            (Some(line), Some(std)) => line < 2.5 * std,
-            _ => true,
-        }
+        let fourth = self.fourth.value().map(|median| median * STD_PER_FOURTH);
+        let second = || self.second.value().map(|smallest| smallest * STD_PER_SECOND);
+        let bound = least(fitted.or_else(second), fourth).map(|std| std.max(floor));
+        (line, least(line, bound))
     }
 }
 
@@ -213,7 +215,7 @@ mod tests {
         (0..500)
             .map(|_| {
                 take(&mut noise, normal(&mut state));
-                noise.std_n(0.0).unwrap() / 500.0
+                noise.std_n(0.0).1.unwrap() / 500.0
             })
             .sum()
     }
@@ -237,7 +239,7 @@ mod tests {
             // A line through it sees the swing as noise.
             noise.add(swing);
         }
-        assert!(noise.std_n(0.0).unwrap() < 90.0, "{:?}", noise.std_n(0.0));
+        assert!(noise.std_n(0.0).1.unwrap() < 90.0, "{:?}", noise.std_n(0.0));
     }
 
     #[test]
@@ -245,7 +247,7 @@ mod tests {
         let (mut noise, mut state) = (Noise::new(), 9);
         noise.add(1e4);
         (0..300).for_each(|i| noise.add(if i % 20 == 0 { 500.0 } else { normal(&mut state) }));
-        let std = noise.std_n(0.0).unwrap();
+        let std = noise.std_n(0.0).1.unwrap();
         assert!((0.6..1.6).contains(&std), "{std}");
     }
 
@@ -255,6 +257,6 @@ mod tests {
         (0..50).for_each(|_| noise.add(0.0));
         noise.see(0.0, false);
         noise.see(5.0, true);
-        assert!(noise.std_n(0.0).unwrap() >= 1.5);
+        assert!(noise.std_n(0.0).1.unwrap() >= 1.5);
     }
 }

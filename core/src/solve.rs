@@ -1,6 +1,5 @@
 //! The normal equations of the event fit.
 
-use crate::math;
 use crate::model::{Gradient, UNKNOWNS};
 
 /// A symmetric matrix of the fit's size.
@@ -30,6 +29,16 @@ impl Normal {
         }
     }
 
+    /// Takes a residual that depends on one unknown alone.
+    pub fn add_one(&mut self, residual: f32, unknown: usize, weight: f32) {
+        self.cost += weight * residual * residual;
+        let diagonal = self.matrix.get_mut(unknown).and_then(|row| row.get_mut(unknown));
+        if let (Some(diagonal), Some(right)) = (diagonal, self.right.get_mut(unknown)) {
+            *diagonal += weight;
+            *right += weight * residual;
+        }
+    }
+
     /// Factors the matrix with its diagonal raised by `damping` times itself.
     ///
     /// `None` when it is singular to working precision.
@@ -39,62 +48,79 @@ impl Normal {
     }
 }
 
-/// Cholesky factor of a matrix scaled to a unit diagonal, so that newtons,
-/// periods and radians do not disturb each other in single precision.
+/// `A = L D Lᵀ` with a unit diagonal in `L`. Neither the result nor its rounding
+/// depends on the units of the unknowns, so newtons, periods and radians do not
+/// disturb each other in single precision.
 #[derive(Clone, Copy, Debug)]
 pub struct Factor {
+    /// Below the diagonal.
     lower: Matrix,
-    /// One over the root of the original diagonal.
-    scale: Gradient,
+    /// One over the diagonal of `D`.
+    inverse: Gradient,
 }
 
-/// A pivot of the scaled matrix below this is lost in rounding.
+/// A pivot below this part of its diagonal element is lost in rounding.
 const SMALLEST_PIVOT: f32 = 1e-6;
 
 impl Factor {
     fn new(matrix: &Matrix, damping: f32) -> Option<Self> {
-        let mut scale = [0.0; UNKNOWNS];
-        for (i, s) in scale.iter_mut().enumerate() {
-            let diagonal = matrix[i][i];
-            if !(diagonal > 0.0 && diagonal.is_finite()) {
+        let mut lower = Matrix::default();
+        let mut inverse = Gradient::default();
+        let raise = 1.0 + damping;
+        for i in 0..UNKNOWNS {
+            // The row of L D first, its products with L as they are known.
+            let mut row = Gradient::default();
+            let mut pivot = matrix[i][i] * raise;
+            for j in 0..i {
+                let mut sum = matrix[i][j];
+                for k in 0..j {
+                    sum -= row[k] * lower[j][k];
+                }
+                row[j] = sum;
+                lower[i][j] = sum * inverse[j];
+                pivot -= sum * lower[i][j];
+            }
+            // Also false for NaN.
+            if !(pivot > SMALLEST_PIVOT * matrix[i][i] && pivot < f32::MAX) {
                 return None;
             }
-            *s = 1.0 / math::sqrt(diagonal);
+            inverse[i] = 1.0 / pivot;
         }
-        let mut lower = Matrix::default();
-        for i in 0..UNKNOWNS {
-            for j in 0..=i {
-                let raised =
-                    if i == j { 1.0 + damping } else { matrix[i][j] * scale[i] * scale[j] };
-                let sum = (0..j).fold(raised, |sum, k| sum - lower[i][k] * lower[j][k]);
-                lower[i][j] = if i != j {
-                    sum / lower[j][j]
-                } else if sum > SMALLEST_PIVOT {
-                    math::sqrt(sum)
-                } else {
-                    return None;
-                };
-            }
-        }
-        Some(Self { lower, scale })
+        Some(Self { lower, inverse })
     }
 
     /// Solves `A x = right`.
     #[must_use]
     pub fn solve(&self, right: &Gradient) -> Gradient {
-        let mut x = [0.0; UNKNOWNS];
-        for i in 0..UNKNOWNS {
-            let sum = (0..i).fold(right[i] * self.scale[i], |sum, k| sum - self.lower[i][k] * x[k]);
-            x[i] = sum / self.lower[i][i];
+        let mut x = *right;
+        for i in 1..UNKNOWNS {
+            for k in 0..i {
+                x[i] -= self.lower[i][k] * x[k];
+            }
         }
         for i in (0..UNKNOWNS).rev() {
-            let sum = (i + 1..UNKNOWNS).fold(x[i], |sum, k| sum - self.lower[k][i] * x[k]);
-            x[i] = sum / self.lower[i][i];
-        }
-        for (value, scale) in x.iter_mut().zip(self.scale) {
-            *value *= scale;
+            x[i] *= self.inverse[i];
+            for k in i + 1..UNKNOWNS {
+                x[i] -= self.lower[k][i] * x[k];
+            }
         }
         x
+    }
+
+    /// Diagonal element of `A⁻¹`: the variance of an unknown, in units of the variance
+    /// of weight one.
+    #[must_use]
+    pub fn variance(&self, unknown: usize) -> f32 {
+        // Σ (L⁻¹ e)² / D: forward substitution is enough, and starts at the unknown.
+        let (mut x, mut sum_of_squares) = (Gradient::default(), 0.0);
+        for i in unknown..UNKNOWNS {
+            x[i] = if i == unknown { 1.0 } else { 0.0 };
+            for k in unknown..i {
+                x[i] -= self.lower[i][k] * x[k];
+            }
+            sum_of_squares += x[i] * x[i] * self.inverse[i];
+        }
+        sum_of_squares
     }
 
     /// `uᵀ A⁻¹ v`: a covariance, in units of the variance of weight one.
@@ -142,6 +168,17 @@ mod tests {
                 "{i}: {left} {}",
                 normal.right[i]
             );
+        }
+    }
+
+    #[test]
+    fn the_variances_are_the_diagonal_of_the_inverse() {
+        let factor = example().factor(0.0).unwrap();
+        for unknown in 0..UNKNOWNS {
+            let mut unit = Gradient::default();
+            unit[unknown] = 1.0;
+            let (direct, solved) = (factor.variance(unknown), factor.covariance(&unit, &unit));
+            assert!((direct / solved - 1.0).abs() < 1e-4, "{unknown}: {direct} {solved}");
         }
     }
 

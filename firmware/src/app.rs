@@ -9,7 +9,7 @@ use crate::average::{Average, MOST};
 use crate::command::{Command, HELP};
 use crate::console::{Console, Typed};
 use crate::journal::Journal;
-use crate::line::{Health, Line, LiveSample, Mean, Text};
+use crate::line::{Decimal, Health, Line, LiveSample, Mean, Text};
 use crate::log;
 use crate::period::PeriodMeter;
 use crate::sample::{Sample, SampleConsumer, Shared};
@@ -109,6 +109,13 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
             self.obey(&typed);
         }
         any
+    }
+
+    /// Says why the board started, if not by being switched on.
+    pub fn announce(&mut self, words: &str) {
+        let mut text = Text::new();
+        let _ = write!(text, "restarted after: {words}");
+        self.trouble(&text);
     }
 
     /// Whether a sample waits: no time to sleep.
@@ -336,7 +343,8 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
             return self.trouble("no calibration: tare first, then hang a known weight");
         }
         let mut text = Text::new();
-        let _ = write!(text, "span {counts_per_n} codes per N: accept, or abort");
+        let span = Decimal(counts_per_n);
+        let _ = write!(text, "span {span} codes per N: accept, or abort");
         self.info(&text);
         self.job = Job::Proposed(counts_per_n);
     }

@@ -44,16 +44,15 @@ impl Average {
         let offsets = self.codes.iter().map(|&code| code.wrapping_sub(first) as f32);
         let mean = offsets.clone().sum::<f32>() / count;
         let square = offsets.map(|x| (x - mean) * (x - mean)).sum::<f32>() / count;
-        let mut sorted = self.codes.clone();
-        sorted.sort_unstable();
-        let changes = sorted.windows(2).filter(|pair| pair[0] != pair[1]).count() as u32;
+        let new = |(i, code): &(usize, &i32)| !self.codes.iter().take(*i).any(|c| c == *code);
+        let different = self.codes.iter().enumerate().filter(new).count() as u32;
         Mean {
             input: self.input,
             count: self.codes.len() as u32,
             failed: self.failed,
             mean: first as f32 + mean,
             deviation: floe_core::math::sqrt(square),
-            different: changes + u32::from(!self.codes.is_empty()),
+            different,
         }
     }
 }

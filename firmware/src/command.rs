@@ -104,9 +104,25 @@ impl Setting {
     }
 }
 
+/// A decimal number without an exponent, of at most 15 digits: the standard
+/// library's parser would be a tenth of the program.
 fn number(text: &str) -> Result<f32, &'static str> {
-    let number: f32 = text.parse().map_err(|_| "a number is missing")?;
-    if number.is_finite() { Ok(number) } else { Err("a finite number is needed") }
+    const MISSING: &str = "a number like 12.5 is missing";
+    const MOST_DIGITS: usize = 15;
+    let (sign, digits) = match text.strip_prefix('-') {
+        Some(digits) => (-1.0, digits),
+        None => (1.0, text),
+    };
+    let (whole, fraction) = digits.split_once('.').unwrap_or((digits, ""));
+    let count = whole.len() + fraction.len();
+    let all = whole.bytes().chain(fraction.bytes());
+    if count == 0 || count > MOST_DIGITS || !all.clone().all(|c| c.is_ascii_digit()) {
+        return Err(MISSING);
+    }
+    // Both are exact in f64, and so is their ratio to half a unit of its last place.
+    let value = all.fold(0.0_f64, |value, digit| value * 10.0 + f64::from(digit - b'0'));
+    let scale = (0..fraction.len()).fold(1.0_f64, |scale, _| scale * 10.0);
+    Ok((sign * value / scale) as f32)
 }
 
 /// Only what can stand in a line's field.
@@ -115,5 +131,65 @@ fn name(text: &str) -> Result<String<NAME_LEN>, &'static str> {
     match String::try_from(text) {
         Ok(name) if text.chars().all(fits) => Ok(name),
         _ => Err("a name has at most 16 letters, digits, - _ ."),
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::float_cmp)] // exact by construction
+mod tests {
+    use super::*;
+
+    #[test]
+    fn words() {
+        assert_eq!(Command::parse("start"), Ok(Command::Start));
+        assert_eq!(Command::parse("  start  test "), Ok(Command::Start));
+        assert_eq!(Command::parse("stop test"), Ok(Command::Stop));
+        assert_eq!(Command::parse("live on"), Ok(Command::Live(true)));
+        assert_eq!(Command::parse("set weight 630"), Ok(Command::Set(Setting::Weight(630.0))));
+        assert_eq!(Command::parse("set tare -12345"), Ok(Command::Set(Setting::Tare(-12345))));
+        assert_eq!(Command::parse("calibrate 49.05"), Ok(Command::Calibrate(49.05)));
+        for wrong in [
+            "begin",
+            "live",
+            "live maybe",
+            "set",
+            "set weight",
+            "set weight x",
+            "set weight nan",
+            "set weight 1e3",
+            "set weight inf",
+            "set weight -",
+            "set weight .",
+            "set name a,b",
+            "set name 12345678901234567",
+            "set tare 1.5",
+            "start now",
+            "set weight 1 2",
+        ] {
+            assert!(Command::parse(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn numbers_are_the_standard_librarys() {
+        for text in [
+            "0",
+            "1",
+            "-1",
+            "630",
+            "0.1",
+            "429.5",
+            "0.01565217391304",
+            "16777217",
+            ".5",
+            "5.",
+            "3.4028235",
+            "123456789012345",
+            "0.00000000000001",
+            "-2.86",
+            "1.24",
+        ] {
+            assert_eq!(number(text), Ok(text.parse().unwrap()), "{text}");
+        }
     }
 }

@@ -18,6 +18,8 @@ pub mod board;
 pub mod card;
 pub mod command;
 pub mod console;
+#[cfg(feature = "display")]
+pub mod display;
 pub mod journal;
 pub mod line;
 mod log;

@@ -17,11 +17,12 @@ type Method = (&'static str, fn(&Path) -> Outcome);
 type Outcome = Result<u64, Box<dyn Error>>;
 
 const SAMPLES: [u64; 2] = [1_000_000, 10_000_000];
-const METHODS: [Method; 5] = [
+const METHODS: [Method; 6] = [
     ("csv crate, ByteRecord", csv_bytes),
     ("csv crate, StringRecord", csv_strings),
     ("csv crate, two numbers", csv_numbers),
     ("log reader", reader),
+    ("reader and core, 1 thread", reader_and_core),
     ("whole replay", whole_replay),
 ];
 
@@ -60,19 +61,39 @@ fn measure(name: &str, path: &Path) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// A sawtooth from 200 to 800 N at 16 Hz, forces to the millinewton.
+/// The block of test DFF8-13 at 16 Hz with noise of 2 N, forces to the
+/// millinewton.
 fn written(samples: u64) -> Result<PathBuf, Box<dyn Error>> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR"))
         .join(format!("../target/replay_speed_{}k.csv", samples / 1000));
     let mut file = BufWriter::new(File::create(&path)?);
     writeln!(file, "# weight_n: 630\ntime_s,force_n")?;
+    let mut state = 1_u64;
     for index in 0..samples {
-        let noise = (index.wrapping_mul(2_654_435_761) % 4096) as f64 / 1024.0;
-        let force_n = 200.0 + (index % 29) as f64 / 28.0 * 600.0 + noise;
-        writeln!(file, "{:.4},{force_n:.3}", index as f64 / 16.0)?;
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+        let uniform = (state >> 40) as f64 / f64::from(1 << 24) - 0.5;
+        let time_s = index as f64 / 16.0;
+        writeln!(file, "{time_s:.4},{:.3}", force_n(time_s) + 2.0 * 12_f64.sqrt() * uniform)?;
     }
     file.flush()?;
     Ok(path)
+}
+
+/// Stick line and ellipse (equations 4, 7, 16, 22 and 25), over and over.
+fn force_n(time_s: f64) -> f64 {
+    const STATIC_N: f64 = 781.2;
+    const DYNAMIC_N: f64 = 491.4;
+    const RATE_N_PER_S: f64 = 360.0;
+    const OMEGA: f64 = 18.92;
+    let half_n = STATIC_N - DYNAMIC_N;
+    let stick_s = 2.0 * half_n / RATE_N_PER_S;
+    let slip_s = 2.0 / OMEGA * (std::f64::consts::PI - (half_n * OMEGA / RATE_N_PER_S).atan());
+    let in_cycle_s = time_s % (stick_s + slip_s);
+    if in_cycle_s < stick_s {
+        return DYNAMIC_N - half_n + RATE_N_PER_S * in_cycle_s;
+    }
+    let (sine, cosine) = (OMEGA * (in_cycle_s - stick_s)).sin_cos();
+    DYNAMIC_N + half_n * cosine + RATE_N_PER_S / OMEGA * sine
 }
 
 fn cells(path: &Path) -> Result<csv::Reader<File>, Box<dyn Error>> {
@@ -118,6 +139,17 @@ fn reader(path: &Path) -> Outcome {
         rows += 1;
     }
     Ok(rows)
+}
+
+/// Without keeping the events: shows what the memory of a replay is made of.
+fn reader_and_core(path: &Path) -> Outcome {
+    let mut log = open(path)?;
+    let config = replay::test::configure(&log, &TestOptions::default())?;
+    let mut pipeline = floe_core::Pipeline::new(&config)?;
+    while let Some(sample) = log.next_sample()? {
+        std::hint::black_box(pipeline.step(sample.raw));
+    }
+    Ok(pipeline.report().counters.samples)
 }
 
 fn whole_replay(path: &Path) -> Outcome {

@@ -278,6 +278,40 @@ fn a_log_behind_json_is_a_log() {
 }
 
 #[test]
+fn without_arguments_the_bundled_log_is_replayed_and_reported() {
+    let dir = directory("bundled");
+    let run = || Command::new(env!("CARGO_BIN_EXE_floe")).current_dir(&dir).output().unwrap();
+    let output = run();
+    let said = text(&output.stdout);
+    assert_eq!((output.status.code(), text(&output.stderr)), (Some(0), String::new()));
+    assert!(said.contains("mu_s   1.24") && said.contains("mu     0.78"), "{said}");
+    assert!(said.ends_with("written       ./floe-report.html\n"), "{said}");
+    fs::create_dir(dir.join("target")).unwrap();
+    assert!(text(&run().stdout).ends_with("written       target/floe-report.html\n"));
+    assert!(fs::metadata(dir.join("target/floe-report.html")).unwrap().len() > 10_000);
+}
+
+#[test]
+fn the_bundled_log_reads_the_same_in_both_formats() {
+    let path = |name| format!("{}/logs/{name}", env!("CARGO_MANIFEST_DIR"));
+    let run = |name| json(&floe(&["replay", &path(name), "--weight-n", "630", "--json"]));
+    let (csv, cr10) = (run("dff8-13.csv"), run("dff8-13.dat"));
+    assert_eq!((&csv["log"]["format"], &cr10["log"]["format"]), (&"csv".into(), &"cr10".into()));
+    for field in ["samples", "rate_hz", "duration_s", "missing", "duplicates", "rejected"] {
+        assert_eq!(csv["log"][field], cr10["log"][field], "{field}");
+    }
+    let (csv, cr10) = (csv["events"].as_array().unwrap(), cr10["events"].as_array().unwrap());
+    assert!(csv.len() > 60 && csv.len() == cr10.len());
+    for (a, b) in csv.iter().zip(cr10) {
+        // The logger keeps four or five digits of the force.
+        for (field, most) in [("onset_s", 1e-3), ("mu_s", 1e-3), ("mu", 1e-3)] {
+            let difference = a[field].as_f64().unwrap() - b[field].as_f64().unwrap();
+            assert!(difference.abs() < most, "{field} {difference}");
+        }
+    }
+}
+
+#[test]
 fn help_goes_to_standard_output() {
     for arguments in [["replay", "--help"], ["--version", "--version"], ["help", "replay"]] {
         let output = floe(&arguments);

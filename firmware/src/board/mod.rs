@@ -3,3 +3,5 @@
 
 #[cfg(feature = "mps2-an386")]
 pub mod mps2;
+#[cfg(feature = "nucleo-l476")]
+pub mod nucleo;

@@ -5,7 +5,7 @@ use core::str::{FromStr, Split};
 
 use floe_core::{Phase, Quality, Reason, SampleFlag};
 
-use super::LineError;
+use super::{Decimal, LineError};
 use crate::adc::Input;
 
 /// Writes a field per call.
@@ -14,6 +14,18 @@ pub(super) struct Writer<'w, W>(pub &'w mut W);
 impl<W: Write> Writer<'_, W> {
     pub(super) fn put(&mut self, value: impl Display) -> fmt::Result {
         write!(self.0, ",{value}")
+    }
+
+    /// The fewest digits that give the same `f32` back.
+    pub(super) fn put_f32(&mut self, value: f32) -> fmt::Result {
+        self.put(Decimal(value))
+    }
+
+    pub(super) fn put_some_f32(&mut self, value: Option<f32>) -> fmt::Result {
+        match value {
+            Some(value) => self.put_f32(value),
+            None => self.put(""),
+        }
     }
 
     pub(super) fn put_some(&mut self, value: Option<impl Display>) -> fmt::Result {

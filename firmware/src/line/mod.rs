@@ -6,6 +6,7 @@
 //! that stands before the asterisk. Numbers are written with the fewest digits
 //! that give the same `f32` back, so a decoded event is the board's bit for bit.
 
+mod decimal;
 mod fields;
 mod parse;
 mod write;
@@ -15,6 +16,8 @@ use core::fmt;
 use crc::{CRC_16_XMODEM, Crc, NoTable};
 use floe_core::{Event, Phase, Report, SampleFlag};
 use heapless::String;
+
+pub use decimal::Decimal;
 
 use crate::adc::Input;
 use crate::settings::Settings;

@@ -57,20 +57,20 @@ fn start<W: Write>(out: &mut Writer<'_, W>, run: u32, settings: &Settings) -> fm
     out.put(&settings.name)?;
     let Config { rate_hz, weight_n, slope_rad, winch_m_per_s, range_n, calibration } =
         settings.config;
-    out.put(rate_hz)?;
-    out.put(weight_n)?;
-    out.put(slope_rad)?;
-    out.put_some(winch_m_per_s)?;
-    out.put_some(range_n)?;
+    out.put_f32(rate_hz)?;
+    out.put_f32(weight_n)?;
+    out.put_f32(slope_rad)?;
+    out.put_some_f32(winch_m_per_s)?;
+    out.put_some_f32(range_n)?;
     out.put(calibration.tare_counts)?;
-    out.put(calibration.counts_per_n)?;
+    out.put_f32(calibration.counts_per_n)?;
     out.put(calibration.range_counts.0)?;
     out.put(calibration.range_counts.1)
 }
 
 fn live_sample<W: Write>(out: &mut Writer<'_, W>, sample: &LiveSample) -> fmt::Result {
     out.put(sample.index)?;
-    out.put_some(sample.force_n)?;
+    out.put_some_f32(sample.force_n)?;
     out.put_word(sample.flag)?;
     out.put_word(sample.phase)?;
     out.put(sample.gap)
@@ -80,16 +80,16 @@ fn event<W: Write>(out: &mut Writer<'_, W>, event: &Event) -> fmt::Result {
     out.put(event.index)?;
     time(out, event.onset)?;
     time(out, event.stop)?;
-    out.put(event.static_force_n)?;
-    out.put(event.dynamic_force_n)?;
-    out.put(event.peak_force_n)?;
-    out.put(event.restick_force_n)?;
+    out.put_f32(event.static_force_n)?;
+    out.put_f32(event.dynamic_force_n)?;
+    out.put_f32(event.peak_force_n)?;
+    out.put_f32(event.restick_force_n)?;
     coefficient(out, event.mu_s)?;
     coefficient(out, event.mu)?;
-    out.put_some(event.stick_s)?;
-    out.put(event.slip_s)?;
-    out.put(event.loading_rate_n_per_s)?;
-    out.put_some(event.omega_rad_per_s)?;
+    out.put_some_f32(event.stick_s)?;
+    out.put_f32(event.slip_s)?;
+    out.put_f32(event.loading_rate_n_per_s)?;
+    out.put_some_f32(event.omega_rad_per_s)?;
     out.put_word(event.slack)?;
     out.put_word(event.quality)?;
     match event.reason {
@@ -100,12 +100,12 @@ fn event<W: Write>(out: &mut Writer<'_, W>, event: &Event) -> fmt::Result {
 
 fn time<W: Write>(out: &mut Writer<'_, W>, time: SampleTime) -> fmt::Result {
     out.put(time.index)?;
-    out.put(time.fraction)
+    out.put_f32(time.fraction)
 }
 
 fn coefficient<W: Write>(out: &mut Writer<'_, W>, value: Option<Coefficient>) -> fmt::Result {
-    out.put_some(value.map(|c| c.value))?;
-    out.put_some(value.map(|c| c.std))
+    out.put_some_f32(value.map(|c| c.value))?;
+    out.put_some_f32(value.map(|c| c.std))
 }
 
 fn report<W: Write>(out: &mut Writer<'_, W>, report: &Report) -> fmt::Result {
@@ -118,17 +118,17 @@ fn report<W: Write>(out: &mut Writer<'_, W>, report: &Report) -> fmt::Result {
     out.put(report.events)?;
     estimate(out, report.mu_s)?;
     estimate(out, report.mu)?;
-    out.put_some(report.noise_n)?;
-    out.put_some(report.loading_rate_n_per_s)?;
-    out.put_some(report.omega_rad_per_s)?;
-    out.put_some(report.stiffness_n_per_m)?;
-    out.put_some(report.recurrence_s)
+    out.put_some_f32(report.noise_n)?;
+    out.put_some_f32(report.loading_rate_n_per_s)?;
+    out.put_some_f32(report.omega_rad_per_s)?;
+    out.put_some_f32(report.stiffness_n_per_m)?;
+    out.put_some_f32(report.recurrence_s)
 }
 
 fn estimate<W: Write>(out: &mut Writer<'_, W>, estimate: Option<Estimate>) -> fmt::Result {
-    out.put_some(estimate.map(|e| e.mean))?;
-    out.put_some(estimate.map(|e| e.std_error))?;
-    out.put_some(estimate.and_then(|e| e.spread))?;
+    out.put_some_f32(estimate.map(|e| e.mean))?;
+    out.put_some_f32(estimate.map(|e| e.std_error))?;
+    out.put_some_f32(estimate.and_then(|e| e.spread))?;
     out.put_some(estimate.map(|e| e.events))
 }
 
@@ -138,8 +138,8 @@ fn health<W: Write>(out: &mut Writer<'_, W>, health: &Health) -> fmt::Result {
     out.put(health.deepest)?;
     out.put(health.adc_faults)?;
     out.put(health.saturated)?;
-    out.put_some(health.period_s)?;
-    out.put_some(health.jitter_s)?;
+    out.put_some_f32(health.period_s)?;
+    out.put_some_f32(health.jitter_s)?;
     out.put(health.sectors)?;
     out.put(health.store_failures)
 }
@@ -148,7 +148,7 @@ fn mean<W: Write>(out: &mut Writer<'_, W>, mean: &Mean) -> fmt::Result {
     out.put_word(mean.input)?;
     out.put(mean.count)?;
     out.put(mean.failed)?;
-    out.put(mean.mean)?;
-    out.put(mean.deviation)?;
+    out.put_f32(mean.mean)?;
+    out.put_f32(mean.deviation)?;
     out.put(mean.different)
 }

@@ -1,6 +1,6 @@
 //! A line cut into its cells.
 
-use memchr::{memchr, memchr_iter};
+use memchr::memchr2_iter;
 
 /// Where the cells of one line begin and end; reused from line to line.
 ///
@@ -15,11 +15,11 @@ impl Cells {
     /// Cuts a line; false if a quote is left open.
     pub fn cut(&mut self, line: &[u8], separator: u8) -> bool {
         self.bounds.clear();
-        if memchr(b'"', line).is_some() {
-            return self.cut_quoted(line, separator);
-        }
         let mut start = 0;
-        for end in memchr_iter(separator, line) {
+        for end in memchr2_iter(separator, b'"', line) {
+            if line.get(end) == Some(&b'"') {
+                return self.cut_quoted(line, separator);
+            }
             self.bounds.push((start, end));
             start = end + 1;
         }
@@ -28,6 +28,7 @@ impl Cells {
     }
 
     fn cut_quoted(&mut self, line: &[u8], separator: u8) -> bool {
+        self.bounds.clear();
         let mut start = 0;
         let mut quoted = false;
         for (at, &byte) in line.iter().enumerate() {

@@ -68,18 +68,21 @@ pub fn layout(head: &[u8], options: &LogOptions) -> Result<Layout, InputError> {
     })
 }
 
-/// The arrays in `head`, whose last line may be cut off.
+/// The arrays in `head`, whose last line may be cut off and then counts only
+/// if nothing else is known of its array.
 fn arrays(head: &[u8]) -> BTreeMap<u32, Array> {
-    let whole = head.iter().rposition(|&byte| byte == b'\n').and_then(|end| head.get(..=end));
-    let head = whole.unwrap_or(head);
     let mut arrays = BTreeMap::new();
     let mut cells = Cells::default();
     for line in head.split_inclusive(|&byte| byte == b'\n') {
+        let ended = line.ends_with(b"\n");
         let line = line.trim_ascii();
         if line.starts_with(b"#") || !cells.cut(line, b',') {
             continue;
         }
         let Some(id) = array_id(line, &cells) else { continue };
+        if !ended && (arrays.contains_key(&id) || !is_row(line)) {
+            continue;
+        }
         let width = cells.len();
         let array = arrays.entry(id).or_insert(Array { width, seconds: true, rows: 0 });
         array.rows += 1;
@@ -159,6 +162,16 @@ mod tests {
         let head = b"203,12,330,2100,2.258,66.19\n201,12,330,2200,0,1.3\n\
             7,12,330,2100,1.125,40\n7,12,330,2100,1.125,40\n";
         assert_eq!(places(head, None, None), Ok((7, 5, true)));
+    }
+
+    #[test]
+    fn a_last_line_without_end_shows_a_new_array_but_spoils_no_known_one() {
+        let head = b"7,94,100,1200,0,5.5\n7,94,100,1200,.125,5.6\n9,94,100,1200,3,4.5";
+        assert_eq!(places(head, Some(9), None), Ok((9, 5, true)));
+        let head = b"7,94,100,1200,0,5.5\n7,94,100,1200,.125,5.6\n7,94,100,1200,.1";
+        assert_eq!(places(head, None, None), Ok((7, 5, true)));
+        let head = b"77,94,100,1200,0,5.5\n77,94,100,1200,.125,5.6\n7";
+        assert_eq!(places(head, None, None), Ok((77, 5, true)));
     }
 
     #[test]

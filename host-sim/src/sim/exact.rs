@@ -189,7 +189,7 @@ fn held_time_s(from: &State, mechanics: &Mechanics) -> f64 {
 /// Where on the ellipse, as angle from its right end, the slip starts and ends.
 fn finish_slip(motion: &Motion, from: &State, mechanics: &Mechanics) -> (f64, End, State) {
     let Motion::Ellipse { centre_n, cosine_n, sine_n, omega_rad_per_s: omega, .. } = *motion else {
-        return (f64::INFINITY, End::Continue, *from);
+        return endless(from);
     };
     let rest_n = mechanics.loading_rate_n_per_s() / omega; // F'/omega where v = 0
     let start = start_angle(cosine_n, sine_n);
@@ -206,14 +206,11 @@ fn finish_slip(motion: &Motion, from: &State, mechanics: &Mechanics) -> (f64, En
     // a² - (k w/omega)², exactly A² when the slip started from rest.
     let moving_n = rest_n - sine_n;
     let chord2 = cosine_n * cosine_n - moving_n * (sine_n + rest_n);
-    if chord2 < 0.0 {
-        return (f64::INFINITY, End::Continue, *from);
+    if chord2 < 0.0 || (chord2 == 0.0 && rest_n == 0.0) {
+        return endless(from);
     }
     let chord_n = chord2.sqrt();
     let stop_angle = PI + rest_n.atan2(chord_n);
-    if chord_n == 0.0 && rest_n == 0.0 {
-        return (f64::INFINITY, End::Continue, *from);
-    }
     let duration_s = ((stop_angle - start) / omega).max(0.0);
     let end = motion.state(from, duration_s);
     let force_n = (centre_n - chord_n).max(0.0);
@@ -248,6 +245,11 @@ fn finish_slack_sliding(motion: &Motion, from: &State, mechanics: &Mechanics) ->
         let end = motion.state(from, stop_s);
         (stop_s, End::Stop, at_rest(State { slack_m: end.slack_m.max(0.0), ..end }))
     }
+}
+
+/// The block slides on for ever.
+fn endless(from: &State) -> (f64, End, State) {
+    (f64::INFINITY, End::Continue, State { time_s: f64::INFINITY, ..*from })
 }
 
 fn at_rest(state: State) -> State {

@@ -60,7 +60,8 @@ mod tests {
 
     #[test]
     fn crossings_are_found_to_rounding() {
-        let cases: [(fn(f64) -> f64, f64, f64, f64); 4] = [
+        type Case = (fn(f64) -> f64, f64, f64, f64);
+        let cases: [Case; 4] = [
             (|x| x * x - 2.0, 0.0, 2.0, std::f64::consts::SQRT_2),
             (|x| (x - 1e-6).powi(3), 0.0, 1.0, 1e-6),
             (f64::cos, 0.0, 3.0, std::f64::consts::FRAC_PI_2),

@@ -25,6 +25,13 @@ pub fn csv_head(out: &mut impl Write, scene: &Scene, seed: u64, command: &str) -
     writeln!(out, "# slope_deg: {}", scene.slope_deg)?;
     writeln!(out, "# winch_m_per_s: {}", scene.winch_m_per_s)?;
     writeln!(out, "# cable_length_m: {}", scene.cable_length_m)?;
+    if let Some(snow) = &scene.snow {
+        writeln!(out, "# snow_mm: {}", snow.depth_mm)?;
+    }
+    if scene.measurement.range_n > 0.0 {
+        // What is left of the range above the dead load.
+        writeln!(out, "# range_n: {}", scene.measurement.range_n - scene.measurement.tare_n)?;
+    }
     writeln!(out, "time_s,force_n")
 }
 

@@ -1,0 +1,102 @@
+//! The logger on a NUCLEO-L476RG.
+#![cfg_attr(target_os = "none", no_std, no_main)]
+
+#[cfg(target_os = "none")]
+mod target {
+    #[cfg(feature = "defmt")]
+    use defmt_rtt as _;
+
+    use embedded_hal_bus::i2c::CriticalSectionDevice;
+    use floe_firmware::ads122::{Ads122, I2cBus};
+    use floe_firmware::app::App;
+    use floe_firmware::board::nucleo::clock::{self, CLOCK_HZ, Delay};
+    use floe_firmware::board::nucleo::console::Console;
+    use floe_firmware::board::nucleo::{Board, Card, crash};
+    use floe_firmware::card::CardLog;
+    use floe_firmware::display;
+    use floe_firmware::sample::{SampleQueue, Shared};
+    use floe_firmware::sampler::Sampler;
+    use ssd1306::mode::DisplayConfig;
+    use ssd1306::prelude::{DisplayRotation, DisplaySize128x64};
+    use ssd1306::{I2CDisplayInterface, Ssd1306};
+    use static_cell::StaticCell;
+
+    type Bus = CriticalSectionDevice<'static, floe_firmware::board::nucleo::I2c1>;
+    type Adc = Ads122<I2cBus<Bus>, Delay>;
+    type Logger = App<'static, Console, CardLog<Card>>;
+
+    /// Both address pins of the converter at ground.
+    const CONVERTER: u8 = 0x40;
+    /// 64 MiB: 18 hours of tests.
+    const LOG_SECTORS: u32 = 131_072;
+    /// Samples between two pictures on the display.
+    const PICTURE_SAMPLES: u32 = 8;
+    /// A picture takes 25 ms of the bus; later than this it would meet the tick.
+    const PICTURE_LATEST_US: u32 = 25_000;
+
+    #[cortex_m_rt::entry]
+    fn main() -> ! {
+        static SHARED: Shared = Shared::new();
+        static QUEUE: StaticCell<SampleQueue> = StaticCell::new();
+        static SAMPLER: StaticCell<Sampler<'static, Adc>> = StaticCell::new();
+        static APP: StaticCell<Logger> = StaticCell::new();
+
+        let words = crash::last_words();
+        let mut board = Board::init();
+        let (producer, consumer) = QUEUE.init(SampleQueue::new()).split();
+        let bus = I2cBus::new(CriticalSectionDevice::new(board.i2c), CONVERTER);
+        let sampler = SAMPLER.init(Sampler::new(Ads122::new(bus, Delay), producer, &SHARED));
+        // Making the log file of a new card takes a minute or two.
+        let card = CardLog::new(board.card, LOG_SECTORS);
+        let app = APP.init_with(|| App::new(consumer, &SHARED, board.console, card, CLOCK_HZ));
+        if let Some(words) = words {
+            app.announce(&words);
+        }
+        let mut screen = screen(board.i2c);
+        board.watchdog.unleash();
+        clock::start_tick(sampler);
+        let mut samples = 0;
+        loop {
+            board.watchdog.pet();
+            if app.turn() {
+                samples += 1;
+                let late = clock::since_tick() > PICTURE_LATEST_US;
+                if samples >= PICTURE_SAMPLES && !late {
+                    samples = 0;
+                    // Without a display there is nothing to see.
+                    let _ = display::draw(&mut screen, &app.view());
+                    let _ = screen.flush();
+                }
+            }
+            clock::sleep_unless(|| app.has_samples());
+        }
+    }
+
+    type Screen = Ssd1306<
+        ssd1306::prelude::I2CInterface<Bus>,
+        DisplaySize128x64,
+        ssd1306::mode::BufferedGraphicsMode<DisplaySize128x64>,
+    >;
+
+    fn screen(i2c: &'static floe_firmware::board::nucleo::SharedI2c) -> Screen {
+        let interface = I2CDisplayInterface::new(CriticalSectionDevice::new(i2c));
+        let screen = Ssd1306::new(interface, DisplaySize128x64, DisplayRotation::Rotate0);
+        let mut screen = screen.into_buffered_graphics_mode();
+        let _ = screen.init();
+        screen
+    }
+
+    #[cortex_m_rt::exception]
+    #[allow(unsafe_code)] // SAFETY: it never returns and touches nothing.
+    unsafe fn HardFault(frame: &cortex_m_rt::ExceptionFrame) -> ! {
+        crash::die(&format_args!("a fault at {:#010x}", frame.pc()))
+    }
+
+    #[panic_handler]
+    fn panic(info: &core::panic::PanicInfo<'_>) -> ! {
+        crash::die(info)
+    }
+}
+
+#[cfg(not(target_os = "none"))]
+fn main() {}

@@ -1,0 +1,119 @@
+//! Tick, clock and sleep.
+
+use core::cell::{Cell, RefCell};
+use core::sync::atomic::{AtomicU32, Ordering};
+use core::task::Waker;
+
+use cortex_m::peripheral::NVIC;
+use critical_section::Mutex;
+use embassy_stm32::pac::{self, Interrupt, interrupt};
+use embedded_hal::delay::DelayNs;
+
+use crate::sampler::Tick;
+
+/// TIM2 counts microseconds.
+pub const CLOCK_HZ: u32 = 1_000_000;
+
+/// Periods of the 32 768 Hz crystal in a sampling period: 16 Hz exactly.
+const TICK_PERIODS: u16 = 2048;
+
+static LAST_TICK: AtomicU32 = AtomicU32::new(0);
+static TICK: Mutex<RefCell<Option<&'static mut dyn Tick>>> = Mutex::new(RefCell::new(None));
+
+/// Starts the clock from the 16 MHz system clock.
+pub(super) fn start() {
+    pac::RCC.apb1enr1().modify(|w| w.set_tim2en(true));
+    pac::TIM2.psc().write_value(16 - 1);
+    pac::TIM2.arr().write_value(u32::MAX);
+    // The prescaler is taken over by an update event.
+    pac::TIM2.egr().write(|w| w.set_ug(true));
+    pac::TIM2.cr1().modify(|w| w.set_cen(true));
+}
+
+/// Microseconds since the start, modulo 2³².
+#[must_use]
+pub fn clock() -> u32 {
+    pac::TIM2.cnt().read()
+}
+
+/// Starts the sampling tick, 16 times a second from now on.
+pub fn start_tick(tick: &'static mut dyn Tick) {
+    critical_section::with(|cs| *TICK.borrow_ref_mut(cs) = Some(tick));
+    pac::RCC.apb1enr1().modify(|w| w.set_lptim1en(true));
+    let timer = pac::LPTIM1;
+    // The interrupt has to be chosen while the timer is off, the period set
+    // while it is on (RM0351, LPTIM).
+    timer.ier().write(|w| w.set_arrmie(true));
+    timer.cr().write(|w| w.set_enable(true));
+    timer.arr().write(|w| w.set_arr(TICK_PERIODS - 1));
+    while !timer.isr().read().arrok() {}
+    timer.cr().modify(|w| w.set_cntstrt(true));
+    // SAFETY: the handler below is in the vector table.
+    unsafe { NVIC::unmask(Interrupt::LPTIM1) };
+}
+
+#[interrupt]
+fn LPTIM1() {
+    pac::LPTIM1.icr().write(|w| w.set_arrmcf(true));
+    let stamp = clock();
+    LAST_TICK.store(stamp, Ordering::Relaxed);
+    critical_section::with(|cs| {
+        if let Some(tick) = TICK.borrow_ref_mut(cs).as_mut() {
+            tick.tick(stamp);
+        }
+    });
+}
+
+/// Microseconds since the last tick.
+#[must_use]
+pub fn since_tick() -> u32 {
+    clock().wrapping_sub(LAST_TICK.load(Ordering::Relaxed))
+}
+
+/// Sleeps until an interrupt unless `busy` says that there is work. The question
+/// is asked with interrupts off, so no wake-up is lost: a pending interrupt ends
+/// the sleep even then.
+pub fn sleep_unless(busy: impl FnOnce() -> bool) {
+    cortex_m::interrupt::disable();
+    if !busy() {
+        cortex_m::asm::wfi();
+    }
+    // SAFETY: they were on before.
+    unsafe { cortex_m::interrupt::enable() };
+}
+
+/// Waits by the clock.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Delay;
+
+impl DelayNs for Delay {
+    fn delay_ns(&mut self, ns: u32) {
+        let start = clock();
+        // One more: the first microsecond may be nearly over.
+        while clock().wrapping_sub(start) <= ns.div_ceil(1000) {}
+    }
+}
+
+/// The clock for the time limits of embassy's drivers; nobody waits on it.
+struct TimeDriver {
+    high: Mutex<Cell<(u32, u32)>>,
+}
+
+embassy_time_driver::time_driver_impl!(static DRIVER: TimeDriver = TimeDriver {
+    high: Mutex::new(Cell::new((0, 0))),
+});
+
+impl embassy_time_driver::Driver for TimeDriver {
+    /// Asked at every tick, so that no wrap (71 minutes) is missed.
+    fn now(&self) -> u64 {
+        critical_section::with(|cs| {
+            let low = clock();
+            let (wraps, last) = self.high.borrow(cs).get();
+            let wraps = wraps + u32::from(low < last);
+            self.high.borrow(cs).set((wraps, low));
+            u64::from(wraps) << 32 | u64::from(low)
+        })
+    }
+
+    fn schedule_wake(&self, _: u64, _: &Waker) {}
+}
