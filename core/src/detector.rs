@@ -29,7 +29,7 @@ const OFF_LINE: f32 = 6.0;
 /// Least drop of the first slip, standard deviations of the noise.
 const FIRST_DROP: f32 = 8.0;
 /// Least drop of a slip when the usual drop is known, or when there is no line.
-const LEAST_DROP: f32 = 5.0;
+const LEAST_DROP: f32 = 6.0;
 /// Least drop of a slip that starts in the upper half of the last one's range,
 /// parts of the usual drop. Flop of the cable starts in the lower half.
 const LEAST_PART: f32 = 0.35;
@@ -273,7 +273,7 @@ impl Detector {
         let part = if stick.highest.force_n > self.middle_n { LEAST_PART } else { LEAST_PART_LOW };
         let usual = self.usual_drop_n;
         let least = if usual > 0.0 {
-            (LEAST_DROP * std).min(LEAST_PART_LOW * usual).max(part * usual)
+            (LEAST_DROP * std).max(part * usual)
         } else if self.line_fits() {
             FIRST_DROP * std
         } else {
@@ -373,7 +373,7 @@ impl Detector {
         let std = self.std_n.unwrap_or(0.0);
         let drop = peak.force_n - self.lowest.force_n;
         let rise = now.force_n - self.lowest.force_n;
-        let rises = rise > (4.0 * std).max(CLEAR_RISE * drop);
+        let rises = rise > (4.0 * std).min(0.5 * drop).max(CLEAR_RISE * drop);
         let rests = since_lowest >= (fall.div_ceil(2)).max(2);
         if !(rises || rests) {
             return None;

@@ -6,9 +6,11 @@
 //! residuals of the fits.
 //!
 //! Where the block rests long enough the innovations of the stick line tell the
-//! noise. Where it never does, two differences that a smooth force hardly has bound
-//! it from above until the first fits are there: the smallest second differences
-//! (some triples always lie on a line) and the median of the fourth.
+//! noise. Where it never does, the line does not describe the force, and two other
+//! measures do, until the first fits are there: the smallest second differences, if
+//! they are far smaller than the usual one (a steep saw: some triples lie on one
+//! tooth), or the fourth difference, if it is small against the second (a smooth
+//! swing). White noise shows neither.
 
 /// A running quantile of positive numbers.
 #[derive(Clone, Copy, Debug)]
@@ -25,7 +27,7 @@ pub struct Quantile {
 /// Final step of a quantile: settles to 8 % within a hundred samples.
 const SMALLEST_GAIN: f32 = 0.08;
 /// Numbers after which the step is final.
-const SETTLED: u32 = 50;
+const SETTLED: u32 = 40;
 /// Fewest numbers that tell a quantile.
 const FEWEST: u32 = 8;
 
@@ -70,32 +72,36 @@ const fn factors(gain: f32, part: f32) -> (f32, f32) {
     (1.0 + gain * part, 1.0 / (1.0 + gain * (1.0 - part)))
 }
 
-/// The larger of the smallest numbers in the last two blocks of sixteen.
+/// The larger of the last two blocks' third smallest of 32 numbers.
 #[derive(Clone, Copy, Debug)]
 struct Smallest {
-    now: f32,
+    now: [f32; 3],
     count: u32,
-    last: [Option<f32>; 2],
+    blocks: [f32; 2],
+    full: u32,
 }
 
 impl Smallest {
-    const BLOCK: u32 = 16;
+    const BLOCK: u32 = 32;
 
     const fn new() -> Self {
-        Self { now: f32::MAX, count: 0, last: [None; 2] }
+        Self { now: [f32::MAX; 3], count: 0, blocks: [0.0; 2], full: 0 }
     }
 
     fn add(&mut self, size: f32) {
-        self.now = self.now.min(size);
+        let [a, b, c] = self.now;
+        self.now = [a.min(size), b.min(a.max(size)), c.min(b.max(size))];
         self.count += 1;
         if self.count == Self::BLOCK {
-            self.last = [self.last[1], Some(self.now)];
-            (self.now, self.count) = (f32::MAX, 0);
+            self.blocks = [self.blocks[1], self.now[2]];
+            (self.now, self.count) = ([f32::MAX; 3], 0);
+            self.full = self.full.saturating_add(1);
         }
     }
 
+    /// `None` before two blocks are full.
     fn value(&self) -> Option<f32> {
-        self.last[1].map(|new| self.last[0].map_or(new, |old| old.max(new)))
+        (self.full > 1).then(|| self.blocks.into_iter().fold(0.0, f32::max))
     }
 }
 
@@ -103,7 +109,8 @@ impl Smallest {
 #[derive(Clone, Copy, Debug)]
 pub struct Noise {
     innovation: Quantile,
-    second: Smallest,
+    smallest: Smallest,
+    second: Quantile,
     fourth: Quantile,
     /// The newest samples in a row, newest last.
     row: [f32; 5],
@@ -116,10 +123,17 @@ pub struct Noise {
 
 /// Standard deviation over the median of |x|, for a normal distribution.
 const STD_PER_MEDIAN: f32 = 1.0 / 0.674_49;
-/// Noise over the mean smallest of sixteen |second differences|, 0.078 √6.
-const STD_PER_SECOND: f32 = 1.0 / 0.19;
+/// Noise over the mean of [`Smallest`] of |second differences|.
+const STD_PER_SMALLEST: f32 = 1.0 / 0.42;
+/// Noise over the upper quartile of |second difference|, 1.150 √6.
+const STD_PER_SECOND: f32 = 1.0 / 2.818;
 /// Noise over the median of |fourth difference|, 0.6745 √70.
 const STD_PER_FOURTH: f32 = 1.0 / 5.643;
+/// A steep saw: the smallest second differences are below this part of what white
+/// noise would give.
+const SAW: f32 = 0.06;
+/// A smooth swing: the same for the fourth difference.
+const SWING: f32 = 0.5;
 
 impl Noise {
     /// Nothing known.
@@ -127,7 +141,8 @@ impl Noise {
     pub const fn new() -> Self {
         Self {
             innovation: Quantile::new(0.5),
-            second: Smallest::new(),
+            smallest: Smallest::new(),
+            second: Quantile::new(0.75),
             fourth: Quantile::new(0.5),
             row: [0.0; 5],
             filled: 0,
@@ -158,7 +173,9 @@ impl Noise {
             self.resolution_n = step;
         }
         if self.filled >= 3 {
-            self.second.add((c - 2.0 * d + e).abs());
+            let second = (c - 2.0 * d + e).abs();
+            self.second.add(second);
+            self.smallest.add(second);
         }
         if self.filled >= 5 {
             self.fourth.add((a - 4.0 * b + 6.0 * c - 4.0 * d + e).abs());
@@ -176,10 +193,22 @@ impl Noise {
         let line = self.innovation.value().map(|median| (median * STD_PER_MEDIAN).max(floor));
         // The fits allow for what a line does not.
         let fitted = self.fitted_n.map(|fitted| 1.5 * fitted);
-        let fourth = self.fourth.value().map(|median| median * STD_PER_FOURTH);
-        let second = || self.second.value().map(|smallest| smallest * STD_PER_SECOND);
-        let bound = least(fitted.or_else(second), fourth).map(|std| std.max(floor));
+        let bound = fitted.or_else(|| self.without_line_n()).map(|std| std.max(floor));
         (line, least(line, bound))
+    }
+
+    /// Standard deviation where there is no line to be followed, N.
+    fn without_line_n(&self) -> Option<f32> {
+        if self.fourth.count < SETTLED {
+            return None;
+        }
+        let second = self.second.value()? * STD_PER_SECOND;
+        let smallest = self.smallest.value().map(|size| size * STD_PER_SMALLEST);
+        let fourth = self.fourth.value().map(|size| size * STD_PER_FOURTH);
+        least(
+            smallest.filter(|&smallest| smallest < SAW * second),
+            fourth.filter(|&fourth| fourth < SWING * second),
+        )
     }
 }
 
@@ -225,9 +254,27 @@ mod tests {
         for std in [1e-4, 2.0, 300.0] {
             let line = settled(|noise, x| noise.add(std * x));
             assert!((line / std - 1.0).abs() < 0.1, "{line} {std}");
-            let bound = settled(|noise, x| noise.see(std * x, true));
-            assert!((0.7..1.1).contains(&(bound / std)), "{bound} {std}");
         }
+    }
+
+    #[test]
+    fn white_noise_is_neither_a_saw_nor_a_swing() {
+        let (mut noise, mut state) = (Noise::new(), 5);
+        for i in 0..20_000 {
+            noise.see(normal(&mut state), true);
+            assert_eq!(noise.without_line_n(), None, "{i}");
+        }
+    }
+
+    #[test]
+    fn a_steep_saw_shows_its_noise() {
+        let (mut noise, mut state) = (Noise::new(), 5);
+        (0..400).for_each(|i| {
+            let saw = 2000.0 * (i as f32 * (2.0 / 7.0)).fract();
+            noise.see(saw + 2.0 * normal(&mut state), true);
+        });
+        let std = noise.without_line_n().unwrap();
+        assert!((1.0..40.0).contains(&std), "{std}");
     }
 
     #[test]
