@@ -17,6 +17,7 @@
 
 pub mod calibrate;
 pub mod config;
+pub mod correlation;
 pub mod cycle;
 pub mod derivative;
 pub mod detector;
