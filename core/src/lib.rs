@@ -17,6 +17,7 @@
 
 pub mod calibrate;
 pub mod config;
+pub mod correlation;
 pub mod cycle;
 pub mod derivative;
 pub mod detector;
@@ -29,6 +30,7 @@ pub mod memory;
 pub mod model;
 pub mod noise;
 pub mod pipeline;
+pub mod posterior;
 pub mod report;
 pub mod residuals;
 pub mod sample;

@@ -1,5 +1,7 @@
 //! The one trait a converter has to have.
 
+use core::fmt;
+
 use floe_core::{Counts, Fault, Reading};
 
 /// What a conversion measures.
@@ -31,6 +33,18 @@ pub enum AdcFault {
     Stuck,
     /// A register does not hold what was written: a brown-out, most likely.
     Registers,
+}
+
+impl fmt::Display for AdcFault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Silent => "silent",
+            Self::NotReady => "not ready",
+            Self::Garbled => "garbled",
+            Self::Stuck => "stuck",
+            Self::Registers => "registers changed",
+        })
+    }
 }
 
 impl From<AdcFault> for Reading {

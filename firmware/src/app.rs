@@ -69,21 +69,22 @@ pub struct View {
 
 impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
     /// Takes the settings of the last test from the card.
+    #[inline]
     pub fn new(
         queue: SampleConsumer<'q>,
         shared: &'q Shared,
         port: P,
-        store: S,
+        mut store: S,
         clock_hz: u32,
     ) -> Self {
-        let (journal, last) = Journal::new(store, clock_hz);
+        let last = store.last();
         let run = last.as_ref().map_or(0, |record| record.run);
         let settings = last.map(|record| record.settings).unwrap_or_default();
-        let mut app = Self {
+        Self {
             queue,
             shared,
             console: Console::new(port),
-            journal,
+            journal: Journal::new(store, clock_hz),
             clock_hz,
             settings,
             run,
@@ -92,9 +93,7 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
             health: Health::default(),
             period: PeriodMeter::default(),
             force_n: None,
-        };
-        app.info("floe, help lists the commands");
-        app
+        }
     }
 
     /// Does all there is to do now. Afterwards the board may sleep until an
@@ -111,11 +110,14 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
         any
     }
 
-    /// Says why the board started, if not by being switched on.
-    pub fn announce(&mut self, words: &str) {
-        let mut text = Text::new();
-        let _ = write!(text, "restarted after: {words}");
-        self.trouble(&text);
+    /// Says hello, and why the board started, if not by being switched on.
+    pub fn greet(&mut self, last_words: Option<&str>) {
+        self.info("floe, help lists the commands");
+        if let Some(words) = last_words {
+            let mut text = Text::new();
+            let _ = write!(text, "restarted after: {words}");
+            self.trouble(&text);
+        }
     }
 
     /// Whether a sample waits: no time to sleep.
@@ -139,9 +141,9 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
         }
     }
 
-    /// Gives the card back, for tests.
-    pub fn into_store(self) -> S {
-        self.journal.into_store()
+    /// The card.
+    pub fn store(&self) -> &S {
+        self.journal.store()
     }
 
     fn take(&mut self, sample: Sample) {
@@ -189,7 +191,7 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
     fn adc_trouble(&mut self, sample: &Sample, fault: crate::adc::AdcFault) {
         if self.health.adc_faults % 16 == 1 {
             let mut text = Text::new();
-            let _ = write!(text, "converter at sample {}: {:?}", sample.index, fault);
+            let _ = write!(text, "converter at sample {}: {fault}", sample.index);
             self.trouble(&text);
         }
     }

@@ -55,6 +55,7 @@ type Error<D> = embedded_sdmmc::Error<<D as BlockDevice>::Error>;
 impl<D: BlockDevice> CardLog<D> {
     /// A log of so many sectors (a half second each). A card that is not there
     /// yet is looked for again when something is to be written.
+    #[inline(never)]
     pub fn new(device: D, sectors: u32) -> Self {
         let volumes = VolumeManager::new(device, NoClock);
         let mut card = Self { volumes, open: None, sectors, next: 0, failed: 0 };
@@ -165,7 +166,7 @@ impl<D: BlockDevice> Store for CardLog<D> {
         // A card that is gone is looked for now and then, not at every sector.
         if self.open.is_none() {
             self.failed += 1;
-            if self.failed % TRIES != 0 || !self.ensure_open() {
+            if !self.failed.is_multiple_of(TRIES) || !self.ensure_open() {
                 return Err(StoreError::NoCard);
             }
         }

@@ -3,7 +3,7 @@
 use core::fmt::Write;
 
 use embedded_graphics::mono_font::MonoTextStyle;
-use embedded_graphics::mono_font::ascii::{FONT_6X10, FONT_10X20};
+use embedded_graphics::mono_font::ascii::{FONT_6X10, FONT_9X15};
 use embedded_graphics::pixelcolor::BinaryColor;
 use embedded_graphics::prelude::{DrawTarget, Point};
 use embedded_graphics::text::{Baseline, Text};
@@ -24,7 +24,7 @@ where
     D: DrawTarget<Color = BinaryColor>,
 {
     target.clear(BinaryColor::Off)?;
-    text(target, &FONT_10X20, 0, &force(view))?;
+    text(target, &FONT_9X15, 0, &force(view))?;
     let report = view.report;
     text(target, &FONT_6X10, 22, &coefficient("mu_s", report.and_then(|r| r.mu_s)))?;
     text(target, &FONT_6X10, 33, &coefficient("mu  ", report.and_then(|r| r.mu)))?;
@@ -133,7 +133,7 @@ mod tests {
         assert_eq!(coefficient("mu_s", Some(estimate)).as_str(), "mu_s 1.2000 +- 0.1000");
         let health = Health { overruns: u32::MAX, store_failures: 1, ..Health::default() };
         let view = View { force_n: Some(-65_432.1), report: None, phase: Phase::Slip, health };
-        assert!(force(&view).len() <= 12, "10-point font: 12 characters a row");
+        assert!(force(&view).len() <= 12, "9-point font: 14 characters a row");
         assert!(super::health(&view).len() <= 21, "6-point font: 21 characters a row");
     }
 }

@@ -23,11 +23,10 @@ pub struct Journal<S> {
 
 impl<S: Store> Journal<S> {
     /// Goes on behind what is on the card.
-    pub fn new(mut store: S, clock_hz: u32) -> (Self, Option<Record>) {
-        let last = store.last();
+    pub fn new(store: S, clock_hz: u32) -> Self {
         let record = Record { clock_hz, ..Record::default() };
         let waiting = String::new();
-        (Self { store, record, waiting, sectors: 0, failures: 0, lines_lost: 0 }, last)
+        Self { store, record, waiting, sectors: 0, failures: 0, lines_lost: 0 }
     }
 
     /// Everything from here on belongs to this test, or to none (run 0).
@@ -81,9 +80,9 @@ impl<S: Store> Journal<S> {
         result.and(self.write())
     }
 
-    /// Gives the card back.
-    pub fn into_store(self) -> S {
-        self.store
+    /// The card.
+    pub fn store(&self) -> &S {
+        &self.store
     }
 
     /// Sectors written.

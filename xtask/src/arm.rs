@@ -66,8 +66,26 @@ impl Route {
         let mut command = self.cargo("build");
         command.args(["--package", "floe-firmware", "--bin", program]);
         command.args(["--features", features, "--profile", "firmware"]);
+        command.env("CARGO_ENCODED_RUSTFLAGS", self.firmware_flags().join("\u{1f}"));
         run(&mut command)?;
         Ok(root().join("target/arm").join(TARGET).join("firmware").join(program))
+    }
+
+    /// Small code, and no paths of this machine in it.
+    fn firmware_flags(self) -> Vec<String> {
+        let cargo_home = std::env::var_os("CARGO_HOME").map(PathBuf::from);
+        let home = std::env::var_os("HOME").map(|home| Path::new(&home).join(".cargo"));
+        let sources = cargo_home.or(home).unwrap_or_default().join("registry/src");
+        let registries = std::fs::read_dir(&sources).into_iter().flatten().flatten();
+        let mut hidden: Vec<PathBuf> = registries.map(|entry| entry.path()).collect();
+        hidden.push(root());
+        let remap = |path: &PathBuf| format!("--remap-path-prefix={}/=", path.display());
+        let mut flags: Vec<String> = hidden.iter().map(remap).collect();
+        flags.push("-Cllvm-args=--inline-threshold=15".into());
+        if self == Self::Debian {
+            flags.extend(DEBIAN_FLAGS.map(String::from));
+        }
+        flags
     }
 
     fn describe(self) -> &'static str {
@@ -120,6 +138,9 @@ fn prepare_debian() -> Result<()> {
     apt::install(&["rustc-web", "cargo-web", "rust-web-src", "lld"])
 }
 
+/// For build scripts cargo ignores these when a target is given.
+const DEBIAN_FLAGS: [&str; 2] = ["-Clinker=ld.lld", "-Clinker-flavor=ld.lld"];
+
 /// The link is Debian's lld, since there is no `rust-lld` in its packages.
 fn debian_cargo() -> Command {
     let mut command = Command::new("/usr/bin/cargo");
@@ -128,9 +149,6 @@ fn debian_cargo() -> Command {
         command.env_remove(name);
     }
     command.env("RUSTC", "/usr/bin/rustc").env("RUSTC_BOOTSTRAP", "1");
-    command.env(
-        "CARGO_TARGET_THUMBV7EM_NONE_EABIHF_RUSTFLAGS",
-        "-Clinker=ld.lld -Clinker-flavor=ld.lld",
-    );
+    command.env("CARGO_ENCODED_RUSTFLAGS", DEBIAN_FLAGS.join("\u{1f}"));
     command
 }

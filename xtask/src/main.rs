@@ -3,9 +3,13 @@
 
 mod apt;
 mod arm;
+mod bench;
 mod emulate;
+mod flash;
 mod qemu;
 mod shell;
+mod size;
+mod target;
 mod test;
 
 use std::process::ExitCode;
@@ -32,6 +36,12 @@ enum Job {
     Test,
     /// Run a log through the firmware in the emulator
     Emulate(emulate::Args),
+    /// Speed on this PC and on the board, one table
+    Bench,
+    /// Write the firmware to a NUCLEO-L476RG on USB
+    Flash,
+    /// Flash, RAM and stack of the firmware
+    Size,
 }
 
 fn main() -> ExitCode {
@@ -39,6 +49,9 @@ fn main() -> ExitCode {
     let done = match &cli.job {
         Job::Test => test::run(cli.arm),
         Job::Emulate(args) => emulate::run(args, cli.arm),
+        Job::Bench => bench::run(cli.arm),
+        Job::Flash => flash::run(cli.arm),
+        Job::Size => size::run(cli.arm),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

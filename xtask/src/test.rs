@@ -5,8 +5,9 @@ use std::time::Instant;
 
 use crate::Result;
 use crate::arm::Route;
-use crate::qemu;
 use crate::shell::{self, cargo, run_within, say};
+use crate::target::Tests;
+use crate::{emulate, qemu, size};
 
 /// Names of the steps that passed and of those that did not.
 struct Tally {
@@ -56,6 +57,12 @@ pub fn run(forced: Option<Route>) -> Result<()> {
         });
     }
     tally.step("QEMU", || qemu::find().map(drop));
+    if let Some(route) = route {
+        tally.step("tests on target", || Tests::prepare(Some(route))?.run_all());
+        tally.step("logs through the firmware", || emulate::check_bundled(route));
+        tally.step("converter troubles", || emulate::check_troubles(route));
+        tally.step("board image", || size::run(Some(route)));
+    }
     let summary = format!("steps: {} passed, {} failed", tally.passed.len(), tally.failed.len());
     println!("{summary}");
     if tally.failed.is_empty() { Ok(()) } else { Err(tally.failed.join("\n       ")) }

@@ -23,27 +23,34 @@ mod target {
 
     #[entry]
     fn main() -> ! {
-        static SHARED: Shared = Shared::new();
-        static QUEUE: StaticCell<SampleQueue> = StaticCell::new();
-        static APP: StaticCell<Logger> = StaticCell::new();
-        static SAMPLER: StaticCell<Sampler<'static, Adc>> = StaticCell::new();
-
-        mps2::start_clock();
-        let (Some(console), Some(line)) = (ConsoleFiles::open(), AdcLine::open()) else {
-            // Started without its neighbours.
-            exit(3)
-        };
-        let (producer, consumer) = QUEUE.init(SampleQueue::new()).split();
-        let adc = Ads122::new(SerialBus::new(line, Delay), Delay);
-        let sampler = SAMPLER.init(Sampler::new(adc, producer, &SHARED));
-        let card = CardLog::new(CardFile::open(), LOG_SECTORS);
-        let app = APP.init_with(|| App::new(consumer, &SHARED, console, card, CLOCK_HZ));
+        mps2::start();
+        let (app, sampler) = build();
+        app.greet(None);
         app.turn();
         mps2::start_tick(sampler);
         loop {
             app.turn();
             mps2::sleep_unless(|| app.has_samples());
         }
+    }
+
+    /// Puts everything in its place; a function of its own, so that its frame goes.
+    #[inline(never)]
+    fn build() -> (&'static mut Logger, &'static mut Sampler<'static, Adc>) {
+        static SHARED: Shared = Shared::new();
+        static QUEUE: StaticCell<SampleQueue> = StaticCell::new();
+        static APP: StaticCell<Logger> = StaticCell::new();
+        static SAMPLER: StaticCell<Sampler<'static, Adc>> = StaticCell::new();
+
+        let (Some(console), Some(line)) = (ConsoleFiles::open(), AdcLine::open()) else {
+            // Started without its neighbours.
+            exit(3)
+        };
+        let (producer, consumer) = QUEUE.init_with(SampleQueue::new).split();
+        let adc = Ads122::new(SerialBus::new(line, Delay), Delay);
+        let sampler = SAMPLER.init_with(|| Sampler::new(adc, producer, &SHARED));
+        let card = CardLog::new(CardFile::open(), LOG_SECTORS);
+        (APP.init_with(|| App::new(consumer, &SHARED, console, card, CLOCK_HZ)), sampler)
     }
 
     #[cortex_m_rt::exception]

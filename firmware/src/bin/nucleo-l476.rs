@@ -11,7 +11,7 @@ mod target {
     use floe_firmware::app::App;
     use floe_firmware::board::nucleo::clock::{self, CLOCK_HZ, Delay};
     use floe_firmware::board::nucleo::console::Console;
-    use floe_firmware::board::nucleo::{Board, Card, crash};
+    use floe_firmware::board::nucleo::{Board, Card, Watchdog, crash};
     use floe_firmware::card::CardLog;
     use floe_firmware::display;
     use floe_firmware::sample::{SampleQueue, Shared};
@@ -36,28 +36,12 @@ mod target {
 
     #[cortex_m_rt::entry]
     fn main() -> ! {
-        static SHARED: Shared = Shared::new();
-        static QUEUE: StaticCell<SampleQueue> = StaticCell::new();
-        static SAMPLER: StaticCell<Sampler<'static, Adc>> = StaticCell::new();
-        static APP: StaticCell<Logger> = StaticCell::new();
-
-        let words = crash::last_words();
-        let mut board = Board::init();
-        let (producer, consumer) = QUEUE.init(SampleQueue::new()).split();
-        let bus = I2cBus::new(CriticalSectionDevice::new(board.i2c), CONVERTER);
-        let sampler = SAMPLER.init(Sampler::new(Ads122::new(bus, Delay), producer, &SHARED));
-        // Making the log file of a new card takes a minute or two.
-        let card = CardLog::new(board.card, LOG_SECTORS);
-        let app = APP.init_with(|| App::new(consumer, &SHARED, board.console, card, CLOCK_HZ));
-        if let Some(words) = words {
-            app.announce(&words);
-        }
-        let mut screen = screen(board.i2c);
-        board.watchdog.unleash();
+        let Parts { app, sampler, mut screen, mut watchdog } = build();
+        watchdog.unleash();
         clock::start_tick(sampler);
         let mut samples = 0;
         loop {
-            board.watchdog.pet();
+            watchdog.pet();
             if app.turn() {
                 samples += 1;
                 let late = clock::since_tick() > PICTURE_LATEST_US;
@@ -70,6 +54,34 @@ mod target {
             }
             clock::sleep_unless(|| app.has_samples());
         }
+    }
+
+    struct Parts {
+        app: &'static mut Logger,
+        sampler: &'static mut Sampler<'static, Adc>,
+        screen: Screen,
+        watchdog: Watchdog,
+    }
+
+    /// Puts everything in its place; a function of its own, so that its frame goes.
+    #[inline(never)]
+    fn build() -> Parts {
+        static SHARED: Shared = Shared::new();
+        static QUEUE: StaticCell<SampleQueue> = StaticCell::new();
+        static SAMPLER: StaticCell<Sampler<'static, Adc>> = StaticCell::new();
+        static APP: StaticCell<Logger> = StaticCell::new();
+
+        let words = crash::last_words();
+        let board = Board::init();
+        let (producer, consumer) = QUEUE.init_with(SampleQueue::new).split();
+        let bus = I2cBus::new(CriticalSectionDevice::new(board.i2c), CONVERTER);
+        let adc = Ads122::new(bus, Delay);
+        let sampler = SAMPLER.init_with(|| Sampler::new(adc, producer, &SHARED));
+        // Making the log file of a new card takes a minute or two.
+        let card = CardLog::new(board.card, LOG_SECTORS);
+        let app = APP.init_with(|| App::new(consumer, &SHARED, board.console, card, CLOCK_HZ));
+        app.greet(words.as_deref());
+        Parts { app, sampler, screen: screen(board.i2c), watchdog: board.watchdog }
     }
 
     type Screen = Ssd1306<
@@ -89,12 +101,16 @@ mod target {
     #[cortex_m_rt::exception]
     #[allow(unsafe_code)] // SAFETY: it never returns and touches nothing.
     unsafe fn HardFault(frame: &cortex_m_rt::ExceptionFrame) -> ! {
-        crash::die(&format_args!("a fault at {:#010x}", frame.pc()))
+        crash::die(format_args!("a fault at {:#010x}", frame.pc()))
     }
 
     #[panic_handler]
     fn panic(info: &core::panic::PanicInfo<'_>) -> ! {
-        crash::die(info)
+        // Only where: with the words, every format of the program would stay in it.
+        match info.location() {
+            Some(place) => crash::die(format_args!("a panic at {}:{}", place.file(), place.line())),
+            None => crash::die(format_args!("a panic")),
+        }
     }
 }
 

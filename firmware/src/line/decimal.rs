@@ -10,7 +10,7 @@ use core::fmt;
 /// ```
 /// use floe_firmware::line::Decimal;
 /// assert_eq!(Decimal(0.1).to_string(), "0.1");
-/// assert_eq!(Decimal(1.0 / 3.0).to_string(), "0.3333333");
+/// assert_eq!(Decimal(1.0 / 3.0).to_string(), "0.33333334");
 /// assert_eq!(Decimal(-2.5e-7).to_string(), "-2.5e-7");
 /// ```
 #[derive(Clone, Copy, Debug)]

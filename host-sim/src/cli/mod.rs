@@ -9,6 +9,7 @@ use clap::{Parser, Subcommand};
 
 use crate::error::InputError;
 
+pub mod bench;
 pub mod campaign;
 pub mod output;
 pub mod replay;
@@ -26,6 +27,7 @@ struct Cli {
 #[derive(Debug, Subcommand)]
 enum Command {
     Campaign(campaign::Args),
+    Bench(bench::Args),
     Replay(replay::Args),
     Simulate(simulate::Args),
     Stiffness(stiffness::Args),
@@ -39,6 +41,7 @@ pub fn main() -> ExitCode {
         Ok(Cli { command: Some(Command::Simulate(args)) }) => simulate::run(&args),
         Ok(Cli { command: Some(Command::Stiffness(args)) }) => stiffness::run(&args),
         Ok(Cli { command: Some(Command::Campaign(args)) }) => campaign::run(&args),
+        Ok(Cli { command: Some(Command::Bench(args)) }) => bench::run(&args),
         Ok(Cli { command: None }) => replay::run_bundled(),
         Err(error) if error.use_stderr() => Err(one_line(&error)),
         // Help and version are asked for, not wrong.

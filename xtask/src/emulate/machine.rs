@@ -1,6 +1,7 @@
 //! The emulator with the firmware in it.
 
 use std::fs;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::sync::mpsc;
@@ -10,6 +11,7 @@ use floe::chip::SerialChip;
 
 use super::link::{self, Typist};
 use super::record::Record;
+use super::socket;
 use crate::Result;
 use crate::arm::Route;
 use crate::qemu;
@@ -22,13 +24,26 @@ pub struct Machine {
     firmware: PathBuf,
 }
 
+/// How to run.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Setup<'a> {
+    /// Every sample is shown, not only what comes of them.
+    pub samples: bool,
+    /// In real time, the console on this TCP port of this PC.
+    pub port: Option<u16>,
+    /// The SD card.
+    pub card: Option<&'a Path>,
+}
+
 /// What a run gave.
 #[derive(Debug)]
 pub struct Run {
     /// What the board said.
-    pub lines: Vec<String>,
+    pub shown: String,
     /// Every conversion that the board read: number of the sample and code.
     pub delivered: Vec<(u64, i32)>,
+    /// Bytes of stack used at most.
+    pub stack: u64,
     /// Time it took.
     pub wall: Duration,
 }
@@ -48,9 +63,10 @@ impl Machine {
     ///
     /// # Errors
     /// The firmware or the emulator failed.
-    pub fn run(&self, record: &Record, live: Option<u16>, card: Option<&Path>) -> Result<Run> {
-        let directory = Directory::new(card)?;
-        directory.write("console.in", record.commands() + quiet(live) + "start\r\n")?;
+    pub fn run(&self, record: &Record, setup: Setup<'_>) -> Result<Run> {
+        let directory = Directory::new(setup.card)?;
+        let live = if setup.samples { "live on\r\n" } else { "live off\r\n" };
+        directory.write("console.in", record.commands() + live + "start\r\n")?;
         let typist = vec![(record.codes.len() as u64, "stop\r\n".to_string())];
         let typist = Typist::new(&directory.path("console.in"), typist);
         let typist = typist.map_err(|e| e.to_string())?;
@@ -58,12 +74,23 @@ impl Machine {
         let chip = SerialChip::new(load_cell, trouble, 0);
         let start = Instant::now();
         let mut child = self.spawn(&directory)?;
-        let done = serve(&directory, chip, typist, live.is_some(), &mut child);
+        if let Some(port) = setup.port {
+            socket::serve(port, &directory.0)?;
+        }
+        let done = serve(&directory, chip, typist, setup.port.is_some(), &mut child);
+        let stack = stack_of(&mut child);
         let wall = start.elapsed();
         let shown = fs::read_to_string(directory.path("console.out")).unwrap_or_default();
         let chip = done.map_err(|e| format!("{e}; the board's last words: {}", tail(&shown)))?;
-        let lines = shown.lines().map(str::to_string).collect();
-        Ok(Run { lines, delivered: chip.device().delivered().to_vec(), wall })
+        Ok(Run { shown, delivered: chip.device().delivered().to_vec(), stack, wall })
+    }
+
+    /// Deepest stack in a test with events.
+    ///
+    /// # Errors
+    /// As [`Machine::run`].
+    pub fn stack_used(&self) -> Result<u64> {
+        Ok(self.run(&Record::stick_slip(), Setup::default())?.stack)
     }
 
     fn spawn(&self, directory: &Directory) -> Result<Child> {
@@ -72,14 +99,26 @@ impl Machine {
         command.args(["-serial", "none", "-icount", "shift=4,sleep=off"]);
         command.args(["-semihosting-config", "enable=on,target=native", "-kernel"]);
         command.arg(&self.firmware).current_dir(&directory.0);
-        command.stdin(Stdio::null()).stdout(Stdio::null());
+        command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::piped());
         command.spawn().map_err(|e| format!("cannot start {}: {e}", self.qemu))
     }
 }
 
-/// During a live run the samples are shown, else only what comes of them.
-fn quiet(live: Option<u16>) -> &'static str {
-    if live.is_some() { "live on\r\n" } else { "live off\r\n" }
+/// What the board says about its stack at its end; whatever else it or the
+/// emulator says there is passed on.
+fn stack_of(child: &mut Child) -> u64 {
+    let mut text = String::new();
+    if let Some(mut stderr) = child.stderr.take() {
+        let _ = stderr.read_to_string(&mut text);
+    }
+    let mut stack = 0;
+    for line in text.lines() {
+        match line.strip_prefix("stack ").and_then(|rest| rest.split(' ').next()?.parse().ok()) {
+            Some(used) => stack = used,
+            None => eprintln!("{line}"),
+        }
+    }
+    stack
 }
 
 /// Serves the converter while the emulator lives.
@@ -92,7 +131,10 @@ fn serve(
 ) -> Result<SerialChip> {
     let (sender, receiver) = mpsc::channel();
     let place = directory.0.clone();
-    std::thread::spawn(move || sender.send(link::serve(&place, chip, typist, real_time)));
+    std::thread::spawn(move || {
+        // Nobody waits for the answer when the emulator has failed.
+        let _ = sender.send(link::serve(&place, chip, typist, real_time));
+    });
     let done = loop {
         if let Ok(done) = receiver.recv_timeout(Duration::from_millis(20)) {
             break done.map_err(|e| e.to_string())?;

@@ -12,6 +12,8 @@ pub mod link;
 pub mod machine;
 pub mod outcome;
 pub mod record;
+mod socket;
+mod troubles;
 
 use std::path::PathBuf;
 
@@ -22,8 +24,8 @@ use floe::replay::test::TestOptions;
 
 use crate::Result;
 use crate::arm::Route;
-use crate::shell::say;
-use machine::Machine;
+use crate::shell::{root, say};
+use machine::{Machine, Setup};
 use record::Record;
 
 /// Options of the job.
@@ -50,6 +52,40 @@ pub struct Args {
     pub live: Option<u16>,
 }
 
+/// Runs every bundled log and compares every event with this PC's.
+///
+/// # Errors
+/// The first difference.
+pub fn check_bundled(route: Route) -> Result<()> {
+    let machine = Machine::prepare(Some(route))?;
+    let logs = root().join("host-sim/logs");
+    let files = std::fs::read_dir(&logs).into_iter().flatten().flatten();
+    let mut files: Vec<PathBuf> = files.map(|entry| entry.path()).collect();
+    files.retain(|path| path.extension().is_some_and(|e| e == "csv" || e == "dat"));
+    files.sort();
+    let weight = TestOptions { weight_n: Some(630.0), ..TestOptions::default() };
+    for path in &files {
+        let record = Record::read(path, &LogOptions::default(), &weight)?;
+        check(&machine, &path.display().to_string(), &record)?;
+    }
+    check(&machine, "a sawtooth", &Record::stick_slip())
+}
+
+pub use troubles::check_troubles;
+
+fn check(machine: &Machine, name: &str, record: &Record) -> Result<()> {
+    let run = machine.run(record, Setup::default())?;
+    let outcome = outcome::decode(&run.shown)?;
+    let samples = outcome.report.counters.samples;
+    let same = outcome.compare(record, &run.delivered)?;
+    println!("emulated: {name}: {samples} samples, {same}");
+    Ok(())
+}
+
+fn crc32(bytes: &[u8]) -> u32 {
+    crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC).checksum(bytes)
+}
+
 impl Args {
     fn log_options(&self) -> LogOptions {
         LogOptions { column: self.column.clone(), unit: self.unit, ..LogOptions::default() }
@@ -63,14 +99,20 @@ impl Args {
 pub fn run(args: &Args, forced: Option<Route>) -> Result<()> {
     let record = Record::read(&args.log, &args.log_options(), &args.test)?;
     let machine = Machine::prepare(forced)?;
-    let run = machine.run(&record, args.live, args.card.as_deref())?;
-    let outcome = outcome::decode(&run.lines)?;
+    let setup = Setup { samples: args.live.is_some(), port: args.live, card: args.card.as_deref() };
+    let run = machine.run(&record, setup)?;
+    let outcome = outcome::decode(&run.shown)?;
+    let health = &outcome.health;
     say(&format!(
-        "{} samples in {:.1} s; {}",
-        outcome.health.samples,
+        "{} samples in {:.1} s, {} lost, at most {} waiting; console {} bytes, CRC-32 {:08x}",
+        health.samples,
         run.wall.as_secs_f64(),
-        outcome.compare(&record, &run.delivered)?
+        health.overruns,
+        health.deepest,
+        run.shown.len(),
+        crc32(run.shown.as_bytes()),
     ));
+    say(&outcome.compare(&record, &run.delivered)?);
     for trouble in &outcome.troubles {
         say(&format!("the board says: {trouble}"));
     }

@@ -28,10 +28,10 @@ pub struct Outcome {
 ///
 /// # Errors
 /// A damaged line, or no complete test among them.
-pub fn decode(lines: &[String]) -> Result<Outcome> {
+pub fn decode(shown: &str) -> Result<Outcome> {
     let (mut config, mut report, mut health, mut ended) = (None, None, None, false);
     let (mut events, mut troubles) = (Vec::new(), Vec::new());
-    for line in lines {
+    for line in shown.lines() {
         match Line::parse(line).map_err(|e| format!("the board's line '{line}': {e}"))? {
             Line::Start { settings, .. } => config = Some(settings.config),
             Line::Event(event) => events.push(event),

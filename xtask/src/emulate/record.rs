@@ -62,6 +62,29 @@ impl Record {
         })
     }
 
+    /// A minute of a block of 630 N that sticks and slips every two seconds: the
+    /// force rises for 28 samples and falls in three.
+    #[must_use]
+    pub fn stick_slip() -> Self {
+        let force = |i: u32| match i % 32 {
+            phase @ 0..28 => 200.0 + 22.0 * f64::from(phase),
+            28 => 700.0,
+            29 => 480.0,
+            30 => 260.0,
+            _ => 205.0,
+        };
+        let mut config = Config { weight_n: 630.0, ..Config::default() };
+        config.calibration.counts_per_n = 5000.0;
+        Self {
+            format: "csv",
+            test_id: None,
+            config,
+            codes: (0..960).map(|i| Some((5000.0 * force(i)) as i32)).collect(),
+            times_s: (0..960).map(|i| f64::from(i) / RATE_HZ).collect(),
+            trouble: Schedule::default(),
+        }
+    }
+
     /// The load cell: where the log has nothing, the converter says nothing.
     #[must_use]
     pub fn load_cell(&self) -> (LoadCell, Schedule) {

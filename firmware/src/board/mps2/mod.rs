@@ -12,6 +12,7 @@ use cortex_m::peripheral::NVIC;
 use critical_section::Mutex;
 use embedded_hal::delay::DelayNs;
 
+use super::stack;
 use crate::sampler::Tick;
 
 /// Both timers count at the processor's 25 MHz.
@@ -68,8 +69,13 @@ unsafe extern "C" fn on_timer0() {
     });
 }
 
-/// Starts the clock. Call it first, once.
-pub fn start_clock() {
+/// Starts the clock and guards the stack. Call it first, once.
+///
+/// # Panics
+/// It is the second time.
+pub fn start() {
+    let peripherals = cortex_m::Peripherals::take().expect("started twice");
+    stack::guard(&peripherals.MPU);
     write(TIMER1 + RELOAD, u32::MAX);
     write(TIMER1 + VALUE, u32::MAX);
     write(TIMER1 + CTRL, ENABLE);
@@ -117,26 +123,9 @@ impl DelayNs for Delay {
 
 /// Ends the emulation with an exit code, after saying how deep the stack was.
 pub fn finish(code: i32) -> ! {
-    let (used, size) = stack_used();
+    let (used, size) = stack::used();
     semihosting::eprintln!("stack {used} of {size} bytes");
     semihosting::process::exit(code)
-}
-
-/// Bytes of the stack that were ever used, and its size: the reset code has
-/// painted it.
-#[must_use]
-pub fn stack_used() -> (usize, usize) {
-    unsafe extern "C" {
-        static _stack_end: u32;
-        static _stack_start: u32;
-    }
-    let (end, start) = (&raw const _stack_end, &raw const _stack_start);
-    let mut word = end;
-    // SAFETY: from the linker script: the words from end to start are the stack.
-    while word < start && unsafe { read_volatile(word) } == cortex_m_rt::STACK_PAINT_VALUE {
-        word = word.wrapping_add(1);
-    }
-    (start as usize - word as usize, start as usize - end as usize)
 }
 
 fn read(register: usize) -> u32 {

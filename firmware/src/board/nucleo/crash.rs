@@ -22,10 +22,10 @@ struct Crash {
 static mut CRASH: MaybeUninit<Crash> = MaybeUninit::uninit();
 
 /// Leaves last words and starts the board again.
-pub fn die(reason: &dyn core::fmt::Display) -> ! {
+pub fn die(reason: core::fmt::Arguments<'_>) -> ! {
     cortex_m::interrupt::disable();
     let mut words = Words::new();
-    let _ = write!(words, "{reason}");
+    let _ = words.write_fmt(reason);
     // SAFETY: interrupts are off and nobody else runs: this is the only access.
     unsafe { (&raw mut CRASH).write(MaybeUninit::new(Crash { valid: VALID, words })) };
     cortex_m::peripheral::SCB::sys_reset()

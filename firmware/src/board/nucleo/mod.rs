@@ -30,6 +30,7 @@ use embedded_hal_bus::spi::ExclusiveDevice;
 use embedded_sdmmc::SdCard;
 use static_cell::StaticCell;
 
+use super::stack;
 use clock::Delay;
 use console::Console;
 
@@ -42,6 +43,9 @@ pub type Card = SdCard<
     ExclusiveDevice<Spi<'static, Blocking, spi::mode::Master>, Output<'static>, Delay>,
     Delay,
 >;
+
+/// The watchdog.
+pub type Watchdog = IndependentWatchdog<'static, IWDG>;
 
 /// Longest time on the bus that is not a fault: the display's 65 bytes take 1.5 ms.
 const I2C_LIMIT: Duration = Duration::from_millis(4);
@@ -58,13 +62,17 @@ pub struct Board {
     /// The serial line.
     pub console: Console,
     /// Resets the board unless it is petted.
-    pub watchdog: IndependentWatchdog<'static, IWDG>,
+    pub watchdog: Watchdog,
 }
 
 impl Board {
     /// Starts clocks and peripherals; the tick is started by [`clock::start_tick`].
     #[must_use]
     pub fn init() -> Self {
+        // Embassy leaves the core's own peripherals to us.
+        if let Some(core) = cortex_m::Peripherals::take() {
+            stack::guard(&core.MPU);
+        }
         let p = embassy_stm32::init(clocks());
         clock::start();
         Self::with(p)

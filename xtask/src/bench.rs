@@ -1,0 +1,75 @@
+//! `cargo xtask bench`: host figures and the board's in one table.
+
+use std::process::Command;
+
+use crate::Result;
+use crate::arm::Route;
+use crate::shell::{self, cargo, output};
+use crate::target::Tests;
+
+/// Cycles per instruction of a Cortex-M4F with flash wait states at 16 MHz and
+/// below: none. Loads take two, divisions and roots up to 14; 1.5 is on the safe
+/// side for this code and has to be measured again on the board.
+const CYCLES_PER_INSTRUCTION: f64 = 1.5;
+/// Ticks per second.
+const RATE_HZ: f64 = 16.0;
+/// Clocks of the board to tabulate.
+const CLOCKS_MHZ: [f64; 3] = [4.0, 16.0, 80.0];
+/// I²C bits of a tick at 400 kHz: a conversion read (12 bytes), a register read
+/// (5), a start (2), each with its acknowledge.
+const BUS_S: f64 = (12.0 + 5.0 + 2.0) * 9.0 / 400_000.0;
+
+/// STM32L476 data sheet, typical at 25 °C, range 1, all from flash: run and sleep
+/// current in mA per MHz, and the peripherals that stay on, mA.
+const RUN_MA_PER_MHZ: f64 = 0.10;
+const SLEEP_MA_PER_MHZ: f64 = 0.035;
+const PERIPHERALS_MA: f64 = 0.10;
+/// ADS122C04 in turbo mode while it converts (11.1 ms of 62.5), and a 350 ohm
+/// bridge at 3.3 V that is always on.
+const CONVERTER_MA: f64 = 0.6 * 11.1 / 62.5;
+const BRIDGE_MA: f64 = 3.3 / 0.350;
+
+/// Prints the host's table if the tool knows it, then the board's.
+///
+/// # Errors
+/// The firmware does not build or run.
+pub fn run(forced: Option<Route>) -> Result<()> {
+    if let Some(table) = host_table() {
+        println!("{table}");
+    }
+    let counts = Tests::prepare(forced)?.bench()?;
+    println!("board: instructions, counted by the emulator");
+    println!("{:14} {:>9} {:>9}", "job", "mean", "worst");
+    for (name, mean, worst) in &counts {
+        println!("{name:14} {mean:9} {worst:9}");
+    }
+    let of = |name: &str| counts.iter().find(|(n, ..)| n == name);
+    let mean = |name: &str| of(name).map_or(0.0, |&(_, mean, _)| mean as f64);
+    // Every eighth tick writes a sector; an event comes every 28th or so.
+    let tick = mean("sampler") + mean("step") + mean("record") / 8.0 + mean("event-line") / 28.0;
+    let live = tick + mean("sample-line");
+    let worst = of("step").map_or(0.0, |&(.., worst)| worst as f64);
+    println!("\nper tick: {tick:.0} instructions, {live:.0} with live samples");
+    println!("clock    busy per tick   worst step   duty    MCU     with converter and bridge");
+    for mhz in CLOCKS_MHZ {
+        let seconds = |n: f64| n * CYCLES_PER_INSTRUCTION / (mhz * 1e6);
+        let busy_s = seconds(live) + BUS_S;
+        let duty = busy_s * RATE_HZ;
+        let mcu = mhz * (duty * RUN_MA_PER_MHZ + (1.0 - duty) * SLEEP_MA_PER_MHZ) + PERIPHERALS_MA;
+        println!(
+            "{mhz:3.0} MHz  {:8.2} ms    {:7.2} ms   {:4.1} %  {mcu:5.2} mA  {:5.1} mA",
+            busy_s * 1e3,
+            seconds(worst) * 1e3,
+            duty * 100.0,
+            mcu + CONVERTER_MA + BRIDGE_MA,
+        );
+    }
+    println!("Estimates: {CYCLES_PER_INSTRUCTION} cycles an instruction, data sheet currents.");
+    Ok(())
+}
+
+fn host_table() -> Option<String> {
+    shell::say("host figures: floe bench");
+    let mut command: Command = cargo();
+    output(command.args(["run", "--quiet", "--release", "--package", "floe", "--", "bench"]))
+}

@@ -1,0 +1,80 @@
+//! Everything that can be wrong with the converter, through the whole firmware.
+
+use std::ops::Range;
+
+use floe::chip::{Schedule, Trouble};
+use floe_core::SampleFlag;
+use floe_firmware::line::Line;
+
+use super::machine::{Machine, Setup};
+use super::outcome;
+use super::record::Record;
+use crate::Result;
+use crate::arm::Route;
+
+/// Samples that the trouble lasts for, of 960.
+const TROUBLE: Range<u64> = 400..420;
+
+/// Runs a test with each trouble in it: it has to be shown within two samples and
+/// to be over two samples after its end, without a reset of the board. A frozen
+/// code takes five samples to tell from noise.
+///
+/// # Errors
+/// Which trouble was not handled.
+pub fn check_troubles(route: Route) -> Result<()> {
+    let machine = Machine::prepare(Some(route))?;
+    let lasting = [
+        ("silent", Trouble::Silent, 2),
+        ("late answers", Trouble::Late { ns: 10_000_000 }, 2),
+        ("slow conversions", Trouble::Slow { ns: 80_000_000 }, 2),
+        ("stuck", Trouble::Stuck, 2),
+        ("frozen", Trouble::Frozen, 5),
+        ("saturated", Trouble::Saturated, 2),
+        ("babbling", Trouble::Babbling, 2),
+    ];
+    for (name, trouble, within) in lasting {
+        check(&machine, name, trouble, within, TROUBLE.end)?;
+    }
+    let glitches = [
+        ("brown-out", Trouble::BrownOut, 2),
+        ("register upset", Trouble::Upset { register: 0, mask: 0b10 }, 4),
+    ];
+    for (name, trouble, within) in glitches {
+        check(&machine, name, trouble, within, TROUBLE.start + 1)?;
+    }
+    Ok(())
+}
+
+fn check(machine: &Machine, name: &str, trouble: Trouble, within: u64, end: u64) -> Result<()> {
+    let schedule = Schedule::default().with(TROUBLE.start, end, trouble);
+    let record = Record { trouble: schedule, ..Record::stick_slip() };
+    let run = machine.run(&record, Setup { samples: true, ..Setup::default() })?;
+    let outcome = outcome::decode(&run.shown)?;
+    let bad: Vec<u64> = run.shown.lines().filter_map(bad_sample).collect();
+    let stray = |i: &u64| *i + 2 < TROUBLE.start || *i > end.max(TROUBLE.start + within) + 2;
+    let first = *bad.first().ok_or_else(|| format!("{name}: never noticed"))?;
+    if first > TROUBLE.start + within {
+        return Err(format!("{name}: noticed at sample {first}, {within} are allowed"));
+    }
+    if let Some(stray) = bad.iter().find(|i| stray(i)) {
+        return Err(format!("{name}: sample {stray} is bad long before or after"));
+    }
+    if outcome.events.iter().filter(|e| e.onset.index > end + 64).count() < 10 {
+        return Err(format!("{name}: no events afterwards"));
+    }
+    let (count, shown) = (bad.len(), outcome.troubles.iter().find(|t| t.starts_with("converter")));
+    let shown = shown.map_or("shown as saturated", String::as_str);
+    println!("trouble: {name}: samples {first} on, {count} bad, then as before; {shown}");
+    Ok(())
+}
+
+/// Index of a sample that the board shows as unusable.
+fn bad_sample(line: &str) -> Option<u64> {
+    match Line::parse(line) {
+        Ok(Line::Sample(sample)) => match sample.flag {
+            SampleFlag::Rejected | SampleFlag::Saturated => Some(sample.index),
+            SampleFlag::Good | SampleFlag::Spike | SampleFlag::Duplicate => None,
+        },
+        _ => None,
+    }
+}
