@@ -10,6 +10,7 @@ use clap::{Parser, Subcommand};
 use crate::error::InputError;
 
 pub mod output;
+pub mod recover;
 pub mod replay;
 pub mod simulate;
 
@@ -24,6 +25,7 @@ struct Cli {
 #[derive(Debug, Subcommand)]
 enum Command {
     Replay(replay::Args),
+    Recover(recover::Args),
     Simulate(simulate::Args),
 }
 
@@ -32,6 +34,7 @@ enum Command {
 pub fn main() -> ExitCode {
     let result = match Cli::try_parse() {
         Ok(Cli { command: Some(Command::Replay(args)) }) => replay::run(&args),
+        Ok(Cli { command: Some(Command::Recover(args)) }) => recover::run(&args),
         Ok(Cli { command: Some(Command::Simulate(args)) }) => simulate::run(&args),
         Ok(Cli { command: None }) => replay::run_bundled(),
         Err(error) if error.use_stderr() => Err(one_line(&error)),
