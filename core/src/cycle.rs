@@ -7,7 +7,8 @@ use crate::detector::{Detector, Extreme, Stick};
 use crate::event::{Coefficient, Event, Quality, Reason, SampleTime};
 use crate::fit::{Data, Fit, Point, Prior};
 use crate::line::Line;
-use crate::model::{self, Cycle, Gradient};
+use crate::model::{self, Cycle};
+use crate::posterior::Posterior;
 use crate::residuals::Residuals;
 use crate::shared::{Shared, without_prior};
 use crate::window::Window;
@@ -38,16 +39,20 @@ struct Pending {
     low: Extreme,
     /// What the extremes alone tell, for a slip that the samples hardly resolve.
     rough: Rough,
+    /// Rough variance of the noise, from the detector, N².
+    noise_n2: f32,
     fit: Option<Fit>,
     /// A saturated sample, or too many missing ones, between the lines.
     hidden: bool,
 }
 
-/// Loading rate, N per period, and omega, rad per period, to within a factor of two.
+/// Loading rate, N per period, to within a factor of two, and the time of the slip.
 #[derive(Clone, Copy, Debug, Default)]
 struct Rough {
     rate: f32,
-    omega: f32,
+    /// Time of sliding and its standard deviation, periods.
+    slide: f32,
+    slide_std: f32,
     /// Half-way down, periods from the event's origin.
     middle: f32,
 }
@@ -56,9 +61,8 @@ impl Rough {
     /// The slip lies around its middle: as much as one sample in between can tell,
     /// for the slips that have no more.
     fn onset(&self, noise_n2: f32) -> Prior {
-        let slide = core::f32::consts::PI / self.omega;
-        let spread = 0.3 * slide.max(1.0);
-        Prior { mean: self.middle - 0.5 * slide, weight: noise_n2 / (spread * spread) }
+        let spread = 0.3 * self.slide.max(1.0);
+        Prior { mean: self.middle - 0.5 * self.slide, weight: noise_n2 / (spread * spread) }
     }
 }
 
@@ -68,7 +72,7 @@ pub struct Cycles {
     site: Site,
     pending: Option<Pending>,
     rate: Shared,
-    omega: Shared,
+    swing: Shared,
     bend: Shared,
     residuals: Residuals,
     /// Stop of the last event.
@@ -84,7 +88,7 @@ impl Cycles {
             site,
             pending: None,
             rate: Shared::default(),
-            omega: Shared::default(),
+            swing: Shared::default(),
             bend: Shared::default(),
             residuals: Residuals::default(),
             last_stop: None,
@@ -102,7 +106,7 @@ impl Cycles {
     #[must_use]
     pub fn shared(&self) -> (Option<f32>, Option<f32>) {
         let hz = self.site.rate_hz;
-        (self.rate.mean().map(|r| r * hz), self.omega.mean().map(|w| w * hz))
+        (self.rate.mean().map(|r| r * hz), self.swing.mean().map(|swing| hz / swing))
     }
 
     /// The block rests again: completes the event before and starts the next one.
@@ -122,10 +126,31 @@ impl Cycles {
         next.rough = self.rough(stick, window, (peak, low));
         next.rough.middle = next.crossing();
         next.hidden |= last_hidden.is_some_and(|index| index + 4 >= stick.next);
-        let noise_n2 = self.residuals.variance_n2().unwrap_or(noise_n * noise_n);
-        next.fit = self.fit(&next, &Line::default(), noise_n2);
+        next.noise_n2 = noise_n * noise_n;
+        next.fit = self.first_fit(&mut next);
         self.pending = Some(next);
         finished
+    }
+
+    /// Fits the event without the stick line after it.
+    ///
+    /// Where the block never rests the detector's noise is only a bound, far too
+    /// large, and would make rough expectations look precise: there the event's own
+    /// residuals, fitted with hardly any expectation, come first.
+    fn first_fit(&self, pending: &mut Pending) -> Option<Fit> {
+        const HARDLY: f32 = 1e-3;
+        let none = Line::default();
+        if let Some(pooled_n2) = self.residuals.variance_n2() {
+            return self.fit(pending, &none, pooled_n2);
+        }
+        let free_n2 = HARDLY * pending.noise_n2;
+        if let Some(fit) = self.fit(pending, &none, free_n2) {
+            let (squares_n2, free) = own_residuals(&self.data(pending, &none, free_n2), &fit);
+            if free >= 1.0 {
+                pending.noise_n2 = pending.noise_n2.min(squares_n2 / free).max(free_n2);
+            }
+        }
+        self.fit(pending, &none, pending.noise_n2)
     }
 
     /// Completes the pending event with what there is of its stick line.
@@ -133,8 +158,8 @@ impl Cycles {
         self.complete(stick, window, last)
     }
 
-    /// The loading rate from the line, or from the rise to the highest sample; omega
-    /// from the time of the fall.
+    /// The loading rate from the line, or from the rise to the highest sample; the
+    /// time of the slip from the samples in between.
     fn rough(&self, stick: &Stick, window: &Window, (peak, low): (Extreme, Extreme)) -> Rough {
         let rise = |back: u64| {
             let force_n = window.get(peak.index.checked_sub(back)?)?;
@@ -143,11 +168,16 @@ impl Cycles {
         let climb = rise(2).into_iter().chain(rise(1)).reduce(f32::max);
         let line = stick.line.slope().filter(|_| stick.line.count >= 4);
         let least = 1e-4 * (peak.force_n - low.force_n);
-        Rough {
-            rate: line.or(climb).unwrap_or(0.0).max(least),
-            omega: core::f32::consts::PI / ((low.index - peak.index) as f32).max(0.7),
-            middle: 0.0,
-        }
+        // The slip began after the last sample before it and ended before the first
+        // one after it: a uniform distribution, wider for slow ends of long slips.
+        let fall = (low.index - peak.index) as f32;
+        let (slide, slide_std) =
+            if fall < 1.5 { (0.5, 0.3 + 0.25) } else { (fall - 1.0, 0.6 + 0.25 * fall) };
+        let rate = line.or(climb).unwrap_or(0.0).max(least);
+        // From the highest to the lowest force the slide turns by π, in all by π + 2 φ.
+        let turn = core::f32::consts::FRAC_2_PI * fall / (peak.force_n - low.force_n);
+        let longer = 1.0 + core::f32::consts::FRAC_2_PI * crate::math::atan2(rate * turn, 1.0);
+        Rough { rate, slide: slide * longer, slide_std: slide_std * longer, middle: 0.0 }
     }
 
     /// First index of an event's samples: where the stick line ends, or right after
@@ -166,7 +196,7 @@ impl Cycles {
         pending.end_before(stick, window, next_peak.index);
         let mut after = *stick.first();
         after.shift(since(stick.origin, pending.origin));
-        let noise_n2 = self.residuals.variance_n2().unwrap_or(1.0);
+        let noise_n2 = self.noise_n2(&pending);
         let fit = self.fit(&pending, &after, noise_n2);
         let event = self.event(&pending, &after, fit.as_ref());
         self.count = self.count.saturating_add(1);
@@ -178,7 +208,7 @@ impl Cycles {
         match pending.fit {
             Some(first) => data.fit(&first.cycle, noise_n2),
             None => {
-                data.fit(&pending.guess(&data, self.omega.prior(noise_n2).weight > 0.0)?, noise_n2)
+                data.fit(&pending.guess(&data, self.swing.prior(noise_n2).weight > 0.0)?, noise_n2)
             }
         }
     }
@@ -188,11 +218,21 @@ impl Cycles {
             before: &pending.before,
             points: pending.points.get(..pending.length).unwrap_or_default(),
             after,
-            rate: expected(&self.rate, pending.rough.rate, noise_n2),
-            omega: expected(&self.omega, pending.rough.omega, noise_n2),
+            rate: expected(&self.rate, pending.rough.rate, 0.7 * pending.rough.rate, noise_n2),
+            swing: expected(
+                &self.swing,
+                pending.rough.slide * core::f32::consts::FRAC_1_PI,
+                pending.rough.slide_std * core::f32::consts::FRAC_1_PI,
+                noise_n2,
+            ),
             bend: self.bend_prior(noise_n2),
             onset: pending.rough.onset(noise_n2),
         }
+    }
+
+    /// Variance of the noise: from the fits so far, else the detector's.
+    fn noise_n2(&self, pending: &Pending) -> f32 {
+        self.residuals.variance_n2().unwrap_or(pending.noise_n2)
     }
 
     /// Until the events tell otherwise the winch turns steadily.
@@ -210,59 +250,55 @@ impl Cycles {
         let Some(fit) = fit.filter(|fit| fit.converged) else {
             return self.without_coefficients(pending, Reason::NoFit);
         };
-        let data = self.data(pending, after, self.residuals.variance_n2().unwrap_or(1.0));
+        let data = self.data(pending, after, self.noise_n2(pending));
         let (squares_n2, free) = own_residuals(&data, fit);
-        if free < 1.0 && self.residuals.variance_n2().is_none() {
-            return self.without_coefficients(pending, Reason::TooShort);
-        }
         if pending.hidden {
             return self.without_coefficients(pending, Reason::Hidden);
         }
         if free >= 1.0 {
-            self.residuals.add(squares_n2, free);
+            self.residuals.add(squares_n2, free, pending.noise_n2);
         }
-        let noise_n2 = self.residuals.variance_n2().unwrap_or(squares_n2 / free);
-        self.learn(&data, fit, noise_n2);
-        self.measured(pending, fit, noise_n2)
+        let noise_n2 = self.noise_n2(pending);
+        let posterior = Posterior::new(&data, fit, noise_n2);
+        self.learn(&data, &posterior, noise_n2);
+        self.measured(pending, &posterior)
     }
 
-    /// Carries the event's own loading rate and omega to the next ones.
-    fn learn(&mut self, data: &Data<'_>, fit: &Fit, noise_n2: f32) {
-        let own = |value: f32, unknown: usize, prior: Prior| {
-            let variance = noise_n2 * fit.variance(unknown);
-            without_prior(value, variance, prior, noise_n2)
-        };
-        let cycle = &fit.cycle;
-        for (shared, value, unknown, prior) in [
-            (&mut self.rate, cycle.rate, 1, data.rate),
-            (&mut self.omega, cycle.omega, 4, data.omega),
-            (&mut self.bend, cycle.bend, 5, data.bend),
-        ] {
-            let own = own(value, unknown, prior);
-            // The loading rate and omega are above zero; the bend may have any sign.
-            if let Some((value, variance)) = own.filter(|own| unknown == 5 || own.0 > 0.0) {
-                shared.add(value, variance);
-            }
+    /// Carries the event's own loading rate and swing to the next ones.
+    fn learn(&mut self, data: &Data<'_>, posterior: &Posterior, noise_n2: f32) {
+        let Posterior { cycle, unknowns: [_, rate, _, _, swing, bend], .. } = *posterior;
+        // What hardly resolved slips tell is bent towards what was expected of them.
+        let least = if posterior.is_resolved() { 0.1 } else { 0.7 };
+        let own = |value, variance, prior| without_prior(value, variance, prior, noise_n2, least);
+        // The loading rate and the swing are above zero; the bend may have any sign.
+        if let Some((value, variance)) = own(cycle.rate, rate, data.rate).filter(|own| own.0 > 0.0)
+        {
+            self.rate.add(value, variance);
+        }
+        if let Some((value, variance)) =
+            own(cycle.swing(), swing, data.swing).filter(|own| own.0 > 0.0)
+        {
+            self.swing.add(value, variance);
+        }
+        if let Some((value, variance)) = own(cycle.bend, bend, data.bend) {
+            self.bend.add(value, variance);
         }
     }
 
-    fn measured(&mut self, pending: &Pending, fit: &Fit, noise_n2: f32) -> Event {
-        const STATIC: Gradient = [0.0, 0.0, 1.0, 0.0, 0.0, 0.0];
-        const DYNAMIC: Gradient = [0.0, 0.0, 1.0, -1.0, 0.0, 0.0];
+    fn measured(&mut self, pending: &Pending, posterior: &Posterior) -> Event {
         let site = self.site;
         let (_, cos) = crate::math::sin_cos(site.slope_rad);
-        let coefficient = |force_n: f32, unit: &Gradient| {
-            let variance = noise_n2 * fit.information.covariance(unit, unit);
+        let coefficient = |force_n: f32, variance_n2: f32| {
             Some(Coefficient {
                 value: model::coefficient(force_n, site.weight_n, site.slope_rad),
-                std: crate::math::sqrt(variance) / (site.weight_n * cos),
+                std: crate::math::sqrt(variance_n2) / (site.weight_n * cos),
             })
         };
-        let cycle = &fit.cycle;
+        let cycle = &posterior.cycle;
         let mut event = self.bare(pending, cycle);
-        event.mu_s = coefficient(cycle.static_n, &STATIC);
-        event.mu = coefficient(cycle.dynamic_n(), &DYNAMIC);
-        if cycle.slide_time() < 1.0 {
+        event.mu_s = coefficient(cycle.static_n, posterior.static_n2);
+        event.mu = coefficient(cycle.dynamic_n(), posterior.dynamic_n2);
+        if !posterior.is_resolved() {
             event.quality = Quality::Unresolved;
             event.omega_rad_per_s = None;
         }
@@ -339,6 +375,7 @@ impl Pending {
             peak,
             low,
             rough: Rough::default(),
+            noise_n2: 0.0,
             fit: None,
             hidden: false,
         };
@@ -374,7 +411,7 @@ impl Pending {
 
     /// A first guess: the lines' level and slope, half-way down in time, and the
     /// slip's length that fits best of a few.
-    fn guess(&self, data: &Data<'_>, known_omega: bool) -> Option<Cycle> {
+    fn guess(&self, data: &Data<'_>, known_swing: bool) -> Option<Cycle> {
         let drop = self.peak.force_n - self.low.force_n;
         let rate = data.rate.mean;
         let half_drop_n = 0.5 * drop;
@@ -390,9 +427,9 @@ impl Pending {
             let omega = (core::f32::consts::PI + 2.0 * phase) / slide;
             Cycle { onset, rate, static_n, half_drop_n, omega, bend: 0.0 }
         };
-        if known_omega {
-            let phase = crate::math::atan2(rate / data.omega.mean, half_drop_n);
-            return Some(with_slide((core::f32::consts::PI + 2.0 * phase) / data.omega.mean));
+        if known_swing {
+            let phase = crate::math::atan2(rate * data.swing.mean, half_drop_n);
+            return Some(with_slide((core::f32::consts::PI + 2.0 * phase) * data.swing.mean));
         }
         let fall = (self.low.index - self.peak.index) as f32;
         [0.6, 0.8, 1.0, 1.25, 1.6]
@@ -417,13 +454,12 @@ impl Pending {
     }
 }
 
-/// What earlier events tell of a quantity, else a guess good to a factor of two.
-fn expected(shared: &Shared, guess: f32, noise_n2: f32) -> Prior {
+/// What earlier events tell of a quantity, else a guess and its standard deviation.
+fn expected(shared: &Shared, guess: f32, spread: f32, noise_n2: f32) -> Prior {
     let learnt = shared.prior(noise_n2);
     if learnt.weight > 0.0 {
         return learnt;
     }
-    let spread = 0.7 * guess;
     Prior { mean: guess, weight: noise_n2 / (spread * spread) }
 }
 

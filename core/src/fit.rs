@@ -41,8 +41,8 @@ pub struct Data<'a> {
     pub after: &'a Line,
     /// Loading rate from earlier events, N per period.
     pub rate: Prior,
-    /// Natural frequency from earlier events, rad per period.
-    pub omega: Prior,
+    /// Swing `1/ω` from earlier events, periods.
+    pub swing: Prior,
     /// Change of the loading rate over the slip, N per period.
     pub bend: Prior,
     /// Held onset, for events whose onset the samples cannot tell.
@@ -149,7 +149,7 @@ impl Data<'_> {
             (self.rate, cycle.rate),
             (free, cycle.static_n),
             (free, cycle.half_drop_n),
-            (self.omega, cycle.omega),
+            (self.swing, cycle.swing()),
             (self.bend, cycle.bend),
         ]
     }
@@ -174,7 +174,7 @@ fn moved(cycle: &Cycle, step: &Gradient) -> Cycle {
         rate: grown(cycle.rate, step[1]),
         static_n: cycle.static_n + step[2],
         half_drop_n: grown(cycle.half_drop_n, step[3]),
-        omega: grown(cycle.omega, step[4]),
+        omega: 1.0 / grown(cycle.swing(), step[4]),
         bend: cycle.bend + step[5],
     }
 }

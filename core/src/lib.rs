@@ -29,6 +29,7 @@ pub mod memory;
 pub mod model;
 pub mod noise;
 pub mod pipeline;
+pub mod posterior;
 pub mod report;
 pub mod residuals;
 pub mod sample;

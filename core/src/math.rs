@@ -10,6 +10,7 @@
 //! | [`sin_cos`] | libm | 1 ulp |
 //! | [`atan2`] | libm | 2 ulp |
 //! | [`acos`] | libm | 2 ulp |
+//! | [`exp`] | libm | 1 ulp |
 //! | [`rough_sqrt`] | micromath | 6.1 % relative: for detection limits only |
 
 use micromath::F32Ext;
@@ -36,6 +37,12 @@ pub fn atan2(y: f32, x: f32) -> f32 {
 #[must_use]
 pub fn acos(x: f32) -> f32 {
     libm::acosf(x.clamp(-1.0, 1.0))
+}
+
+/// Exponential function.
+#[must_use]
+pub fn exp(x: f32) -> f32 {
+    libm::expf(x)
 }
 
 /// Square root up to 6 % too large: a bit trick in a tenth of the time.

@@ -54,7 +54,9 @@ pub struct Shape {
     slide: f32,
 }
 
-/// Gradient of the force with respect to the fields of a [`Cycle`], in order.
+/// Gradient of the force with respect to the unknowns of the fit: onset, rate, `Fs`,
+/// `d`, swing `1/ω` and bend. The swing, not ω: times are proportional to it, so what
+/// few samples tell of it is close to a normal distribution.
 pub type Gradient = [f32; UNKNOWNS];
 
 impl Cycle {
@@ -86,6 +88,12 @@ impl Cycle {
     #[must_use]
     pub fn peak_time(&self) -> f32 {
         math::atan2(self.rate / self.omega, self.half_drop_n) / self.omega
+    }
+
+    /// Swing `1/ω`: the time in which the slide turns by one radian.
+    #[must_use]
+    pub fn swing(&self) -> f32 {
+        1.0 / self.omega
     }
 
     /// Time of sliding, `T_slide` (25).
@@ -144,9 +152,9 @@ impl Shape {
         let from_centre = c.half_drop_n * cos + self.q * sin;
         let force_rate = c.rate * cos - c.half_drop_n * c.omega * sin;
         let by_rate = sin / c.omega;
-        let by_omega = (force_rate * since_onset - self.q * sin) / c.omega;
+        let by_swing = c.omega * (self.q * sin - force_rate * since_onset);
         let force_n = c.static_n - c.half_drop_n + from_centre;
-        (force_n, [-force_rate, by_rate, 1.0, cos - 1.0, by_omega, 0.0])
+        (force_n, [-force_rate, by_rate, 1.0, cos - 1.0, by_swing, 0.0])
     }
 
     /// On the stick line after the slip, continued to any time.
@@ -160,13 +168,13 @@ impl Shape {
         let part = 2.0 / (c.omega * a2);
         let slide_by_rate = part * d / c.omega;
         let slide_by_drop = -part * q;
-        let slide_by_omega = -(self.slide + part * q * d) / c.omega;
+        let slide_by_swing = c.omega * (self.slide + part * q * d);
         let gradient = [
             -rate,
             since_stop - rate * slide_by_rate,
             1.0,
             -2.0 - rate * slide_by_drop,
-            -rate * slide_by_omega,
+            -rate * slide_by_swing,
             since_stop,
         ];
         (c.static_n - 2.0 * d + rate * since_stop, gradient)
@@ -248,15 +256,17 @@ mod tests {
             for (i, step) in steps.into_iter().enumerate() {
                 let at = |sign: f32| {
                     let mut c = bent;
+                    let mut swing = bent.swing();
                     let field = match i {
                         0 => &mut c.onset,
                         1 => &mut c.rate,
                         2 => &mut c.static_n,
                         3 => &mut c.half_drop_n,
-                        4 => &mut c.omega,
+                        4 => &mut swing,
                         _ => &mut c.bend,
                     };
                     *field += sign * step;
+                    c.omega = 1.0 / swing;
                     c.shape().force(time).0
                 };
                 let quotient = (at(1.0) - at(-1.0)) / (2.0 * step);

@@ -19,6 +19,9 @@ const MEMORY: f32 = 8000.0;
 /// An event with so many times the median event's residuals is left out.
 const LIMIT: f32 = 6.0;
 
+/// The first events may leave so many times more than the rough noise.
+const ROUGH: f32 = 3.0;
+
 impl Residuals {
     /// Nothing yet.
     #[must_use]
@@ -27,11 +30,13 @@ impl Residuals {
     }
 
     /// Takes an event's squared residuals and their degrees of freedom, one or more.
-    pub fn add(&mut self, squares_n2: f32, free: f32) {
+    ///
+    /// `rough_n2` is a rough variance of the noise, for the first events.
+    pub fn add(&mut self, squares_n2: f32, free: f32, rough_n2: f32) {
         // Median of χ²/ν over its mean (Wilson and Hilferty).
         let skew = 1.0 - 2.0 / (9.0 * free);
         self.median_n2.add(squares_n2 / (free * skew * skew * skew));
-        let limit = self.median_n2.value().map_or(f32::MAX, |median| LIMIT * median);
+        let limit = LIMIT * self.median_n2.value().unwrap_or(ROUGH * rough_n2);
         if self.free > MEMORY {
             self.squares_n2 *= 0.5;
             self.free *= 0.5;
@@ -68,17 +73,17 @@ mod tests {
     fn pools_all_degrees_of_freedom() {
         let mut pool = Residuals::new();
         assert_eq!(pool.variance_n2(), None);
-        pool.add(8.0, 2.0);
-        pool.add(12.0, 8.0);
+        pool.add(8.0, 2.0, 1.0);
+        pool.add(12.0, 8.0, 1.0);
         assert!((pool.variance_n2().unwrap() - 2.0).abs() < 1e-6);
     }
 
     #[test]
     fn a_bad_start_and_single_bad_events_are_left_out() {
         let mut pool = Residuals::new();
-        (0..3).for_each(|_| pool.add(1e4, 5.0));
+        (0..3).for_each(|_| pool.add(1e4, 5.0, 4.0));
         for i in 0..400 {
-            pool.add(if i % 20 == 0 { 1e5 } else { 20.0 }, 5.0);
+            pool.add(if i % 20 == 0 { 1e5 } else { 20.0 }, 5.0, 4.0);
         }
         let variance = pool.variance_n2().unwrap();
         assert!((3.5..5.5).contains(&variance), "{variance}");

@@ -79,12 +79,18 @@ impl Shared {
 /// What an event measured by itself, without the expectation it was fitted with.
 ///
 /// `mean` and `variance` are the fitted ones; the precisions subtract. `None` when
-/// the event added nothing to the expectation.
+/// less than the given part of the fitted precision is the event's own.
 #[must_use]
-pub fn without_prior(mean: f32, variance: f32, prior: Prior, noise_n2: f32) -> Option<(f32, f32)> {
+pub fn without_prior(
+    mean: f32,
+    variance: f32,
+    prior: Prior,
+    noise_n2: f32,
+    least: f32,
+) -> Option<(f32, f32)> {
     let (fitted, expected) = (1.0 / variance, prior.weight / noise_n2);
     let own = fitted - expected;
-    (own > 0.1 * fitted).then(|| ((fitted * mean - expected * prior.mean) / own, 1.0 / own))
+    (own > least * fitted).then(|| ((fitted * mean - expected * prior.mean) / own, 1.0 / own))
 }
 
 #[cfg(test)]
@@ -112,8 +118,8 @@ mod tests {
         let prior = Prior { mean: 10.0, weight: 3.0 / 4.0 };
         let variance = 1.0 / (1.0 + 0.25);
         let mean = (12.0 + 10.0 * 0.25) * variance;
-        let (value, own) = without_prior(mean, variance, prior, 3.0).unwrap();
+        let (value, own) = without_prior(mean, variance, prior, 3.0, 0.1).unwrap();
         assert!((value - 12.0).abs() < 1e-5 && (own - 1.0).abs() < 1e-5);
-        assert!(without_prior(10.0, 4.0, prior, 3.0).is_none());
+        assert!(without_prior(10.0, 4.0, prior, 3.0, 0.1).is_none());
     }
 }

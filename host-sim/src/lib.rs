@@ -2,6 +2,8 @@
 #![forbid(unsafe_code)]
 
 pub mod card;
+pub mod bench;
+pub mod campaign;
 pub mod chip;
 pub mod cli;
 pub mod error;
@@ -9,3 +11,4 @@ pub mod log;
 pub mod replay;
 pub mod report;
 pub mod sim;
+pub mod stiffness;

@@ -9,10 +9,13 @@ use clap::{Parser, Subcommand};
 
 use crate::error::InputError;
 
+pub mod bench;
+pub mod campaign;
 pub mod output;
 pub mod recover;
 pub mod replay;
 pub mod simulate;
+pub mod stiffness;
 
 /// Friction of sea ice from the force in the cable: replays, simulates, compares.
 #[derive(Debug, Parser)]
@@ -24,9 +27,12 @@ struct Cli {
 
 #[derive(Debug, Subcommand)]
 enum Command {
+    Campaign(campaign::Args),
+    Bench(bench::Args),
     Replay(replay::Args),
     Recover(recover::Args),
     Simulate(simulate::Args),
+    Stiffness(stiffness::Args),
 }
 
 /// Runs the command that the process was started with.
@@ -36,6 +42,9 @@ pub fn main() -> ExitCode {
         Ok(Cli { command: Some(Command::Replay(args)) }) => replay::run(&args),
         Ok(Cli { command: Some(Command::Recover(args)) }) => recover::run(&args),
         Ok(Cli { command: Some(Command::Simulate(args)) }) => simulate::run(&args),
+        Ok(Cli { command: Some(Command::Stiffness(args)) }) => stiffness::run(&args),
+        Ok(Cli { command: Some(Command::Campaign(args)) }) => campaign::run(&args),
+        Ok(Cli { command: Some(Command::Bench(args)) }) => bench::run(&args),
         Ok(Cli { command: None }) => replay::run_bundled(),
         Err(error) if error.use_stderr() => Err(one_line(&error)),
         // Help and version are asked for, not wrong.

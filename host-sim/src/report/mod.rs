@@ -10,6 +10,7 @@
 //! colours follow the reader's light or dark setting. Its size is bounded
 //! whatever the length of the log.
 
+mod campaign;
 mod clips;
 mod context;
 mod convergence;
@@ -34,6 +35,7 @@ mod table;
 mod tests;
 mod zoom;
 
+pub use campaign::render_campaign;
 pub use recorder::Recorder;
 
 use crate::replay::result::ReplayResult;

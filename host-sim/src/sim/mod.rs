@@ -17,6 +17,7 @@ pub mod friction;
 pub mod integrate;
 pub mod measurement;
 pub mod motion;
+pub mod paper;
 pub mod physics;
 mod quadrature;
 pub mod random;

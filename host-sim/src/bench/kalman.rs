@@ -1,0 +1,357 @@
+//! A Kalman filter that switches between the two modes of the block.
+//!
+//! State, time in sampling periods: `F`, `F'`, `k w`, `Fp`, `omega`, `Fs`. At rest
+//! `F` grows by `k w` a period; in a slip `(F, F')` turns about `(Fp, 0)` with
+//! `omega` until `F'` is `k w` again: both modes in closed form, linearized by
+//! difference quotients (extended Kalman filter). A sample far below the forecast
+//! starts a slip: the filter goes back two samples and tries onsets between them;
+//! the onset's uncertainty enters as noise, so `Fs` stays correlated with all that
+//! follows and is refined until the next onset, when the event is given.
+//!
+//! Our own filter of few lines on `nalgebra`: the switch needs copies of the whole
+//! filter to go back to and noise along one direction of the state, which the
+//! filters of `minikalman` (state on the heap, not to be copied) and `adskalman`
+//! (linear transitions) do not offer.
+
+use nalgebra::{SMatrix, SVector};
+
+use super::method::{Found, Method, Sample, Setup, Tick, Value};
+
+const STATES: usize = 6;
+const FORCE: usize = 0;
+const RATE: usize = 1;
+const LOADING: usize = 2;
+const CENTRE: usize = 3;
+const OMEGA: usize = 4;
+const STATIC: usize = 5;
+
+type Vector = SVector<f64, STATES>;
+type Matrix = SMatrix<f64, STATES, STATES>;
+
+/// Innovations beyond this many standard deviations do not belong to the mode.
+const GATE: f64 = 5.0;
+/// Onsets that are tried between two samples.
+const TRIALS: u32 = 12;
+/// Before the first slip: `omega`, rad/s, and its relative uncertainty.
+const OMEGA_GUESS: (f64, f64) = (18.0, 0.4);
+/// Before the first slip: `Fp` over `Fs`, and its uncertainty.
+const CENTRE_GUESS: (f64, f64) = (0.62, 0.15);
+/// From event to event: change of `Fp` over the weight, of `omega` and of `k w`
+/// over themselves.
+const DRIFT: (f64, f64, f64) = (0.1, 0.01, 0.01);
+/// Samples in a row that fit no mode, until the filter starts anew.
+const STRIKES: u32 = 4;
+/// Samples before anything is declared.
+const LEARNING: f64 = 8.0;
+/// Samples over which the noise is averaged.
+const NOISE_MEMORY: f64 = 100.0;
+
+/// State and covariance.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Filter {
+    x: Vector,
+    p: Matrix,
+}
+
+impl Filter {
+    /// Before the first sample.
+    fn new(setup: &Setup) -> Self {
+        let omega = OMEGA_GUESS.0 / setup.rate_hz;
+        let x = Vector::from([0.0, 0.0, 0.0, 0.0, omega, 0.0]);
+        let mut filter = Self { x, p: Matrix::zeros() };
+        filter.widen(FORCE, setup.weight_n);
+        filter.widen(LOADING, 0.1 * setup.weight_n);
+        filter.widen(OMEGA, OMEGA_GUESS.1 * omega);
+        filter
+    }
+
+    /// Moves on by `motion`, linearized by central differences.
+    fn predict(&mut self, motion: impl Fn(&Vector) -> Vector) {
+        let mut jacobian = Matrix::zeros();
+        for i in 0..STATES {
+            let mut step = Vector::zeros();
+            step[i] = 1e-5 * (1.0 + self.x[i].abs());
+            let change = motion(&(self.x + step)) - motion(&(self.x - step));
+            jacobian.set_column(i, &(change / (2.0 * step[i])));
+        }
+        self.x = motion(&self.x);
+        self.p = jacobian * self.p * jacobian.transpose();
+    }
+
+    /// Innovation and its variance without the sample's own noise.
+    fn innovation(&self, force_n: f64) -> (f64, f64) {
+        (force_n - self.x[FORCE], self.p[(FORCE, FORCE)])
+    }
+
+    fn correct(&mut self, force_n: f64, noise_n2: f64) {
+        let (innovation, variance) = self.innovation(force_n);
+        let gain = self.p.column(FORCE) / (variance + noise_n2);
+        self.x += gain * innovation;
+        self.p -= gain * self.p.row(FORCE);
+        self.p = 0.5 * (self.p + self.p.transpose());
+    }
+
+    fn widen(&mut self, state: usize, std: f64) {
+        self.p[(state, state)] += std * std;
+    }
+}
+
+/// The block rests for a time.
+fn rest(x: &Vector, periods: f64) -> Vector {
+    let mut next = *x;
+    next[FORCE] += x[LOADING] * periods;
+    next[RATE] = x[LOADING];
+    next
+}
+
+/// Time until a sliding block stops.
+fn time_to_stop(x: &Vector) -> f64 {
+    let (across, along) = (x[FORCE] - x[CENTRE], x[RATE] / x[OMEGA]);
+    let angle = (-along).atan2(across);
+    let angle = if across < 0.0 && along > 0.0 { angle + std::f64::consts::TAU } else { angle };
+    let sine = (x[LOADING] / x[OMEGA] / across.hypot(along)).clamp(-1.0, 1.0);
+    (std::f64::consts::PI + sine.asin() - angle) / x[OMEGA]
+}
+
+/// The block slides for a time, and rests from where it stops.
+fn slide(x: &Vector, periods: f64) -> Vector {
+    let moving = periods.min(time_to_stop(x).max(0.0));
+    let (sin, cos) = (x[OMEGA] * moving).sin_cos();
+    let across = x[FORCE] - x[CENTRE];
+    let mut next = *x;
+    next[FORCE] = x[CENTRE] + across * cos + x[RATE] / x[OMEGA] * sin;
+    next[RATE] = x[RATE] * cos - x[OMEGA] * across * sin;
+    if moving < periods { rest(&next, periods - moving) } else { next }
+}
+
+/// The block rests, starts to slip and slides.
+fn start(x: &Vector, resting: f64, sliding: f64) -> Vector {
+    let mut onset = rest(x, resting);
+    onset[STATIC] = onset[FORCE];
+    slide(&onset, sliding)
+}
+
+/// What the block does.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Mode {
+    Rest,
+    /// Began between these samples.
+    Slip {
+        /// The one before, with the filter then.
+        base: Past,
+        /// Periods after it.
+        onset: f64,
+    },
+}
+
+/// A filter after a sample.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Past {
+    filter: Filter,
+    sample: Sample,
+}
+
+/// The method.
+#[derive(Clone, Copy, Debug)]
+pub struct Kalman {
+    setup: Setup,
+    filter: Filter,
+    mode: Mode,
+    noise_n2: f64,
+    noise_count: f64,
+    /// The last two samples, newest first.
+    past: [Option<Past>; 2],
+    /// Onset of the event that is still being refined, periods.
+    pending: Option<f64>,
+    /// Slips since the filter started.
+    slips: u32,
+    strikes: u32,
+}
+
+impl Method for Kalman {
+    const NAME: &'static str = "Kalman filter";
+
+    fn new(setup: &Setup) -> Self {
+        Self {
+            setup: *setup,
+            filter: Filter::new(setup),
+            mode: Mode::Rest,
+            noise_n2: (0.01 * setup.weight_n).powi(2),
+            noise_count: 0.0,
+            past: [None; 2],
+            pending: None,
+            slips: 0,
+            strikes: 0,
+        }
+    }
+
+    fn step(&mut self, sample: Sample) -> Tick {
+        let last = self.past[0].map(|past| past.sample.index);
+        if last.is_some_and(|last| sample.index <= last) || !self.setup.is_force(sample.force_n) {
+            return self.tick(None);
+        }
+        let periods = last.map_or(0.0, |last| (sample.index - last) as f64);
+        let event = match self.mode {
+            Mode::Rest => self.rest_step(sample, periods),
+            Mode::Slip { base, onset } => {
+                self.slip_step(sample, periods, base, onset);
+                None
+            }
+        };
+        self.past = [Some(Past { filter: self.filter, sample }), self.past[0]];
+        self.tick(event)
+    }
+
+    fn finish(&mut self) -> Option<Found> {
+        let filter = self.filter;
+        self.close(&filter)
+    }
+
+    fn state_bytes(&self) -> usize {
+        size_of::<Self>()
+    }
+}
+
+impl Kalman {
+    fn tick(&self, event: Option<Found>) -> Tick {
+        Tick { slips: self.mode != Mode::Rest, event }
+    }
+
+    fn rest_step(&mut self, sample: Sample, periods: f64) -> Option<Found> {
+        let force_n = f64::from(sample.force_n);
+        self.filter.predict(|x| rest(x, periods));
+        let (innovation, variance) = self.filter.innovation(force_n);
+        let relative2 = innovation * innovation / (variance + self.noise_n2);
+        let fits = relative2 < GATE * GATE || self.noise_count < LEARNING;
+        let high = self.slips == 0 || self.filter.x[FORCE] > self.filter.x[CENTRE];
+        if !fits
+            && innovation < 0.0
+            && high
+            && let [Some(last), Some(base)] = self.past
+        {
+            let event = self.close(&base.filter);
+            self.slip_from(base, [last.sample, sample]);
+            return event;
+        }
+        if fits {
+            self.noise_count = (self.noise_count + 1.0).min(NOISE_MEMORY);
+            let change = (relative2.min(GATE * GATE) - 1.0) / (self.noise_count + 4.0);
+            self.noise_n2 *= 1.0 + change;
+        }
+        self.strikes = if fits { 0 } else { self.strikes + 1 };
+        if self.strikes >= STRIKES {
+            (self.filter, self.slips, self.strikes) = (Filter::new(&self.setup), 0, 0);
+            self.noise_count = 0.0;
+        } else if !fits {
+            // Neither rest nor slip as the model has them: the line may have jumped.
+            self.filter.widen(FORCE, innovation);
+        }
+        self.filter.correct(force_n, self.noise_n2);
+        None
+    }
+
+    fn slip_step(&mut self, sample: Sample, periods: f64, base: Past, onset: f64) {
+        let force_n = f64::from(sample.force_n);
+        let since = (sample.index - base.sample.index) as f64;
+        let mut without = base.filter;
+        without.predict(|x| rest(x, since));
+        let (innovation, variance) = without.innovation(force_n);
+        if innovation > -GATE * (variance + self.noise_n2).sqrt() {
+            // Back on the stick line: it was no slip.
+            without.correct(force_n, self.noise_n2);
+            (self.filter, self.mode, self.pending) = (without, Mode::Rest, None);
+            return;
+        }
+        self.filter.predict(|x| slide(x, periods));
+        let stopped = self.is_at_rest();
+        self.filter.correct(force_n, self.noise_n2);
+        self.keep_possible();
+        let longest = 2.0 * std::f64::consts::PI / self.filter.x[OMEGA] + 2.0;
+        if stopped || since - onset > longest {
+            self.mode = Mode::Rest;
+        }
+    }
+
+    fn is_at_rest(&self) -> bool {
+        let x = &self.filter.x;
+        x[FORCE] < x[CENTRE] && (x[RATE] - x[LOADING]).abs() <= 1e-9 * x[LOADING].abs()
+    }
+
+    /// Goes back to `base` and lets a slip begin before the last of two samples.
+    fn slip_from(&mut self, base: Past, samples: [Sample; 2]) {
+        self.filter = base.filter;
+        self.expect_change();
+        let times = samples.map(|s| (s.index - base.sample.index) as f64);
+        let forces_n = samples.map(|s| f64::from(s.force_n));
+        let x = self.filter.x;
+        let misfit = |onset: f64| {
+            let at = |time: f64| {
+                let next =
+                    if time > onset { start(&x, onset, time - onset) } else { rest(&x, time) };
+                next[FORCE]
+            };
+            times.iter().zip(forces_n).map(|(&t, f)| (f - at(t)).powi(2)).sum::<f64>()
+        };
+        let trial = |i: u32| times[1] * (f64::from(i) + 0.5) / f64::from(TRIALS);
+        let best = (0..TRIALS).map(trial).min_by(|a, b| misfit(*a).total_cmp(&misfit(*b)));
+        let onset = best.unwrap_or(0.5 * times[1]);
+        self.begin(onset, times[1], times[0]);
+        if onset < times[0] {
+            self.filter.correct(forces_n[0], self.noise_n2);
+            self.filter.predict(|x| slide(x, times[1] - times[0]));
+        }
+        self.filter.correct(forces_n[1], self.noise_n2);
+        self.keep_possible();
+        self.pending = Some(base.sample.index as f64 + onset);
+        self.slips += 1;
+        self.mode = if self.is_at_rest() { Mode::Rest } else { Mode::Slip { base, onset } };
+    }
+
+    /// From event to event the coefficients vary, the cable and the winch hardly.
+    fn expect_change(&mut self) {
+        let (centre, omega, loading) = DRIFT;
+        let x = self.filter.x;
+        if self.slips == 0 {
+            self.filter.x[CENTRE] = CENTRE_GUESS.0 * x[FORCE];
+            self.filter.widen(CENTRE, CENTRE_GUESS.1 * x[FORCE]);
+        }
+        self.filter.widen(CENTRE, centre * self.setup.weight_n);
+        self.filter.widen(OMEGA, omega * x[OMEGA]);
+        self.filter.widen(LOADING, loading * x[LOADING]);
+    }
+
+    /// Moves through the onset, whose time is uncertain, to the first sample after it.
+    fn begin(&mut self, onset: f64, last: f64, first: f64) {
+        let sample = if onset < first { first } else { last };
+        let motion = |x: &Vector, onset: f64| {
+            if onset < sample { start(x, onset, sample - onset) } else { rest(x, sample) }
+        };
+        let (x, h) = (self.filter.x, 1e-4);
+        let along = (motion(&x, onset + h) - motion(&x, onset - h)) / (2.0 * h);
+        self.filter.predict(|x| motion(x, onset));
+        // Anywhere between the samples, evenly.
+        self.filter.p += along * along.transpose() * (last * last / 12.0);
+    }
+
+    /// Keeps `omega` and the loading rate where the formulas hold.
+    fn keep_possible(&mut self) {
+        let x = &mut self.filter.x;
+        x[OMEGA] = x[OMEGA].clamp(0.05, 20.0);
+        x[LOADING] = x[LOADING].max(1e-6 * self.setup.weight_n);
+    }
+
+    fn close(&mut self, filter: &Filter) -> Option<Found> {
+        let onset = self.pending.take()?;
+        let (x, p) = (&filter.x, &filter.p);
+        if x[STATIC] <= x[CENTRE] {
+            return None;
+        }
+        let value = |state: usize| {
+            let std = p[(state, state)].max(0.0).sqrt() * self.setup.per_newton();
+            let value = Value::bare(self.setup.coefficient(x[state]))?;
+            Some(Value { std: Some(std), ..value })
+        };
+        let onset_s = onset / self.setup.rate_hz;
+        Some(Found { onset_s, mu_s: value(STATIC), mu: value(CENTRE) })
+    }
+}

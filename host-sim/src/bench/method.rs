@@ -1,0 +1,104 @@
+//! What a method gets and gives.
+
+/// What every method is told before the first sample.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Setup {
+    /// Samples per second.
+    pub rate_hz: f64,
+    /// Weight of the block, N.
+    pub weight_n: f64,
+    /// Slope of the ice, rad.
+    pub slope_rad: f64,
+    /// Largest force of the cell, N; readings there or beyond are no forces.
+    pub range_n: Option<f64>,
+}
+
+impl Setup {
+    /// `mu_s` from `Fs`, or `mu` from `Fp` (26 to 28).
+    #[must_use]
+    pub fn coefficient(&self, force_n: f64) -> f64 {
+        let (sin, cos) = self.slope_rad.sin_cos();
+        (force_n / self.weight_n - sin) / cos
+    }
+
+    /// What one newton is in a coefficient.
+    #[must_use]
+    pub fn per_newton(&self) -> f64 {
+        1.0 / (self.weight_n * self.slope_rad.cos())
+    }
+
+    /// Whether a reading can be a force at all.
+    #[must_use]
+    pub fn is_force(&self, force_n: f32) -> bool {
+        self.range_n.is_none_or(|range_n| f64::from(force_n) < range_n)
+    }
+}
+
+/// One sample.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Sample {
+    /// Number of the sampling period.
+    pub index: u64,
+    /// Force, N.
+    pub force_n: f32,
+}
+
+/// A coefficient as a method states it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Value {
+    /// The estimate.
+    pub value: f64,
+    /// Its standard deviation, where the method has one.
+    pub std: Option<f64>,
+}
+
+impl Value {
+    /// A value without a standard deviation; none if it is not finite.
+    #[must_use]
+    pub fn bare(value: f64) -> Option<Self> {
+        value.is_finite().then_some(Self { value, std: None })
+    }
+}
+
+/// An event that a method found.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Found {
+    /// The slip begins, s.
+    pub onset_s: f64,
+    /// Static coefficient, if the method can tell.
+    pub mu_s: Option<Value>,
+    /// Dynamic coefficient, if the method can tell.
+    pub mu: Option<Value>,
+}
+
+/// What a sample led to.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Tick {
+    /// The method says that the block slips.
+    pub slips: bool,
+    /// An event that is now complete.
+    pub event: Option<Found>,
+}
+
+/// A way from samples to events.
+pub trait Method {
+    /// Name in the tables.
+    const NAME: &'static str;
+    /// Answers while the samples come; otherwise keeps them all and answers at
+    /// the end.
+    const STREAMS: bool = true;
+
+    /// Before the first sample.
+    fn new(setup: &Setup) -> Self;
+
+    /// Takes a sample.
+    fn step(&mut self, sample: Sample) -> Tick;
+
+    /// After the last sample: the events that are left, one a call.
+    fn finish(&mut self) -> Option<Found> {
+        None
+    }
+
+    /// Bytes that the method keeps between samples.
+    fn state_bytes(&self) -> usize;
+}

@@ -1,0 +1,224 @@
+//! The scenes: simulated once, given to every method.
+
+use crate::sim::bound::LinearEvent;
+use crate::sim::{Scene, SceneError, TrueEvent, simulate};
+
+use super::method::{Sample, Setup};
+
+/// Events that a linear scene has at least, over all its records.
+const LINEAR_EVENTS: usize = 1200;
+/// Records of a hard scene.
+const HARD_RECORDS: u64 = 6;
+/// The same for a short run.
+const QUICK: (usize, u64) = (150, 1);
+/// Noise of the linear scenes, parts of the weight.
+const NOISE: [f64; 3] = [0.001, 0.003, 0.02];
+
+/// Linear scenes: the model holds exactly, the noise is white.
+const LINEAR: [(&str, &str); 5] = [
+    ("dff8-13", include_str!("../../scenes/dff8-13.toml")),
+    ("heavy", include_str!("../../scenes/linear/heavy.toml")),
+    ("fast", include_str!("../../scenes/linear/fast.toml")),
+    ("snow", include_str!("../../scenes/linear/snow.toml")),
+    ("light", include_str!("../../scenes/linear/light.toml")),
+];
+
+macro_rules! hard {
+    ($($name:literal),* $(,)?) => {
+        [$(($name, include_str!(concat!("../../scenes/hard/", $name, ".toml")))),*]
+    };
+}
+
+/// Scenes with what real tests add.
+const HARD: [(&str, &str); 23] = hard![
+    "flop",
+    "sag_flop",
+    "ripple",
+    "varying",
+    "shortening",
+    "aperture",
+    "unresolved",
+    "slack",
+    "small_drop",
+    "no_flat_top",
+    "uphill",
+    "downhill",
+    "dropped",
+    "spikes",
+    "coarse",
+    "drift",
+    "noisy",
+    "tare",
+    "creep",
+    "partial",
+    "smooth",
+    "breaking",
+    "all",
+];
+
+/// A true event with the errors that a perfect method would make.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Truth {
+    /// The slip begins, s.
+    pub onset_s: f64,
+    /// The block rests again, s.
+    pub stop_s: f64,
+    /// `Fs` as a coefficient of the weight that the methods are told.
+    pub mu_s: f64,
+    /// `Fp` likewise.
+    pub mu: f64,
+    /// Cramér-Rao bounds of the two, five unknowns free; `None` where the model
+    /// does not hold or the samples cannot tell.
+    pub bound: Option<(f64, f64)>,
+}
+
+/// One record.
+#[derive(Clone, Debug)]
+pub struct Record {
+    /// The samples.
+    pub samples: Vec<Sample>,
+    /// The events that ended in it.
+    pub events: Vec<Truth>,
+}
+
+impl Record {
+    /// The events that are judged: all but the last, whose stick line after it the end
+    /// of the record cuts.
+    #[must_use]
+    pub fn judged(&self) -> &[Truth] {
+        self.events.split_last().map_or(&[], |(_, judged)| judged)
+    }
+}
+
+/// A scene, simulated.
+#[derive(Clone, Debug)]
+pub struct Trial {
+    /// Name of the scene.
+    pub name: &'static str,
+    /// Whether the model holds exactly and the noise is white.
+    pub linear: bool,
+    /// White noise, parts of the weight.
+    pub noise: f64,
+    /// What the methods are told.
+    pub setup: Setup,
+    /// Its records: seeds from 1 on, each with another sampling phase.
+    pub records: Vec<Record>,
+}
+
+/// A scene that is still to be simulated.
+#[derive(Clone, Debug)]
+pub struct Plan {
+    name: &'static str,
+    linear: bool,
+    scene: Scene,
+    /// Least events, least and most records.
+    events: usize,
+    records: (u64, u64),
+}
+
+/// All scenes, in the order of the table.
+///
+/// # Errors
+/// A scene that cannot be read.
+pub fn plans(quick: bool) -> Result<Vec<Plan>, SceneError> {
+    let (linear_events, hard_records) = if quick { QUICK } else { (LINEAR_EVENTS, HARD_RECORDS) };
+    let mut plans = Vec::new();
+    for (name, text) in LINEAR {
+        for noise in NOISE {
+            let mut scene = Scene::from_toml(text)?;
+            scene.measurement.white_n = noise * scene.weight_n;
+            let records = (1, 1000);
+            plans.push(Plan { name, linear: true, scene, events: linear_events, records });
+        }
+    }
+    for (name, text) in HARD {
+        let (scene, records) = (Scene::from_toml(text)?, (hard_records, hard_records));
+        plans.push(Plan { name, linear: false, scene, events: 0, records });
+    }
+    Ok(plans)
+}
+
+impl Plan {
+    /// Name of the scene.
+    #[must_use]
+    pub fn name(&self) -> &'static str {
+        self.name
+    }
+
+    /// Simulates the scene.
+    ///
+    /// # Errors
+    /// A value out of its range, or an integrator that gives up.
+    pub fn run(&self) -> Result<Trial, SceneError> {
+        let mut records = Vec::new();
+        let (mut events, mut seed) = (0, 0);
+        while seed < self.records.0 || (events < self.events && seed < self.records.1) {
+            seed += 1;
+            let record = self.record(seed)?;
+            events += record.events.len();
+            records.push(record);
+        }
+        let noise = self.scene.measurement.white_n / self.scene.weight_n;
+        Ok(Trial { name: self.name, linear: self.linear, noise, setup: self.setup(), records })
+    }
+
+    fn setup(&self) -> Setup {
+        let range_n = self.scene.measurement.range_n - self.scene.measurement.tare_n.abs();
+        Setup {
+            rate_hz: self.scene.rate_hz,
+            weight_n: self.scene.weight_n,
+            slope_rad: self.scene.slope_rad(),
+            range_n: (self.scene.measurement.range_n > 0.0).then_some(range_n),
+        }
+    }
+
+    fn record(&self, seed: u64) -> Result<Record, SceneError> {
+        // The golden section spreads any number of sampling phases evenly.
+        let phase = (seed as f64 * 0.618_033_988_749_895).fract();
+        let rate = self.scene.stiffness_n_per_m * self.scene.winch_m_per_s;
+        let mut scene = self.scene.clone();
+        scene.start_force_n += phase * rate / scene.rate_hz;
+        let simulation = simulate(&scene, seed)?;
+        let sample = |s: &crate::sim::Sample| Sample { index: s.index, force_n: s.force_n as f32 };
+        let samples: Vec<Sample> = simulation.samples.iter().map(sample).collect();
+        let events = self.truths(&samples, &simulation.events);
+        Ok(Record { samples, events })
+    }
+
+    fn truths(&self, samples: &[Sample], events: &[TrueEvent]) -> Vec<Truth> {
+        let setup = self.setup();
+        let truth = |(i, event): (usize, &TrueEvent)| {
+            let end_s = events.get(i + 1).map_or(self.scene.duration_s, |next| next.onset_s);
+            let bound = self.bound(samples, event, end_s).map(|(static_n, dynamic_n)| {
+                (static_n * setup.per_newton(), dynamic_n * setup.per_newton())
+            });
+            Truth {
+                onset_s: event.onset_s,
+                stop_s: event.stop_s,
+                mu_s: setup.coefficient(event.static_force_n),
+                mu: setup.coefficient(event.dynamic_force_n),
+                bound,
+            }
+        };
+        events.iter().enumerate().map(truth).collect()
+    }
+
+    /// Bounds of `Fs` and `Fp`, N, from the samples that really came.
+    fn bound(&self, samples: &[Sample], event: &TrueEvent, end_s: f64) -> Option<(f64, f64)> {
+        let noise_n = self.scene.measurement.white_n;
+        if noise_n <= 0.0 || !self.scene.is_linear() || event.slack {
+            return None;
+        }
+        let linear = LinearEvent {
+            onset_s: event.onset_s,
+            loading_rate_n_per_s: event.loading_rate_n_per_s,
+            static_force_n: event.static_force_n,
+            dynamic_force_n: event.dynamic_force_n,
+            omega_rad_per_s: event.omega_rad_per_s,
+        };
+        let from_s = event.onset_s - event.stick_s;
+        let times_s = samples.iter().map(|s| s.index as f64 / self.scene.rate_hz);
+        let own = times_s.filter(|t| (from_s..end_s).contains(t));
+        linear.bound(own, noise_n).map(|b| (b.static_n, b.dynamic_n))
+    }
+}

@@ -1,0 +1,190 @@
+//! The comparison as aligned text, or as Markdown.
+
+use std::fmt::Write;
+
+use super::result::{BenchResult, Errors, Row};
+
+/// Titles of the columns after the method's name.
+pub const TITLES: [&str; 13] = [
+    "mu_s/bound",
+    "mu/bound",
+    "mu_s rms %",
+    "mu rms %",
+    "mu_s bias %",
+    "mu bias %",
+    "mu_s 95 %",
+    "mu 95 %",
+    "F1",
+    "read %",
+    "delay ms",
+    "ns/sample",
+    "worst ns",
+];
+/// The last column: fixed for a method, so only in the summary.
+const STATE: &str = "state B";
+
+/// A block of text for each scene, then the summary.
+#[must_use]
+pub fn text(result: &BenchResult) -> String {
+    let mut out = String::new();
+    for block in blocks(&result.rows) {
+        let _ = writeln!(out, "{}", heading(block));
+        let rows = block.iter().map(|row| (row.method, cells(row).to_vec()));
+        lines(&mut out, &TITLES, rows);
+        out.push('\n');
+    }
+    let _ = writeln!(out, "Linear scenes: median (worst)");
+    lines(&mut out, &SUMMARY_TITLES, summary(result));
+    let _ = writeln!(out, "\none look at each sample: {:.2} ns", result.one_pass_ns);
+    let _ = writeln!(out, "seeds from {} on in every scene", result.first_seed);
+    if result.host.debug_build {
+        let _ = writeln!(out, "built without optimisation: times mean little");
+    }
+    out
+}
+
+/// The rows of one scene each.
+pub fn blocks(rows: &[Row]) -> impl Iterator<Item = &[Row]> {
+    rows.chunk_by(|a, b| a.scene == b.scene && a.noise_percent.total_cmp(&b.noise_percent).is_eq())
+}
+
+/// Name, kind and size of a scene.
+#[must_use]
+pub fn heading(block: &[Row]) -> String {
+    let Some(row) = block.first() else { return String::new() };
+    let kind = if row.linear { "linear" } else { "hard" };
+    format!("{} ({kind}), noise {} %, {} events", row.scene, short(row.noise_percent), row.events)
+}
+
+fn lines<'a>(
+    out: &mut String,
+    titles: &[&str],
+    rows: impl Iterator<Item = (&'a str, Vec<String>)>,
+) {
+    let width = |title: &str| title.len().max(9) + 2;
+    let _ = write!(out, "{:<24}", "");
+    titles.iter().for_each(|title| {
+        let _ = write!(out, "{title:>0$}", width(title));
+    });
+    out.push('\n');
+    for (name, cells) in rows {
+        let _ = write!(out, "{name:<24}");
+        for (cell, title) in cells.iter().zip(titles) {
+            let _ = write!(out, "{cell:>0$}", width(title));
+        }
+        out.push('\n');
+    }
+}
+
+/// The cells of a row under [`TITLES`].
+#[must_use]
+pub fn cells(row: &Row) -> [String; 13] {
+    let of = |errors: Option<Errors>, f: fn(&Errors) -> Option<f64>| {
+        errors.as_ref().and_then(f).map_or_else(|| "-".to_owned(), short)
+    };
+    let some = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), short);
+    [
+        of(row.mu_s, |e| e.over_bound),
+        of(row.mu, |e| e.over_bound),
+        of(row.mu_s, |e| Some(e.rms_percent)),
+        of(row.mu, |e| Some(e.rms_percent)),
+        of(row.mu_s, |e| Some(e.bias_percent)),
+        of(row.mu, |e| Some(e.bias_percent)),
+        of(row.mu_s, |e| Some(e.p95_percent)),
+        of(row.mu, |e| Some(e.p95_percent)),
+        format!("{:.3}", row.f1),
+        format!("{:.0}", row.read_percent),
+        some(row.onset_delay_ms),
+        short(row.ns_per_sample),
+        some(row.worst_tick_ns),
+    ]
+}
+
+/// Titles of the summary.
+pub const SUMMARY_TITLES: [&str; 8] = [
+    "mu_s/bound",
+    "mu/bound",
+    "least F1",
+    "least F1, hard",
+    "delay ms",
+    "ns/sample",
+    "worst ns",
+    STATE,
+];
+
+/// Each method over the linear scenes: median, and the worst in brackets.
+pub fn summary(result: &BenchResult) -> impl Iterator<Item = (&'static str, Vec<String>)> + '_ {
+    methods(result).into_iter().map(|method| {
+        let of = |linear: bool, f: &dyn Fn(&Row) -> Option<f64>| -> Vec<f64> {
+            let own = result.rows.iter().filter(|r| r.method == method && r.linear == linear);
+            own.filter_map(f).collect()
+        };
+        let both = |f: &dyn Fn(&Row) -> Option<f64>| match spread(of(true, f)) {
+            Some((_, median, worst)) => format!("{} ({})", short(median), short(worst)),
+            None => "-".to_owned(),
+        };
+        let least = |linear| of(linear, &|r| Some(r.f1)).into_iter().fold(1.0, f64::min);
+        let state = of(true, &|r| Some(r.state_bytes as f64)).into_iter().fold(0.0, f64::max);
+        let cells = vec![
+            both(&|r| r.mu_s.and_then(|e| e.over_bound)),
+            both(&|r| r.mu.and_then(|e| e.over_bound)),
+            format!("{:.3}", least(true)),
+            format!("{:.3}", least(false)),
+            both(&|r| r.onset_delay_ms),
+            both(&|r| Some(r.ns_per_sample)),
+            both(&|r| r.worst_tick_ns),
+            format!("{state:.0}"),
+        ];
+        (method, cells)
+    })
+}
+
+/// The methods in their order.
+#[must_use]
+pub fn methods(result: &BenchResult) -> Vec<&'static str> {
+    blocks(&result.rows).next().unwrap_or_default().iter().map(|row| row.method).collect()
+}
+
+/// Smallest, median and largest.
+#[must_use]
+pub fn spread(mut values: Vec<f64>) -> Option<(f64, f64, f64)> {
+    values.sort_by(f64::total_cmp);
+    Some((*values.first()?, *values.get(values.len() / 2)?, *values.last()?))
+}
+
+/// Three significant digits, at most three decimals.
+#[must_use]
+pub fn short(value: f64) -> String {
+    let digits = (2.0 - value.abs().max(1e-12).log10().floor()).clamp(0.0, 3.0) as usize;
+    let text = format!("{value:.digits$}");
+    if text.trim_start_matches('-').chars().all(|c| c == '0' || c == '.') {
+        return "0".to_owned();
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_short() {
+        let expected = [
+            (937.4, "937"),
+            (12.34, "12.3"),
+            (1.0, "1.00"),
+            (0.0321, "0.032"),
+            (-0.0001, "0"),
+            (0.0, "0"),
+        ];
+        for (value, text) in expected {
+            assert_eq!(short(value), text);
+        }
+    }
+
+    #[test]
+    fn the_spread_is_smallest_median_largest() {
+        assert_eq!(spread(vec![3.0, 1.0, 9.0]), Some((1.0, 3.0, 9.0)));
+        assert_eq!(spread(Vec::new()), None);
+    }
+}

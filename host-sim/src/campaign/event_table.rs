@@ -1,0 +1,224 @@
+//! One tidy table of all events as a Parquet file: a row an event, with what is
+//! known about its test in every row.
+
+use std::io::Write;
+use std::sync::Arc;
+
+use parquet::basic::{LogicalType, Repetition, Type as Physical};
+use parquet::data_type::{BoolType, ByteArray, ByteArrayType, DoubleType, Int32Type};
+use parquet::errors::Result;
+use parquet::file::properties::WriterProperties;
+use parquet::file::writer::{SerializedColumnWriter, SerializedFileWriter};
+use parquet::schema::types::{Type, TypePtr};
+
+use super::{EventRecord, TestRecord};
+
+/// Events in a group of rows.
+const GROUP: usize = 100_000;
+
+/// A row: an event and its test.
+type Row<'a> = (&'a TestRecord, &'a EventRecord);
+
+/// Kind of a column and where its value comes from.
+enum Column {
+    Integer(fn(Row) -> u32),
+    Number(fn(Row) -> f64),
+    Maybe(fn(Row) -> Option<f64>),
+    Truth(fn(Row) -> bool),
+    Text(for<'a> fn(Row<'a>) -> &'a str),
+}
+
+use Column::{Integer, Maybe, Number, Text, Truth};
+
+/// The columns. Units are in the names, as everywhere.
+const COLUMNS: [(&str, Column); 27] = [
+    ("campaign", Integer(|(t, _)| t.campaign)),
+    ("test", Integer(|(t, _)| t.test)),
+    ("test_id", Text(|(t, _)| &t.test_id)),
+    ("weight_n", Number(|(t, _)| t.weight_n)),
+    ("winch_m_per_s", Maybe(|(t, _)| t.winch_m_per_s)),
+    ("slope_rad", Number(|(t, _)| t.slope_rad)),
+    ("snow_mm", Maybe(|(t, _)| t.snow_mm)),
+    ("event", Integer(|(_, e)| e.measured.index)),
+    ("onset_s", Number(|(_, e)| e.measured.onset_s)),
+    ("stop_s", Number(|(_, e)| e.measured.stop_s)),
+    ("static_force_n", Number(|(_, e)| e.measured.static_force_n)),
+    ("dynamic_force_n", Number(|(_, e)| e.measured.dynamic_force_n)),
+    ("peak_force_n", Number(|(_, e)| e.measured.peak_force_n)),
+    ("restick_force_n", Number(|(_, e)| e.measured.restick_force_n)),
+    ("mu_s", Maybe(|(_, e)| e.measured.mu_s)),
+    ("mu_s_std", Maybe(|(_, e)| e.measured.mu_s_std)),
+    ("mu", Maybe(|(_, e)| e.measured.mu)),
+    ("mu_std", Maybe(|(_, e)| e.measured.mu_std)),
+    ("stick_s", Maybe(|(_, e)| e.measured.stick_s)),
+    ("slip_s", Number(|(_, e)| e.measured.slip_s)),
+    ("loading_rate_n_per_s", Number(|(_, e)| e.measured.loading_rate_n_per_s)),
+    ("omega_rad_per_s", Maybe(|(_, e)| e.measured.omega_rad_per_s)),
+    ("slack", Truth(|(_, e)| e.measured.slack)),
+    ("quality", Text(|(_, e)| &e.measured.quality)),
+    ("reason", Text(|(_, e)| e.measured.reason.as_deref().unwrap_or_default())),
+    ("true_mu_s", Maybe(|(_, e)| e.true_mu_s)),
+    ("true_mu", Maybe(|(_, e)| e.true_mu)),
+];
+
+fn schema() -> Result<TypePtr> {
+    let fields: Result<Vec<TypePtr>> =
+        COLUMNS.iter().map(|(name, column)| field(name, column)).collect();
+    Ok(Arc::new(Type::group_type_builder("event").with_fields(fields?).build()?))
+}
+
+fn field(name: &str, column: &Column) -> Result<TypePtr> {
+    let (physical, repetition, logical) = match column {
+        Integer(_) => (Physical::INT32, Repetition::REQUIRED, None),
+        Number(_) => (Physical::DOUBLE, Repetition::REQUIRED, None),
+        Maybe(_) => (Physical::DOUBLE, Repetition::OPTIONAL, None),
+        Truth(_) => (Physical::BOOLEAN, Repetition::REQUIRED, None),
+        Text(_) => (Physical::BYTE_ARRAY, Repetition::REQUIRED, Some(LogicalType::String)),
+    };
+    let builder = Type::primitive_type_builder(name, physical);
+    let builder = builder.with_repetition(repetition).with_logical_type(logical);
+    Ok(Arc::new(builder.build()?))
+}
+
+/// Writes tests as they come. Rows are gathered and written in groups.
+pub struct EventTable<W: Write + Send> {
+    writer: SerializedFileWriter<W>,
+    waiting: Vec<TestRecord>,
+    events: usize,
+}
+
+impl<W: Write + Send> std::fmt::Debug for EventTable<W> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("EventTable").field("events", &self.events).finish_non_exhaustive()
+    }
+}
+
+impl<W: Write + Send> EventTable<W> {
+    /// Begins the file.
+    ///
+    /// # Errors
+    /// Of the writer.
+    pub fn new(out: W) -> Result<Self> {
+        let properties = WriterProperties::builder()
+            .set_created_by(format!("floe {}", env!("CARGO_PKG_VERSION")))
+            .set_compression(parquet::basic::Compression::SNAPPY)
+            .build();
+        let writer = SerializedFileWriter::new(out, schema()?, Arc::new(properties))?;
+        Ok(Self { writer, waiting: Vec::new(), events: 0 })
+    }
+
+    /// Takes a test with its events.
+    ///
+    /// # Errors
+    /// Of the writer.
+    pub fn push(&mut self, test: TestRecord) -> Result<()> {
+        self.events += test.events.len();
+        self.waiting.push(test);
+        if self.events >= GROUP { self.write_group() } else { Ok(()) }
+    }
+
+    /// Ends the file.
+    ///
+    /// # Errors
+    /// Of the writer.
+    pub fn finish(mut self) -> Result<()> {
+        self.write_group()?;
+        self.writer.close().map(|_| ())
+    }
+
+    fn write_group(&mut self) -> Result<()> {
+        let rows: Vec<Row<'_>> = self
+            .waiting
+            .iter()
+            .flat_map(|test| test.events.iter().map(move |e| (test, e)))
+            .collect();
+        let mut group = self.writer.next_row_group()?;
+        for (_, column) in &COLUMNS {
+            if let Some(mut out) = group.next_column()? {
+                write_column(&mut out, column, &rows)?;
+                out.close()?;
+            }
+        }
+        group.close()?;
+        self.waiting.clear();
+        self.events = 0;
+        Ok(())
+    }
+}
+
+fn write_column(
+    out: &mut SerializedColumnWriter<'_>,
+    column: &Column,
+    rows: &[Row<'_>],
+) -> Result<()> {
+    let rows = rows.iter().copied();
+    match column {
+        Integer(of) => {
+            let values: Vec<i32> = rows.map(|r| of(r).try_into().unwrap_or(i32::MAX)).collect();
+            out.typed::<Int32Type>().write_batch(&values, None, None)
+        }
+        Number(of) => {
+            let values: Vec<f64> = rows.map(of).collect();
+            out.typed::<DoubleType>().write_batch(&values, None, None)
+        }
+        Maybe(of) => {
+            let levels: Vec<i16> = rows.clone().map(|r| i16::from(of(r).is_some())).collect();
+            let values: Vec<f64> = rows.filter_map(of).collect();
+            out.typed::<DoubleType>().write_batch(&values, Some(&levels), None)
+        }
+        Truth(of) => {
+            let values: Vec<bool> = rows.map(of).collect();
+            out.typed::<BoolType>().write_batch(&values, None, None)
+        }
+        Text(of) => {
+            let values: Vec<ByteArray> = rows.map(|r| of(r).into()).collect();
+            out.typed::<ByteArrayType>().write_batch(&values, None, None)
+        }
+    }
+    .map(|_| ())
+}
+
+#[cfg(test)]
+mod tests {
+    use parquet::file::reader::{FileReader, SerializedFileReader};
+    use parquet::record::RowAccessor;
+
+    use super::*;
+    use crate::campaign::programme;
+
+    fn table(tests: &[TestRecord]) -> Vec<u8> {
+        let mut bytes = Vec::new();
+        let mut table = EventTable::new(&mut bytes).unwrap();
+        for test in tests {
+            table.push(test.clone()).unwrap();
+        }
+        table.finish().unwrap();
+        bytes
+    }
+
+    #[test]
+    fn the_table_reads_back_as_it_was_written() {
+        let tests: Vec<_> = (0..3).map(|i| programme::evaluate(1, 0, i).unwrap()).collect();
+        let reader = SerializedFileReader::new(bytes::Bytes::from(table(&tests))).unwrap();
+        let events = tests.iter().flat_map(|t| t.events.iter().map(move |e| (t, e)));
+        let mut rows = reader.get_row_iter(None).unwrap();
+        for (test, event) in events {
+            let row = rows.next().unwrap().unwrap();
+            assert_eq!(row.get_int(1).unwrap(), test.test as i32);
+            assert_eq!(row.get_string(2).unwrap(), &test.test_id);
+            assert_eq!(row.get_double(8).unwrap().to_bits(), event.measured.onset_s.to_bits());
+            assert_eq!(row.get_double(16).ok(), event.measured.mu);
+            assert_eq!(row.get_string(23).unwrap(), &event.measured.quality);
+            assert_eq!(row.get_double(26).ok(), event.true_mu);
+        }
+        assert!(rows.next().is_none());
+    }
+
+    #[test]
+    fn a_table_without_events_is_a_table() {
+        let reader = SerializedFileReader::new(bytes::Bytes::from(table(&[]))).unwrap();
+        assert_eq!(reader.metadata().file_metadata().num_rows(), 0);
+        let columns = reader.metadata().file_metadata().schema_descr().num_columns();
+        assert_eq!(columns, COLUMNS.len());
+    }
+}

@@ -1,0 +1,174 @@
+//! What a campaign tells as a whole.
+
+use std::fmt::Write;
+
+use serde::Serialize;
+
+use super::TestRecord;
+use super::programme::PUBLISHED;
+use super::trend::{Against, Coefficient, Group, Mean, Trend, mean, points, trend};
+
+/// Name and version of this format; changes when a meaning changes.
+pub const SCHEMA: &str = "floe-campaign/1";
+
+/// Most tests that are listed one by one.
+const MOST_LISTED: usize = 200;
+
+/// A campaign, or many of them, as a whole.
+#[derive(Clone, Debug, Serialize)]
+pub struct Summary {
+    /// [`SCHEMA`].
+    pub schema: &'static str,
+    /// Whether the tests were simulated.
+    pub synthetic: bool,
+    /// Seed of simulated tests.
+    pub seed: Option<u64>,
+    /// Number of tests.
+    pub tests: usize,
+    /// Number of events.
+    pub events: u64,
+    /// Means of the groups.
+    pub groups: Vec<GroupMeans>,
+    /// Straight lines.
+    pub trends: Vec<NamedTrend>,
+    /// The tests one by one, if they are not too many.
+    pub records: Vec<TestRecord>,
+}
+
+/// Means of one group.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct GroupMeans {
+    /// Which tests.
+    pub group: Group,
+    /// Dynamic coefficient.
+    pub mu: Option<Mean>,
+    /// Static coefficient.
+    pub mu_s: Option<Mean>,
+    /// Published mean of `mu`.
+    pub published_mu: f64,
+    /// Published mean of `mu_s`.
+    pub published_mu_s: f64,
+}
+
+/// A straight line and what it is of.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct NamedTrend {
+    /// Which coefficient.
+    pub coefficient: Coefficient,
+    /// Against what.
+    pub against: Against,
+    /// Of which tests.
+    pub group: Group,
+    /// The line.
+    pub trend: Trend,
+}
+
+impl Summary {
+    /// Sums tests up.
+    #[must_use]
+    pub fn new(tests: &[TestRecord], events: u64, seed: Option<u64>) -> Self {
+        let of = |group: Group, coefficient: Coefficient| {
+            let tests = tests.iter().filter(|test| group.holds(test));
+            mean(&tests.filter_map(|test| coefficient.of(test)).collect::<Vec<_>>())
+        };
+        let groups = Group::ALL.into_iter().zip(PUBLISHED).map(|(group, published)| GroupMeans {
+            group,
+            mu: of(group, Coefficient::Mu),
+            mu_s: of(group, Coefficient::MuS),
+            published_mu: published.0,
+            published_mu_s: published.1,
+        });
+        let listed = if tests.len() <= MOST_LISTED { tests } else { &[] };
+        Self {
+            schema: SCHEMA,
+            synthetic: seed.is_some(),
+            seed,
+            tests: tests.len(),
+            events,
+            groups: groups.collect(),
+            trends: trends(tests),
+            records: listed.to_vec(),
+        }
+    }
+
+    /// The campaign as text.
+    #[must_use]
+    pub fn text(&self) -> String {
+        let mut text = self.list();
+        text += "\ngroup      tests  mu               mu_s             published mu, mu_s\n";
+        for group in &self.groups {
+            let tests = group.mu.or(group.mu_s).map_or(0, |m| m.tests);
+            let _ = writeln!(
+                text,
+                "{:<9}  {tests:>5}  {:<15}  {:<15}  {:.2}  {:.2}",
+                group.group.name(),
+                plus_minus(group.mu),
+                plus_minus(group.mu_s),
+                group.published_mu,
+                group.published_mu_s,
+            );
+        }
+        text += "\ntrend                           slope\n";
+        for t in &self.trends {
+            let (name, unit) = t.against.name();
+            let what = format!("{} against {name}, {}", t.coefficient.name(), t.group.name());
+            let slope = format!("{:+.4} ± {:.4}", t.trend.slope, t.trend.slope_std_error);
+            let _ = writeln!(text, "{what:<31} {slope} per {unit}, {} tests", t.trend.tests);
+        }
+        text + "\n± standard error from the scatter between tests\n"
+    }
+
+    fn list(&self) -> String {
+        if self.records.is_empty() {
+            return String::new();
+        }
+        let mut text =
+            "test                 weight   pull   snow  events  mu               mu_s\n".to_owned();
+        text += "                          N   mm/s     mm\n";
+        let known = |x: Option<f64>| x.map_or("-".to_owned(), |x| format!("{x:.1}"));
+        for test in &self.records {
+            let of = |c: &crate::replay::result::CoefficientSummary| {
+                c.mean.map_or("-".to_owned(), |mean| {
+                    format!("{mean:.3} ± {:.3}", c.std_error.unwrap_or(f64::NAN))
+                })
+            };
+            let _ = writeln!(
+                text,
+                "{:<18}  {:>7.0}  {:>5}  {:>5}  {:>6}  {:<15}  {}",
+                test.test_id,
+                test.weight_n,
+                known(test.winch_m_per_s.map(|w| w * 1e3)),
+                known(test.snow_mm),
+                test.event_count,
+                of(&test.mu),
+                of(&test.mu_s),
+            );
+        }
+        text
+    }
+}
+
+fn plus_minus(mean: Option<Mean>) -> String {
+    match mean {
+        None => "-".to_owned(),
+        Some(Mean { mean, std_error: None, .. }) => format!("{mean:.3}"),
+        Some(Mean { mean, std_error: Some(error), .. }) => format!("{mean:.3} ± {error:.3}"),
+    }
+}
+
+/// All lines that can be drawn: against weight and pull rate for each group,
+/// against snow for all tests.
+fn trends(tests: &[TestRecord]) -> Vec<NamedTrend> {
+    let mut trends = Vec::new();
+    for coefficient in [Coefficient::Mu, Coefficient::MuS] {
+        for against in Against::ALL {
+            for group in Group::ALL {
+                let points = points(tests, group, against, coefficient);
+                let line =
+                    trend(&points).map(|trend| NamedTrend { coefficient, against, group, trend });
+                trends.extend(line);
+            }
+        }
+    }
+    trends
+}

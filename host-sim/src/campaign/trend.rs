@@ -1,0 +1,224 @@
+//! Group means and straight lines with their uncertainties.
+
+use serde::Serialize;
+
+use super::TestRecord;
+
+/// A mean over tests.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Mean {
+    /// Tests that count.
+    pub tests: usize,
+    /// Mean.
+    pub mean: f64,
+    /// Standard error of the mean, from the scatter between tests; `null` for one.
+    pub std_error: Option<f64>,
+}
+
+/// Mean of values; `None` without any.
+#[must_use]
+pub fn mean(values: &[f64]) -> Option<Mean> {
+    if values.is_empty() {
+        return None;
+    }
+    let n = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / n;
+    let squares: f64 = values.iter().map(|v| (v - mean).powi(2)).sum();
+    let std_error = (values.len() > 1).then(|| (squares / (n - 1.0) / n).sqrt());
+    Some(Mean { tests: values.len(), mean, std_error })
+}
+
+/// A straight line through tests, `y = value + slope (x - centre)`, by least
+/// squares; the uncertainties are one standard deviation from the scatter.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Trend {
+    /// Tests that count.
+    pub tests: usize,
+    /// Mean of `x`.
+    pub centre: f64,
+    /// `y` there.
+    pub value: f64,
+    /// Its standard error.
+    pub value_std_error: f64,
+    /// Slope.
+    pub slope: f64,
+    /// Its standard error.
+    pub slope_std_error: f64,
+}
+
+impl Trend {
+    /// The line at `x` and its standard error there.
+    #[must_use]
+    pub fn at(&self, x: f64) -> (f64, f64) {
+        let from_centre = x - self.centre;
+        let error = self.value_std_error.hypot(self.slope_std_error * from_centre);
+        (self.value + self.slope * from_centre, error)
+    }
+}
+
+/// The line through points `(x, y)`; `None` for fewer than three, or one `x` only.
+#[must_use]
+pub fn trend(points: &[(f64, f64)]) -> Option<Trend> {
+    if points.len() < 3 {
+        return None;
+    }
+    let n = points.len() as f64;
+    let centre = points.iter().map(|p| p.0).sum::<f64>() / n;
+    let value = points.iter().map(|p| p.1).sum::<f64>() / n;
+    let spread: f64 = points.iter().map(|p| (p.0 - centre).powi(2)).sum();
+    if spread <= 1e-24 * n * centre * centre {
+        return None;
+    }
+    let slope = points.iter().map(|p| (p.0 - centre) * (p.1 - value)).sum::<f64>() / spread;
+    let residual = |p: &(f64, f64)| p.1 - value - slope * (p.0 - centre);
+    let scatter = (points.iter().map(|p| residual(p).powi(2)).sum::<f64>() / (n - 2.0)).sqrt();
+    Some(Trend {
+        tests: points.len(),
+        centre,
+        value,
+        value_std_error: scatter / n.sqrt(),
+        slope,
+        slope_std_error: scatter / spread.sqrt(),
+    })
+}
+
+/// Which tests belong together.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Group {
+    /// Without snow.
+    NoSnow,
+    /// On snow.
+    Snow,
+    /// All.
+    All,
+}
+
+impl Group {
+    /// In the order of the published means.
+    pub const ALL: [Self; 3] = [Self::NoSnow, Self::Snow, Self::All];
+
+    /// Name for people.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::NoSnow => "no snow",
+            Self::Snow => "snow",
+            Self::All => "all",
+        }
+    }
+
+    /// Whether a test belongs to it.
+    #[must_use]
+    pub fn holds(self, test: &TestRecord) -> bool {
+        match self {
+            Self::NoSnow => test.has_snow() == Some(false),
+            Self::Snow => test.has_snow() == Some(true),
+            Self::All => true,
+        }
+    }
+}
+
+/// Which coefficient.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Coefficient {
+    /// `mu`.
+    Mu,
+    /// `mu_s`.
+    MuS,
+}
+
+impl Coefficient {
+    /// Its mean over the events of a test.
+    #[must_use]
+    pub fn of(self, test: &TestRecord) -> Option<f64> {
+        match self {
+            Self::Mu => test.mu.mean,
+            Self::MuS => test.mu_s.mean,
+        }
+    }
+
+    /// Name for people.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Mu => "mu",
+            Self::MuS => "mu_s",
+        }
+    }
+}
+
+/// What a coefficient is set against.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Against {
+    /// Weight, kN.
+    WeightKn,
+    /// Pull rate, mm/s.
+    PullMmPerS,
+    /// Depth of the snow, mm.
+    SnowMm,
+}
+
+impl Against {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::WeightKn, Self::PullMmPerS, Self::SnowMm];
+
+    /// Its value for a test, if known.
+    #[must_use]
+    pub fn of(self, test: &TestRecord) -> Option<f64> {
+        match self {
+            Self::WeightKn => Some(test.weight_n * 1e-3),
+            Self::PullMmPerS => test.winch_m_per_s.map(|w| w * 1e3),
+            Self::SnowMm => test.snow_mm,
+        }
+    }
+
+    /// Name and unit for people.
+    #[must_use]
+    pub fn name(self) -> (&'static str, &'static str) {
+        match self {
+            Self::WeightKn => ("weight", "kN"),
+            Self::PullMmPerS => ("pull rate", "mm/s"),
+            Self::SnowMm => ("snow", "mm"),
+        }
+    }
+}
+
+/// The points of a group's tests for a plot or a line.
+#[must_use]
+pub fn points(
+    tests: &[TestRecord],
+    group: Group,
+    against: Against,
+    coefficient: Coefficient,
+) -> Vec<(f64, f64)> {
+    let of = |test: &TestRecord| Some((against.of(test)?, coefficient.of(test)?));
+    tests.iter().filter(|test| group.holds(test)).filter_map(of).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A published example: Anscombe's first set.
+    #[test]
+    fn a_line_agrees_with_a_published_fit() {
+        let x = [10.0, 8.0, 13.0, 9.0, 11.0, 14.0, 6.0, 4.0, 12.0, 7.0, 5.0];
+        let y = [8.04, 6.95, 7.58, 8.81, 8.33, 9.96, 7.24, 4.26, 10.84, 4.82, 5.68];
+        let points: Vec<_> = x.into_iter().zip(y).collect();
+        let line = trend(&points).unwrap();
+        assert!((line.slope - 0.500_09).abs() < 1e-5 && (line.at(0.0).0 - 3.000_09).abs() < 1e-5);
+        assert!((line.slope_std_error - 0.117_91).abs() < 1e-5);
+        assert!((line.at(0.0).1 - 1.124_75).abs() < 1e-4);
+    }
+
+    #[test]
+    fn too_little_gives_nothing() {
+        assert_eq!(trend(&[(1.0, 2.0), (2.0, 3.0)]), None);
+        assert_eq!(trend(&[(1.0, 2.0), (1.0, 3.0), (1.0, 4.0)]), None);
+        assert_eq!(mean(&[]), None);
+        assert_eq!(mean(&[2.0]), Some(Mean { tests: 1, mean: 2.0, std_error: None }));
+    }
+}

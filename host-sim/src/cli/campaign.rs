@@ -1,0 +1,197 @@
+//! `floe campaign`: many tests to their trends.
+
+use std::io;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use indicatif::{ProgressBar, ProgressStyle};
+use rayon::prelude::*;
+
+use crate::campaign::event_table::EventTable;
+use crate::campaign::summary::Summary;
+use crate::campaign::{TestRecord, programme, recorded};
+use crate::error::InputError;
+use crate::report::render_campaign;
+
+use super::output;
+
+/// Tests that are computed before their events are written.
+const CHUNK: usize = 256;
+const STANDARD: &str = "-";
+
+/// Evaluate many tests: means, trends against weight, pull rate and snow
+#[derive(Clone, Debug, clap::Args)]
+#[command(after_help = "\
+Without DIR or LIST, a programme of 25 tests is simulated from the published trends.
+A list names one log a line, relative to itself. Logs must say their weight
+(# weight_n:), and what is known of winch_m_per_s and snow_mm.")]
+pub struct Args {
+    /// Directory with logs, or a file that lists them
+    #[arg(value_name = "DIR|LIST")]
+    logs: Option<PathBuf>,
+    /// Seed of the simulated programme
+    #[arg(long, value_name = "N", default_value_t = 1, conflicts_with = "logs")]
+    seed: u64,
+    /// Simulate this many programmes
+    #[arg(long, value_name = "N", default_value_t = 1, conflicts_with = "logs",
+          value_parser = clap::value_parser!(u32).range(1..=10_000_000))]
+    repeat: u32,
+    /// Threads to use [default: one for each core]; the result is the same
+    #[arg(long, value_name = "N")]
+    threads: Option<usize>,
+    /// Write figures and tables to look at, one HTML file
+    #[arg(long, value_name = "FILE.html")]
+    report: Option<PathBuf>,
+    /// Write all events as one Parquet table
+    #[arg(long, value_name = "FILE.parquet")]
+    parquet: Option<PathBuf>,
+    /// Write the summary as JSON to FILE, or to standard output and nothing else there
+    #[arg(long, value_name = "FILE", num_args = 0..=1, default_missing_value = STANDARD)]
+    json: Option<PathBuf>,
+}
+
+/// Where the tests come from.
+enum Source {
+    Programme { seed: u64, tests: u64 },
+    Logs(Vec<PathBuf>),
+}
+
+impl Source {
+    fn new(args: &Args) -> Result<Self, InputError> {
+        match &args.logs {
+            Some(path) => recorded::logs(path).map(Self::Logs),
+            None => {
+                let tests = u64::from(args.repeat) * u64::from(programme::TESTS);
+                Ok(Self::Programme { seed: args.seed, tests })
+            }
+        }
+    }
+
+    fn len(&self) -> u64 {
+        match self {
+            Self::Programme { tests, .. } => *tests,
+            Self::Logs(logs) => logs.len() as u64,
+        }
+    }
+
+    fn evaluate(&self, number: u64) -> Result<TestRecord, InputError> {
+        let per = u64::from(programme::TESTS);
+        match self {
+            Self::Programme { seed, .. } => {
+                programme::evaluate(*seed, (number / per) as u32, (number % per) as u32)
+            }
+            Self::Logs(logs) => match logs.get(number as usize) {
+                Some(log) => recorded::evaluate(log, number as u32),
+                None => Err(InputError::new("no such log")),
+            },
+        }
+    }
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// One line for the user.
+pub fn run(args: &Args) -> Result<(), InputError> {
+    let json = args.json.as_deref().filter(|path| *path != Path::new(STANDARD));
+    let mut taken: Vec<&Path> = args.logs.iter().map(PathBuf::as_path).collect();
+    for path in [json, args.report.as_deref(), args.parquet.as_deref()].into_iter().flatten() {
+        output::check(path, &taken)?;
+        taken.push(path);
+    }
+    let source = Source::new(args)?;
+    let started = Instant::now();
+    let mut tests = Vec::new();
+    let mut events = 0;
+    evaluate_all(args, &source, |test| {
+        events += test.event_count as u64;
+        tests.push(test);
+    })?;
+    let seed = args.logs.is_none().then_some(args.seed);
+    let summary = Summary::new(&tests, events, seed);
+    write(args, &summary, &tests)?;
+    let seconds = started.elapsed().as_secs_f64();
+    eprintln!("{} tests, {events} events in {seconds:.2} s", tests.len());
+    Ok(())
+}
+
+/// Evaluates every test in order; the events go to the Parquet table if there is
+/// one, the tests without their events to `keep`.
+fn evaluate_all(
+    args: &Args,
+    source: &Source,
+    mut keep: impl FnMut(TestRecord),
+) -> Result<(), InputError> {
+    let Some(path) = &args.parquet else {
+        return in_order(args, source, |test| {
+            keep(without_events(&test));
+            Ok(())
+        });
+    };
+    // What went wrong with a test is not a fault of the file.
+    let mut problem = None;
+    let written = output::stream(path, |out| {
+        let mut table = EventTable::new(out).map_err(io::Error::other)?;
+        let evaluated = in_order(args, source, |test| {
+            keep(without_events(&test));
+            table.push(test).map_err(|e| InputError::new(e.to_string()))
+        });
+        match evaluated {
+            Ok(()) => table.finish().map_err(io::Error::other),
+            Err(error) => {
+                problem = Some(error);
+                Err(io::Error::other("stopped"))
+            }
+        }
+    });
+    problem.map_or(written, Err)
+}
+
+fn without_events(test: &TestRecord) -> TestRecord {
+    TestRecord { events: Vec::new(), test_id: test.test_id.clone(), ..*test }
+}
+
+/// Computes in parallel, hands over in order.
+fn in_order(
+    args: &Args,
+    source: &Source,
+    mut take: impl FnMut(TestRecord) -> Result<(), InputError>,
+) -> Result<(), InputError> {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(args.threads.unwrap_or(0)).build();
+    let pool = pool.map_err(|error| InputError::new(error.to_string()))?;
+    let bar = progress(source.len());
+    let mut first = 0;
+    while first < source.len() {
+        let last = (first + CHUNK as u64).min(source.len());
+        let tests: Result<Vec<TestRecord>, InputError> =
+            pool.install(|| (first..last).into_par_iter().map(|i| source.evaluate(i)).collect());
+        for test in tests? {
+            take(test)?;
+        }
+        bar.set_position(last);
+        first = last;
+    }
+    bar.finish_and_clear();
+    Ok(())
+}
+
+/// A bar on standard error, if that is a terminal.
+fn progress(tests: u64) -> ProgressBar {
+    let style = ProgressStyle::with_template("{wide_bar} {pos} of {len} tests, {eta} left");
+    ProgressBar::new(tests).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
+}
+
+fn write(args: &Args, summary: &Summary, tests: &[TestRecord]) -> Result<(), InputError> {
+    if let Some(path) = &args.report {
+        output::replace(path, &render_campaign(summary, tests))?;
+    }
+    let json = serde_json::to_string_pretty(summary)
+        .map_err(|error| InputError::new(error.to_string()))?
+        + "\n";
+    match args.json.as_deref() {
+        Some(path) if path == Path::new(STANDARD) => return output::print(&json),
+        Some(path) => output::replace(path, &json)?,
+        None => {}
+    }
+    output::print(&summary.text())
+}

@@ -1,0 +1,254 @@
+//! The report of a campaign: coefficients against weight, pull rate and snow.
+
+use crate::campaign::TestRecord;
+use crate::campaign::summary::{GroupMeans, NamedTrend, Summary};
+use crate::campaign::trend::{Against, Coefficient, Group, Mean, points};
+
+use super::figure::{Figure, both, dot_key, line_key};
+use super::number::fixed;
+use super::plot::{Axis, Layout, Plot, Spec};
+use super::scale::extent;
+use super::svg::{Path, escape};
+
+const STYLE: &str = include_str!("style.css");
+const SCRIPT: &str = include_str!("script.js");
+const TREND_STYLE: &str = ".trend { stroke: var(--tone); stroke-width: 2; }\n\
+    main td:last-child, main th:last-child { text-align: right; min-width: 0; }\n";
+
+/// Points of a plot are drawn up to this many.
+const MOST_POINTS: usize = 2000;
+
+/// Groups that are drawn, each with the class of its tone.
+const DRAWN: [(Group, &str); 2] = [(Group::NoSnow, "dynamic"), (Group::Snow, "static")];
+
+/// The page for a campaign's tests and their summary.
+#[must_use]
+pub fn render_campaign(summary: &Summary, tests: &[TestRecord]) -> String {
+    let figures: String =
+        figures(summary, tests).iter().enumerate().map(|(i, f)| f.html(i + 1)).collect();
+    let kind = if summary.synthetic {
+        "Simulated campaign: computed, not measured"
+    } else {
+        "Campaign of recorded tests"
+    };
+    format!(
+        "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"/>\
+         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\
+         <meta name=\"color-scheme\" content=\"light dark\"/>\
+         <title>Campaign – sliding friction</title>\n<style>\n{STYLE}{TREND_STYLE}</style></head>\n\
+         <body><header><p class=\"kind\">{kind}</p><h1>{} tests, {} events</h1></header>\n\
+         <main><section>{}</section><section class=\"figures\">\n{figures}</section>{}</main>\n\
+         <footer><p>Lines by least squares with the band of one standard error, from the \
+         scatter between tests. Made by <b>floe {}</b>{}.</p></footer>\n\
+         <script>\n{SCRIPT}</script></body></html>\n",
+        summary.tests,
+        summary.events,
+        groups(&summary.groups),
+        list(&summary.records),
+        env!("CARGO_PKG_VERSION"),
+        summary.seed.map(|seed| format!(", seed {seed}")).unwrap_or_default(),
+    )
+}
+
+fn groups(groups: &[GroupMeans]) -> String {
+    let cell = |mean: Option<Mean>| match mean {
+        None => "–".to_owned(),
+        Some(m) => match m.std_error {
+            Some(error) => format!("{} ± {}", fixed(m.mean, 3), fixed(error, 3)),
+            None => fixed(m.mean, 3),
+        },
+    };
+    let row = |g: &GroupMeans| {
+        format!(
+            "<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td></tr>",
+            g.group.name(),
+            g.mu.or(g.mu_s).map_or(0, |m| m.tests),
+            cell(g.mu),
+            fixed(g.published_mu, 2),
+            cell(g.mu_s),
+            fixed(g.published_mu_s, 2),
+        )
+    };
+    let rows: String = groups.iter().map(row).collect();
+    format!(
+        "<h2>Means of the groups</h2><div class=\"scroll\"><table><thead><tr><th>group</th>\
+         <th>tests</th><th><i>μ</i></th><th>published</th><th><i>μ</i><sub>s</sub></th>\
+         <th>published</th></tr></thead><tbody>{rows}</tbody></table></div>"
+    )
+}
+
+fn list(tests: &[TestRecord]) -> String {
+    if tests.is_empty() {
+        return String::new();
+    }
+    let known = |x: Option<f64>, decimals| x.map_or("–".to_owned(), |x| fixed(x, decimals));
+    let row = |t: &TestRecord| {
+        format!(
+            "<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{} ± {}</td>\
+             <td>{} ± {}</td></tr>",
+            escape(&t.test_id),
+            fixed(t.weight_n, 0),
+            known(t.winch_m_per_s.map(|w| w * 1e3), 1),
+            known(t.snow_mm, 0),
+            t.event_count,
+            known(t.mu.mean, 3),
+            known(t.mu.std_error, 3),
+            known(t.mu_s.mean, 3),
+            known(t.mu_s.std_error, 3),
+        )
+    };
+    let rows: String = tests.iter().map(row).collect();
+    format!(
+        "<section><h2>Tests</h2><div class=\"scroll\"><table><thead><tr><th>test</th>\
+         <th>weight<small>N</small></th><th>pull<small>mm/s</small></th>\
+         <th>snow<small>mm</small></th><th>events</th><th><i>μ</i></th>\
+         <th><i>μ</i><sub>s</sub></th></tr></thead><tbody>{rows}</tbody></table></div></section>"
+    )
+}
+
+fn figures(summary: &Summary, tests: &[TestRecord]) -> Vec<Figure> {
+    let mut figures = Vec::new();
+    for against in Against::ALL {
+        for coefficient in [Coefficient::MuS, Coefficient::Mu] {
+            let panel = Panel { summary, tests, against, coefficient };
+            figures.extend(panel.figure());
+        }
+    }
+    figures
+}
+
+/// One plot.
+struct Panel<'a> {
+    summary: &'a Summary,
+    tests: &'a [TestRecord],
+    against: Against,
+    coefficient: Coefficient,
+}
+
+impl Panel<'_> {
+    fn points(&self, group: Group) -> Vec<(f64, f64)> {
+        points(self.tests, group, self.against, self.coefficient)
+    }
+
+    fn trend(&self, group: Group) -> Option<&NamedTrend> {
+        self.summary.trends.iter().find(|t| {
+            t.group == group && t.against == self.against && t.coefficient == self.coefficient
+        })
+    }
+
+    /// The groups with their lines; against snow, and where snow is not known,
+    /// one line through all.
+    fn lines(&self) -> Vec<(&NamedTrend, &'static str)> {
+        let own = DRAWN.iter().filter_map(|&(g, tone)| Some((self.trend(g)?, tone)));
+        let own: Vec<_> = own.collect();
+        if !own.is_empty() {
+            return own;
+        }
+        self.trend(Group::All).map(|t| (t, "static")).into_iter().collect()
+    }
+
+    fn figure(&self) -> Option<Figure> {
+        if self.points(Group::All).is_empty() {
+            return None;
+        }
+        let mut keys: Vec<String> = DRAWN
+            .iter()
+            .filter(|(group, _)| !self.points(*group).is_empty())
+            .map(|(group, tone)| dot_key(&format!("event {tone}"), group.name()))
+            .collect();
+        keys.push(line_key("mean", "line by least squares, ± one standard error"));
+        Some(Figure {
+            class: "trend-figure",
+            drawings: vec![both(|layout| self.draw(layout))],
+            keys,
+            caption: self.caption(),
+        })
+    }
+
+    fn caption(&self) -> String {
+        let (_, unit) = self.against.name();
+        let slope = |(t, _): &(&NamedTrend, &str)| {
+            let (slope, error) = (fixed(t.trend.slope, 4), fixed(t.trend.slope_std_error, 4));
+            format!("{} {slope} ± {error} per {unit}", t.group.name())
+        };
+        let slopes: Vec<String> = self.lines().iter().map(slope).collect();
+        format!("{} Slope: {}.", self.title(), slopes.join("; "))
+    }
+
+    fn title(&self) -> String {
+        let kind = match self.coefficient {
+            Coefficient::Mu => "Dynamic",
+            Coefficient::MuS => "Static",
+        };
+        format!("{kind} coefficient against {}.", self.against.name().0)
+    }
+
+    fn draw(&self, layout: Layout) -> String {
+        let title = self.title();
+        let mut plot = Plot::new(&self.spec(layout, &title));
+        for (trend, tone) in self.lines() {
+            let (low, high) = extent(self.points(trend.group).iter().map(|p| p.0), 0.02);
+            let at = |i: i32| low + (high - low) * f64::from(i) / 40.0;
+            let edge = |i: i32, side: f64| {
+                let (value, error) = trend.trend.at(at(i));
+                plot.at((at(i), value + side * error))
+            };
+            let outline =
+                (0..=40).map(|i| edge(i, 1.0)).chain((0..=40).rev().map(|i| edge(i, -1.0)));
+            let mut band = Path::line(outline);
+            band.close();
+            plot.draw(&band.element(&format!("band-1 {tone}")));
+            let ends = [low, high].map(|x| (x, trend.trend.at(x).0));
+            plot.line(&format!("trend {tone}"), ends);
+        }
+        self.draw_points(&mut plot);
+        plot.finish()
+    }
+
+    fn draw_points(&self, plot: &mut Plot) {
+        let mut untold = self.tests.iter().filter(|t| t.has_snow().is_none()).peekable();
+        if untold.peek().is_some() {
+            plot.dots("event static", self.points(Group::All).into_iter().take(MOST_POINTS));
+            return;
+        }
+        for (group, tone) in DRAWN {
+            let points = self.points(group);
+            plot.dots(&format!("event {tone}"), points.into_iter().take(MOST_POINTS));
+        }
+    }
+
+    fn spec<'s>(&self, layout: Layout, title: &'s str) -> Spec<'s> {
+        let (name, unit) = self.against.name();
+        let all = self.points(Group::All);
+        let (id, symbol, subscript) = match (self.against, self.coefficient) {
+            (Against::WeightKn, Coefficient::Mu) => ("weight-mu", "μ", ""),
+            (Against::WeightKn, Coefficient::MuS) => ("weight-mu-s", "μs", "s"),
+            (Against::PullMmPerS, Coefficient::Mu) => ("pull-mu", "μ", ""),
+            (Against::PullMmPerS, Coefficient::MuS) => ("pull-mu-s", "μs", "s"),
+            (Against::SnowMm, Coefficient::Mu) => ("snow-mu", "μ", ""),
+            (Against::SnowMm, Coefficient::MuS) => ("snow-mu-s", "μs", "s"),
+        };
+        let (low, high) = extent(all.iter().map(|p| p.1), 0.08);
+        Spec {
+            id,
+            layout,
+            size: layout.pick((570.0, 300.0), (360.0, 240.0)),
+            title,
+            description: "One point a test, with straight lines and their bands.",
+            x: Axis {
+                domain: extent(all.iter().map(|p| p.0), 0.06),
+                least_step: 0.0,
+                label: format!("{name} ({unit})"),
+                readout: (name, unit.to_owned()),
+            },
+            y: Axis {
+                domain: (low.max(0.0), high),
+                least_step: 0.0,
+                label: format!(
+                    "<tspan class=\"sym\">μ</tspan><tspan class=\"sub\" dy=\"3\">{subscript}</tspan>"
+                ),
+                readout: (symbol, String::new()),
+            },
+        }
+    }
+}

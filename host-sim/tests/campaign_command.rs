@@ -1,0 +1,109 @@
+//! `floe campaign`, `stiffness` and `simulate` as commands: the same bytes whatever the number of threads, and real logs.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+fn folder(name: &str) -> PathBuf {
+    let folder = std::env::temp_dir().join(format!("floe-campaign-{}-{name}", std::process::id()));
+    fs::create_dir_all(&folder).unwrap();
+    folder
+}
+
+fn floe(folder: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_floe")).current_dir(folder).args(arguments).output().unwrap()
+}
+
+#[test]
+fn the_number_of_threads_changes_no_byte() {
+    let folder = folder("threads");
+    let of = |threads: &str| {
+        let names = ["c.parquet", "c.json", "c.html"];
+        let [parquet, json, html] = names.map(|name| format!("{threads}-{name}"));
+        let arguments = [
+            "campaign",
+            "--repeat",
+            "12",
+            "--threads",
+            threads,
+            "--parquet",
+            &parquet,
+            "--json",
+            &json,
+            "--report",
+            &html,
+        ];
+        let output = floe(&folder, &arguments);
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        ([parquet, json, html].map(|name| fs::read(folder.join(name)).unwrap()), output.stdout)
+    };
+    let one = of("1");
+    assert!(one.0.iter().all(|file| file.len() > 1000));
+    assert!(one == of("3"));
+    fs::remove_dir_all(folder).unwrap();
+}
+
+#[test]
+fn recorded_logs_give_the_same_as_a_replay() {
+    let folder = folder("recorded");
+    let scenes = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/linear");
+    for name in ["fast", "heavy", "light", "snow"] {
+        let scene = scenes.join(name).with_extension("toml");
+        let log = format!("{name}.csv");
+        let output = floe(&folder, &["simulate", scene.to_str().unwrap(), "-o", &log]);
+        assert!(output.status.success());
+    }
+    fs::write(folder.join("notes.md"), "not a log").unwrap();
+    fs::write(folder.join("list"), "# two of them\nheavy.csv\n\nlight.csv\n").unwrap();
+    let json = |arguments: &[&str]| -> serde_json::Value {
+        let output = floe(&folder, arguments);
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        serde_json::from_slice(&output.stdout).unwrap()
+    };
+    let all = json(&["campaign", ".", "--json"]);
+    let records = all["records"].as_array().unwrap();
+    assert_eq!(records.len(), 4);
+    assert_eq!(all["synthetic"], false);
+    for record in records {
+        let name = record["test_id"].as_str().unwrap();
+        let replayed = json(&["replay", &format!("{name}.csv"), "--json"]);
+        assert_eq!(record["mu"], replayed["estimate"]["mu"]);
+        assert_eq!(record["mu_s"], replayed["estimate"]["mu_s"]);
+    }
+    assert_eq!(json(&["campaign", "list", "--json"])["tests"], 2);
+    fs::remove_dir_all(folder).unwrap();
+}
+
+#[test]
+fn bad_input_is_one_clear_line() {
+    let folder = folder("bad");
+    fs::create_dir_all(folder.join("empty")).unwrap();
+    fs::write(folder.join("list"), "missing.csv\n").unwrap();
+    fs::write(folder.join("no-weight.csv"), "time_s,force_n\n0,1\n0.0625,2\n0.125,3\n").unwrap();
+    fs::write(folder.join("scene.toml"), "weight_n = 1\n").unwrap();
+    for (arguments, expected) in [
+        (&["campaign", "nowhere"][..], "nowhere"),
+        (&["campaign", "empty"], "no logs"),
+        (&["campaign", "list"], "missing.csv"),
+        (&["campaign", "."], "weight"),
+        (&["campaign", "--repeat", "0"], "--repeat"),
+        (&["campaign", "list", "--seed", "3"], "--seed"),
+        (&["campaign", "--parquet", "nowhere/c.parquet"], "nowhere"),
+        (&["stiffness", "nowhere.csv"], "nowhere.csv"),
+        (&["stiffness", "no-weight.csv"], "winch"),
+        (&["simulate", "nowhere.toml", "-o", "x.csv"], "nowhere.toml"),
+        (&["simulate", "scene.toml", "-o", "x.csv"], "missing field"),
+        (&["simulate", "scene.toml", "-o", "x.xls"], "x.xls"),
+        (&["simulate", "scene.toml", "-o", "scene.toml"], "scene.toml"),
+    ] {
+        let output = floe(&folder, arguments);
+        let error = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {error}");
+        assert_eq!(error.trim_end().lines().count(), 1, "{arguments:?}: {error}");
+        assert!(error.contains(expected), "{arguments:?}: {error}");
+        assert!(output.stdout.is_empty(), "{arguments:?}");
+    }
+    assert_eq!(fs::read_to_string(folder.join("scene.toml")).unwrap(), "weight_n = 1\n");
+    assert!(!folder.join("x.csv").exists());
+    fs::remove_dir_all(folder).unwrap();
+}

@@ -1,0 +1,332 @@
+//! Hand-written forces, and exactly what the detector makes of them.
+//!
+//! The block of the tables rests for 30 samples while the force rises by 20 N each,
+//! from 200 N to 780 N, and falls to 210 N within a few samples. Expected answers
+//! follow from the rules in `detector`: the first slip is told by its first sample
+//! clearly below the line, later ones by the first that has fallen by a third of the
+//! usual drop, here the second; a re-stick two samples after the lowest one.
+
+use floe_core::detector::{Detector, Transition};
+use floe_core::{
+    Calibration, Config, Counts, Event, Phase, Pipeline, Quality, RawSample, Reading, Reason,
+};
+use floe_tests::feed;
+
+/// Forces in order; `None` is a sampling period without a sample.
+#[derive(Clone, Default)]
+struct Script {
+    forces: Vec<Option<f64>>,
+    noise_n: f64,
+}
+
+/// Looks like noise, mean zero, standard deviation one, and is the same for ever.
+const ZIGZAG: [f64; 11] = [0.3, -1.2, 0.8, -0.1, 1.5, -0.9, 0.2, -1.7, 1.1, 0.6, -0.6];
+
+impl Script {
+    fn noisy(noise_n: f64) -> Self {
+        Self { noise_n, ..Self::default() }
+    }
+
+    fn push(mut self, forces: impl IntoIterator<Item = f64>) -> Self {
+        for force_n in forces {
+            let noise = ZIGZAG[self.forces.len() % ZIGZAG.len()];
+            self.forces.push(Some(force_n + self.noise_n * noise));
+        }
+        self
+    }
+
+    /// `count` samples on a line.
+    fn line(self, from_n: f64, rise_n: f64, count: u32) -> Self {
+        self.push((0..count).map(|i| from_n + rise_n * f64::from(i)))
+    }
+
+    /// The usual stick line: 30 samples, 200 N to 780 N.
+    fn stick(self) -> Self {
+        self.line(200.0, 20.0, 30)
+    }
+
+    /// The usual slip after it; the lowest sample is the last one.
+    fn slip(self) -> Self {
+        self.push([640.0, 370.0, 180.0])
+    }
+
+    fn gap(mut self, count: usize) -> Self {
+        self.forces.extend(vec![None; count]);
+        self
+    }
+
+    fn at(mut self, index: usize, force_n: f64) -> Self {
+        self.forces[index] = Some(force_n);
+        self
+    }
+
+    fn samples(&self) -> impl Iterator<Item = (u64, f64)> + '_ {
+        (0..).zip(&self.forces).filter_map(|(index, force)| Some((index, (*force)?)))
+    }
+
+    fn transitions(&self) -> Vec<String> {
+        let mut detector = Detector::new(16.0);
+        let told = |(index, force_n): (u64, f64)| {
+            let transition = detector.step(index, force_n as f32)?;
+            Some(match transition {
+                Transition::Onset => format!("{index} onset"),
+                Transition::Restick { peak, low } => {
+                    format!("{index} restick {} {}", peak.index, low.index)
+                }
+                Transition::Cancelled => format!("{index} cancelled"),
+                Transition::Lost => format!("{index} lost"),
+            })
+        };
+        self.samples().filter_map(told).collect()
+    }
+
+    fn becomes(&self, expected: &[&str]) {
+        assert_eq!(self.transitions(), expected);
+    }
+
+    /// The same forces through the whole pipeline, the weight 630 N.
+    fn events(&self) -> Vec<Event> {
+        let config = Config { weight_n: 630.0, ..Config::default() };
+        feed::replay(&config, self.samples().map(|(i, f)| feed::force(i, f))).events
+    }
+}
+
+/// Three usual cycles: the slips begin after samples 29, 62 and 95.
+fn three_cycles(noise_n: f64) -> Script {
+    Script::noisy(noise_n).stick().slip().stick().slip().stick().slip().line(200.0, 20.0, 10)
+}
+
+const THREE: [&str; 6] = [
+    "30 onset",
+    "34 restick 29 32",
+    "64 onset",
+    "67 restick 62 65",
+    "97 onset",
+    "100 restick 95 98",
+];
+
+#[test]
+fn three_slips_with_and_without_noise() {
+    for noise_n in [0.0, 1e-3, 0.5, 2.0, 4.0] {
+        three_cycles(noise_n).becomes(&THREE);
+    }
+}
+
+#[test]
+fn the_phase_follows() {
+    let mut detector = Detector::new(16.0);
+    assert_eq!(detector.phase(), Phase::Unknown);
+    let phases: Vec<Phase> = three_cycles(2.0)
+        .samples()
+        .map(|(index, force_n)| {
+            detector.step(index, force_n as f32);
+            detector.phase()
+        })
+        .collect();
+    let slips: Vec<usize> = (0..phases.len()).filter(|&i| phases[i] == Phase::Slip).collect();
+    assert_eq!(slips, [30, 31, 32, 33, 64, 65, 66, 97, 98, 99]);
+    assert!(!phases.contains(&Phase::Unknown));
+}
+
+/// The cable hangs loose on a tared cell before the winch is started.
+#[test]
+fn tare_flat_then_rise() {
+    for noise_n in [0.0, 2.0] {
+        let start = Script::noisy(noise_n).line(0.0, 0.0, 25).line(0.0, 20.0, 40);
+        start.clone().becomes(&[]);
+        let slip = start.push([640.0, 370.0, 180.0]).line(200.0, 20.0, 10);
+        slip.becomes(&["65 onset", "69 restick 64 67"]);
+    }
+}
+
+/// A record that begins in the middle of a slip has nothing to tell yet.
+#[test]
+fn start_inside_a_slip() {
+    let script = Script::noisy(2.0).push([640.0, 370.0, 180.0]).stick().slip().line(200.0, 20.0, 9);
+    script.becomes(&["33 onset", "37 restick 32 35"]);
+}
+
+#[test]
+fn single_slip() {
+    let script = Script::noisy(2.0).stick().slip().line(200.0, 20.0, 40);
+    script.becomes(&["30 onset", "34 restick 29 32"]);
+    assert_eq!(script.events().len(), 1);
+}
+
+/// Light blocks on stiff cables: from the line to the next line in one sample.
+#[test]
+fn one_sample_slip() {
+    let script = Script::noisy(2.0).stick().line(200.0, 20.0, 30).line(200.0, 20.0, 10);
+    script.becomes(&["30 onset", "32 restick 29 30", "60 onset", "62 restick 59 60"]);
+}
+
+/// Two usual cycles.
+fn two_cycles() -> Script {
+    Script::noisy(2.0).stick().slip().stick().slip().line(200.0, 20.0, 10)
+}
+
+/// A re-stick needs the force to stay below the old line: what comes back was none.
+#[test]
+fn two_sample_spikes_down() {
+    two_cycles().becomes(&THREE[..4]);
+    let down = two_cycles().at(45, 100.0).at(46, 100.0);
+    let none = ["45 onset", "47 cancelled"];
+    down.becomes(&[&THREE[..2], &none, &THREE[2..4]].concat());
+}
+
+/// One sample far off is a spike, and no event is.
+#[test]
+fn one_sample_spikes_never_reach_the_detector() {
+    let config = Config { weight_n: 630.0, ..Config::default() };
+    for force_n in [-7000.0, 0.0, 1500.0, 8e6] {
+        let script = three_cycles(2.0).at(50, force_n);
+        let mut pipeline = Pipeline::new(&config).unwrap();
+        let mut spikes = Vec::new();
+        for (index, force_n) in script.samples() {
+            spikes.extend(pipeline.step(feed::force(index, force_n)).spike);
+        }
+        assert_eq!(spikes, [50], "{force_n}");
+        assert_eq!(pipeline.report().counters.rejected, 1);
+        assert_eq!(script.events().len(), 3, "{force_n}");
+    }
+}
+
+/// The cable falls on the ice and snaps up while the block rests.
+#[test]
+fn flop_after_a_slip() {
+    let flop = |script: Script| {
+        let swing = [90.0, -60.0, 45.0, -30.0, 20.0, -12.0, 6.0, -3.0];
+        let rise = |i: usize| 200.0 + 20.0 * i as f64;
+        script.push((0..30).map(|i| rise(i) + swing.get(i).unwrap_or(&0.0)))
+    };
+    let script = flop(Script::noisy(2.0).stick().slip()).slip();
+    let script = flop(script).slip().line(200.0, 20.0, 10);
+    // The first upswing is a rise that ends the slip at once.
+    let once = ["30 onset", "33 restick 29 32", "64 onset", "66 restick 62 65"];
+    script.becomes(&[&once, &THREE[4..]].concat());
+}
+
+#[test]
+fn gap_inside_a_stick() {
+    for missing in [1, 3, 7] {
+        let rest = 30 - 12 - missing as u32;
+        let from_n = 200.0 + 20.0 * (12 + missing) as f64;
+        let stick = Script::noisy(2.0).stick().slip().line(200.0, 20.0, 12).gap(missing);
+        let script = stick.line(from_n, 20.0, rest).slip().line(200.0, 20.0, 10);
+        script.becomes(&THREE[..4]);
+    }
+}
+
+/// The lowest sample is missing, or the first of the fall: still one slip.
+#[test]
+fn gap_inside_a_slip() {
+    let cycle = || Script::noisy(2.0).stick().slip().stick();
+    let first = cycle().gap(1).push([370.0, 180.0]).line(200.0, 20.0, 10);
+    first.becomes(&[THREE[0], THREE[1], "64 onset", "67 restick 62 65"]);
+    let last = cycle().push([640.0]).gap(2).line(200.0, 20.0, 10);
+    last.becomes(&[THREE[0], THREE[1], "66 onset", "68 restick 62 66"]);
+    let whole = cycle().gap(4).line(200.0, 20.0, 10);
+    whole.becomes(&[THREE[0], THREE[1], "67 onset", "70 restick 62 67"]);
+}
+
+/// Too many missing samples hide a slip: it is seen, and gives no coefficient.
+#[test]
+fn a_hidden_slip_has_no_coefficient() {
+    let cycle = Script::noisy(2.0).stick().slip().stick().slip().stick();
+    let events = cycle.gap(5).line(200.0, 20.0, 30).events();
+    assert_eq!(events.len(), 3);
+    let last = &events[2];
+    assert_eq!((last.mu_s, last.mu), (None, None));
+    assert_eq!((last.quality, last.reason), (Quality::Clipped, Some(Reason::Hidden)));
+}
+
+#[test]
+fn long_gap() {
+    let before = || Script::noisy(2.0).stick().slip().line(200.0, 20.0, 12);
+    // Eight periods from sample to sample go on, nine do not.
+    before().gap(7).line(580.0, 20.0, 10).becomes(&THREE[..2]);
+    before().gap(8).line(600.0, 20.0, 10).becomes(&[THREE[0], THREE[1], "53 lost"]);
+    let after = before().gap(500).stick().slip().line(200.0, 20.0, 9);
+    after.becomes(&[THREE[0], THREE[1], "545 lost", "576 onset", "579 restick 574 577"]);
+    // In the middle of a slip as well.
+    let slipping = Script::noisy(2.0).stick().push([640.0, 370.0]).gap(20).stick();
+    slipping.becomes(&["30 onset", "52 lost"]);
+}
+
+/// A winch so fast that the block hardly rests: no line to fall from.
+#[test]
+fn no_flat_top() {
+    let wave = |i: u32| 500.0 - 290.0 * (f64::from(i) * std::f64::consts::TAU / 7.0).cos();
+    let script = Script::noisy(2.0).push((0..140).map(wave));
+    let told = script.transitions();
+    let resticks = told.iter().filter(|t| t.contains("restick"));
+    let peaks: Vec<usize> =
+        resticks.map(|t| t.split(' ').nth(2).unwrap().parse().unwrap()).collect();
+    // The highest samples of a wave are its third and fourth.
+    assert!(peaks.iter().all(|peak| [3, 4].contains(&(peak % 7))), "{peaks:?}");
+    // The first two waves teach the noise; the last has not reached its end.
+    let waves: Vec<usize> = peaks.iter().map(|peak| peak / 7).filter(|&wave| wave > 1).collect();
+    assert_eq!(waves, (2..19).collect::<Vec<_>>());
+}
+
+/// The force falls to nothing and stays there until the winch has taken up the slack.
+#[test]
+fn slack() {
+    let cycle = |script: Script| {
+        let fallen = script.stick().push([600.0, 250.0, 0.0]);
+        fallen.line(0.0, 0.0, 12).line(0.0, 20.0, 10)
+    };
+    let still = cycle(cycle(Script::default()));
+    still.becomes(&["30 onset", "34 restick 29 32", "86 onset", "89 restick 84 87"]);
+    // With noise the lowest of the slack samples is any; the longer the fall, the
+    // longer the wait for its end: half of it.
+    let noisy = cycle(cycle(Script::noisy(0.5)));
+    noisy.becomes(&["30 onset", "37 restick 29 34", "86 onset", "92 restick 84 89"]);
+}
+
+/// The zero jumps, or the cable catches: up is no slip, down by little is none either.
+#[test]
+fn steps() {
+    for height_n in [-60.0, -10.0, 10.0, 200.0] {
+        let first = Script::noisy(2.0).stick().slip();
+        let stick = first.line(200.0, 20.0, 12).line(440.0 + height_n, 20.0, 18);
+        let script = stick.push([640.0 + height_n, 370.0, 180.0]).line(200.0, 20.0, 10);
+        script.becomes(&THREE[..4]);
+    }
+}
+
+#[test]
+fn nothing_moves() {
+    for forces in [
+        Script::default().line(0.0, 0.0, 400),
+        Script::default().line(500.0, 0.0, 400),
+        Script::default().line(-3.0, 0.0, 400),
+        Script::noisy(2.0).line(0.0, 0.0, 400),
+        Script::noisy(2.0).line(200.0, 20.0, 400),
+        Script::noisy(2.0).line(8000.0, -20.0, 400),
+        Script::default().line(0.0, 0.0, 1),
+        Script::default(),
+    ] {
+        forces.becomes(&[]);
+        assert_eq!(forces.events(), []);
+    }
+}
+
+/// A cell wired the other way round reads the same through its calibration.
+#[test]
+fn negative_polarity() {
+    let read = |counts_per_n: f32| {
+        let calibration = Calibration { tare_counts: 1234, counts_per_n, ..Calibration::default() };
+        let config = Config { weight_n: 630.0, calibration, ..Config::default() };
+        let counts = |(index, force_n): (u64, f64)| RawSample {
+            index,
+            reading: Reading::Counts(Counts(
+                1234 + (force_n * f64::from(counts_per_n)).round() as i32,
+            )),
+        };
+        feed::replay(&config, three_cycles(2.0).samples().map(counts))
+    };
+    let (positive, negative) = (read(800.0), read(-800.0));
+    assert_eq!(positive.events.len(), 3);
+    assert_eq!(positive, negative);
+}
