@@ -291,9 +291,8 @@ fn tare_and_calibration_survive_the_power() {
     let first = run(cell(&codes), Schedule::default(), &card, &script);
     assert!(first.says("accept, or abort"), "{}", first.screen);
     let again = run(cell(&codes), Schedule::default(), &card, &[(0, "status\n")]);
-    let settings = again.lines().find_map(|line| match line {
-        Line::Start { settings, .. } => Some(settings),
-        _ => None,
+    let settings = again.lines().find_map(|line| {
+        if let Line::Start { settings, .. } = line { Some(settings) } else { None }
     });
     let config = settings.expect("settings").config;
     assert!((config.calibration.tare_counts - 12_345).abs() < 10, "{config:?}");

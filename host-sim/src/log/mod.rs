@@ -129,10 +129,7 @@ impl Log {
     }
 
     /// The logger's own log, by way of its text.
-    fn from_floe(
-        input: Box<dyn Read + Send>,
-        options: &LogOptions,
-    ) -> Result<Self, InputError> {
+    fn from_floe(input: Box<dyn Read + Send>, options: &LogOptions) -> Result<Self, InputError> {
         let options = LogOptions {
             format: Some(Format::Floe),
             column: Some(card::COLUMN.to_string()),
@@ -227,9 +224,7 @@ impl Log {
 }
 
 /// Whether the stream is a log of the logger itself; nothing of it is lost.
-fn peek_floe(
-    mut input: Box<dyn Read + Send>,
-) -> Result<(Box<dyn Read + Send>, bool), InputError> {
+fn peek_floe(mut input: Box<dyn Read + Send>) -> Result<(Box<dyn Read + Send>, bool), InputError> {
     let mut mark = Vec::new();
     let read = input.by_ref().take(MAGIC.len() as u64).read_to_end(&mut mark);
     read.map_err(|error| InputError::new(format!("cannot be read: {error}")))?;
