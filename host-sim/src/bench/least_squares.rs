@@ -5,7 +5,7 @@
 //! points; then five unknowns (`t0`, `k w`, `Fs`, `Fp`, `omega`) are fitted to all
 //! samples from the stop before an event to the onset after it (`k w` and `omega` as
 //! their logarithms, so that they stay above zero), twice: the second
-//! time with the ends that the first fits found. Levenberg-Marquardt from the crate
+//! time with the ends and from the usual `omega` that the first fits found. Levenberg-Marquardt from the crate
 //! of that name.
 
 use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt};
@@ -154,13 +154,14 @@ fn events(setup: &Setup, samples: &[Sample]) -> Vec<Found> {
         fit(setup, points, guess(points, segment)?)
     };
     let first: Vec<Option<LinearEvent>> = segments.iter().map(rough).collect();
+    let omega = median(first.iter().flatten().map(|e| e.omega_rad_per_s));
     let second = |(i, segment): (usize, &Segment)| {
         let fitted = |i: usize| first.get(i).copied().flatten();
         let before = i.checked_sub(1).and_then(fitted);
         let from_s = before.map_or(segment.from_s, |e| e.onset_s + e.slip_s());
         let to_s = fitted(i + 1).map_or(segment.to_s, |e| e.onset_s);
         let points = within(from_s, to_s);
-        let event = fitted(i).and_then(|event| fit(setup, points, event));
+        let event = fitted(i).and_then(|event| fit(setup, points, with_omega(event, omega)));
         read(setup, segment, points, event)
     };
     segments.iter().enumerate().map(second).collect()
@@ -202,6 +203,20 @@ fn guess(points: &[(f64, f64)], segment: &Segment) -> Option<LinearEvent> {
     });
     let cost = |event: &LinearEvent| squares_n2(*event, points);
     trials.min_by(|a, b| cost(a).total_cmp(&cost(b)))
+}
+
+/// An event with the usual `omega` about the middle of its slip. Two samples in a slip
+/// fit two different events exactly: the usual one is meant.
+fn with_omega(event: LinearEvent, omega: f64) -> LinearEvent {
+    let usual = LinearEvent { omega_rad_per_s: omega, ..event };
+    let onset_s = event.onset_s + 0.5 * (event.slip_s() - usual.slip_s());
+    LinearEvent { onset_s, ..usual }
+}
+
+fn median(values: impl Iterator<Item = f64>) -> f64 {
+    let mut values: Vec<f64> = values.collect();
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied().unwrap_or(1.0)
 }
 
 /// Mean rate of the force between two times, N/s, by the line of least squares.

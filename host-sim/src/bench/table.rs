@@ -61,16 +61,20 @@ fn lines<'a>(
     titles: &[&str],
     rows: impl Iterator<Item = (&'a str, Vec<String>)>,
 ) {
-    let width = |title: &str| title.len().max(9) + 2;
+    let rows: Vec<(&str, Vec<String>)> = rows.collect();
+    let width = |i: usize| {
+        let cells = rows.iter().filter_map(|(_, cells)| cells.get(i)).map(|cell| cell.len());
+        cells.chain(titles.get(i).map(|title| title.len())).max().unwrap_or(0) + 2
+    };
     let _ = write!(out, "{:<24}", "");
-    titles.iter().for_each(|title| {
-        let _ = write!(out, "{title:>0$}", width(title));
-    });
+    for (i, title) in titles.iter().enumerate() {
+        let _ = write!(out, "{title:>0$}", width(i));
+    }
     out.push('\n');
-    for (name, cells) in rows {
+    for (name, cells) in &rows {
         let _ = write!(out, "{name:<24}");
-        for (cell, title) in cells.iter().zip(titles) {
-            let _ = write!(out, "{cell:>0$}", width(title));
+        for (i, cell) in cells.iter().enumerate() {
+            let _ = write!(out, "{cell:>0$}", width(i));
         }
         out.push('\n');
     }
