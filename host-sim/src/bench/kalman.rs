@@ -32,8 +32,8 @@ type Matrix = SMatrix<f64, STATES, STATES>;
 const GATE: f64 = 5.0;
 /// Samples that a slip may go back.
 const BACK: usize = 4;
-/// Onsets that are tried.
-const TRIALS: u32 = 24;
+/// Onsets that are tried: so many over the whole span, then so many around the best.
+const TRIALS: u32 = 9;
 /// Before the first slip: `omega`, rad/s, and its relative uncertainty.
 const OMEGA_GUESS: (f64, f64) = (18.0, 0.4);
 /// Before the first slip: `Fp` over `Fs`, and its uncertainty.
@@ -83,6 +83,20 @@ impl Filter {
         self.p = jacobian * self.p * jacobian.transpose();
     }
 
+    /// Moves on while the block rests: that motion is linear.
+    fn rest(&mut self, periods: f64) {
+        self.x = rest(&self.x, periods);
+        let mut p = self.p;
+        let row = p.row(FORCE) + p.row(LOADING) * periods;
+        p.set_row(FORCE, &row);
+        p.set_row(RATE, &self.p.row(LOADING));
+        let column = p.column(FORCE) + p.column(LOADING) * periods;
+        p.set_column(FORCE, &column);
+        let loading = p.column(LOADING).into_owned();
+        p.set_column(RATE, &loading);
+        self.p = p;
+    }
+
     /// Innovation and its variance without the sample's own noise.
     fn innovation(&self, force_n: f64) -> (f64, f64) {
         (force_n - self.x[FORCE], self.p[(FORCE, FORCE)])
@@ -92,8 +106,8 @@ impl Filter {
         let (innovation, variance) = self.innovation(force_n);
         let gain = self.p.column(FORCE) / (variance + noise_n2);
         self.x += gain * innovation;
-        self.p -= gain * self.p.row(FORCE);
-        self.p = 0.5 * (self.p + self.p.transpose());
+        let row = self.p.row(FORCE).into_owned();
+        self.p.ger(-1.0, &gain, &row.transpose(), 1.0);
     }
 
     fn widen(&mut self, state: usize, std: f64) {
@@ -242,7 +256,7 @@ impl Kalman {
 
     fn rest_step(&mut self, sample: Sample, periods: f64) -> Option<Found> {
         let force_n = f64::from(sample.force_n);
-        self.filter.predict(|x| rest(x, periods));
+        self.filter.rest(periods);
         let (innovation, variance) = self.filter.innovation(force_n);
         let relative2 = innovation * innovation / (variance + self.noise_n2);
         let fits = relative2 < GATE * GATE || self.samples < LEARNING;
@@ -272,7 +286,7 @@ impl Kalman {
         let force_n = f64::from(sample.force_n);
         let since = (sample.index - base.sample.index) as f64;
         let mut without = base.filter;
-        without.predict(|x| rest(x, since));
+        without.rest(since);
         let (innovation, variance) = without.innovation(force_n);
         if innovation > -GATE * (variance + self.noise_n2).sqrt() {
             // Back on the stick line: it was no slip.
@@ -305,13 +319,17 @@ impl Kalman {
         let x = self.filter.x;
         let error = |(time, force_n): (f64, f64), onset| force_n - moved(&x, onset, time)[FORCE];
         let misfit = |onset: f64| points.map(|p| error(p, onset).powi(2)).iter().sum::<f64>();
-        let trial = |i: u32| span * (f64::from(i) + 0.5) / f64::from(TRIALS);
-        let best = (0..TRIALS).map(trial).min_by(|a, b| misfit(*a).total_cmp(&misfit(*b)));
-        let onset = best.unwrap_or(0.5 * span);
+        let best = |from: f64, width: f64| {
+            let trial = |i: u32| from + width * (f64::from(i) + 0.5) / f64::from(TRIALS);
+            let trials = (0..TRIALS).map(trial).map(|onset| (misfit(onset), onset));
+            trials.min_by(|a, b| a.0.total_cmp(&b.0)).map_or(from, |(_, onset)| onset)
+        };
+        let step = span / f64::from(TRIALS);
+        let onset = best(best(0.0, span) - 0.5 * step, step);
         let mut before = 0.0;
         for (time, force_n) in points {
             if time <= onset {
-                self.filter.predict(|x| rest(x, time - before));
+                self.filter.rest(time - before);
             } else if before <= onset {
                 self.begin(onset - before, time - before, span);
             } else {
@@ -368,5 +386,40 @@ impl Kalman {
         };
         let onset_s = onset / self.setup.rate_hz;
         Some(Found { onset_s, mu_s: value(STATIC), mu: value(CENTRE) })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// DFF8-13 at rest, in sampling periods.
+    fn filter() -> Filter {
+        let x = Vector::from([600.0, 22.5, 22.5, 491.4, 1.1828, 781.2]);
+        let mut filter = Filter { x, p: Matrix::identity() };
+        filter.p[(FORCE, LOADING)] = 0.3;
+        filter.p[(LOADING, FORCE)] = 0.3;
+        filter
+    }
+
+    #[test]
+    fn resting_is_the_linearized_motion() {
+        let (mut direct, mut general) = (filter(), filter());
+        direct.rest(2.0);
+        general.predict(|x| rest(x, 2.0));
+        assert!((direct.x - general.x).norm() < 1e-9);
+        assert!((direct.p - general.p).norm() < 1e-6, "{} {}", direct.p, general.p);
+    }
+
+    #[test]
+    fn a_slip_ends_where_the_model_ends_it() {
+        // Fe = 2 Fp - Fs after 2.767 periods, then the stick line.
+        let x = Vector::from([781.2, 22.5, 22.5, 491.4, 1.1828, 781.2]);
+        let stop = time_to_stop(&x);
+        assert!((stop / 16.0 - 0.173).abs() < 0.001);
+        assert!((slide(&x, stop)[FORCE] - 201.6).abs() < 1e-6);
+        assert!((slide(&x, stop + 2.0)[FORCE] - 246.6).abs() < 1e-6);
+        let later = moved(&rest(&x, -1.0), 1.0, 1.0 + stop);
+        assert!((later[FORCE] - 201.6).abs() < 1e-6 && (later[STATIC] - 781.2).abs() < 1e-6);
     }
 }

@@ -10,13 +10,13 @@ use super::result::{BenchResult, Errors, Row};
 use super::table::{methods, short, spread};
 
 const WIDTH: f64 = 1040.0;
-const HEIGHT: f64 = 560.0;
+const HEIGHT: f64 = 588.0;
 /// Left edges of the panels, their size and upper edge.
 const LEFT: [f64; 2] = [84.0, 568.0];
 const PANEL: (f64, f64) = (448.0, 388.0);
 const TOP: f64 = 58.0;
 /// Height of a line of text and mean width of a letter of the labels.
-const LETTER: (f64, f64) = (15.0, 7.3);
+const LETTER: (f64, f64) = (15.0, 8.2);
 /// Colours that the colour-blind tell apart too (Okabe and Ito), ours last.
 const COLOURS: [&str; 6] = ["#6b6b6b", "#b87b00", "#00805c", "#0072b2", "#a6508a", "#d1430a"];
 
@@ -136,19 +136,14 @@ fn panel(out: &mut String, name: &str, series: &[Series], x: Axis, y: Axis, one_
     line(out, "limit", (left, bound), (right, bound));
     line(out, "limit", (pass, top), (pass, bottom));
     rectangle(out, "frame", (left, top, right, bottom));
-    let mut taken = limit_labels(out, (pass, bound), (left, right), top);
+    let mut taken = limit_labels(out, (pass, bound), (left, top));
     marks(out, series, x, y, &mut taken);
     labels(out, series, x, y, &mut taken);
 }
 
 /// Says what the dashed lines are; returns the areas of the words.
-fn limit_labels(
-    out: &mut String,
-    (pass, bound): (f64, f64),
-    (left, right): (f64, f64),
-    top: f64,
-) -> Vec<Area> {
-    text(out, "note end", (right - 6.0, bound + 15.0), "Cramér-Rao bound of one event");
+fn limit_labels(out: &mut String, (pass, bound): (f64, f64), (left, top): (f64, f64)) -> Vec<Area> {
+    text(out, "note", (pass + 7.0, bound + 16.0), "Cramér-Rao bound");
     let turned = format!("rotate(-90 {0:.1} {1:.1})", left + 14.0, top + 8.0);
     let at = (left + 14.0, top + 8.0);
     let _ = writeln!(
@@ -158,7 +153,9 @@ fn limit_labels(
         at.0, at.1
     );
     vec![
-        (right - 190.0, bound + 2.0, right, bound + 19.0),
+        (pass, bound + 2.0, pass + 120.0, bound + 20.0),
+        (pass - 1.0, top, pass + 1.0, top + PANEL.1),
+        (left, bound - 1.0, left + PANEL.0, bound + 1.0),
         (left, top, pass.max(left + 18.0), top + 160.0),
     ]
 }
@@ -178,21 +175,25 @@ fn marks(out: &mut String, series: &[Series], x: Axis, y: Axis, taken: &mut Vec<
     }
 }
 
-/// Names the methods: each label where it covers least of what is there.
+/// Names the methods: each label near its mark, where it covers least of what is there.
 fn labels(out: &mut String, series: &[Series], x: Axis, y: Axis, taken: &mut Vec<Area>) {
     for s in series {
-        let label = format!("{} ({})", s.name, short(s.centre.1));
+        let label = format!("{}: {}", s.name, short(s.centre.1));
         let width = LETTER.1 * label.chars().count() as f64;
         let (cx, cy) = (x.at(s.centre.0), y.at(s.centre.1));
         let place = |(dx, dy): (f64, f64)| {
             let left = (cx + dx).clamp(x.ends.0 + 4.0, x.ends.1 - width - 4.0);
             (left, cy + dy - 0.8 * LETTER.0, left + width, cy + dy + 0.2 * LETTER.0)
         };
+        // Far from its mark a label is read for another one.
+        let distance = |area: &Area| 3.0 * (0.5 * (area.1 + area.3) - cy).abs();
         let side = -width - 13.0;
         let rows = [4.5, -14.0, 23.0, -32.0, 41.0, -50.0, 59.0];
         let tries = rows.into_iter().flat_map(|dy| [(13.0, dy), (side, dy), (-0.5 * width, dy)]);
         let inside = |area: &Area| area.1 > y.ends.1 && area.3 < y.ends.0;
-        let covered = |area: &Area| taken.iter().map(|other| overlap(area, other)).sum::<f64>();
+        let covered = |area: &Area| {
+            taken.iter().map(|other| overlap(area, other)).sum::<f64>() + distance(area)
+        };
         let places = tries.map(place).filter(inside);
         let Some(best) = places.min_by(|a, b| covered(a).total_cmp(&covered(b))) else { continue };
         let _ = writeln!(
@@ -235,9 +236,11 @@ fn legend(out: &mut String) {
     text(out, "note", (LEFT[0] + 22.0, y), "median of a method over the linear scenes (value)");
     circle(out, "#222", (LEFT[0] + 350.0, y - 4.5), 2.6, "fill-opacity=\"0.45\"");
     text(out, "note", (LEFT[0] + 360.0, y), "one linear scene: five blocks, noise 0.1, 0.3, 2 %");
-    let below = "Green: below the bound of one event by itself, with what earlier events of the \
-                 same test told. Grey: no method can, each sample must be looked at once.";
+    let below = "Green: below the bound of one event by itself, by what earlier events of the same \
+                 test tell of loading rate and omega.";
+    let grey = "Grey: faster than to look at each sample once and keep the largest.";
     text(out, "note", (LEFT[0], y + 22.0), below);
+    text(out, "note", (LEFT[0], y + 42.0), grey);
 }
 
 /// A power of ten as a person writes it.

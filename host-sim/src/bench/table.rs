@@ -53,7 +53,8 @@ pub fn blocks(rows: &[Row]) -> impl Iterator<Item = &[Row]> {
 pub fn heading(block: &[Row]) -> String {
     let Some(row) = block.first() else { return String::new() };
     let kind = if row.linear { "linear" } else { "hard" };
-    format!("{} ({kind}), noise {} %, {} events", row.scene, short(row.noise_percent), row.events)
+    let noise = 0.01 * (100.0 * row.noise_percent).round();
+    format!("{} ({kind}), noise {noise} % of the weight, {} events", row.scene, row.events)
 }
 
 fn lines<'a>(
