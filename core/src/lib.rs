@@ -19,6 +19,7 @@ pub mod calibrate;
 pub mod config;
 pub mod correlation;
 pub mod cycle;
+pub mod decimate;
 pub mod derivative;
 pub mod detector;
 pub mod estimator;

@@ -4,7 +4,7 @@ use crate::adc::{AdcFault, BridgeAdc, Input};
 use crate::sample::{Sample, SampleProducer, Shared};
 
 /// What a board's tick interrupt calls.
-pub trait Tick: Send {
+pub trait Tick {
     /// One sampling period has begun, at `stamp` ticks of the board's clock.
     fn tick(&mut self, stamp: u32);
 }
@@ -43,7 +43,7 @@ impl<'q, A: BridgeAdc> Sampler<'q, A> {
     }
 }
 
-impl<A: BridgeAdc + Send> Tick for Sampler<'_, A> {
+impl<A: BridgeAdc> Tick for Sampler<'_, A> {
     /// The sample of the period before goes into the queue. If that is full, the
     /// sample is lost and counted, and its index is missing for ever after.
     fn tick(&mut self, stamp: u32) {

@@ -1,6 +1,7 @@
 //! Host tools of Floe: replay recorded logs, simulate tests, compare methods.
 #![forbid(unsafe_code)]
 
+pub mod card;
 pub mod bench;
 pub mod campaign;
 pub mod chip;

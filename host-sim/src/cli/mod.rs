@@ -12,6 +12,7 @@ use crate::error::InputError;
 pub mod bench;
 pub mod campaign;
 pub mod output;
+pub mod recover;
 pub mod replay;
 pub mod simulate;
 pub mod stiffness;
@@ -29,6 +30,7 @@ enum Command {
     Campaign(campaign::Args),
     Bench(bench::Args),
     Replay(replay::Args),
+    Recover(recover::Args),
     Simulate(simulate::Args),
     Stiffness(stiffness::Args),
 }
@@ -38,6 +40,7 @@ enum Command {
 pub fn main() -> ExitCode {
     let result = match Cli::try_parse() {
         Ok(Cli { command: Some(Command::Replay(args)) }) => replay::run(&args),
+        Ok(Cli { command: Some(Command::Recover(args)) }) => recover::run(&args),
         Ok(Cli { command: Some(Command::Simulate(args)) }) => simulate::run(&args),
         Ok(Cli { command: Some(Command::Stiffness(args)) }) => stiffness::run(&args),
         Ok(Cli { command: Some(Command::Campaign(args)) }) => campaign::run(&args),

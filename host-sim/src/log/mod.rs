@@ -13,10 +13,12 @@
 //! is not a number, and any time that is not one, is an error with its line.
 
 use std::collections::VecDeque;
-use std::io::Read;
+use std::io::{Cursor, Read};
 
 use floe_core::RawSample;
+use floe_firmware::record::MAGIC;
 
+use crate::card;
 use crate::error::{InputError, excerpt};
 
 pub mod cells;
@@ -49,6 +51,8 @@ pub enum Format {
     Toa5,
     /// Campbell mixed arrays, no header.
     Cr10,
+    /// The logger's own sectors; the first test of them.
+    Floe,
 }
 
 impl Format {
@@ -59,6 +63,7 @@ impl Format {
             Self::Csv => "csv",
             Self::Toa5 => "toa5",
             Self::Cr10 => "cr10",
+            Self::Floe => "floe",
         }
     }
 }
@@ -111,12 +116,28 @@ impl Log {
         input: Box<dyn Read + Send>,
         options: &LogOptions,
     ) -> Result<Self, InputError> {
+        let (input, is_floe) = peek_floe(input)?;
+        if is_floe && options.format.is_none_or(|format| format == Format::Floe) {
+            return Self::from_floe(input, options);
+        }
         let mut lines = Lines::new(input);
         let head = lines.head()?;
         refuse_binary(head)?;
         let format = options.format.unwrap_or_else(|| recognise(head));
         let rows = begin(format, lines, options)?;
         Self::start(format, rows, options)
+    }
+
+    /// The logger's own log, by way of its text.
+    fn from_floe(input: Box<dyn Read + Send>, options: &LogOptions) -> Result<Self, InputError> {
+        let options = LogOptions {
+            format: Some(Format::Floe),
+            column: Some(card::COLUMN.to_string()),
+            unit: Some(Unit::Counts),
+            ..options.clone()
+        };
+        let rows = begin(Format::Floe, Lines::new(Box::new(card::Text::new(input))), &options)?;
+        Self::start(Format::Floe, rows, &options)
     }
 
     /// The next sample, `None` at the end.
@@ -202,6 +223,15 @@ impl Log {
     }
 }
 
+/// Whether the stream is a log of the logger itself; nothing of it is lost.
+fn peek_floe(mut input: Box<dyn Read + Send>) -> Result<(Box<dyn Read + Send>, bool), InputError> {
+    let mut mark = Vec::new();
+    let read = input.by_ref().take(MAGIC.len() as u64).read_to_end(&mut mark);
+    read.map_err(|error| InputError::new(format!("cannot be read: {error}")))?;
+    let is_floe = mark == MAGIC;
+    Ok((Box::new(Cursor::new(mark).chain(input)), is_floe))
+}
+
 fn no_samples(rows: &Rows) -> InputError {
     InputError::new(match rows.truncated() {
         Some(line) => format!("no samples: line {line} is cut off and nothing is before it"),
@@ -259,7 +289,7 @@ fn is_toa5(line: &[u8]) -> bool {
 fn begin(format: Format, mut lines: Lines, options: &LogOptions) -> Result<Rows, InputError> {
     let mut metadata = Metadata::default();
     let layout = match format {
-        Format::Csv => {
+        Format::Csv | Format::Floe => {
             let (header, number) = header_line(&mut lines, &mut metadata)?;
             let place = format!("line {number}");
             csv::layout(&header, options).map_err(|error| error.within(place))?

@@ -26,12 +26,12 @@ use crate::Result;
 use crate::arm::Route;
 use crate::shell::{root, say};
 use machine::{Machine, Setup};
-use record::Record;
+use record::{Record, is_scene};
 
 /// Options of the job.
 #[derive(Clone, Debug, clap::Args)]
 pub struct Args {
-    /// The log, 16 samples per second
+    /// The log, 16 samples per second, or a scene (.toml)
     pub log: PathBuf,
     /// Name of the force column
     #[arg(long, value_name = "NAME")]
@@ -52,34 +52,63 @@ pub struct Args {
     pub live: Option<u16>,
 }
 
-/// Runs every bundled log and compares every event with this PC's.
+/// Runs every bundled log and every scene of the board's rate and compares every
+/// event with this PC's.
 ///
 /// # Errors
 /// The first difference.
 pub fn check_bundled(route: Route) -> Result<()> {
     let machine = Machine::prepare(Some(route))?;
-    let logs = root().join("host-sim/logs");
-    let files = std::fs::read_dir(&logs).into_iter().flatten().flatten();
-    let mut files: Vec<PathBuf> = files.map(|entry| entry.path()).collect();
-    files.retain(|path| path.extension().is_some_and(|e| e == "csv" || e == "dat"));
-    files.sort();
     let weight = TestOptions { weight_n: Some(630.0), ..TestOptions::default() };
-    for path in &files {
-        let record = Record::read(path, &LogOptions::default(), &weight)?;
-        check(&machine, &path.display().to_string(), &record)?;
+    let (mut runs, mut events, mut skipped) = (0, 0, 0);
+    for path in files(&["host-sim/logs", "host-sim/scenes"]) {
+        let options = if is_scene(&path) { TestOptions::default() } else { weight.clone() };
+        let name = path.strip_prefix(root()).unwrap_or(&path).display().to_string();
+        match Record::read(&path, &LogOptions::default(), &options) {
+            Err(reason) if reason.contains("the board takes 16") => skipped += 1,
+            Err(reason) => return Err(reason),
+            Ok(record) => {
+                events += check(&machine, &name, &record)?;
+                runs += 1;
+            }
+        }
     }
-    check(&machine, "a sawtooth", &Record::stick_slip())
+    events += check(&machine, "a sawtooth", &Record::stick_slip())?;
+    println!("emulated: {} logs and scenes, {events} events bit for bit", runs + 1);
+    if skipped > 0 {
+        println!("emulated: {skipped} of another rate left out");
+    }
+    Ok(())
+}
+
+/// Logs and scenes below some directories, in order.
+fn files(directories: &[&str]) -> Vec<PathBuf> {
+    let mut waiting: Vec<PathBuf> = directories.iter().map(|d| root().join(d)).collect();
+    let mut found = Vec::new();
+    while let Some(directory) = waiting.pop() {
+        for entry in std::fs::read_dir(directory).into_iter().flatten().flatten() {
+            let path = entry.path();
+            let wanted = ["csv", "dat", "toml"].map(std::ffi::OsStr::new).map(Some);
+            if path.is_dir() {
+                waiting.push(path);
+            } else if wanted.contains(&path.extension()) {
+                found.push(path);
+            }
+        }
+    }
+    found.sort();
+    found
 }
 
 pub use troubles::check_troubles;
 
-fn check(machine: &Machine, name: &str, record: &Record) -> Result<()> {
+/// Number of events.
+fn check(machine: &Machine, name: &str, record: &Record) -> Result<usize> {
     let run = machine.run(record, Setup::default())?;
     let outcome = outcome::decode(&run.shown)?;
-    let samples = outcome.report.counters.samples;
-    let same = outcome.compare(record, &run.delivered)?;
-    println!("emulated: {name}: {samples} samples, {same}");
-    Ok(())
+    let same = outcome.compare(record, &run.delivered).map_err(|e| format!("{name}: {e}"))?;
+    println!("emulated: {name}: {} samples, {same}", outcome.report.counters.samples);
+    Ok(outcome.events.len())
 }
 
 fn crc32(bytes: &[u8]) -> u32 {

@@ -1,11 +1,14 @@
 //! A log as what the load cell does in every sampling period.
 
 use std::fs::File;
+use std::io::Cursor;
 use std::path::Path;
 
 use floe::chip::{LoadCell, Schedule, Trouble};
+use floe::cli::simulate::read_scene;
 use floe::log::{Log, LogOptions};
 use floe::replay::test::{TestOptions, configure};
+use floe::sim::{Run, write};
 use floe_core::{Calibration, Config, Reading};
 
 use crate::Result;
@@ -42,8 +45,12 @@ impl Record {
     /// The log cannot be read, or has another rate than the board.
     pub fn read(path: &Path, format: &LogOptions, options: &TestOptions) -> Result<Self> {
         let place = path.display();
-        let file = File::open(path).map_err(|e| format!("{place}: {e}"))?;
-        let log = Log::from_reader(Box::new(file), format);
+        let input: Box<dyn std::io::Read + Send> = if is_scene(path) {
+            Box::new(Cursor::new(simulated(path)?))
+        } else {
+            Box::new(File::open(path).map_err(|e| format!("{place}: {e}"))?)
+        };
+        let log = Log::from_reader(input, format);
         let mut log = log.map_err(|e| format!("{place}: {e}"))?;
         let config = configure(&log, options).map_err(|e| format!("{place}: {e}"))?;
         if (log.rate_hz() - RATE_HZ).abs() > 0.01 * RATE_HZ {
@@ -120,6 +127,26 @@ impl Record {
         lines.extend(self.test_id.iter().map(|name| format!("set name {name}")));
         lines.join("\r\n") + "\r\n"
     }
+}
+
+/// Whether a file is a scene, not a log.
+pub fn is_scene(path: &Path) -> bool {
+    path.extension().is_some_and(|extension| extension == "toml")
+}
+
+/// The log of a scene, as `floe simulate` writes it.
+fn simulated(path: &Path) -> Result<Vec<u8>> {
+    const SEED: u64 = 1;
+    let failed = |e: &dyn ToString| format!("{}: {}", path.display(), e.to_string());
+    let scene = read_scene(path, None).map_err(|e| failed(&e))?;
+    let mut run = Run::new(&scene, SEED).map_err(|e| failed(&e))?;
+    let mut text = Vec::new();
+    let command = format!("floe simulate {} --seed {SEED}", path.display());
+    write::csv_head(&mut text, &scene, SEED, &command).map_err(|e| failed(&e))?;
+    for sample in &mut run {
+        write::csv_line(&mut text, &scene, &sample).map_err(|e| failed(&e))?;
+    }
+    run.failure().map_or(Ok(text), |why| Err(failed(&why)))
 }
 
 /// Every period from the first sample to the last, and its time.

@@ -57,7 +57,8 @@ pub static __INTERRUPTS: [Vector; 32] = {
     table
 };
 
-static TICK: Mutex<RefCell<Option<&'static mut dyn Tick>>> = Mutex::new(RefCell::new(None));
+static TICK: Mutex<RefCell<Option<&'static mut (dyn Tick + Send)>>> =
+    Mutex::new(RefCell::new(None));
 
 unsafe extern "C" fn on_timer0() {
     write(TIMER0 + INT_CLEAR, 1);
@@ -88,7 +89,7 @@ pub fn clock() -> u32 {
 }
 
 /// Starts the sampling tick, 16 times a second from now on.
-pub fn start_tick(tick: &'static mut dyn Tick) {
+pub fn start_tick(tick: &'static mut (dyn Tick + Send)) {
     critical_section::with(|cs| *TICK.borrow_ref_mut(cs) = Some(tick));
     write(TIMER0 + RELOAD, TICK_PERIODS - 1);
     write(TIMER0 + VALUE, TICK_PERIODS - 1);

@@ -18,7 +18,8 @@ pub const CLOCK_HZ: u32 = 1_000_000;
 const TICK_PERIODS: u16 = 2048;
 
 static LAST_TICK: AtomicU32 = AtomicU32::new(0);
-static TICK: Mutex<RefCell<Option<&'static mut dyn Tick>>> = Mutex::new(RefCell::new(None));
+static TICK: Mutex<RefCell<Option<&'static mut (dyn Tick + Send)>>> =
+    Mutex::new(RefCell::new(None));
 
 /// Starts the clock from the 16 MHz system clock.
 pub(super) fn start() {
@@ -37,7 +38,7 @@ pub fn clock() -> u32 {
 }
 
 /// Starts the sampling tick, 16 times a second from now on.
-pub fn start_tick(tick: &'static mut dyn Tick) {
+pub fn start_tick(tick: &'static mut (dyn Tick + Send)) {
     critical_section::with(|cs| *TICK.borrow_ref_mut(cs) = Some(tick));
     pac::RCC.apb1enr1().modify(|w| w.set_lptim1en(true));
     let timer = pac::LPTIM1;

@@ -1,0 +1,88 @@
+//! `floe recover`: every test of a card as files of its own.
+
+use std::fs::{self, File};
+use std::path::{Path, PathBuf};
+
+use crate::card::{self, Found, Test};
+use crate::error::InputError;
+
+use super::output;
+
+/// Recover the tests of a logger's card, as CSV
+#[derive(Clone, Debug, clap::Args)]
+#[command(after_help = "\
+INPUT is the card's FLOE.LOG, or an image of the whole card (or its device), in whatever
+state: every sector stands alone, and what is damaged is left out and counted.")]
+pub struct Args {
+    /// The log file, or an image of the card
+    input: PathBuf,
+    /// Directory for the tests; must not hold files of the same names
+    #[arg(short, long, value_name = "DIR")]
+    output: PathBuf,
+    /// Campbell TOA5 files too
+    #[arg(long)]
+    toa5: bool,
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// One line for the user.
+pub fn run(args: &Args) -> Result<(), InputError> {
+    let place = args.input.display();
+    let file =
+        File::open(&args.input).map_err(|e| InputError::new(e.to_string()).within(&place))?;
+    let (tests, found) = card::tests(file).map_err(|e| e.within(&place))?;
+    fs::create_dir_all(&args.output)
+        .map_err(|e| InputError::new(e.to_string()).within(args.output.display()))?;
+    let mut files = Vec::new();
+    for test in &tests {
+        files.push((name(args, test, "csv"), card::csv(test)));
+        files.push((name(args, test, "txt"), card::lines(test).to_string()));
+        if args.toa5 {
+            files.push((name(args, test, "dat"), card::toa5(test)));
+        }
+    }
+    for (path, _) in &files {
+        refuse_existing(path)?;
+    }
+    for (path, text) in &files {
+        output::replace(path, text)?;
+    }
+    output::print(&summary(&tests, &found))
+}
+
+fn name(args: &Args, test: &Test, extension: &str) -> PathBuf {
+    args.output.join(format!("{}.{extension}", test.stem()))
+}
+
+fn refuse_existing(path: &Path) -> Result<(), InputError> {
+    if path.exists() {
+        let message = "is there already; name an empty directory, or remove it";
+        return Err(InputError::new(message).within(path.display()));
+    }
+    Ok(())
+}
+
+fn summary(tests: &[Test], found: &Found) -> String {
+    let mut text = String::new();
+    for test in tests {
+        let settings = &test.settings;
+        let seconds = test.samples.len() as f64 / f64::from(settings.config.rate_hz);
+        let (samples, missing) = (test.samples.len(), test.missing());
+        let bad = test.samples.iter().filter(|s| s.reading.is_err()).count();
+        text += &format!(
+            "{}: {samples} samples ({seconds:.1} s), {missing} missing ({} overruns), {bad} bad, \
+             weight {} N\n",
+            test.stem(),
+            test.overruns,
+            settings.config.weight_n,
+        );
+    }
+    let (whole, damaged, lost) = (found.places.len(), found.damaged, found.lost);
+    text += &format!("sectors: {whole} read, {damaged} damaged, {lost} lost");
+    if found.newer > 0 {
+        text += &format!(", {} of a newer version", found.newer);
+    }
+    text + "\n"
+}

@@ -1,0 +1,348 @@
+//! The whole logger on a PC: converter model, sampler, application, card, and the
+//! card's tests back again.
+
+use std::cell::RefCell;
+use std::collections::VecDeque;
+use std::convert::Infallible;
+use std::io::Cursor;
+use std::rc::Rc;
+
+use embedded_io::{ErrorType, Read, ReadReady, Write};
+use floe::card;
+use floe::chip::{Clock, LoadCell, Schedule, SerialChip, SerialLine, Trouble};
+use floe::log::{Log, LogOptions};
+use floe_core::{Config, Counts, Event, Pipeline, RawSample, Reading};
+use floe_firmware::ads122::{Ads122, SerialBus};
+use floe_firmware::app::App;
+use floe_firmware::line::{Line, LineError};
+use floe_firmware::record::{Record, SECTOR_LEN, Sector};
+use floe_firmware::sample::{SampleQueue, Shared};
+use floe_firmware::sampler::{Sampler, Tick};
+use floe_firmware::store::{Store, StoreError};
+
+/// What was typed and what was said.
+#[derive(Clone, Default)]
+struct Terminal {
+    keys: Rc<RefCell<VecDeque<u8>>>,
+    screen: Rc<RefCell<Vec<u8>>>,
+}
+
+impl ErrorType for Terminal {
+    type Error = Infallible;
+}
+
+impl ReadReady for Terminal {
+    fn read_ready(&mut self) -> Result<bool, Infallible> {
+        Ok(!self.keys.borrow().is_empty())
+    }
+}
+
+impl Read for Terminal {
+    fn read(&mut self, buffer: &mut [u8]) -> Result<usize, Infallible> {
+        buffer[0] = self.keys.borrow_mut().pop_front().unwrap_or(0);
+        Ok(1)
+    }
+}
+
+impl Write for Terminal {
+    fn write(&mut self, bytes: &[u8]) -> Result<usize, Infallible> {
+        self.screen.borrow_mut().extend(bytes);
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> Result<(), Infallible> {
+        Ok(())
+    }
+}
+
+/// A card that outlives the board, and may refuse.
+#[derive(Clone, Default)]
+struct Card {
+    bytes: Rc<RefCell<Vec<u8>>>,
+    broken: Rc<RefCell<bool>>,
+}
+
+impl Store for Card {
+    fn last(&mut self) -> Option<Record> {
+        let bytes = self.bytes.borrow();
+        let sector: &Sector = bytes.rchunks_exact(SECTOR_LEN).next()?.try_into().ok()?;
+        Record::decode(sector).ok()
+    }
+
+    fn next_sector(&self) -> u32 {
+        (self.bytes.borrow().len() / SECTOR_LEN) as u32
+    }
+
+    fn write(&mut self, sector: &Sector) -> Result<(), StoreError> {
+        if *self.broken.borrow() {
+            return Err(StoreError::Write);
+        }
+        self.bytes.borrow_mut().extend(sector);
+        Ok(())
+    }
+}
+
+/// A block of 630 N that sticks and slips every two seconds, 5000 codes per N.
+fn stick_slip() -> Vec<i32> {
+    let force = |i: i32| match i % 32 {
+        phase @ 0..28 => 200 + 22 * phase,
+        28 => 700,
+        29 => 480,
+        30 => 260,
+        _ => 205,
+    };
+    (0..960).map(|i| 5000 * force(i) + (i * 7919) % 8192).collect()
+}
+
+fn cell(codes: &[i32]) -> LoadCell {
+    LoadCell::from_codes(codes, 16.0).with_noise(12.0, 5)
+}
+
+/// Runs the board with a script: what is typed before the tick of a number.
+fn run(cell: LoadCell, trouble: Schedule, card: &Card, script: &[(u64, &str)]) -> Board {
+    let clock = Clock::default();
+    let chip = Rc::new(RefCell::new(SerialChip::new(cell, trouble, 86_806)));
+    let line = SerialLine::new(chip.clone(), clock.clone());
+    let adc = Ads122::new(SerialBus::new(line, clock.clone()), clock.clone());
+    let terminal = Terminal::default();
+    let (shared, mut queue) = (Shared::new(), SampleQueue::new());
+    let (producer, consumer) = queue.split();
+    let mut sampler = Sampler::new(adc, producer, &shared);
+    let mut app = App::new(consumer, &shared, terminal.clone(), card.clone(), 1_000_000);
+    let last = script.iter().map(|&(tick, _)| tick).max().unwrap_or(0);
+    for tick in 0..=last {
+        for (_, text) in script.iter().filter(|&&(at, _)| at == tick) {
+            terminal.keys.borrow_mut().extend(text.bytes());
+        }
+        app.turn();
+        clock.wait_until((tick + 1) * 62_500_000);
+        sampler.tick((clock.now_ns() / 1000) as u32);
+    }
+    app.turn();
+    let screen = String::from_utf8(terminal.screen.borrow().clone()).expect("text");
+    let delivered = chip.borrow().device().delivered().to_vec();
+    Board { screen, delivered }
+}
+
+struct Board {
+    screen: String,
+    delivered: Vec<(u64, i32)>,
+}
+
+impl Board {
+    fn lines(&self) -> impl Iterator<Item = Line<'_>> {
+        self.screen.lines().map(|text| Line::parse(text).expect(text))
+    }
+
+    fn events(&self) -> Vec<Event> {
+        let event = |line| if let Line::Event(event) = line { Some(event) } else { None };
+        self.lines().filter_map(event).collect()
+    }
+
+    fn says(&self, words: &str) -> bool {
+        self.screen.contains(words)
+    }
+}
+
+const BEGIN: &str = "set weight 630\r\nset span 5000\r\nset name T-1\r\nlive off\r\nstart\r\n";
+
+fn one_test(card: &Card) -> Board {
+    run(cell(&stick_slip()), Schedule::default(), card, &[(0, BEGIN), (961, "stop\n")])
+}
+
+fn config() -> Config {
+    let mut config = Config { weight_n: 630.0, ..Config::default() };
+    config.calibration.counts_per_n = 5000.0;
+    config
+}
+
+fn events_of(samples: impl Iterator<Item = RawSample>) -> Vec<Event> {
+    let mut pipeline = Pipeline::new(&config()).expect("valid");
+    let mut events: Vec<Event> = samples.filter_map(|s| pipeline.step(s).event).collect();
+    while let Some(event) = pipeline.finish() {
+        events.push(event);
+    }
+    events
+}
+
+#[test]
+fn events_on_the_console_are_the_cores() {
+    let board = one_test(&Card::default());
+    let samples = board.delivered.iter().take(960);
+    let expected = events_of(
+        samples.map(|&(index, code)| RawSample { index, reading: Reading::Counts(Counts(code)) }),
+    );
+    assert!(expected.len() > 20, "{}", expected.len());
+    assert_eq!(board.events(), expected);
+}
+
+#[test]
+fn the_card_gives_the_test_back() {
+    let card = Card::default();
+    let board = one_test(&card);
+    let bytes = card.bytes.borrow().clone();
+    let (tests, found) = card::tests(Cursor::new(bytes.clone())).expect("readable");
+    assert_eq!((found.damaged, found.lost), (0, 0));
+    let [test] = tests.as_slice() else { panic!("{} tests", tests.len()) };
+    assert_eq!((test.samples.len(), test.missing(), test.overruns), (960, 0, 0));
+    assert_eq!(test.stem(), "test-0001-T-1");
+    assert_eq!(test.settings.config, config());
+    // The words are on the card too, every event among them.
+    let events = test.lines.lines().filter(|line| line.starts_with("E,")).count();
+    assert_eq!(events, board.events().len());
+
+    // `floe replay` reads the file itself, and its CSV, to the board's events.
+    for text in [bytes, card::csv(test).into_bytes()] {
+        let options = if text.starts_with(b"FLOE") {
+            LogOptions::default()
+        } else {
+            let unit = Some(floe::log::Unit::Counts);
+            LogOptions { column: Some("counts".into()), unit, ..LogOptions::default() }
+        };
+        let mut log = Log::from_reader(Box::new(Cursor::new(text)), &options).expect("a log");
+        assert_eq!(log.metadata().weight_n, Some(630.0));
+        let mut samples = Vec::new();
+        while let Some(sample) = log.next_sample().expect("a sample") {
+            samples.push(sample.raw);
+        }
+        assert_eq!(events_of(samples.into_iter()), board.events());
+    }
+}
+
+#[test]
+fn a_pulled_battery_costs_at_most_half_a_second() {
+    let card = Card::default();
+    one_test(&card);
+    let bytes = card.bytes.borrow().clone();
+    for cut in (0..bytes.len()).step_by(123) {
+        let Ok((tests, found)) = card::tests(Cursor::new(&bytes[..cut])) else {
+            // Nothing but the start of the first sectors, which hold no samples.
+            assert!(cut < 8 * SECTOR_LEN, "nothing from {cut} bytes");
+            continue;
+        };
+        assert_eq!(found.damaged, 0);
+        let whole = cut / SECTOR_LEN;
+        let samples: usize = tests.iter().map(|test| test.samples.len()).sum();
+        assert!(samples + 8 * 8 >= whole * 8, "{samples} samples from {whole} sectors");
+    }
+}
+
+#[test]
+fn a_damaged_sector_costs_itself() {
+    let card = Card::default();
+    one_test(&card);
+    let clean = card.bytes.borrow().clone();
+    for sector in [20, 57, 100] {
+        for bit in [32 + 3, 8 * 90, 8 * 200 + 7, 8 * 511] {
+            let mut bytes = clean.clone();
+            bytes[sector * SECTOR_LEN + bit / 8] ^= 1 << (bit % 8);
+            let (tests, found) = card::tests(Cursor::new(bytes)).expect("readable");
+            assert_eq!((found.damaged, found.lost), (1, 1), "sector {sector} bit {bit}");
+            assert_eq!((tests[0].samples.len(), tests[0].missing()), (952, 8));
+        }
+    }
+}
+
+#[test]
+fn any_line_end_will_do() {
+    for end in ["\r", "\n", "\r\n", "\n\r\n"] {
+        let typed = BEGIN.replace("\r\n", end);
+        let board = run(
+            cell(&stick_slip()),
+            Schedule::default(),
+            &Card::default(),
+            &[(0, &typed), (9, "")],
+        );
+        let starts = board.lines().filter(|line| matches!(line, Line::Start { .. })).count();
+        // Three settings and the start.
+        assert_eq!(starts, 4, "{end:?}: {}", board.screen);
+        assert!(!board.screen.lines().any(|line| line.starts_with('!')), "{}", board.screen);
+    }
+}
+
+#[test]
+fn mistakes_are_told() {
+    let long = "x".repeat(200);
+    let script: Vec<(u64, String)> = ["start", "stop", "accept", "fly", "set weight -1", &long]
+        .iter()
+        .zip(0..)
+        .map(|(text, tick)| (tick, format!("{text}\r\n")))
+        .collect();
+    let script: Vec<(u64, &str)> = script.iter().map(|(tick, text)| (*tick, &**text)).collect();
+    let board = run(cell(&[0]), Schedule::default(), &Card::default(), &script);
+    for words in [
+        "set weight N first",
+        "no test is running",
+        "nothing to accept",
+        "unknown command",
+        "too long",
+    ] {
+        assert!(board.says(words), "{words} not in {}", board.screen);
+    }
+}
+
+#[test]
+fn tare_and_calibration_survive_the_power() {
+    let card = Card::default();
+    let mut codes = vec![12_345; 60];
+    codes.extend(vec![12_345 + 4_000 * 98; 60]);
+    let script =
+        [(1, "tare\n"), (64, "calibrate 98\n"), (110, "accept\n"), (111, "set weight 300\n")];
+    let first = run(cell(&codes), Schedule::default(), &card, &script);
+    assert!(first.says("accept, or abort"), "{}", first.screen);
+    let again = run(cell(&codes), Schedule::default(), &card, &[(0, "status\n")]);
+    let settings = again.lines().find_map(|line| {
+        if let Line::Start { settings, .. } = line { Some(settings) } else { None }
+    });
+    let config = settings.expect("settings").config;
+    assert!((config.calibration.tare_counts - 12_345).abs() < 10, "{config:?}");
+    assert!((config.calibration.counts_per_n - 4_000.0).abs() < 0.2, "{config:?}");
+    assert_eq!(config.weight_n.to_bits(), 300.0_f32.to_bits());
+}
+
+#[test]
+fn runs_are_numbered_across_the_power() {
+    let card = Card::default();
+    one_test(&card);
+    one_test(&card);
+    let (tests, _) = card::tests(Cursor::new(card.bytes.borrow().clone())).expect("readable");
+    let runs: Vec<(u32, usize)> = tests.iter().map(|t| (t.run, t.samples.len())).collect();
+    assert_eq!(runs, [(1, 960), (2, 960)]);
+}
+
+#[test]
+fn self_test() {
+    let script = [(1, "self-test\n"), (120, "")];
+    let good = run(cell(&stick_slip()), Schedule::default(), &Card::default(), &script);
+    assert!(good.says("self test passed"), "{}", good.screen);
+    let broken = cell(&stick_slip()).disconnected();
+    let broken = run(broken, Schedule::default(), &Card::default(), &script);
+    assert!(broken.says("a wire to the load cell is broken"), "{}", broken.screen);
+    assert!(broken.says("self test FAILED"), "{}", broken.screen);
+    let silent = Schedule::default().with(0, u64::MAX, Trouble::Silent);
+    let silent = run(cell(&stick_slip()), silent, &Card::default(), &script);
+    assert!(silent.says("does not answer"), "{}", silent.screen);
+}
+
+#[test]
+fn a_card_that_refuses_is_told_and_costs_no_sample() {
+    let card = Card::default();
+    *card.broken.borrow_mut() = true;
+    let board = one_test(&card);
+    assert!(board.says("nothing is kept"), "{}", board.screen);
+    assert!(board.events().len() > 20);
+}
+
+#[test]
+fn a_damaged_line_is_refused() {
+    let board = one_test(&Card::default());
+    let line = board.screen.lines().find(|line| line.starts_with("E,")).expect("an event");
+    for at in 0..line.len() {
+        let mut bytes = line.as_bytes().to_vec();
+        bytes[at] ^= 1;
+        let damaged = String::from_utf8(bytes).expect("ASCII");
+        assert!(Line::parse(&damaged).is_err(), "{damaged}");
+        assert!(Line::parse(&line[..at]).is_err(), "{}", &line[..at]);
+    }
+    assert_eq!(Line::parse("I,hello"), Err(LineError::NoChecksum));
+}
