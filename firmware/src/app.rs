@@ -298,7 +298,6 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
         self.job = Job::Idle;
         log::info!("test {} ends", self.run);
         let stored = self.journal.flush();
-        self.journal.begin(0, 0, &self.settings);
         self.check_store(stored.is_err());
         Ok(())
     }

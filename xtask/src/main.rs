@@ -33,7 +33,11 @@ struct Cli {
 #[derive(Debug, Subcommand)]
 enum Job {
     /// Everything: format, clippy, host tests, the firmware in the emulator
-    Test,
+    Test {
+        /// Only the board's part
+        #[arg(long)]
+        firmware: bool,
+    },
     /// Run a log through the firmware in the emulator
     Emulate(emulate::Args),
     /// Speed on this PC and on the board, one table
@@ -47,7 +51,7 @@ enum Job {
 fn main() -> ExitCode {
     let cli = Cli::parse();
     let done = match &cli.job {
-        Job::Test => test::run(cli.arm),
+        Job::Test { firmware } => test::run(cli.arm, *firmware),
         Job::Emulate(args) => emulate::run(args, cli.arm),
         Job::Bench => bench::run(cli.arm),
         Job::Flash => flash::run(cli.arm),

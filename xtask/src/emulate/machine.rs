@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 
 use floe::chip::SerialChip;
 
-use super::link::{self, Typist};
+use super::link::{Link, Typist};
 use super::record::Record;
 use super::socket;
 use crate::Result;
@@ -33,6 +33,8 @@ pub struct Setup<'a> {
     pub port: Option<u16>,
     /// The SD card.
     pub card: Option<&'a Path>,
+    /// The power fails at this sample, in the middle of the test.
+    pub cut_at: Option<u64>,
 }
 
 /// What a run gave.
@@ -77,7 +79,8 @@ impl Machine {
         if let Some(port) = setup.port {
             socket::serve(port, &directory.0)?;
         }
-        let done = serve(&directory, chip, typist, setup.port.is_some(), &mut child);
+        let link = Link { chip, typist, real_time: setup.port.is_some(), cut_at: setup.cut_at };
+        let done = serve(&directory, link, &mut child);
         let stack = stack_of(&mut child);
         let wall = start.elapsed();
         let shown = fs::read_to_string(directory.path("console.out")).unwrap_or_default();
@@ -122,18 +125,12 @@ fn stack_of(child: &mut Child) -> u64 {
 }
 
 /// Serves the converter while the emulator lives.
-fn serve(
-    directory: &Directory,
-    chip: SerialChip,
-    typist: Typist,
-    real_time: bool,
-    child: &mut Child,
-) -> Result<SerialChip> {
+fn serve(directory: &Directory, link: Link, child: &mut Child) -> Result<SerialChip> {
     let (sender, receiver) = mpsc::channel();
     let place = directory.0.clone();
     std::thread::spawn(move || {
         // Nobody waits for the answer when the emulator has failed.
-        let _ = sender.send(link::serve(&place, chip, typist, real_time));
+        let _ = sender.send(link.serve(&place));
     });
     let done = loop {
         if let Ok(done) = receiver.recv_timeout(Duration::from_millis(20)) {

@@ -112,6 +112,12 @@ impl Record {
         (LoadCell::from_codes(&codes, RATE_HZ).with_noise(NOISE_CODES, NOISE_SEED), trouble)
     }
 
+    /// Whether the log lacks samples.
+    #[must_use]
+    pub fn has_gaps(&self) -> bool {
+        self.codes.contains(&None)
+    }
+
     /// What has to be typed before the test.
     #[must_use]
     pub fn commands(&self) -> String {
