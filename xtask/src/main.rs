@@ -4,6 +4,8 @@
 mod apt;
 mod arm;
 mod bench;
+#[cfg(feature = "defmt")]
+mod defmt;
 mod emulate;
 mod flash;
 mod qemu;
@@ -44,6 +46,9 @@ enum Job {
     Bench,
     /// Write the firmware to a NUCLEO-L476RG on USB
     Flash,
+    /// Decode the firmware's own log of an emulated test
+    #[cfg(feature = "defmt")]
+    Defmt,
     /// Flash, RAM and stack of the firmware
     Size,
 }
@@ -55,6 +60,8 @@ fn main() -> ExitCode {
         Job::Emulate(args) => emulate::run(args, cli.arm),
         Job::Bench => bench::run(cli.arm),
         Job::Flash => flash::run(cli.arm),
+        #[cfg(feature = "defmt")]
+        Job::Defmt => defmt::run(cli.arm),
         Job::Size => size::run(cli.arm),
     };
     match done {

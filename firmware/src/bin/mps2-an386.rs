@@ -4,6 +4,8 @@
 #[cfg(target_os = "none")]
 mod target {
     use cortex_m_rt::entry;
+    #[cfg(feature = "defmt")]
+    use defmt_semihosting as _;
     use floe_firmware::ads122::{Ads122, SerialBus};
     use floe_firmware::app::App;
     use floe_firmware::board::mps2::files::{AdcLine, CardFile, ConsoleFiles};

@@ -46,18 +46,35 @@ pub struct Run {
     pub delivered: Vec<(u64, i32)>,
     /// Bytes of stack used at most.
     pub stack: u64,
+    /// What the firmware logged, undecoded.
+    #[cfg_attr(not(feature = "defmt"), allow(dead_code))]
+    pub logged: Vec<u8>,
     /// Time it took.
     pub wall: Duration,
 }
 
 impl Machine {
+    /// The firmware's file.
+    #[cfg(feature = "defmt")]
+    pub fn firmware(&self) -> &Path {
+        &self.firmware
+    }
+
     /// Builds the firmware and finds the emulator.
     ///
     /// # Errors
     /// One of them is not to be had.
     pub fn prepare(forced: Option<Route>) -> Result<Self> {
+        Self::with_features(forced, "mps2-an386")
+    }
+
+    /// The same with other features of the firmware.
+    ///
+    /// # Errors
+    /// As [`Machine::prepare`].
+    pub fn with_features(forced: Option<Route>, features: &str) -> Result<Self> {
         let qemu = qemu::find()?;
-        let firmware = Route::find(forced)?.build_firmware("mps2-an386", "mps2-an386")?;
+        let firmware = Route::find(forced)?.build_firmware("mps2-an386", features)?;
         Ok(Self { qemu, firmware })
     }
 
@@ -85,7 +102,8 @@ impl Machine {
         let wall = start.elapsed();
         let shown = fs::read_to_string(directory.path("console.out")).unwrap_or_default();
         let chip = done.map_err(|e| format!("{e}; the board's last words: {}", tail(&shown)))?;
-        Ok(Run { shown, delivered: chip.device().delivered().to_vec(), stack, wall })
+        let logged = fs::read(directory.path("logged")).unwrap_or_default();
+        Ok(Run { shown, logged, delivered: chip.device().delivered().to_vec(), stack, wall })
     }
 
     /// Deepest stack in a test with events.
@@ -102,7 +120,8 @@ impl Machine {
         command.args(["-serial", "none", "-icount", "shift=4,sleep=off"]);
         command.args(["-semihosting-config", "enable=on,target=native", "-kernel"]);
         command.arg(&self.firmware).current_dir(&directory.0);
-        command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::piped());
+        let logged = fs::File::create(directory.path("logged")).map_err(|e| e.to_string())?;
+        command.stdin(Stdio::null()).stdout(logged).stderr(Stdio::piped());
         command.spawn().map_err(|e| format!("cannot start {}: {e}", self.qemu))
     }
 }
