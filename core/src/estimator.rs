@@ -11,9 +11,11 @@
 //! - mean `m = λ m_w + (1 − λ) m_1`: `m_w` weighted by `1/s_i²`, `m_1` plain,
 //!   `λ = s̄²/(s̄² + τ²)` with `s̄²` the harmonic mean of `s_i²`; either is the best
 //!   mean at its end of the scale;
-//! - variance of `m` from the same weights, times `1 + 2 ρ` with `ρ` the correlation
-//!   of neighbours: two events share the stick line between them.
+//! - variance of `m` from the same weights, times `1 + 2 Σ ρ_k` with the correlations
+//!   `ρ_k` of the events in order: two neighbours share the stick line between them,
+//!   and real friction wanders.
 
+use crate::correlation::Correlation;
 use crate::event::Coefficient;
 use crate::report::Estimate;
 
@@ -30,19 +32,7 @@ pub struct Estimator {
     weighted_mean: f64,
     weight: f64,
     weight_squares: f64,
-    /// Neighbours: Σ x_i x_{i+1}, Σ x_i + x_{i+1}, relative to the first value.
-    neighbours: Neighbours,
-}
-
-/// Sums over pairs of neighbouring values, relative to a reference value.
-#[derive(Clone, Copy, Debug, Default)]
-struct Neighbours {
-    reference: f64,
-    first: f64,
-    last: f64,
-    products: f64,
-    sums: f64,
-    pairs: f64,
+    correlation: Correlation,
 }
 
 impl Estimator {
@@ -53,8 +43,8 @@ impl Estimator {
         if !(value.is_finite() && std.is_finite() && std > 0.0) {
             return;
         }
-        let one = Self::single(value, std * std);
-        self.merge(&one);
+        self.correlation.add(value);
+        self.pool(&Self::single(value, std * std));
     }
 
     fn single(value: f64, variance: f64) -> Self {
@@ -62,36 +52,36 @@ impl Estimator {
         Self {
             count: 1,
             mean: value,
-            squares: 0.0,
             variance,
             weighted_mean: value,
             weight,
             weight_squares: weight * weight,
-            neighbours: Neighbours { reference: value, ..Neighbours::default() },
+            ..Self::default()
         }
     }
 
     /// Takes the events of another estimator, which came after its own.
     pub fn merge(&mut self, later: &Self) {
-        if later.count == 0 {
+        self.correlation.merge(&later.correlation);
+        self.pool(later);
+    }
+
+    /// Pools all but the order of the events.
+    fn pool(&mut self, other: &Self) {
+        if other.count == 0 {
             return;
         }
-        if self.count == 0 {
-            *self = *later;
-            return;
-        }
-        let (n, m) = (f64::from(self.count), f64::from(later.count));
+        let (n, m) = (f64::from(self.count), f64::from(other.count));
         let share = m / (n + m);
-        let step = later.mean - self.mean;
-        self.squares += later.squares + n * share * step * step;
+        let step = other.mean - self.mean;
+        self.squares += other.squares + n * share * step * step;
         self.mean += share * step;
-        self.variance += share * (later.variance - self.variance);
-        let weight = self.weight + later.weight;
-        self.weighted_mean += later.weight / weight * (later.weighted_mean - self.weighted_mean);
+        self.variance += share * (other.variance - self.variance);
+        let weight = self.weight + other.weight;
+        self.weighted_mean += other.weight / weight * (other.weighted_mean - self.weighted_mean);
         self.weight = weight;
-        self.weight_squares += later.weight_squares;
-        self.neighbours.append(&later.neighbours);
-        self.count = self.count.saturating_add(later.count);
+        self.weight_squares += other.weight_squares;
+        self.count = self.count.saturating_add(other.count);
     }
 
     /// Number of events that count.
@@ -118,7 +108,7 @@ impl Estimator {
         let variance = lambda * lambda * weighted
             + (1.0 - lambda) * (1.0 - lambda) * plain
             + 2.0 * lambda * (1.0 - lambda) * mixed;
-        let error = libm::sqrt(variance * (1.0 + 2.0 * self.correlation(lambda)));
+        let error = libm::sqrt(variance * self.inflation(lambda));
         Some(Estimate {
             mean: mean as f32,
             std_error: error as f32,
@@ -133,36 +123,17 @@ impl Estimator {
         (free > 0.0).then(|| (self.squares / free - self.variance).max(0.0))
     }
 
-    /// Correlation of neighbouring events, 0 to 1/2. Until there are enough events
-    /// to see it: half the share of the noise, as from a shared stick line.
-    fn correlation(&self, noise_share: f64) -> f64 {
-        const ENOUGH: f64 = 30.0;
-        let pairs = self.neighbours.pairs;
-        if pairs < ENOUGH || self.squares <= 0.0 {
-            return if pairs > 0.0 { 0.5 * noise_share } else { 0.0 };
+    /// Factor on the variance of the mean because the events are correlated. Until
+    /// there are enough to see it: neighbours are, by half the share of the noise, as
+    /// from a shared stick line.
+    fn inflation(&self, noise_share: f64) -> f64 {
+        const ENOUGH: u32 = 30;
+        let shared_line = if self.count > 1 { 1.0 + noise_share } else { 1.0 };
+        if self.count < ENOUGH || self.squares <= 0.0 {
+            return shared_line;
         }
-        let covariance = self.neighbours.covariance(self.mean);
-        (covariance * f64::from(self.count) / self.squares).clamp(0.0, 0.5)
-    }
-}
-
-impl Neighbours {
-    /// Σ x_i x_{i+1} and Σ x_i + x_{i+1} of values relative to `reference`.
-    fn append(&mut self, later: &Self) {
-        let shift = later.reference - self.reference;
-        let joint_first = later.first + shift;
-        self.products += later.products + shift * (later.sums + shift * later.pairs);
-        self.sums += later.sums + 2.0 * shift * later.pairs;
-        self.products += self.last * joint_first;
-        self.sums += self.last + joint_first;
-        self.pairs += later.pairs + 1.0;
-        self.last = later.last + shift;
-    }
-
-    /// Mean of (x_i − mean)(x_{i+1} − mean).
-    fn covariance(&self, mean: f64) -> f64 {
-        let m = mean - self.reference;
-        (self.products - m * self.sums) / self.pairs + m * m
+        let variance = self.squares / f64::from(self.count);
+        self.correlation.inflation(self.mean, variance)
     }
 }
 
@@ -218,10 +189,7 @@ mod tests {
         let x = VALUES.map(|v| f64::from(v.0));
         let n = x.len() as f64;
         let mean = x.iter().sum::<f64>() / n;
-        let covariance =
-            x.windows(2).map(|p| (p[0] - mean) * (p[1] - mean)).sum::<f64>() / (n - 1.0);
         let e = all(&VALUES);
-        assert!((e.neighbours.covariance(mean) - covariance).abs() < 1e-12);
         let noise = VALUES.iter().map(|v| f64::from(v.1).powi(2)).sum::<f64>() / n;
         let spread = (x.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (n - 1.0) - noise).sqrt();
         assert!((f64::from(e.estimate().unwrap().spread.unwrap()) - spread).abs() < 1e-6);

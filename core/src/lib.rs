@@ -17,7 +17,9 @@
 
 pub mod calibrate;
 pub mod config;
+pub mod correlation;
 pub mod cycle;
+pub mod decimate;
 pub mod derivative;
 pub mod detector;
 pub mod estimator;

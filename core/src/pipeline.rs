@@ -3,6 +3,7 @@
 use crate::calibrate::Calibrator;
 use crate::config::{Config, ConfigError};
 use crate::cycle::{Cycles, Site};
+use crate::decimate::Decimator;
 use crate::derivative::{Central, Rate};
 use crate::detector::{Detector, Extreme, Transition};
 use crate::estimator::Estimator;
@@ -39,8 +40,12 @@ pub struct Pipeline {
     counters: Counters,
     /// Newest index.
     last: Option<u64>,
+    /// Block of the newest saturated sample.
     last_hidden: Option<u64>,
     spikes: SpikeFilter,
+    decimator: Decimator,
+    /// Noise of a sample over that of a block.
+    block_root: f32,
     derivative: Central,
     detector: Detector,
     cycles: Cycles,
@@ -57,11 +62,9 @@ impl Pipeline {
     /// A configuration value out of its range.
     pub fn new(config: &Config) -> Result<Self, ConfigError> {
         config.validate()?;
-        let site = Site {
-            weight_n: config.weight_n,
-            slope_rad: config.slope_rad,
-            rate_hz: config.rate_hz,
-        };
+        let decimator = Decimator::new(config.rate_hz);
+        let rate_hz = config.rate_hz / decimator.factor();
+        let site = Site { weight_n: config.weight_n, slope_rad: config.slope_rad, rate_hz };
         Ok(Self {
             config: *config,
             calibrator: Calibrator::new(config),
@@ -69,8 +72,10 @@ impl Pipeline {
             last: None,
             last_hidden: None,
             spikes: SpikeFilter::new(),
+            decimator,
+            block_root: crate::math::sqrt(decimator.factor()),
             derivative: Central::new(config.rate_hz),
-            detector: Detector::new(config.rate_hz),
+            detector: Detector::new(rate_hz),
             cycles: Cycles::new(site),
             mu_s: Estimator::default(),
             mu: Estimator::default(),
@@ -94,7 +99,7 @@ impl Pipeline {
                 }
                 Judged::Good(good) => {
                     step.rate = self.derivative.step(good.index, good.force_n);
-                    step.event = self.advance(good);
+                    step.event = self.decimator.step(good).and_then(|block| self.advance(block));
                 }
             }
         }
@@ -104,8 +109,10 @@ impl Pipeline {
 
     /// Ends the test: completes what is pending, one event a call, until `None`.
     pub fn finish(&mut self) -> Option<Event> {
-        let held = self.spikes.finish().and_then(|held| self.advance(held));
-        held.or_else(|| {
+        let held = self.spikes.finish().and_then(|held| self.decimator.step(held));
+        let event = held.and_then(|block| self.advance(block));
+        let event = event.or_else(|| self.decimator.finish().and_then(|block| self.advance(block)));
+        event.or_else(|| {
             let (stick, window) = (self.detector.stick(), self.detector.window());
             let end = Extreme { index: self.detector.last().index + 1, ..self.detector.last() };
             let event = self.cycles.finish(stick, window, end);
@@ -117,12 +124,13 @@ impl Pipeline {
     #[must_use]
     pub fn report(&self) -> Report {
         let (loading_rate, omega) = self.cycles.shared();
+        let noise_n = self.cycles.noise_n().or(self.detector.noise_n());
         Report {
             counters: self.counters,
             events: self.events,
             mu_s: self.mu_s.estimate(),
             mu: self.mu.estimate(),
-            noise_n: self.cycles.noise_n().or(self.detector.noise_n()),
+            noise_n: noise_n.map(|noise_n| noise_n * self.block_root),
             loading_rate_n_per_s: loading_rate,
             omega_rad_per_s: omega,
             stiffness_n_per_m: self.stiffness(loading_rate, omega),
@@ -147,7 +155,7 @@ impl Pipeline {
             self.last = Some(raw.index);
         }
         if flag == SampleFlag::Saturated {
-            self.last_hidden = Some(raw.index);
+            self.last_hidden = Some(self.decimator.block(raw.index));
         }
         let gap = u32::try_from(gap).unwrap_or(u32::MAX);
         let sample = ForceSample { index: raw.index, force_n, flag, gap };
@@ -169,7 +177,9 @@ impl Pipeline {
     }
 
     fn count(&mut self, event: Option<Event>) -> Option<Event> {
-        let event = event?;
+        let mut event = event?;
+        event.onset = self.decimator.moment(event.onset);
+        event.stop = self.decimator.moment(event.stop);
         if let Some(noise_n) = self.cycles.noise_n() {
             self.detector.fitted_noise(noise_n);
         }
@@ -185,7 +195,8 @@ impl Pipeline {
     }
 
     fn usual(&self) -> Usual {
-        Usual { noise_n: self.detector.noise_n(), drop_n: self.detector.usual_drop_n() }
+        let noise_n = self.detector.noise_n().map(|noise_n| noise_n * self.block_root);
+        Usual { noise_n, drop_n: self.detector.usual_drop_n() }
     }
 
     /// `k` from `F' = k w` where the winch speed is known, else from `ω² = k / M`.

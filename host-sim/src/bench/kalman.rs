@@ -4,7 +4,7 @@
 //! `F` grows by `k w` a period; in a slip `(F, F')` turns about `(Fp, 0)` with
 //! `omega` until `F'` is `k w` again: both modes in closed form, linearized by
 //! difference quotients (extended Kalman filter). A sample far below the forecast
-//! starts a slip: the filter goes back two samples and tries onsets between them;
+//! starts a slip: the filter goes back four samples and tries onsets after them;
 //! the onset's uncertainty enters as noise, so `Fs` stays correlated with all that
 //! follows and is refined until the next onset, when the event is given.
 //!
@@ -30,8 +30,10 @@ type Matrix = SMatrix<f64, STATES, STATES>;
 
 /// Innovations beyond this many standard deviations do not belong to the mode.
 const GATE: f64 = 5.0;
-/// Onsets that are tried between two samples.
-const TRIALS: u32 = 12;
+/// Samples that a slip may go back.
+const BACK: usize = 4;
+/// Onsets that are tried: so many over the whole span, then so many around the best.
+const TRIALS: u32 = 9;
 /// Before the first slip: `omega`, rad/s, and its relative uncertainty.
 const OMEGA_GUESS: (f64, f64) = (18.0, 0.4);
 /// Before the first slip: `Fp` over `Fs`, and its uncertainty.
@@ -43,8 +45,11 @@ const DRIFT: (f64, f64, f64) = (0.1, 0.01, 0.01);
 const STRIKES: u32 = 4;
 /// Samples before anything is declared.
 const LEARNING: f64 = 8.0;
-/// Samples over which the noise is averaged.
-const NOISE_MEMORY: f64 = 100.0;
+/// The noise is followed by this quantile of the second differences, which slips and
+/// bends of the line hardly move; their value there for noise of one; step per sample.
+const NOISE_QUANTILE: f64 = 0.3;
+const QUANTILE_AT: f64 = 0.943_8;
+const NOISE_STEP: f64 = 0.1;
 
 /// State and covariance.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -78,6 +83,20 @@ impl Filter {
         self.p = jacobian * self.p * jacobian.transpose();
     }
 
+    /// Moves on while the block rests: that motion is linear.
+    fn rest(&mut self, periods: f64) {
+        self.x = rest(&self.x, periods);
+        let mut p = self.p;
+        let row = p.row(FORCE) + p.row(LOADING) * periods;
+        p.set_row(FORCE, &row);
+        p.set_row(RATE, &self.p.row(LOADING));
+        let column = p.column(FORCE) + p.column(LOADING) * periods;
+        p.set_column(FORCE, &column);
+        let loading = p.column(LOADING).into_owned();
+        p.set_column(RATE, &loading);
+        self.p = p;
+    }
+
     /// Innovation and its variance without the sample's own noise.
     fn innovation(&self, force_n: f64) -> (f64, f64) {
         (force_n - self.x[FORCE], self.p[(FORCE, FORCE)])
@@ -87,8 +106,8 @@ impl Filter {
         let (innovation, variance) = self.innovation(force_n);
         let gain = self.p.column(FORCE) / (variance + noise_n2);
         self.x += gain * innovation;
-        self.p -= gain * self.p.row(FORCE);
-        self.p = 0.5 * (self.p + self.p.transpose());
+        let row = self.p.row(FORCE).into_owned();
+        self.p.ger(-1.0, &gain, &row.transpose(), 1.0);
     }
 
     fn widen(&mut self, state: usize, std: f64) {
@@ -124,11 +143,14 @@ fn slide(x: &Vector, periods: f64) -> Vector {
     if moving < periods { rest(&next, periods - moving) } else { next }
 }
 
-/// The block rests, starts to slip and slides.
-fn start(x: &Vector, resting: f64, sliding: f64) -> Vector {
-    let mut onset = rest(x, resting);
-    onset[STATIC] = onset[FORCE];
-    slide(&onset, sliding)
+/// The block rests, starts to slip at `onset` and slides.
+fn moved(x: &Vector, onset: f64, periods: f64) -> Vector {
+    if onset >= periods {
+        return rest(x, periods);
+    }
+    let mut start = rest(x, onset);
+    start[STATIC] = start[FORCE];
+    slide(&start, periods - onset)
 }
 
 /// What the block does.
@@ -158,9 +180,10 @@ pub struct Kalman {
     filter: Filter,
     mode: Mode,
     noise_n2: f64,
-    noise_count: f64,
-    /// The last two samples, newest first.
-    past: [Option<Past>; 2],
+    /// Samples since the filter started.
+    samples: f64,
+    /// The last samples, newest first.
+    past: [Option<Past>; BACK],
     /// Onset of the event that is still being refined, periods.
     pending: Option<f64>,
     /// Slips since the filter started.
@@ -177,8 +200,8 @@ impl Method for Kalman {
             filter: Filter::new(setup),
             mode: Mode::Rest,
             noise_n2: (0.01 * setup.weight_n).powi(2),
-            noise_count: 0.0,
-            past: [None; 2],
+            samples: 0.0,
+            past: [None; BACK],
             pending: None,
             slips: 0,
             strikes: 0,
@@ -191,6 +214,8 @@ impl Method for Kalman {
             return self.tick(None);
         }
         let periods = last.map_or(0.0, |last| (sample.index - last) as f64);
+        self.samples += 1.0;
+        self.follow_noise(sample);
         let event = match self.mode {
             Mode::Rest => self.rest_step(sample, periods),
             Mode::Slip { base, onset } => {
@@ -198,7 +223,8 @@ impl Method for Kalman {
                 None
             }
         };
-        self.past = [Some(Past { filter: self.filter, sample }), self.past[0]];
+        self.past.rotate_right(1);
+        self.past[0] = Some(Past { filter: self.filter, sample });
         self.tick(event)
     }
 
@@ -217,31 +243,37 @@ impl Kalman {
         Tick { slips: self.mode != Mode::Rest, event }
     }
 
+    fn follow_noise(&mut self, sample: Sample) {
+        let [Some(last), Some(before), ..] = self.past else { return };
+        if sample.index - before.sample.index != 2 {
+            return;
+        }
+        let second_n = sample.force_n - 2.0 * last.sample.force_n + before.sample.force_n;
+        let above = f64::from(second_n).powi(2) > self.noise_n2 * QUANTILE_AT * QUANTILE_AT;
+        let step = if above { NOISE_QUANTILE } else { NOISE_QUANTILE - 1.0 };
+        self.noise_n2 *= 1.0 + NOISE_STEP * step;
+    }
+
     fn rest_step(&mut self, sample: Sample, periods: f64) -> Option<Found> {
         let force_n = f64::from(sample.force_n);
-        self.filter.predict(|x| rest(x, periods));
+        self.filter.rest(periods);
         let (innovation, variance) = self.filter.innovation(force_n);
         let relative2 = innovation * innovation / (variance + self.noise_n2);
-        let fits = relative2 < GATE * GATE || self.noise_count < LEARNING;
+        let fits = relative2 < GATE * GATE || self.samples < LEARNING;
         let high = self.slips == 0 || self.filter.x[FORCE] > self.filter.x[CENTRE];
         if !fits
             && innovation < 0.0
             && high
-            && let [Some(last), Some(base)] = self.past
+            && let [Some(c), Some(b), Some(a), Some(base)] = self.past
         {
             let event = self.close(&base.filter);
-            self.slip_from(base, [last.sample, sample]);
+            self.slip_from(base, [a.sample, b.sample, c.sample, sample]);
             return event;
-        }
-        if fits {
-            self.noise_count = (self.noise_count + 1.0).min(NOISE_MEMORY);
-            let change = (relative2.min(GATE * GATE) - 1.0) / (self.noise_count + 4.0);
-            self.noise_n2 *= 1.0 + change;
         }
         self.strikes = if fits { 0 } else { self.strikes + 1 };
         if self.strikes >= STRIKES {
             (self.filter, self.slips, self.strikes) = (Filter::new(&self.setup), 0, 0);
-            self.noise_count = 0.0;
+            self.samples = 0.0;
         } else if !fits {
             // Neither rest nor slip as the model has them: the line may have jumped.
             self.filter.widen(FORCE, innovation);
@@ -254,7 +286,7 @@ impl Kalman {
         let force_n = f64::from(sample.force_n);
         let since = (sample.index - base.sample.index) as f64;
         let mut without = base.filter;
-        without.predict(|x| rest(x, since));
+        without.rest(since);
         let (innovation, variance) = without.innovation(force_n);
         if innovation > -GATE * (variance + self.noise_n2).sqrt() {
             // Back on the stick line: it was no slip.
@@ -277,31 +309,36 @@ impl Kalman {
         x[FORCE] < x[CENTRE] && (x[RATE] - x[LOADING]).abs() <= 1e-9 * x[LOADING].abs()
     }
 
-    /// Goes back to `base` and lets a slip begin before the last of two samples.
-    fn slip_from(&mut self, base: Past, samples: [Sample; 2]) {
+    /// Goes back to `base` and lets a slip begin before the last of the samples since.
+    fn slip_from(&mut self, base: Past, samples: [Sample; BACK]) {
         self.filter = base.filter;
         self.expect_change();
-        let times = samples.map(|s| (s.index - base.sample.index) as f64);
-        let forces_n = samples.map(|s| f64::from(s.force_n));
+        let point = |s: Sample| ((s.index - base.sample.index) as f64, f64::from(s.force_n));
+        let points = samples.map(point);
+        let span = points[BACK - 1].0;
         let x = self.filter.x;
-        let misfit = |onset: f64| {
-            let at = |time: f64| {
-                let next =
-                    if time > onset { start(&x, onset, time - onset) } else { rest(&x, time) };
-                next[FORCE]
-            };
-            times.iter().zip(forces_n).map(|(&t, f)| (f - at(t)).powi(2)).sum::<f64>()
+        let error = |(time, force_n): (f64, f64), onset| force_n - moved(&x, onset, time)[FORCE];
+        let misfit = |onset: f64| points.map(|p| error(p, onset).powi(2)).iter().sum::<f64>();
+        let best = |from: f64, width: f64| {
+            let trial = |i: u32| from + width * (f64::from(i) + 0.5) / f64::from(TRIALS);
+            let trials = (0..TRIALS).map(trial).map(|onset| (misfit(onset), onset));
+            trials.min_by(|a, b| a.0.total_cmp(&b.0)).map_or(from, |(_, onset)| onset)
         };
-        let trial = |i: u32| times[1] * (f64::from(i) + 0.5) / f64::from(TRIALS);
-        let best = (0..TRIALS).map(trial).min_by(|a, b| misfit(*a).total_cmp(&misfit(*b)));
-        let onset = best.unwrap_or(0.5 * times[1]);
-        self.begin(onset, times[1], times[0]);
-        if onset < times[0] {
-            self.filter.correct(forces_n[0], self.noise_n2);
-            self.filter.predict(|x| slide(x, times[1] - times[0]));
+        let step = span / f64::from(TRIALS);
+        let onset = best(best(0.0, span) - 0.5 * step, step);
+        let mut before = 0.0;
+        for (time, force_n) in points {
+            if time <= onset {
+                self.filter.rest(time - before);
+            } else if before <= onset {
+                self.begin(onset - before, time - before, span);
+            } else {
+                self.filter.predict(|x| slide(x, time - before));
+            }
+            self.filter.correct(force_n, self.noise_n2);
+            self.keep_possible();
+            before = time;
         }
-        self.filter.correct(forces_n[1], self.noise_n2);
-        self.keep_possible();
         self.pending = Some(base.sample.index as f64 + onset);
         self.slips += 1;
         self.mode = if self.is_at_rest() { Mode::Rest } else { Mode::Slip { base, onset } };
@@ -320,17 +357,13 @@ impl Kalman {
         self.filter.widen(LOADING, loading * x[LOADING]);
     }
 
-    /// Moves through the onset, whose time is uncertain, to the first sample after it.
-    fn begin(&mut self, onset: f64, last: f64, first: f64) {
-        let sample = if onset < first { first } else { last };
-        let motion = |x: &Vector, onset: f64| {
-            if onset < sample { start(x, onset, sample - onset) } else { rest(x, sample) }
-        };
+    /// Moves through the onset to the sample after it; the onset may be anywhere
+    /// within `span`, evenly.
+    fn begin(&mut self, onset: f64, periods: f64, span: f64) {
         let (x, h) = (self.filter.x, 1e-4);
-        let along = (motion(&x, onset + h) - motion(&x, onset - h)) / (2.0 * h);
-        self.filter.predict(|x| motion(x, onset));
-        // Anywhere between the samples, evenly.
-        self.filter.p += along * along.transpose() * (last * last / 12.0);
+        let along = (moved(&x, onset + h, periods) - moved(&x, onset - h, periods)) / (2.0 * h);
+        self.filter.predict(|x| moved(x, onset, periods));
+        self.filter.p += along * along.transpose() * (span * span / 12.0);
     }
 
     /// Keeps `omega` and the loading rate where the formulas hold.
@@ -353,5 +386,40 @@ impl Kalman {
         };
         let onset_s = onset / self.setup.rate_hz;
         Some(Found { onset_s, mu_s: value(STATIC), mu: value(CENTRE) })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// DFF8-13 at rest, in sampling periods.
+    fn filter() -> Filter {
+        let x = Vector::from([600.0, 22.5, 22.5, 491.4, 1.1828, 781.2]);
+        let mut filter = Filter { x, p: Matrix::identity() };
+        filter.p[(FORCE, LOADING)] = 0.3;
+        filter.p[(LOADING, FORCE)] = 0.3;
+        filter
+    }
+
+    #[test]
+    fn resting_is_the_linearized_motion() {
+        let (mut direct, mut general) = (filter(), filter());
+        direct.rest(2.0);
+        general.predict(|x| rest(x, 2.0));
+        assert!((direct.x - general.x).norm() < 1e-9);
+        assert!((direct.p - general.p).norm() < 1e-6, "{} {}", direct.p, general.p);
+    }
+
+    #[test]
+    fn a_slip_ends_where_the_model_ends_it() {
+        // Fe = 2 Fp - Fs after 2.767 periods, then the stick line.
+        let x = Vector::from([781.2, 22.5, 22.5, 491.4, 1.1828, 781.2]);
+        let stop = time_to_stop(&x);
+        assert!((stop / 16.0 - 0.173).abs() < 0.001);
+        assert!((slide(&x, stop)[FORCE] - 201.6).abs() < 1e-6);
+        assert!((slide(&x, stop + 2.0)[FORCE] - 246.6).abs() < 1e-6);
+        let later = moved(&rest(&x, -1.0), 1.0, 1.0 + stop);
+        assert!((later[FORCE] - 201.6).abs() < 1e-6 && (later[STATIC] - 781.2).abs() < 1e-6);
     }
 }

@@ -5,7 +5,7 @@
 //! points; then five unknowns (`t0`, `k w`, `Fs`, `Fp`, `omega`) are fitted to all
 //! samples from the stop before an event to the onset after it (`k w` and `omega` as
 //! their logarithms, so that they stay above zero), twice: the second
-//! time with the ends that the first fits found. Levenberg-Marquardt from the crate
+//! time with the ends and from the usual `omega` that the first fits found. Levenberg-Marquardt from the crate
 //! of that name.
 
 use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt};
@@ -75,17 +75,21 @@ struct Problem<'a> {
     /// Time, s, and force, N.
     points: &'a [(f64, f64)],
     event: LinearEvent,
+    /// Largest `omega`, rad/s: the samples tell no slip shorter than a quarter period
+    /// from a jump.
+    most_omega: f64,
+}
+
+/// Force of an event minus the measured one at each point, N.
+fn residuals_n(event: LinearEvent, points: &[(f64, f64)]) -> impl Iterator<Item = f64> + '_ {
+    points.iter().map(move |&(time_s, measured_n)| force_n(&event, time_s) - measured_n)
+}
+
+fn squares_n2(event: LinearEvent, points: &[(f64, f64)]) -> f64 {
+    residuals_n(event, points).map(|r| r * r).sum()
 }
 
 impl Problem<'_> {
-    fn residual_iter(&self) -> impl Iterator<Item = f64> + '_ {
-        self.points.iter().map(|&(time_s, measured_n)| force_n(&self.event, time_s) - measured_n)
-    }
-
-    fn cost(&self) -> f64 {
-        self.residual_iter().map(|r| r * r).sum()
-    }
-
     fn is_possible(&self) -> bool {
         self.event.omega_rad_per_s.is_finite() && self.event.loading_rate_n_per_s.is_finite()
     }
@@ -102,7 +106,7 @@ impl LeastSquaresProblem<f64, Dyn, U5> for Problem<'_> {
             loading_rate_n_per_s: x[1].exp(),
             static_force_n: x[2],
             dynamic_force_n: x[3],
-            omega_rad_per_s: x[4].exp(),
+            omega_rad_per_s: x[4].exp().min(self.most_omega),
         };
     }
 
@@ -119,7 +123,8 @@ impl LeastSquaresProblem<f64, Dyn, U5> for Problem<'_> {
 
     fn residuals(&self) -> Option<DVector<f64>> {
         let length = self.points.len();
-        self.is_possible().then(|| DVector::from_iterator(length, self.residual_iter()))
+        self.is_possible()
+            .then(|| DVector::from_iterator(length, residuals_n(self.event, self.points)))
     }
 
     fn jacobian(&self) -> Option<OMatrix<f64, Dyn, U5>> {
@@ -146,27 +151,31 @@ fn events(setup: &Setup, samples: &[Sample]) -> Vec<Found> {
     let rough = |segment: &Segment| {
         let (from_s, to_s) = (segment.from_s, segment.to_s);
         let points = within(from_s, to_s);
-        fit(points, guess(points, segment)?)
+        fit(setup, points, guess(points, segment)?)
     };
     let first: Vec<Option<LinearEvent>> = segments.iter().map(rough).collect();
+    let omega = median(first.iter().flatten().map(|e| e.omega_rad_per_s));
     let second = |(i, segment): (usize, &Segment)| {
         let fitted = |i: usize| first.get(i).copied().flatten();
         let before = i.checked_sub(1).and_then(fitted);
         let from_s = before.map_or(segment.from_s, |e| e.onset_s + e.slip_s());
         let to_s = fitted(i + 1).map_or(segment.to_s, |e| e.onset_s);
         let points = within(from_s, to_s);
-        let event = fitted(i).and_then(|event| fit(points, event));
+        let event = fitted(i).and_then(|event| fit(setup, points, with_omega(event, omega)));
         read(setup, segment, points, event)
     };
     segments.iter().enumerate().map(second).collect()
 }
 
-fn fit(points: &[(f64, f64)], event: LinearEvent) -> Option<LinearEvent> {
+fn fit(setup: &Setup, points: &[(f64, f64)], event: LinearEvent) -> Option<LinearEvent> {
     if points.len() <= 5 {
         return None;
     }
-    let (problem, report) = LevenbergMarquardt::new().minimize(Problem { points, event });
-    let usable = report.objective_function.is_finite() && problem.is_possible();
+    let most_omega = 4.0 * std::f64::consts::PI * setup.rate_hz;
+    let problem = Problem { points, event, most_omega };
+    let (problem, report) = LevenbergMarquardt::new().minimize(problem);
+    let resolved = problem.event.omega_rad_per_s < most_omega;
+    let usable = report.objective_function.is_finite() && problem.is_possible() && resolved;
     usable.then_some(problem.event)
 }
 
@@ -192,8 +201,22 @@ fn guess(points: &[(f64, f64)], segment: &Segment) -> Option<LinearEvent> {
         let slip_s = part * fall_s;
         [-0.3, -0.15, 0.0, 0.15, 0.3].map(|s| trial(slip_s, middle_s + s * fall_s - 0.5 * slip_s))
     });
-    let cost = |event: &LinearEvent| Problem { points, event: *event }.cost();
+    let cost = |event: &LinearEvent| squares_n2(*event, points);
     trials.min_by(|a, b| cost(a).total_cmp(&cost(b)))
+}
+
+/// An event with the usual `omega` about the middle of its slip. Two samples in a slip
+/// fit two different events exactly: the usual one is meant.
+fn with_omega(event: LinearEvent, omega: f64) -> LinearEvent {
+    let usual = LinearEvent { omega_rad_per_s: omega, ..event };
+    let onset_s = event.onset_s + 0.5 * (event.slip_s() - usual.slip_s());
+    LinearEvent { onset_s, ..usual }
+}
+
+fn median(values: impl Iterator<Item = f64>) -> f64 {
+    let mut values: Vec<f64> = values.collect();
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied().unwrap_or(1.0)
 }
 
 /// Mean rate of the force between two times, N/s, by the line of least squares.
@@ -217,7 +240,7 @@ fn read(
         return Found { onset_s: segment.peak.0, mu_s: None, mu: None };
     };
     let free = points.len().saturating_sub(5).max(1) as f64;
-    let noise_n = (Problem { points, event }.cost() / free).sqrt();
+    let noise_n = (squares_n2(event, points) / free).sqrt();
     let bound = event.bound(points.iter().map(|p| p.0), noise_n);
     let value = |force_n: f64, std_n: Option<f64>| {
         let value = Value::bare(setup.coefficient(force_n))?;

@@ -1,7 +1,85 @@
-//! The page `speed-vs-error.md`.
-use super::result::BenchResult;
-/// The page.
+//! The page `speed-vs-error.md`: picture, summary, and a table for each scene.
+
+use std::fmt::Write;
+
+use super::result::{BenchResult, Row};
+use super::table::{SUMMARY_TITLES, TITLES, blocks, cells, heading, short, summary};
+
+const INTRODUCTION: &str = "\
+Every method gets the same simulated samples in the same order and is told the same: rate, weight,
+slope, range of the cell. `floe bench --docs docs` runs them all and writes this page.
+
+| method | what it does |
+|---|---|
+| max/min | largest and smallest force of a cycle as `mu_s Mg` and `mu Mg` |
+| phase plane | `F'` by central difference; where the trajectory leaves the stick line and comes back (`Fs`, `Fe`); `Fp = (Fs + Fe)/2` |
+| ellipse fit | least squares of an ellipse to the slip's points in the (F, F') plane |
+| Kalman filter | two modes, stick and slip, extended Kalman filter with six states |
+| least squares (offline) | line, ellipse, line fitted to each whole event; keeps all samples, answers at the end |
+| floe | `floe_core::Pipeline`, as on the board |
+";
+
+const NOTES: &str = "\
+- *Bound*: Cramér-Rao bound of each event by itself, with its five unknowns (onset, `k w`, `Fs`, `Fp`,
+  omega) free and white noise. A method that carries `k w` and omega from event to event can be below 1.
+  `-`: the model does not hold in that scene. In scenes with other errors than white noise it is only a measure.
+- *rms, bias, 95 %*: root-mean-square and mean of the error, and the size that 95 % of the errors do not
+  exceed, in percent of the mean coefficient. The first two events of a record are not counted here (some
+  methods learn in them), nor the last, which the end of the record cuts.
+- *F1*: harmonic mean of precision and recall; an event is found when its onset is within two samples and
+  half the slip's length. *read*: share of the true events that got both coefficients.
+- *delay*: from the true onset until the method says that the block slips. *ns/sample*: median of seven warm
+  runs. *worst ns*: longest single sample, each the shortest of seven runs. *state B*: bytes kept between
+  samples; the offline method's grow with the record.
+- *hard* scenes are in `host-sim/scenes/hard`; the truth is the force at the onset and at the centre of the
+  slip, over the weight that the methods were told.
+";
+
+/// The page; `picture` is the file next to it.
 #[must_use]
-pub fn markdown(_result: &BenchResult, _picture: &str) -> String {
-    String::new()
+pub fn markdown(result: &BenchResult, picture: &str) -> String {
+    let processor = result.host.processor.as_deref().unwrap_or("unknown processor");
+    let mut out = String::new();
+    // Writing to a String cannot fail.
+    let _ = writeln!(out, "# Speed against error\n\n![Speed against error]({picture})\n");
+    let _ = writeln!(out, "{INTRODUCTION}");
+    let _ = writeln!(out, "## Linear scenes: median over the scenes (worst)\n");
+    table(&mut out, &SUMMARY_TITLES, summary(result));
+    let _ = writeln!(
+        out,
+        "\nHost: {processor}. One look at each sample takes {} ns. Seeds {}, 2, ... in every \
+         scene.{}\n\n{NOTES}",
+        short(result.one_pass_ns),
+        result.first_seed,
+        if result.host.debug_build {
+            " Built without optimisation: times mean little."
+        } else {
+            ""
+        }
+    );
+    section(&mut out, "Linear scenes", &result.rows, true);
+    section(&mut out, "Hard scenes", &result.rows, false);
+    out
+}
+
+fn section(out: &mut String, title: &str, rows: &[Row], linear: bool) {
+    let _ = writeln!(out, "## {title}");
+    let own = |block: &&[Row]| block.iter().all(|row| row.linear == linear);
+    for block in blocks(rows).filter(own) {
+        let _ = writeln!(out, "\n### {}\n", heading(block));
+        table(out, &TITLES, block.iter().map(|row| (row.method, cells(row).to_vec())));
+    }
+    out.push('\n');
+}
+
+fn table<'a>(
+    out: &mut String,
+    titles: &[&str],
+    rows: impl Iterator<Item = (&'a str, Vec<String>)>,
+) {
+    let _ = writeln!(out, "| method | {} |", titles.join(" | "));
+    let _ = writeln!(out, "|---|{}", "---:|".repeat(titles.len()));
+    for (name, cells) in rows {
+        let _ = writeln!(out, "| {name} | {} |", cells.join(" | "));
+    }
 }

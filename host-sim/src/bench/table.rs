@@ -53,7 +53,8 @@ pub fn blocks(rows: &[Row]) -> impl Iterator<Item = &[Row]> {
 pub fn heading(block: &[Row]) -> String {
     let Some(row) = block.first() else { return String::new() };
     let kind = if row.linear { "linear" } else { "hard" };
-    format!("{} ({kind}), noise {} %, {} events", row.scene, short(row.noise_percent), row.events)
+    let noise = 0.01 * (100.0 * row.noise_percent).round();
+    format!("{} ({kind}), noise {noise} % of the weight, {} events", row.scene, row.events)
 }
 
 fn lines<'a>(
@@ -61,16 +62,20 @@ fn lines<'a>(
     titles: &[&str],
     rows: impl Iterator<Item = (&'a str, Vec<String>)>,
 ) {
-    let width = |title: &str| title.len().max(9) + 2;
+    let rows: Vec<(&str, Vec<String>)> = rows.collect();
+    let width = |i: usize| {
+        let cells = rows.iter().filter_map(|(_, cells)| cells.get(i)).map(|cell| cell.len());
+        cells.chain(titles.get(i).map(|title| title.len())).max().unwrap_or(0) + 2
+    };
     let _ = write!(out, "{:<24}", "");
-    titles.iter().for_each(|title| {
-        let _ = write!(out, "{title:>0$}", width(title));
-    });
+    for (i, title) in titles.iter().enumerate() {
+        let _ = write!(out, "{title:>0$}", width(i));
+    }
     out.push('\n');
-    for (name, cells) in rows {
+    for (name, cells) in &rows {
         let _ = write!(out, "{name:<24}");
-        for (cell, title) in cells.iter().zip(titles) {
-            let _ = write!(out, "{cell:>0$}", width(title));
+        for (i, cell) in cells.iter().enumerate() {
+            let _ = write!(out, "{cell:>0$}", width(i));
         }
         out.push('\n');
     }

@@ -8,9 +8,9 @@
 
 use std::f64::consts::PI;
 
-use super::integrate::Step;
 use super::root;
 use super::state::{End, Mechanics, Phase, State};
+use super::step::Step;
 
 /// A piece of motion in closed form.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -13,133 +13,13 @@ use differential_equations::ode::{ODE, OrdinaryNumericalMethod};
 use differential_equations::status::Status;
 
 use super::physics::Physics;
-use super::root;
 use super::state::{End, Phase, State};
+use super::step::{COUNT, NODES, Step, Vector, to_state, to_vector};
 
 /// Relative tolerance of a step unless told otherwise.
 pub const TOLERANCE: f64 = 1e-13;
 
-/// Force on a taut cable or slack on a slack one, speed, way.
-type Vector = [f64; 3];
 pub(super) type Method = ExplicitRungeKutta<Ordinary, Adaptive, f64, Vector, 9, 16, 21>;
-
-/// Number of points that fix a polynomial of degree 9.
-pub(super) const COUNT: usize = 10;
-
-/// Chebyshev's points from 0 to 1.
-pub(super) const NODES: [f64; COUNT] = [
-    0.0,
-    0.030_153_689_607_045_786,
-    0.116_977_778_440_511,
-    0.25,
-    0.413_175_911_166_534_8,
-    0.586_824_088_833_465_2,
-    0.75,
-    0.883_022_221_559_489,
-    0.969_846_310_392_954_2,
-    1.0,
-];
-
-/// One step, or the part of it before an event.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Step {
-    phase: Phase,
-    length_s: f64,
-    at_nodes: [Vector; COUNT],
-}
-
-impl Step {
-    /// A step by its values at [`NODES`].
-    pub(super) fn new(phase: Phase, length_s: f64, at_nodes: [Vector; COUNT]) -> Self {
-        Self { phase, length_s, at_nodes }
-    }
-
-    /// The state `t` seconds after the step's start, within the step.
-    #[must_use]
-    pub fn state(&self, from: &State, t: f64) -> State {
-        let values = self.values(t / self.length_s);
-        let state = State { time_s: from.time_s + t, ..*from };
-        to_state(self.phase, values, state)
-    }
-
-    /// Barycentric interpolation at a fraction of the step.
-    fn values(&self, fraction: f64) -> Vector {
-        let (mut sum, mut weights) = ([0.0; 3], 0.0);
-        for (j, (node, values)) in NODES.iter().zip(&self.at_nodes).enumerate() {
-            let distance = fraction - node;
-            if distance == 0.0 {
-                return *values;
-            }
-            let end = if j == 0 || j == NODES.len() - 1 { 0.5 } else { 1.0 };
-            let sign = if j % 2 == 0 { 1.0 } else { -1.0 };
-            let weight = sign * end / distance;
-            weights += weight;
-            for (s, v) in sum.iter_mut().zip(values) {
-                *s += weight * v;
-            }
-        }
-        sum.map(|s| s / weights)
-    }
-
-    /// First fraction of the step at which `f` falls below zero, if it does.
-    fn first_fall(&self, f: impl Fn(f64, &Vector) -> f64) -> Option<f64> {
-        let at = |fraction: f64| f(fraction, &self.values(fraction));
-        let values = NODES.map(at);
-        let below = values.iter().skip(1).position(|&v| v < 0.0).map(|i| i + 1);
-        if let Some(i) = below {
-            let (before, after) = (NODES.get(i - 1)?, NODES.get(i)?);
-            return Some(root::crossing(at, *before, *after));
-        }
-        let dip = self.dip(&values, at)?;
-        (at(dip.1) < 0.0).then(|| root::crossing(at, dip.0, dip.1))
-    }
-
-    /// The point before and the point of a minimum between nodes.
-    fn dip(&self, values: &[f64; COUNT], at: impl Fn(f64) -> f64) -> Option<(f64, f64)> {
-        let lowest =
-            |i: &usize| values.get(i - 1) > values.get(*i) && values.get(*i) < values.get(i + 1);
-        let i = (1..COUNT - 1).find(lowest)?;
-        let (before, after) = (*NODES.get(i - 1)?, *NODES.get(i + 1)?);
-        Some((before, root::lowest(at, before, after)))
-    }
-
-    /// Largest force from the start to a fraction of the step, N.
-    #[must_use]
-    pub fn peak_force_n(&self, duration_s: f64) -> f64 {
-        let end = duration_s / self.length_s;
-        let below = |fraction: f64| -self.values(fraction)[0];
-        -below(root::lowest(below, 0.0, end)).min(below(0.0)).min(below(end))
-    }
-
-    /// Averages over the way, by Gauss-Legendre: force of resistance, N, and
-    /// dynamic coefficient.
-    fn averages(&self, physics: &Physics, end: f64) -> (f64, f64) {
-        let (mut way, mut work, mut friction) = (0.0, 0.0, 0.0);
-        for (point, weight) in super::quadrature::GAUSS_5 {
-            let [_, v, x] = self.values(point * end);
-            way += weight * v;
-            work += weight * v * physics.resistance_n(v, x);
-            friction += weight * v * physics.mu(v);
-        }
-        if way > 0.0 { (work / way, friction / way) } else { (0.0, 0.0) }
-    }
-}
-
-fn to_state(phase: Phase, [u, v, x]: Vector, state: State) -> State {
-    let (force_n, slack_m) = match phase {
-        Phase::Stick | Phase::Slip => (u, 0.0),
-        Phase::SlackSliding | Phase::SlackStuck => (0.0, u),
-    };
-    State { force_n, slack_m, speed_m_per_s: v, position_m: x, ..state }
-}
-
-fn to_vector(phase: Phase, state: &State) -> Vector {
-    let u = match phase {
-        Phase::Stick | Phase::Slip => state.force_n,
-        Phase::SlackSliding | Phase::SlackStuck => state.slack_m,
-    };
-    [u, state.speed_m_per_s, state.position_m]
-}
 
 /// Equations (2) and (3) with all terms. Time counts from the start of the phase.
 struct Equations<'a> {
@@ -178,6 +58,8 @@ pub struct Advance {
     pub to: State,
     /// Why it ended.
     pub end: End,
+    /// The phase goes on with the same laws.
+    pub goes_on: bool,
     /// Average force of resistance over the way, N.
     pub mean_resistance_n: f64,
     /// Average dynamic coefficient over the way.
@@ -215,11 +97,12 @@ impl Limits {
         // A quarter of a stick or a turn of the ellipse: no more can be resolved.
         let stick_s = mechanics.weight_n / mechanics.loading_rate_n_per_s();
         let longest_s = (0.25 * stick_s).max(6.0 / omega).min(1e6);
+        let longest_s = longest_s.min(physics.longest_step_s());
         Self {
             relative,
             absolute: [u, speed, speed / omega].map(|scale| scale * relative),
-            first_s: 0.05 / omega,
-            longest_s: longest_s.min(physics.longest_step_s()),
+            first_s: (0.05 / omega).min(longest_s),
+            longest_s,
         }
     }
 
@@ -297,21 +180,33 @@ impl Integrator {
         }
         accepted_step(method, &equations)?;
         let step = dense(method, self.phase, start_s)?;
-        self.find_end(step, start_s, &equations)
+        let mut advance = self.find_end(step, start_s, &equations)?;
+        // Rounding must not leave a rest of the way too short for a step.
+        if until_s.is_finite() && (until_s - advance.to.time_s).abs() <= 1e-12 * until_s {
+            advance.to.time_s = until_s;
+        }
+        Ok(advance)
     }
 
     fn find_end(&self, step: Step, start_s: f64, equations: &Equations) -> Result<Advance, String> {
         let physics = equations.physics;
         let start = State { time_s: self.from.time_s + start_s, ..self.from };
-        let (fraction, end) = first_event(&step, &start, physics);
-        let to = if end == End::Continue {
-            step.state(&start, step.length_s)
-        } else {
-            self.polish(&step, start_s, fraction, end, equations)?
+        let event = first_event(&step, &start, physics);
+        let kink = first_kink(&step, &start, physics);
+        let (fraction, end, to) = match (event, kink) {
+            (Some((fraction, end)), kink) if kink.is_none_or(|k| fraction <= k) => {
+                (fraction, end, self.polish(&step, start_s, fraction, end, equations)?)
+            }
+            (_, kink) => {
+                let fraction = kink.unwrap_or(1.0);
+                (fraction, End::Continue, step.state(&start, fraction * step.length_s))
+            }
         };
+        let goes_on = event.is_none() && kink.is_none();
         let (mean_resistance_n, mean_mu) =
             if self.phase.is_moving() { step.averages(physics, fraction) } else { (0.0, 0.0) };
-        Ok(Advance { step, to: settle(end, to, physics), end, mean_resistance_n, mean_mu })
+        let to = settle(end, to, physics);
+        Ok(Advance { step, to, end, goes_on, mean_resistance_n, mean_mu })
     }
 
     /// The dense output rounds at about 1e-12; a step of its own to the event
@@ -380,8 +275,15 @@ fn event_value(end: End, state: &State, physics: &Physics) -> f64 {
     }
 }
 
+/// Where in a step the cable passes the kink of its stiffness.
+fn first_kink(step: &Step, start: &State, physics: &Physics) -> Option<f64> {
+    let pulled = matches!(step.phase, Phase::Stick | Phase::Slip) && physics.has_kink();
+    let to_kink = |_: f64, y: &Vector| physics.to_kink_n(&to_state(step.phase, *y, *start));
+    if pulled { step.first_fall(to_kink) } else { None }
+}
+
 /// The first event in a step, as a fraction of it.
-fn first_event(step: &Step, start: &State, physics: &Physics) -> (f64, End) {
+fn first_event(step: &Step, start: &State, physics: &Physics) -> Option<(f64, End)> {
     let possible: &[End] = match step.phase {
         Phase::Stick => &[End::Onset],
         Phase::Slip => &[End::Slack, End::Stop],
@@ -396,13 +298,13 @@ fn first_event(step: &Step, start: &State, physics: &Physics) -> (f64, End) {
         step.first_fall(value).map(|fraction| (fraction, end))
     };
     let events = possible.iter().filter_map(|&end| fall(end));
-    events.min_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or((1.0, End::Continue))
+    events.min_by(|a, b| a.0.total_cmp(&b.0))
 }
 
 /// Sets exactly what an event fixes.
 fn settle(end: End, to: State, physics: &Physics) -> State {
     match end {
-        End::Onset => State { speed_m_per_s: physics.creep_m_per_s(&to), ..to },
+        End::Onset => State { speed_m_per_s: physics.onset_speed_m_per_s(to.time_s), ..to },
         End::Stop => State { speed_m_per_s: 0.0, rest_since_s: to.time_s, ..to },
         End::Slack => State { force_n: 0.0, ..to },
         End::Taut => State { slack_m: 0.0, ..to },

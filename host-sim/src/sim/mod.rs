@@ -26,6 +26,7 @@ pub mod run;
 pub mod scene;
 mod signal;
 pub mod state;
+pub mod step;
 pub mod terms;
 pub mod truth;
 pub mod truth_file;

@@ -117,12 +117,13 @@ impl Segments {
     #[must_use]
     pub fn new(scene: &Scene, seed: u64, method: Method) -> Self {
         let mut friction = Friction::new(scene, random::stream(seed, Stream::Friction));
-        let physics = Physics::new(scene, friction.draw());
+        let mut physics = Physics::new(scene, friction.draw());
         let mut state = State { force_n: scene.start_force_n, ..State::default() };
         if scene.start_sliding {
             state.speed_m_per_s = scene.winch_m_per_s;
             state.force_n = physics.resistance_n(state.speed_m_per_s, 0.0);
         }
+        physics.settle_cable(&state);
         let phase = if scene.start_sliding { Phase::Slip } else { Phase::Stick };
         let mut segments = Self {
             method,
@@ -178,8 +179,11 @@ impl Segments {
             None => Integrator::new(phase, from, physics, tolerance)?,
         };
         let advance = integrator.advance(physics, physics.next_break_s())?;
+        if physics.is_at_winch(advance.to.position_m) {
+            return Err(format!("the block runs into the winch after {:.1} s", from.time_s));
+        }
         let at_break = advance.to.time_s >= physics.next_break_s();
-        if advance.end == End::Continue && !at_break {
+        if advance.goes_on && !at_break {
             self.integrator = Some(integrator);
         }
         // A slip starts with what holds at its onset.
@@ -219,6 +223,9 @@ impl Segments {
         }
         if last.end == End::Continue && last.to.time_s >= self.physics.next_break_s() {
             self.physics.pass_break();
+        }
+        if self.integrator.is_none() {
+            self.physics.settle_cable(&self.state);
         }
     }
 }

@@ -22,6 +22,7 @@ pub struct Physics {
     creep: Option<Creep>,
     shortening: bool,
     sag: Option<Sag>,
+    cable_lies: bool,
     ripple: Option<WinchProfile>,
     drag: Option<Drag>,
     weighing: bool,
@@ -78,6 +79,7 @@ impl Physics {
             creep: scene.creep,
             shortening: scene.shortening,
             sag: scene.sag,
+            cable_lies: false,
             ripple,
             drag: scene.drag,
             weighing: scene.weighing.is_some(),
@@ -125,14 +127,55 @@ impl Physics {
         }
     }
 
+    /// Free length of the cable, m.
+    fn length_m(&self, position_m: f64) -> f64 {
+        if self.shortening { self.length_m - position_m } else { self.length_m }
+    }
+
+    /// Whether so little of the cable is left that its length no longer makes sense.
+    #[must_use]
+    pub fn is_at_winch(&self, position_m: f64) -> bool {
+        let used_up = self.length_m(position_m) < 0.01 * self.length_m;
+        self.shortening && used_up
+    }
+
     /// Stiffness of the cable, N/m.
     #[must_use]
     pub fn stiffness_n_per_m(&self, force_n: f64, position_m: f64) -> f64 {
-        let length = if self.shortening { self.length_m - position_m } else { self.length_m };
+        let length = self.length_m(position_m);
         let taut = self.stiffness_n_per_m * self.length_m / length;
-        let Some(Sag { weight_n_per_m: q, height_m }) = self.sag else { return taut };
-        let hanging_n = force_n.max(q * length * length / (8.0 * height_m));
+        let Some(Sag { weight_n_per_m: q, .. }) = self.sag else { return taut };
+        let lying_n = self.lying_force_n(position_m);
+        // Far below that force only within a step that goes too far.
+        let hanging_n = if self.cable_lies { lying_n } else { force_n.max(0.1 * lying_n) };
         1.0 / (1.0 / taut + (q * q * length.powi(3)) / (12.0 * hanging_n.powi(3)))
+    }
+
+    /// Force below which a sagging cable lies on the ice, N; zero without sag.
+    fn lying_force_n(&self, position_m: f64) -> f64 {
+        let length = self.length_m(position_m);
+        self.sag.map_or(0.0, |s| s.weight_n_per_m * length * length / (8.0 * s.height_m))
+    }
+
+    /// Notes whether the cable lies on the ice: the stiffness has a kink there,
+    /// and each side is followed by its own smooth law.
+    pub fn settle_cable(&mut self, state: &State) {
+        self.cable_lies = state.force_n < self.lying_force_n(state.position_m);
+    }
+
+    /// How far the cable is from that kink, N; below zero when it has just passed.
+    #[must_use]
+    pub fn to_kink_n(&self, state: &State) -> f64 {
+        let lying_n = self.lying_force_n(state.position_m);
+        let above_n = state.force_n - lying_n;
+        // A little past it, or rounding would pass it again and again.
+        1e-9 * lying_n + if self.cable_lies { -above_n } else { above_n }
+    }
+
+    /// Whether there is such a kink.
+    #[must_use]
+    pub fn has_kink(&self) -> bool {
+        self.sag.is_some()
     }
 
     /// Dynamic coefficient at a speed.
@@ -157,7 +200,15 @@ impl Physics {
     pub fn creep_m_per_s(&self, state: &State) -> f64 {
         let Some(creep) = self.creep else { return 0.0 };
         let below_n = state.force_n - self.mechanics(state).static_force_n(state);
-        creep.onset_fraction * self.winch_m_per_s(state.time_s) * (below_n / creep.range_n).exp()
+        // Above the onset only within a step that goes too far.
+        let growth = (below_n / creep.range_n).min(5.0).exp();
+        creep.onset_fraction * self.winch_m_per_s(state.time_s) * growth
+    }
+
+    /// Speed with which a slip starts, m/s: that of the creep at `Fs`.
+    #[must_use]
+    pub fn onset_speed_m_per_s(&self, time_s: f64) -> f64 {
+        self.creep.map_or(0.0, |c| c.onset_fraction * self.winch_m_per_s(time_s))
     }
 
     /// The linear block on a cable as it is at this moment; what it stays when

@@ -112,15 +112,16 @@ impl Scene {
         self.winch_m_per_s * self.duration_s
     }
 
+    /// The block must not run into the winch.
     fn validate_length(&self) -> Result<(), SceneError> {
         let needs_room = self.shortening || self.sag.is_some();
-        // Half a metre ahead of the winch for the last slip.
-        require(!needs_room || self.way_m() + 0.5 < self.cable_length_m, || {
+        let largest_n = (self.weight_n * (self.coefficients().0 + 1.0)).max(self.start_force_n);
+        // A slip is up to twice the stretch long; some more for what varies.
+        let needed_m = self.way_m() + 3.0 * largest_n / self.stiffness_n_per_m;
+        require(!needs_room || needed_m < self.cable_length_m, || {
             format!(
-                "cable_length_m = {}: the winch takes up {:.1} m in {} s",
-                self.cable_length_m,
-                self.way_m(),
-                self.duration_s
+                "cable_length_m = {}: in {} s the winch and the last slip take up {needed_m:.1} m",
+                self.cable_length_m, self.duration_s
             )
         })
     }

@@ -4,9 +4,10 @@
 //! `M (g cos theta + l theta'²)`. Averaged over a swing of amplitude `A` it is
 //! `Mg (1 + A²/4)`, not `Mg`: the cell measures along the cable.
 
-use super::integrate::{self, NODES, Step};
+use super::integrate;
 use super::scene::{GRAVITY_M_PER_S2, Scene};
 use super::state::{Phase, State};
+use super::step::{COUNT, NODES, Step};
 use super::terms::Weighing;
 
 use differential_equations::interpolate::Interpolation;
@@ -56,7 +57,7 @@ impl Swing {
         let start_s = self.method.t();
         integrate::accepted_step(&mut self.method, &self.pendulum)?;
         let length_s = self.method.t() - start_s;
-        let mut at_nodes = [[0.0; 3]; integrate::COUNT];
+        let mut at_nodes = [[0.0; 3]; COUNT];
         for (node, values) in NODES.iter().zip(&mut at_nodes) {
             let t = (start_s + node * length_s).min(self.method.t());
             let angle = self.method.interpolate(t).map_err(|e| integrate::explain(&e))?;

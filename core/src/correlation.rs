@@ -1,0 +1,214 @@
+//! Correlation between the events of a test, in order.
+//!
+//! Neighbouring events share a stick line, and real friction wanders: a mean over
+//! correlated values is less certain than its count suggests. The autocovariances
+//! of the last [`LAGS`] lags are kept as running sums, so that they can be had for
+//! any mean and merged at any split.
+
+/// Largest distance between two events whose correlation is followed.
+pub const LAGS: usize = 32;
+
+/// Running sums of products of values `x_i` with `x_{i+k}`, relative to a reference.
+#[derive(Clone, Copy, Debug)]
+pub struct Correlation {
+    /// The first value: all others are kept relative to it.
+    reference: f64,
+    count: u32,
+    sum: f64,
+    /// The first values, and the last ones in a ring.
+    first: [f32; LAGS],
+    last: [f32; LAGS],
+    /// `Σ x_i x_{i+k}` for k = 1..=LAGS.
+    products: [f64; LAGS],
+}
+
+impl Correlation {
+    /// Nothing yet.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self {
+            reference: 0.0,
+            count: 0,
+            sum: 0.0,
+            first: [0.0; LAGS],
+            last: [0.0; LAGS],
+            products: [0.0; LAGS],
+        }
+    }
+
+    /// Takes the next value.
+    pub fn add(&mut self, value: f64) {
+        if self.count == 0 {
+            self.reference = value;
+        }
+        let x = value - self.reference;
+        self.pair_with_last(x as f32, 0);
+        if let Some(slot) = self.first.get_mut(self.count as usize) {
+            *slot = x as f32;
+        }
+        self.last[self.count as usize % LAGS] = x as f32;
+        self.sum += x;
+        self.count = self.count.saturating_add(1);
+    }
+
+    /// Adds the products of a value, so many places after the next one, with the
+    /// values before it.
+    fn pair_with_last(&mut self, x: f32, places: usize) {
+        let known = (self.count as usize).min(LAGS);
+        for back in 1..=known.min(LAGS.saturating_sub(places)) {
+            let product = f64::from(x) * f64::from(self.newest(back));
+            self.products[back + places - 1] += product;
+        }
+    }
+
+    /// Value so many places back, 1 for the newest.
+    fn newest(&self, back: usize) -> f32 {
+        self.last[(self.count as usize + LAGS - back) % LAGS]
+    }
+
+    /// Takes the values of another one, which came after its own.
+    pub fn merge(&mut self, later: &Self) {
+        if self.count == 0 {
+            *self = *later;
+            return;
+        }
+        let shift = later.reference - self.reference;
+        let heads = (later.count as usize).min(LAGS);
+        for (place, &x) in later.first.iter().enumerate().take(heads) {
+            self.pair_with_last(x + shift as f32, place);
+        }
+        for lag in 1..=heads {
+            let pairs = f64::from(later.count) - lag as f64;
+            if pairs > 0.0 {
+                let sums = later.sums(lag);
+                self.products[lag - 1] += later.products[lag - 1] + shift * (sums + shift * pairs);
+            }
+        }
+        self.append_ends(later, heads, shift);
+        self.sum += later.sum + shift * f64::from(later.count);
+        self.count = self.count.saturating_add(later.count);
+    }
+
+    /// The first and last values of both.
+    fn append_ends(&mut self, later: &Self, heads: usize, shift: f64) {
+        for (place, &x) in later.first.iter().enumerate().take(heads) {
+            if let Some(slot) = self.first.get_mut(self.count as usize + place) {
+                *slot = x + shift as f32;
+            }
+        }
+        let total = self.count as usize + later.count as usize;
+        for back in (1..=heads).rev() {
+            self.last[(total - back) % LAGS] = later.newest(back) + shift as f32;
+        }
+    }
+
+    /// `Σ x_i` over the leading ones plus the same over the lagging ones of all pairs
+    /// at a lag.
+    fn sums(&self, lag: usize) -> f64 {
+        let ends: f64 =
+            (0..lag).map(|i| f64::from(self.first[i]) + f64::from(self.newest(i + 1))).sum();
+        2.0 * self.sum - ends
+    }
+
+    /// Mean of `(x_i − mean)(x_{i+k} − mean)`; `None` beyond the lags or the values.
+    #[must_use]
+    pub fn covariance(&self, lag: usize, mean: f64) -> Option<f64> {
+        let pairs = f64::from(self.count) - lag as f64;
+        if lag == 0 || lag > LAGS || pairs < 1.0 {
+            return None;
+        }
+        let m = mean - self.reference;
+        Some((self.products[lag - 1] - m * self.sums(lag)) / pairs + m * m)
+    }
+
+    /// By how much the variance of the mean exceeds that of independent values, 1 or
+    /// more: `1 + 2 Σ ρ_k` over the lags up to the first one whose correlation cannot
+    /// be told from none (Geyer's initial positive sequence, cut at two standard
+    /// errors), tapered as a quarter of the values is reached.
+    #[must_use]
+    pub fn inflation(&self, mean: f64, variance: f64) -> f64 {
+        let n = f64::from(self.count);
+        if variance <= 0.0 {
+            return 1.0;
+        }
+        let longest = (self.count as usize / 4).min(LAGS);
+        let least = 2.0 / libm::sqrt(n);
+        let correlations = (1..=longest).map_while(|lag| {
+            let correlation = self.covariance(lag, mean)? / variance;
+            (correlation > least).then_some(correlation.min(1.0))
+        });
+        1.0 + 2.0 * correlations.sum::<f64>()
+    }
+}
+
+impl Default for Correlation {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A wandering row of numbers.
+    fn value(i: usize) -> f64 {
+        let x = i as f64;
+        0.8 + 0.05 * (0.1 * x).sin() + 0.01 * (1.7 * x * x).cos()
+    }
+
+    fn all(from: usize, to: usize) -> Correlation {
+        let mut c = Correlation::new();
+        (from..to).for_each(|i| c.add(value(i)));
+        c
+    }
+
+    fn direct(n: usize, lag: usize, mean: f64) -> f64 {
+        let d = |i: usize| value(i) - mean;
+        (0..n - lag).map(|i| d(i) * d(i + lag)).sum::<f64>() / (n - lag) as f64
+    }
+
+    #[test]
+    fn covariances_are_those_of_the_definition() {
+        for n in [2, 3, 31, 32, 33, 64, 200] {
+            for lag in [1, 2, 7, 31, 32] {
+                let got = all(0, n).covariance(lag, 0.81);
+                if lag >= n {
+                    assert_eq!(got, None);
+                } else {
+                    let error = (got.unwrap() - direct(n, lag, 0.81)).abs();
+                    assert!(error < 1e-9, "{n} {lag} {error}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn merging_at_any_split_is_the_whole() {
+        for n in [5, 40, 100] {
+            for split in 0..=n {
+                let mut merged = all(0, split);
+                merged.merge(&all(split, n));
+                for lag in 1..=LAGS.min(n - 1) {
+                    let error = merged.covariance(lag, 0.8).unwrap() - direct(n, lag, 0.8);
+                    assert!(error.abs() < 1e-9, "{n} {split} {lag} {error}");
+                }
+                merged.add(value(n));
+                let error = merged.covariance(1, 0.8).unwrap() - direct(n + 1, 1, 0.8);
+                assert!(error.abs() < 1e-9);
+            }
+        }
+    }
+
+    #[test]
+    fn a_wandering_mean_is_less_certain() {
+        let c = all(0, 200);
+        let mean = (0..200).map(value).sum::<f64>() / 200.0;
+        let variance = (0..200).map(|i| (value(i) - mean).powi(2)).sum::<f64>() / 199.0;
+        let inflation = c.inflation(mean, variance);
+        assert!(inflation > 10.0, "{inflation}");
+        let mut alternating = Correlation::new();
+        (0..200).for_each(|i| alternating.add(f64::from(i % 2)));
+        assert!((alternating.inflation(0.5, 0.25) - 1.0).abs() < 1e-9);
+    }
+}
