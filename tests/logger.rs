@@ -108,7 +108,9 @@ fn run(cell: LoadCell, trouble: Schedule, card: &Card, script: &[(u64, &str)]) -
     let (shared, mut queue) = (Shared::new(), SampleQueue::new());
     let (producer, consumer) = queue.split();
     let mut sampler = Sampler::new(adc, producer, &shared);
-    let mut app = App::new(consumer, &shared, terminal.clone(), card.clone(), 1_000_000);
+    let mut pipeline = None;
+    let (port, store) = (terminal.clone(), card.clone());
+    let mut app = App::new(consumer, &shared, &mut pipeline, port, store, 1_000_000);
     let last = script.iter().map(|&(tick, _)| tick).max().unwrap_or(0);
     for tick in 0..=last {
         for (_, text) in script.iter().filter(|&&(at, _)| at == tick) {

@@ -24,6 +24,7 @@ pub struct App<'q, P, S> {
     shared: &'q Shared,
     console: Console<P>,
     journal: Journal<S>,
+    pipeline: &'q mut Option<Pipeline>,
     clock_hz: u32,
     settings: Settings,
     run: u32,
@@ -35,7 +36,6 @@ pub struct App<'q, P, S> {
 }
 
 /// What the samples are used for.
-#[expect(clippy::large_enum_variant, reason = "there is one, and it is mostly a test")]
 enum Job {
     Idle,
     /// A calibration waits to be accepted.
@@ -48,7 +48,6 @@ enum Job {
 }
 
 struct Test {
-    pipeline: Pipeline,
     /// Index of its first sample, once that has come.
     first_index: Option<u32>,
     phase: Phase,
@@ -68,11 +67,13 @@ pub struct View {
 }
 
 impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
-    /// Takes the settings of the last test from the card.
+    /// Takes the settings of the last test from the card. The pipeline's place is
+    /// the caller's: it is most of the memory, and should not travel.
     #[inline]
     pub fn new(
         queue: SampleConsumer<'q>,
         shared: &'q Shared,
+        pipeline: &'q mut Option<Pipeline>,
         port: P,
         mut store: S,
         clock_hz: u32,
@@ -85,6 +86,7 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
             shared,
             console: Console::new(port),
             journal: Journal::new(store, clock_hz),
+            pipeline,
             clock_hz,
             settings,
             run,
@@ -135,7 +137,7 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
         };
         View {
             force_n: self.force_n,
-            report: test.map(|t| t.pipeline.report()),
+            report: test.and(self.pipeline.as_ref()).map(Pipeline::report),
             phase: test.map_or(Phase::Unknown, |t| t.phase),
             health: self.health(),
         }
@@ -201,12 +203,14 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
     }
 
     fn step(&mut self, sample: Sample) {
-        let Job::Test(test) = &mut self.job else { return };
+        let (Job::Test(test), Some(pipeline)) = (&mut self.job, self.pipeline.as_mut()) else {
+            return;
+        };
         if test.first_index.is_none() {
             self.journal.begin(self.run, sample.index, &self.settings);
         }
         let first_index = *test.first_index.get_or_insert(sample.index);
-        let step = test.pipeline.step(sample.raw(first_index));
+        let step = pipeline.step(sample.raw(first_index));
         test.phase = step.phase;
         self.force_n = step.sample.force_n;
         if self.live {
@@ -273,13 +277,13 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
     }
 
     fn start(&mut self) -> Result<(), &'static str> {
-        let pipeline = Pipeline::new(&self.settings.config).map_err(config_error)?;
+        *self.pipeline = Some(Pipeline::new(&self.settings.config).map_err(config_error)?);
         self.shared.want(crate::adc::Input::Bridge);
         self.run = self.run.wrapping_add(1);
         log::info!("test {} starts", self.run);
         self.journal.begin(self.run, 0, &self.settings);
         self.say_settings();
-        self.job = Job::Test(Test { pipeline, first_index: None, phase: Phase::Unknown });
+        self.job = Job::Test(Test { first_index: None, phase: Phase::Unknown });
         Ok(())
     }
 
@@ -298,14 +302,13 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
         self.job = Job::Idle;
         log::info!("test {} ends", self.run);
         let stored = self.journal.flush();
-        self.journal.begin(0, 0, &self.settings);
         self.check_store(stored.is_err());
         Ok(())
     }
 
     /// What the pipeline still holds back.
     fn finish_event(&mut self) -> Option<Event> {
-        if let Job::Test(test) = &mut self.job { test.pipeline.finish() } else { None }
+        self.pipeline.as_mut().and_then(Pipeline::finish)
     }
 
     fn abort(&mut self) {

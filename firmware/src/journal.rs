@@ -29,7 +29,7 @@ impl<S: Store> Journal<S> {
         Self { store, record, waiting, sectors: 0, failures: 0, lines_lost: 0 }
     }
 
-    /// Everything from here on belongs to this test, or to none (run 0).
+    /// Everything from here on belongs to this test.
     pub fn begin(&mut self, run: u32, first_index: u32, settings: &Settings) {
         self.record.run = run;
         self.record.first_index = first_index;

@@ -49,7 +49,7 @@ pub type Sector = [u8; SECTOR_LEN];
 pub struct Record {
     /// Place in the file.
     pub sector: u32,
-    /// Number of the test, from 1; 0 outside a test.
+    /// Number of the test, from 1; of the last one when there are no samples.
     pub run: u32,
     /// Index of the first sample of the test.
     pub first_index: u32,

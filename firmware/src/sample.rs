@@ -10,10 +10,10 @@ use crate::adc::{AdcFault, Input};
 /// Samples per second. On the board it is 2048 periods of a 32 768 Hz crystal.
 pub const RATE_HZ: f32 = 16.0;
 
-/// Samples that wait while the main loop is busy: 127, or 7.9 s.
+/// Samples that wait while the main loop is busy: 95, or 5.9 s.
 pub const QUEUE_DEPTH: usize = QUEUE_SLOTS - 1;
 /// The queue keeps one slot free.
-const QUEUE_SLOTS: usize = 128;
+const QUEUE_SLOTS: usize = 96;
 
 /// The queue between the two.
 pub type SampleQueue = Queue<Sample, QUEUE_SLOTS>;

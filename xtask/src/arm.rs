@@ -66,6 +66,7 @@ impl Route {
         let mut command = self.cargo("build");
         command.args(["--package", "floe-firmware", "--bin", program]);
         command.args(["--features", features, "--profile", "firmware"]);
+        command.env("DEFMT_LOG", "debug");
         command.env("CARGO_ENCODED_RUSTFLAGS", self.firmware_flags().join("\u{1f}"));
         run(&mut command)?;
         Ok(root().join("target/arm").join(TARGET).join("firmware").join(program))
@@ -86,6 +87,15 @@ impl Route {
             flags.extend(DEBIAN_FLAGS.map(String::from));
         }
         flags
+    }
+
+    /// As in `--arm`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Installed => "installed",
+            Self::Rustup => "rustup",
+            Self::Debian => "debian",
+        }
     }
 
     fn describe(self) -> &'static str {

@@ -4,6 +4,8 @@
 mod apt;
 mod arm;
 mod bench;
+#[cfg(feature = "defmt")]
+mod defmt;
 mod emulate;
 mod flash;
 mod qemu;
@@ -33,13 +35,20 @@ struct Cli {
 #[derive(Debug, Subcommand)]
 enum Job {
     /// Everything: format, clippy, host tests, the firmware in the emulator
-    Test,
+    Test {
+        /// Only the board's part
+        #[arg(long)]
+        firmware: bool,
+    },
     /// Run a log through the firmware in the emulator
     Emulate(emulate::Args),
     /// Speed on this PC and on the board, one table
     Bench,
     /// Write the firmware to a NUCLEO-L476RG on USB
     Flash,
+    /// Decode the firmware's own log of an emulated test
+    #[cfg(feature = "defmt")]
+    Defmt,
     /// Flash, RAM and stack of the firmware
     Size,
 }
@@ -47,10 +56,12 @@ enum Job {
 fn main() -> ExitCode {
     let cli = Cli::parse();
     let done = match &cli.job {
-        Job::Test => test::run(cli.arm),
+        Job::Test { firmware } => test::run(cli.arm, *firmware),
         Job::Emulate(args) => emulate::run(args, cli.arm),
         Job::Bench => bench::run(cli.arm),
         Job::Flash => flash::run(cli.arm),
+        #[cfg(feature = "defmt")]
+        Job::Defmt => defmt::run(cli.arm),
         Job::Size => size::run(cli.arm),
     };
     match done {

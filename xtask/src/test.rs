@@ -36,36 +36,47 @@ impl Tally {
 ///
 /// # Errors
 /// Some step failed.
-pub fn run(forced: Option<Route>) -> Result<()> {
+pub fn run(forced: Option<Route>, firmware_only: bool) -> Result<()> {
     let mut tally = Tally { passed: Vec::new(), failed: Vec::new() };
+    if !firmware_only {
+        host(&mut tally);
+    }
+    firmware(&mut tally, forced);
+    let summary = format!("steps: {} passed, {} failed", tally.passed.len(), tally.failed.len());
+    println!("{summary}");
+    if tally.failed.is_empty() { Ok(()) } else { Err(tally.failed.join("\n       ")) }
+}
+
+fn host(tally: &mut Tally) {
     tally.step("format", || component("rustfmt", cargo().args(["fmt", "--all", "--check"])));
     tally.step("clippy", || component("clippy", &mut clippy()));
     tally.step("host tests", || shell::run(cargo().args(["test", "--workspace"])));
+}
+
+fn firmware(tally: &mut Tally, forced: Option<Route>) {
     let mut route = None;
     tally.step("ARM compiler", || {
         route = Some(Route::find(forced)?);
         Ok(())
     });
-    if let Some(route) = route {
-        tally.step("core on ARM", || {
-            shell::run(route.cargo("build").args([
-                "-p",
-                "floe-core",
-                "--no-default-features",
-                "--release",
-            ]))
-        });
-    }
     tally.step("QEMU", || qemu::find().map(drop));
-    if let Some(route) = route {
-        tally.step("tests on target", || Tests::prepare(Some(route))?.run_all());
-        tally.step("logs through the firmware", || emulate::check_bundled(route));
-        tally.step("converter troubles", || emulate::check_troubles(route));
-        tally.step("board image", || size::run(Some(route)));
-    }
-    let summary = format!("steps: {} passed, {} failed", tally.passed.len(), tally.failed.len());
-    println!("{summary}");
-    if tally.failed.is_empty() { Ok(()) } else { Err(tally.failed.join("\n       ")) }
+    let Some(route) = route else { return };
+    tally.step("core on ARM", || {
+        let mut build = route.cargo("build");
+        build.args(["-p", "floe-core", "--no-default-features", "--release"]);
+        shell::run(&mut build)
+    });
+    tally.step("tests on target", || Tests::prepare(Some(route))?.run_all());
+    tally.step("logs through the firmware", || emulate::check_bundled(route));
+    tally.step("converter troubles", || emulate::check_troubles(route));
+    tally.step("card and power cuts", || emulate::check_card(route));
+    tally.step("firmware's log", || {
+        let mut decode = cargo();
+        decode.args(["run", "--quiet", "--package", "xtask", "--features", "defmt", "--"]);
+        decode.arg("defmt");
+        shell::run(decode.env("FLOE_ARM", route.name()))
+    });
+    tally.step("board image", || size::run(Some(route)));
 }
 
 fn clippy() -> Command {

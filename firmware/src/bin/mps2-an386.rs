@@ -4,6 +4,9 @@
 #[cfg(target_os = "none")]
 mod target {
     use cortex_m_rt::entry;
+    #[cfg(feature = "defmt")]
+    use defmt_semihosting as _;
+    use floe_core::Pipeline;
     use floe_firmware::ads122::{Ads122, SerialBus};
     use floe_firmware::app::App;
     use floe_firmware::board::mps2::files::{AdcLine, CardFile, ConsoleFiles};
@@ -40,6 +43,7 @@ mod target {
         static SHARED: Shared = Shared::new();
         static QUEUE: StaticCell<SampleQueue> = StaticCell::new();
         static APP: StaticCell<Logger> = StaticCell::new();
+        static PIPELINE: StaticCell<Option<Pipeline>> = StaticCell::new();
         static SAMPLER: StaticCell<Sampler<'static, Adc>> = StaticCell::new();
 
         let (Some(console), Some(line)) = (ConsoleFiles::open(), AdcLine::open()) else {
@@ -49,8 +53,9 @@ mod target {
         let (producer, consumer) = QUEUE.init_with(SampleQueue::new).split();
         let adc = Ads122::new(SerialBus::new(line, Delay), Delay);
         let sampler = SAMPLER.init_with(|| Sampler::new(adc, producer, &SHARED));
+        let pipeline = PIPELINE.init_with(|| None);
         let card = CardLog::new(CardFile::open(), LOG_SECTORS);
-        (APP.init_with(|| App::new(consumer, &SHARED, console, card, CLOCK_HZ)), sampler)
+        (APP.init_with(|| App::new(consumer, &SHARED, pipeline, console, card, CLOCK_HZ)), sampler)
     }
 
     #[cortex_m_rt::exception]

@@ -7,6 +7,7 @@ mod target {
     use defmt_rtt as _;
 
     use embedded_hal_bus::i2c::CriticalSectionDevice;
+    use floe_core::Pipeline;
     use floe_firmware::ads122::{Ads122, I2cBus};
     use floe_firmware::app::App;
     use floe_firmware::board::nucleo::clock::{self, CLOCK_HZ, Delay};
@@ -70,6 +71,7 @@ mod target {
         static QUEUE: StaticCell<SampleQueue> = StaticCell::new();
         static SAMPLER: StaticCell<Sampler<'static, Adc>> = StaticCell::new();
         static APP: StaticCell<Logger> = StaticCell::new();
+        static PIPELINE: StaticCell<Option<Pipeline>> = StaticCell::new();
 
         let words = crash::last_words();
         let board = Board::init();
@@ -77,9 +79,11 @@ mod target {
         let bus = I2cBus::new(CriticalSectionDevice::new(board.i2c), CONVERTER);
         let adc = Ads122::new(bus, Delay);
         let sampler = SAMPLER.init_with(|| Sampler::new(adc, producer, &SHARED));
+        let pipeline = PIPELINE.init_with(|| None);
         // Making the log file of a new card takes a minute or two.
         let card = CardLog::new(board.card, LOG_SECTORS);
-        let app = APP.init_with(|| App::new(consumer, &SHARED, board.console, card, CLOCK_HZ));
+        let app =
+            APP.init_with(|| App::new(consumer, &SHARED, pipeline, board.console, card, CLOCK_HZ));
         app.greet(words.as_deref());
         Parts { app, sampler, screen: screen(board.i2c), watchdog: board.watchdog }
     }

@@ -78,23 +78,18 @@ pub fn tests(mut input: impl Read + Seek) -> Result<(Vec<Test>, Found), InputErr
     let mut overruns = None;
     for &(_, offset) in &found.places {
         let record = read_at(&mut input, offset)?;
-        if record.run == 0 {
-            continue;
-        }
-        if tests.last().is_none_or(|test| test.run != record.run) {
+        // Without samples: settings that were changed between tests, or last words.
+        let new = tests.last().is_none_or(|test| test.run != record.run);
+        if new && !record.samples.is_empty() {
             tests.push(Test::new(&record));
             overruns = Some(record.overruns);
         }
         if let Some(test) = tests.last_mut() {
-            // Settings cannot change during a test; a sector of settings comes first.
-            test.first_index = record.first_index;
-            test.settings = record.settings;
             test.samples.extend(record.samples.iter().copied());
             test.lines.push_str(&record.text);
             test.overruns = record.overruns.wrapping_sub(overruns.unwrap_or(0));
         }
     }
-    tests.retain(|test| !test.samples.is_empty());
     Ok((tests, found))
 }
 

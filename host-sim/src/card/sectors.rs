@@ -57,7 +57,9 @@ fn fill(input: &mut impl Read, buffer: &mut [u8]) -> std::io::Result<usize> {
 
 impl Found {
     fn take(&mut self, bytes: &[u8], offset: u64) {
-        if !bytes.starts_with(&MAGIC) {
+        // The directory's entry of the file begins with the same letters, then a
+        // space where a record has its version.
+        if !bytes.starts_with(&MAGIC) || bytes.get(MAGIC.len()) == Some(&b' ') {
             return;
         }
         let Ok(sector): Result<&Sector, _> = bytes.try_into() else { return };

@@ -42,7 +42,7 @@ impl<R: Read> Text<R> {
     }
 
     fn take(&mut self, record: &Record) {
-        if record.run == 0 || record.samples.is_empty() {
+        if record.samples.is_empty() {
             return;
         }
         if self.run.is_none() {

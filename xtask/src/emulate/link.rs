@@ -42,43 +42,54 @@ impl Typist {
     }
 }
 
-/// Serves the converter until the record is over, then closes the line.
-///
-/// # Errors
-/// The emulator went away.
-pub fn serve(
-    directory: &Path,
-    mut chip: SerialChip,
-    mut typist: Typist,
-    real_time: bool,
-) -> std::io::Result<SerialChip> {
-    // Opened for both directions, a FIFO does not wait for its other end.
-    let open = |name| OpenOptions::new().read(true).write(true).open(directory.join(name));
-    let (mut from, mut to) = (open("adc.out")?, open("adc.in")?);
-    let start = Instant::now();
-    let end = chip.device().samples() + LAST_PERIODS;
-    loop {
-        let mut head = [0; 10];
-        from.read_exact(&mut head)?;
-        let [t @ .., count, wants_answer] = head;
-        let now_ns = u64::from_le_bytes(t) * TICK_NS;
-        let mut bytes = vec![0; usize::from(count)];
-        from.read_exact(&mut bytes)?;
-        if real_time {
-            let due = Duration::from_nanos(now_ns);
-            std::thread::sleep(due.saturating_sub(start.elapsed()));
-        }
-        bytes.iter().for_each(|&byte| chip.receive(now_ns, byte));
-        let sample = chip.device().sample_at(now_ns);
-        typist.advance(sample)?;
-        if sample >= end {
-            return Ok(chip);
-        }
-        if wants_answer != 0 {
-            let mut answer = vec![0];
-            answer.extend(chip.transmit(now_ns).iter().take(255));
-            answer[0] = (answer.len() - 1) as u8;
-            to.write_all(&answer)?;
+/// The converter, and the hands at the console.
+#[derive(Debug)]
+pub struct Link {
+    /// The converter.
+    pub chip: SerialChip,
+    /// The hands.
+    pub typist: Typist,
+    /// Emulated time must not run ahead of the clock on the wall.
+    pub real_time: bool,
+    /// The power fails at this sample.
+    pub cut_at: Option<u64>,
+}
+
+impl Link {
+    /// Serves the converter until the record is over, then closes the line.
+    ///
+    /// # Errors
+    /// The emulator went away.
+    pub fn serve(self, directory: &Path) -> std::io::Result<SerialChip> {
+        let Self { mut chip, mut typist, real_time, cut_at } = self;
+        // Opened for both directions, a FIFO does not wait for its other end.
+        let open = |name| OpenOptions::new().read(true).write(true).open(directory.join(name));
+        let (mut from, mut to) = (open("adc.out")?, open("adc.in")?);
+        let start = Instant::now();
+        let end = cut_at.unwrap_or(chip.device().samples() + LAST_PERIODS);
+        loop {
+            let mut head = [0; 10];
+            from.read_exact(&mut head)?;
+            let [t @ .., count, wants_answer] = head;
+            let now_ns = u64::from_le_bytes(t) * TICK_NS;
+            let mut bytes = vec![0; usize::from(count)];
+            from.read_exact(&mut bytes)?;
+            if real_time {
+                let due = Duration::from_nanos(now_ns);
+                std::thread::sleep(due.saturating_sub(start.elapsed()));
+            }
+            bytes.iter().for_each(|&byte| chip.receive(now_ns, byte));
+            let sample = chip.device().sample_at(now_ns);
+            typist.advance(sample)?;
+            if sample >= end {
+                return Ok(chip);
+            }
+            if wants_answer != 0 {
+                let mut answer = vec![0];
+                answer.extend(chip.transmit(now_ns).iter().take(255));
+                answer[0] = (answer.len() - 1) as u8;
+                to.write_all(&answer)?;
+            }
         }
     }
 }

@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 
 use floe::chip::SerialChip;
 
-use super::link::{self, Typist};
+use super::link::{Link, Typist};
 use super::record::Record;
 use super::socket;
 use crate::Result;
@@ -33,6 +33,8 @@ pub struct Setup<'a> {
     pub port: Option<u16>,
     /// The SD card.
     pub card: Option<&'a Path>,
+    /// The power fails at this sample, in the middle of the test.
+    pub cut_at: Option<u64>,
 }
 
 /// What a run gave.
@@ -44,18 +46,35 @@ pub struct Run {
     pub delivered: Vec<(u64, i32)>,
     /// Bytes of stack used at most.
     pub stack: u64,
+    /// What the firmware logged, undecoded.
+    #[cfg_attr(not(feature = "defmt"), allow(dead_code))]
+    pub logged: Vec<u8>,
     /// Time it took.
     pub wall: Duration,
 }
 
 impl Machine {
+    /// The firmware's file.
+    #[cfg(feature = "defmt")]
+    pub fn firmware(&self) -> &Path {
+        &self.firmware
+    }
+
     /// Builds the firmware and finds the emulator.
     ///
     /// # Errors
     /// One of them is not to be had.
     pub fn prepare(forced: Option<Route>) -> Result<Self> {
+        Self::with_features(forced, "mps2-an386")
+    }
+
+    /// The same with other features of the firmware.
+    ///
+    /// # Errors
+    /// As [`Machine::prepare`].
+    pub fn with_features(forced: Option<Route>, features: &str) -> Result<Self> {
         let qemu = qemu::find()?;
-        let firmware = Route::find(forced)?.build_firmware("mps2-an386", "mps2-an386")?;
+        let firmware = Route::find(forced)?.build_firmware("mps2-an386", features)?;
         Ok(Self { qemu, firmware })
     }
 
@@ -77,12 +96,14 @@ impl Machine {
         if let Some(port) = setup.port {
             socket::serve(port, &directory.0)?;
         }
-        let done = serve(&directory, chip, typist, setup.port.is_some(), &mut child);
+        let link = Link { chip, typist, real_time: setup.port.is_some(), cut_at: setup.cut_at };
+        let done = serve(&directory, link, &mut child);
         let stack = stack_of(&mut child);
         let wall = start.elapsed();
         let shown = fs::read_to_string(directory.path("console.out")).unwrap_or_default();
         let chip = done.map_err(|e| format!("{e}; the board's last words: {}", tail(&shown)))?;
-        Ok(Run { shown, delivered: chip.device().delivered().to_vec(), stack, wall })
+        let logged = fs::read(directory.path("logged")).unwrap_or_default();
+        Ok(Run { shown, logged, delivered: chip.device().delivered().to_vec(), stack, wall })
     }
 
     /// Deepest stack in a test with events.
@@ -99,7 +120,8 @@ impl Machine {
         command.args(["-serial", "none", "-icount", "shift=4,sleep=off"]);
         command.args(["-semihosting-config", "enable=on,target=native", "-kernel"]);
         command.arg(&self.firmware).current_dir(&directory.0);
-        command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::piped());
+        let logged = fs::File::create(directory.path("logged")).map_err(|e| e.to_string())?;
+        command.stdin(Stdio::null()).stdout(logged).stderr(Stdio::piped());
         command.spawn().map_err(|e| format!("cannot start {}: {e}", self.qemu))
     }
 }
@@ -122,18 +144,12 @@ fn stack_of(child: &mut Child) -> u64 {
 }
 
 /// Serves the converter while the emulator lives.
-fn serve(
-    directory: &Directory,
-    chip: SerialChip,
-    typist: Typist,
-    real_time: bool,
-    child: &mut Child,
-) -> Result<SerialChip> {
+fn serve(directory: &Directory, link: Link, child: &mut Child) -> Result<SerialChip> {
     let (sender, receiver) = mpsc::channel();
     let place = directory.0.clone();
     std::thread::spawn(move || {
         // Nobody waits for the answer when the emulator has failed.
-        let _ = sender.send(link::serve(&place, chip, typist, real_time));
+        let _ = sender.send(link.serve(&place));
     });
     let done = loop {
         if let Ok(done) = receiver.recv_timeout(Duration::from_millis(20)) {

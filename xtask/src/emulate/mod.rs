@@ -8,6 +8,7 @@
 //! Emulated time stands still whenever the host answers, so a run is as fast as
 //! the PC and the same every time.
 
+mod card;
 pub mod link;
 pub mod machine;
 pub mod outcome;
@@ -100,11 +101,12 @@ fn files(directories: &[&str]) -> Vec<PathBuf> {
     found
 }
 
+pub use card::check_card;
 pub use troubles::check_troubles;
 
 /// Number of events.
 fn check(machine: &Machine, name: &str, record: &Record) -> Result<usize> {
-    let run = machine.run(record, Setup::default())?;
+    let run = machine.run(record, Setup { samples: record.has_gaps(), ..Setup::default() })?;
     let outcome = outcome::decode(&run.shown)?;
     let same = outcome.compare(record, &run.delivered).map_err(|e| format!("{name}: {e}"))?;
     println!("emulated: {name}: {} samples, {same}", outcome.report.counters.samples);
@@ -128,7 +130,8 @@ impl Args {
 pub fn run(args: &Args, forced: Option<Route>) -> Result<()> {
     let record = Record::read(&args.log, &args.log_options(), &args.test)?;
     let machine = Machine::prepare(forced)?;
-    let setup = Setup { samples: args.live.is_some(), port: args.live, card: args.card.as_deref() };
+    let samples = args.live.is_some() || record.has_gaps();
+    let setup = Setup { samples, port: args.live, card: args.card.as_deref(), cut_at: None };
     let run = machine.run(&record, setup)?;
     let outcome = outcome::decode(&run.shown)?;
     let health = &outcome.health;

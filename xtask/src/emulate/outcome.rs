@@ -1,9 +1,12 @@
 //! What the board said, and whether the PC says the same.
 
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 use floe::replay::result::{EventSummary, LogSummary, ReplayResult, TestSummary};
-use floe_core::{Config, Counts, Event, Pipeline, RawSample, Reading, Report, SampleTime};
+use floe_core::{
+    Config, Counts, Event, Fault, Pipeline, RawSample, Reading, Report, SampleFlag, SampleTime,
+};
 use floe_firmware::line::{Health, Line};
 
 use super::record::Record;
@@ -20,6 +23,8 @@ pub struct Outcome {
     pub report: Report,
     /// The last health.
     pub health: Health,
+    /// Samples shown as unusable.
+    pub rejected: BTreeSet<u64>,
     /// What the board complained of.
     pub troubles: Vec<String>,
 }
@@ -30,7 +35,7 @@ pub struct Outcome {
 /// A damaged line, or no complete test among them.
 pub fn decode(shown: &str) -> Result<Outcome> {
     let (mut config, mut report, mut health, mut ended) = (None, None, None, false);
-    let (mut events, mut troubles) = (Vec::new(), Vec::new());
+    let (mut events, mut troubles, mut rejected) = (Vec::new(), Vec::new(), BTreeSet::new());
     for line in shown.lines() {
         match Line::parse(line).map_err(|e| format!("the board's line '{line}': {e}"))? {
             Line::Start { settings, .. } => config = Some(settings.config),
@@ -39,12 +44,15 @@ pub fn decode(shown: &str) -> Result<Outcome> {
             Line::Health(h) => health = Some(h),
             Line::End { .. } => ended = true,
             Line::Trouble(text) => troubles.push(text.to_string()),
+            Line::Sample(sample) if sample.flag == SampleFlag::Rejected => {
+                rejected.insert(sample.index);
+            }
             Line::Sample(_) | Line::Spike(_) | Line::Mean(_) | Line::Info(_) => {}
         }
     }
     match (config, report, health, ended) {
         (Some(config), Some(report), Some(health), true) => {
-            Ok(Outcome { config, events, report, health, troubles })
+            Ok(Outcome { config, events, report, health, rejected, troubles })
         }
         _ => Err(format!("the board did not complete a test: {troubles:?}")),
     }
@@ -57,13 +65,13 @@ impl Outcome {
     /// # Errors
     /// The first event that differs.
     pub fn compare(&self, record: &Record, delivered: &[(u64, i32)]) -> Result<String> {
-        let periods = record.codes.len() as u64;
-        if (delivered.len() as u64) < periods {
-            return Ok("not compared with this PC: the converter failed in between".into());
-        }
-        let samples = delivered.iter().take_while(|(index, _)| *index < periods);
-        let samples = samples
-            .map(|&(index, code)| RawSample { index, reading: Reading::Counts(Counts(code)) });
+        let codes: BTreeMap<u64, i32> = delivered.iter().copied().collect();
+        let reading = |index: &u64| match codes.get(index) {
+            Some(&code) if !self.rejected.contains(index) => Reading::Counts(Counts(code)),
+            _ => Reading::Bad(Fault::Timeout),
+        };
+        let periods = 0..record.codes.len() as u64;
+        let samples = periods.map(|index| RawSample { index, reading: reading(&index) });
         let (events, report) = host(&self.config, samples)?;
         if events.len() != self.events.len() {
             let (board, host) = (self.events.len(), events.len());
@@ -77,7 +85,9 @@ impl Outcome {
         if format!("{:?}", self.report) != format!("{report:?}") {
             return Err(format!("report differs: board {:?}, this PC {report:?}", self.report));
         }
-        Ok(format!("{} events and the report as on this PC, bit for bit", events.len()))
+        let (events, bad) = (events.len(), self.rejected.len());
+        let bad = if bad > 0 { format!("{bad} samples without a code; ") } else { String::new() };
+        Ok(format!("{bad}{events} events and the report as on this PC, bit for bit"))
     }
 
     /// As `floe replay` would give it.

@@ -10,6 +10,7 @@ use floe::log::{Log, LogOptions};
 use floe::replay::test::{TestOptions, configure};
 use floe::sim::{Run, write};
 use floe_core::{Calibration, Config, Reading};
+use floe_firmware::settings::NAME_LEN;
 
 use crate::Result;
 
@@ -112,6 +113,12 @@ impl Record {
         (LoadCell::from_codes(&codes, RATE_HZ).with_noise(NOISE_CODES, NOISE_SEED), trouble)
     }
 
+    /// Whether the log lacks samples.
+    #[must_use]
+    pub fn has_gaps(&self) -> bool {
+        self.codes.contains(&None)
+    }
+
     /// What has to be typed before the test.
     #[must_use]
     pub fn commands(&self) -> String {
@@ -124,9 +131,15 @@ impl Record {
         ];
         lines.extend(winch_m_per_s.map(|w| format!("set winch {w}")));
         lines.extend(range_n.map(|r| format!("set range {r}")));
-        lines.extend(self.test_id.iter().map(|name| format!("set name {name}")));
+        lines.extend(self.test_id.iter().map(|name| format!("set name {}", board_name(name))));
         lines.join("\r\n") + "\r\n"
     }
+}
+
+/// What of a name the board takes.
+fn board_name(name: &str) -> String {
+    let fits = |c: char| c.is_ascii_alphanumeric() || "-_.".contains(c);
+    name.chars().take(NAME_LEN).map(|c| if fits(c) { c } else { '-' }).collect()
 }
 
 /// Whether a file is a scene, not a log.

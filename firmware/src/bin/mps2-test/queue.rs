@@ -1,6 +1,7 @@
 //! The main loop is away: nothing is lost until the queue is full, and then
 //! exactly what did not fit.
 
+use floe_core::Pipeline;
 use floe_firmware::app::App;
 use floe_firmware::board::mps2::{self, CLOCK_HZ};
 use floe_firmware::sample::{QUEUE_DEPTH, SampleQueue, Shared};
@@ -18,6 +19,7 @@ type Logger = App<'static, Typed, CheckedStore>;
 pub fn stalls() {
     static SHARED: Shared = Shared::new();
     static QUEUE: StaticCell<SampleQueue> = StaticCell::new();
+    static PIPELINE: StaticCell<Option<Pipeline>> = StaticCell::new();
     static APP: StaticCell<Logger> = StaticCell::new();
     static SAMPLER: StaticCell<Sampler<'static, SawAdc>> = StaticCell::new();
 
@@ -25,7 +27,8 @@ pub fn stalls() {
     let sampler = SAMPLER.init_with(|| Sampler::new(SawAdc::default(), producer, &SHARED));
     let typed = Typed(b"set weight 630\nset span 5000\nlive off\nstart\n");
     let store = CheckedStore::default();
-    let app = APP.init_with(|| App::new(consumer, &SHARED, typed, store, CLOCK_HZ));
+    let pipeline = PIPELINE.init_with(|| None);
+    let app = APP.init_with(|| App::new(consumer, &SHARED, pipeline, typed, store, CLOCK_HZ));
     app.turn();
     mps2::start_tick(sampler);
 
