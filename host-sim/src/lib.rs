@@ -1,9 +1,9 @@
 //! Host tools of Floe: replay recorded logs, simulate tests, compare methods.
 #![forbid(unsafe_code)]
 
-pub mod card;
 pub mod bench;
 pub mod campaign;
+pub mod card;
 pub mod chip;
 pub mod cli;
 pub mod error;
