@@ -139,7 +139,8 @@ fn tare_flat_then_rise() {
     }
 }
 
-/// A record that begins in the middle of a slip has nothing to tell yet.
+/// A record that begins in the middle of a slip has nothing to tell yet, and knows
+/// the noise later: the onset of the next slip is told within three samples.
 #[test]
 fn start_inside_a_slip() {
     let script = Script::noisy(2.0).push([640.0, 370.0, 180.0]).stick().slip().line(200.0, 20.0, 9);

@@ -254,7 +254,7 @@ impl Detector {
     }
 
     fn stick_step(&mut self, now: Extreme) -> Option<Transition> {
-        if now.force_n > self.stick.highest.force_n {
+        if now.force_n > self.stick.highest.force_n && !self.jumps(now) {
             self.stick.highest = now;
         }
         if self.slips(now) {
@@ -264,6 +264,15 @@ impl Detector {
         }
         self.extend_line(now.index);
         None
+    }
+
+    /// Is the sample far above all before and above the stick line: more than one
+    /// spike in a row?
+    fn jumps(&self, now: Extreme) -> bool {
+        let Some(std) = self.std_n else { return false };
+        let far = OFF_LINE * std;
+        let is_above = |(innovation, spread)| innovation > far * spread;
+        now.force_n > self.stick.highest.force_n + far && self.innovation(now).is_some_and(is_above)
     }
 
     /// Has the force left the stick line downwards, by more than noise and flop do?

@@ -1,0 +1,76 @@
+//! What the README promises is what the code does.
+
+use std::path::{Path, PathBuf};
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
+}
+
+fn read(path: &str) -> String {
+    std::fs::read_to_string(root().join(path)).unwrap_or_else(|e| panic!("{path}: {e}"))
+}
+
+/// Value of `key = "value"` in a manifest.
+fn manifest_value(manifest: &str, key: &str) -> String {
+    let line = manifest.lines().find(|line| line.starts_with(&format!("{key} = "))).unwrap();
+    line.split('"').nth(1).unwrap().to_owned()
+}
+
+/// Versions that a text names after the word Rust, as in "Rust 1.88".
+fn rust_versions(text: &str) -> Vec<&str> {
+    text.split("Rust ")
+        .skip(1)
+        .map(|rest| rest.split(|c: char| !(c.is_ascii_digit() || c == '.')).next().unwrap_or(""))
+        .map(|version| version.trim_end_matches('.'))
+        .filter(|version| version.contains('.'))
+        .collect()
+}
+
+#[test]
+fn commands_that_exist() {
+    let readme = read("README.md");
+    for command in ["cargo run --release", "cargo xtask test"] {
+        assert!(readme.contains(command), "the README does not say `{command}`");
+    }
+    // `cargo run` without a name runs `floe`: the default member's default binary.
+    assert!(read("Cargo.toml").contains(r#"default-members = ["host-sim"]"#));
+    assert_eq!(manifest_value(&read("host-sim/Cargo.toml"), "default-run"), "floe");
+    assert!(read(".cargo/config.toml").contains("xtask"), "`cargo xtask` needs its alias");
+}
+
+/// Every `floe ...` that the README shows is a command: each has a file of its own.
+#[test]
+fn subcommands_are_known() {
+    let readme = read("README.md");
+    let code = readme.split("```").skip(1).step_by(2);
+    for line in code.flat_map(str::lines) {
+        let Some(rest) = line.trim_start_matches("$ ").strip_prefix("floe ") else { continue };
+        let word = rest.split_whitespace().next().unwrap_or_default();
+        let file = root().join("host-sim/src/cli").join(word).with_extension("rs");
+        assert!(word.starts_with('-') || file.is_file(), "README: {line}");
+    }
+}
+
+#[test]
+fn rate_and_schema() {
+    let readme = read("README.md");
+    let rate = format!("{} Hz", floe_core::Config::default().rate_hz);
+    assert!(readme.contains(&rate), "the README does not name the default rate, {rate}");
+    let schema = floe::replay::result::SCHEMA;
+    assert!(readme.contains(schema), "the README does not name the schema {schema}");
+}
+
+#[test]
+fn rust_version() {
+    let version = manifest_value(&read("Cargo.toml"), "rust-version");
+    let readme = read("README.md");
+    let named = rust_versions(&readme);
+    assert!(!named.is_empty(), "the README does not say which Rust it needs, Rust {version}");
+    assert!(named.iter().all(|named| *named == version), "README {named:?}, Cargo.toml {version}");
+}
+
+#[test]
+fn versions_are_found_in_text() {
+    assert_eq!(rust_versions("needs Rust 1.88 or later. Rust is fine"), ["1.88"]);
+    assert_eq!(rust_versions("Rust 1.90."), ["1.90"]);
+}
