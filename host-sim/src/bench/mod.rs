@@ -96,11 +96,7 @@ mod tests {
     fn largest_and_smallest_force_err_as_in_the_model_s_table() {
         // Noise of 2 N: error over the bound of mu_s, mu. The table's light block is
         // not described well enough to be compared.
-        let table = [
-            ("dff8-13", 12.0, 940.0),
-            ("heavy", 15.0, 3700.0),
-            ("fast", 8.0, 800.0),
-        ];
+        let table = [("dff8-13", 12.0, 940.0), ("heavy", 15.0, 3700.0), ("fast", 8.0, 800.0)];
         let trials = scenes::tests::linear(2.0, 300);
         for (name, mu_s, mu) in table {
             let trial = trials.iter().find(|trial| trial.name == name).unwrap();
