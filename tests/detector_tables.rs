@@ -175,6 +175,23 @@ fn two_sample_spikes_down() {
     down.becomes(&[&THREE[..2], &none, &THREE[2..4]].concat());
 }
 
+/// Two samples above the line are no peak: the slip that follows is told, and its
+/// highest sample found, as without them.
+#[test]
+fn two_sample_spikes_up() {
+    two_cycles().at(45, 1500.0).at(46, 1500.0).becomes(&THREE[..4]);
+}
+
+/// The same in a long stick: the slip at its end is still seen.
+#[test]
+fn two_sample_spikes_up_long_before_a_slip() {
+    let first = Script::noisy(2.0).stick().slip();
+    let script = first.line(200.0, 2.0, 290).push([640.0, 370.0, 180.0]).line(200.0, 20.0, 10);
+    let usual = ["30 onset", "34 restick 29 32", "324 onset", "327 restick 322 325"];
+    script.becomes(&usual);
+    script.at(100, 1500.0).at(101, 1500.0).becomes(&usual);
+}
+
 /// One sample far off is a spike, and no event is.
 #[test]
 fn one_sample_spikes_never_reach_the_detector() {

@@ -260,3 +260,75 @@ fn slopes_are_taken_out() {
         check(&format!("{slope_deg:+} deg"), &pull, [1.0, 1.3]);
     }
 }
+
+#[test]
+fn fast_winch() {
+    check("fast", &Pull { duration_s: 150.0, ..scenes::fast() }, [1.0, 1.3]);
+}
+
+#[test]
+fn light_block() {
+    check("light", &Pull { duration_s: 120.0, ..scenes::light() }, [1.0, 1.3]);
+}
+
+/// The mean of a test and its standard error, against the truth: what a reader of a
+/// report relies on.
+fn check_means(name: &str, pull: &Pull) {
+    const TESTS: u64 = 400;
+    let config = scenes::config(pull);
+    let (mut mu_s, mut mu) = (Vec::new(), Vec::new());
+    for seed in 1..=TESTS {
+        let test = test(Source::Brute, pull, seed);
+        let report = feed::replay(&config, feed::in_a_row(&test.forces_n)).report;
+        let error = |got: Option<floe_core::Estimate>, truth: f64| {
+            let got = got.unwrap();
+            (f64::from(got.mean) - truth) / f64::from(got.std_error)
+        };
+        mu_s.push(error(report.mu_s, pull.mu_s));
+        mu.push(error(report.mu, pull.mu));
+    }
+    for (coefficient, errors) in [("mu_s", mu_s), ("mu", mu)] {
+        let inside = errors.iter().filter(|z| z.abs() < 1.96).count();
+        let coverage = inside as f64 / errors.len() as f64;
+        println!(
+            "{name:8} mean {coefficient:4}: rms {:.2} stated errors, coverage {:.1} %",
+            rms(&errors),
+            100.0 * coverage
+        );
+        // Binomial scatter of 400 tests: 1.1 %.
+        assert!((0.91..=0.99).contains(&coverage), "{name} {coefficient}: coverage {coverage}");
+    }
+}
+
+#[test]
+fn means_of_whole_tests() {
+    for (name, pull) in [
+        ("dff8-13", scenes::dff8_13()),
+        ("snow", scenes::snow()),
+        ("fast", scenes::fast()),
+        ("light", scenes::light()),
+    ] {
+        check_means(name, &Pull { duration_s: 120.0, ..pull });
+    }
+}
+
+/// A quiet cell costs no events: the less noise, the better every one is read, down
+/// to the rounding of single precision.
+#[test]
+fn quiet_cells_lose_no_events() {
+    for (noise_n, limit) in [(0.1, 1e-4), (0.01, 2e-5), (1e-3, 5e-6), (0.0, 5e-6)] {
+        for pull in [scenes::dff8_13(), scenes::heavy(), scenes::fast()] {
+            let pull = Pull { noise_n, duration_s: 300.0, ..pull };
+            let config = scenes::config(&pull);
+            let test = test(Source::Simulator, &pull, 1);
+            let found = feed::replay(&config, feed::in_a_row(&test.forces_n)).events;
+            let mut score = Score::default();
+            score.add(&test, &pull, &config, &found);
+            let (due, matched) = (score.due, score.matched);
+            let errors = [rms(&score.mu_s.relative), rms(&score.mu.relative)];
+            println!("noise {noise_n} N, {} N: {matched} of {due}, {errors:?}", pull.weight_n);
+            assert!(matched as f64 > 0.995 * due as f64, "{matched} of {due} events: {pull:?}");
+            assert!(errors.iter().all(|e| *e < limit), "{errors:?}: {pull:?}");
+        }
+    }
+}
