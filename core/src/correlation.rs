@@ -16,8 +16,8 @@ pub struct Correlation {
     count: u32,
     sum: f64,
     /// The first values, and the last ones in a ring.
-    first: [f32; LAGS],
-    last: [f32; LAGS],
+    first: [f64; LAGS],
+    last: [f64; LAGS],
     /// `Σ x_i x_{i+k}` for k = 1..=LAGS.
     products: [f64; LAGS],
 }
@@ -42,27 +42,26 @@ impl Correlation {
             self.reference = value;
         }
         let x = value - self.reference;
-        self.pair_with_last(x as f32, 0);
+        self.pair_with_last(x, 0);
         if let Some(slot) = self.first.get_mut(self.count as usize) {
-            *slot = x as f32;
+            *slot = x;
         }
-        self.last[self.count as usize % LAGS] = x as f32;
+        self.last[self.count as usize % LAGS] = x;
         self.sum += x;
         self.count = self.count.saturating_add(1);
     }
 
     /// Adds the products of a value, so many places after the next one, with the
     /// values before it.
-    fn pair_with_last(&mut self, x: f32, places: usize) {
+    fn pair_with_last(&mut self, x: f64, places: usize) {
         let known = (self.count as usize).min(LAGS);
         for back in 1..=known.min(LAGS.saturating_sub(places)) {
-            let product = f64::from(x) * f64::from(self.newest(back));
-            self.products[back + places - 1] += product;
+            self.products[back + places - 1] += x * self.newest(back);
         }
     }
 
     /// Value so many places back, 1 for the newest.
-    fn newest(&self, back: usize) -> f32 {
+    fn newest(&self, back: usize) -> f64 {
         self.last[(self.count as usize + LAGS - back) % LAGS]
     }
 
@@ -75,7 +74,7 @@ impl Correlation {
         let shift = later.reference - self.reference;
         let heads = (later.count as usize).min(LAGS);
         for (place, &x) in later.first.iter().enumerate().take(heads) {
-            self.pair_with_last(x + shift as f32, place);
+            self.pair_with_last(x + shift, place);
         }
         for lag in 1..=heads {
             let pairs = f64::from(later.count) - lag as f64;
@@ -93,20 +92,19 @@ impl Correlation {
     fn append_ends(&mut self, later: &Self, heads: usize, shift: f64) {
         for (place, &x) in later.first.iter().enumerate().take(heads) {
             if let Some(slot) = self.first.get_mut(self.count as usize + place) {
-                *slot = x + shift as f32;
+                *slot = x + shift;
             }
         }
         let total = self.count as usize + later.count as usize;
         for back in (1..=heads).rev() {
-            self.last[(total - back) % LAGS] = later.newest(back) + shift as f32;
+            self.last[(total - back) % LAGS] = later.newest(back) + shift;
         }
     }
 
     /// `Σ x_i` over the leading ones plus the same over the lagging ones of all pairs
     /// at a lag.
     fn sums(&self, lag: usize) -> f64 {
-        let ends: f64 =
-            (0..lag).map(|i| f64::from(self.first[i]) + f64::from(self.newest(i + 1))).sum();
+        let ends: f64 = (0..lag).map(|i| self.first[i] + self.newest(i + 1)).sum();
         2.0 * self.sum - ends
     }
 

@@ -188,7 +188,7 @@ impl Cycles {
                 pending.rough.slide_std * core::f32::consts::FRAC_1_PI,
                 noise_n2,
             ),
-            bend: self.bend_prior(noise_n2),
+            bend: self.bend_prior(pending.rough.rate, noise_n2),
             onset: pending.rough.onset(noise_n2),
         }
     }
@@ -199,18 +199,18 @@ impl Cycles {
     }
 
     /// Until the events tell otherwise the winch turns steadily.
-    fn bend_prior(&self, noise_n2: f32) -> Prior {
+    fn bend_prior(&self, rough_rate: f32, noise_n2: f32) -> Prior {
         const STEADY: f32 = 0.003;
         let learnt = self.bend.prior_around_zero(noise_n2);
         if learnt.weight > 0.0 {
             return learnt;
         }
-        let spread = STEADY * self.rate.mean().unwrap_or(0.0);
-        Prior { mean: 0.0, weight: if spread > 0.0 { noise_n2 / (spread * spread) } else { 1e9 } }
+        let spread = STEADY * self.rate.mean().unwrap_or(rough_rate);
+        Prior { mean: 0.0, weight: noise_n2 / (spread * spread) }
     }
 
     fn event(&mut self, pending: &Pending, after: &Line, fit: Option<&Fit>) -> Finished {
-        let Some(fit) = fit.filter(|fit| fit.converged) else {
+        let Some(fit) = fit.filter(|fit| fit.converged && pending.holds(&fit.cycle)) else {
             return self.without_coefficients(pending, Reason::NoFit).into();
         };
         let data = self.data(pending, after, self.noise_n2(pending));

@@ -112,6 +112,9 @@ impl Fit {
 const MOST_STEPS: u32 = 24;
 /// Settled when a step is below this share of a standard deviation, squared.
 const SETTLED: f32 = 1e-3;
+/// A residual cannot be known better than this part of the force in single precision;
+/// a quiet cell's noise may be less.
+const ROUNDING: f32 = 3e-6;
 /// The same when the iterations are used up: a sample may sit right on an end of
 /// the slip, where the sum of squares has a kink.
 const NEARLY_SETTLED: f32 = 0.05;
@@ -141,8 +144,10 @@ impl Data<'_> {
             } else {
                 damping = (damping * 10.0).max(1e-3);
             }
-            converged = gain < NEARLY_SETTLED * noise_n2;
-            if gain < SETTLED * noise_n2 {
+            let rounding = ROUNDING * cycle.static_n;
+            let least = noise_n2 + rounding * rounding;
+            converged = gain < NEARLY_SETTLED * least;
+            if gain < SETTLED * least {
                 break;
             }
         }

@@ -154,6 +154,15 @@ impl Pending {
             .min_by(|a, b| data.cost(a).total_cmp(&data.cost(b)))
     }
 
+    /// Is a fitted cycle the slip that the samples show? Its ends lie within half the
+    /// drop and the rise of two periods of the highest and the lowest sample.
+    pub(crate) fn holds(&self, cycle: &Cycle) -> bool {
+        let (peak_n, low_n) = (self.peak.force_n, self.low.force_n);
+        let far_n = 0.5 * (peak_n - low_n) + 2.0 * cycle.rate;
+        let is_near = |a: f32, b: f32| (a - b).abs() < far_n;
+        is_near(cycle.static_n, peak_n) && is_near(cycle.restick_n(), low_n)
+    }
+
     /// Time at which the samples fall through half the drop.
     pub(crate) fn crossing(&self) -> f32 {
         let half_n = 0.5 * (self.peak.force_n + self.low.force_n);

@@ -224,7 +224,7 @@ impl Pipeline {
 impl Counters {
     /// Counts one sample and the gap before it.
     fn note(&mut self, flag: SampleFlag, gap: u64) {
-        self.missing += gap;
+        self.missing = self.missing.saturating_add(gap);
         match flag {
             SampleFlag::Duplicate => {
                 self.duplicates += 1;

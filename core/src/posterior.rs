@@ -16,9 +16,9 @@ const RESOLVED: f32 = 1.5;
 /// Places of the onset: so many on either side of the best fit, so far apart, periods.
 const PLACES: i16 = 8;
 const STEP: f32 = 0.125;
-/// Information that holds the onset in its place, in units of one over the noise
-/// variance times the squared loading rate: to a thousandth of a period.
-const HELD: f32 = 1e6;
+/// Information that holds the onset in its place: so many times what one sample on
+/// the steepest part of the slip would tell.
+const HELD: f32 = 1e4;
 
 /// Means and variances of one event's unknowns; forces in N, times in periods.
 #[derive(Clone, Copy, Debug)]
@@ -70,7 +70,8 @@ fn over_onset(data: &Data<'_>, best: &Fit, noise_n2: f32) -> Posterior {
         let first = if way > 0.0 { 0 } else { 1 };
         for place in first..=PLACES {
             let onset = best.cycle.onset + way * STEP * f32::from(place);
-            let weight = HELD * (1.0 + from.rate * from.rate);
+            let steepest = from.rate + from.half_drop_n * from.omega;
+            let weight = HELD * steepest * steepest;
             let held = Data { onset: Prior { mean: onset, weight }, ..*data };
             let Some(fit) = held.fit(&Cycle { onset, ..from }, noise_n2) else { break };
             let expected =

@@ -85,8 +85,8 @@ impl Shared {
         if prior.weight <= 0.0 || self.mean * self.mean * self.weight > SIGNIFICANT * SIGNIFICANT {
             return prior;
         }
-        // Not less certain than the mean of the events would be.
-        Prior { mean: 0.0, weight: prior.weight }
+        // No sign of anything: half the standard error of the mean that says so.
+        Prior { mean: 0.0, weight: 4.0 * prior.weight }
     }
 }
 
