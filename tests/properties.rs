@@ -108,18 +108,27 @@ fn batch(events: &[Coefficient]) -> [f64; 3] {
     // Variance of Σ c_i x_i with c_i = λ w_i / Σ w + (1 − λ) / n.
     let share = |e: &Coefficient| lambda / (variance(e) * weights) + (1.0 - lambda) / n;
     let independent = sum(&|e| share(e).powi(2) * (variance(e) + between));
-    let pairs = n - 1.0;
-    let correlation = if pairs >= 30.0 && squares > 0.0 {
-        let product = |pair: &[Coefficient]| (value(&pair[0]) - plain) * (value(&pair[1]) - plain);
-        let covariance = events.windows(2).map(product).sum::<f64>() / pairs;
-        (covariance * n / squares).clamp(0.0, 0.5)
-    } else if pairs > 0.0 {
-        0.5 * lambda
+    let inflation = if events.len() >= 30 && squares > 0.0 {
+        1.0 + 2.0 * correlations(events, plain, squares / n)
+    } else if events.len() > 1 {
+        1.0 + lambda
     } else {
-        0.0
+        1.0
     };
     let mean = lambda * weighted + (1.0 - lambda) * plain;
-    [mean, (independent * (1.0 + 2.0 * correlation)).sqrt(), between.sqrt()]
+    [mean, (independent * inflation).sqrt(), between.sqrt()]
+}
+
+/// `Σ ρ_k` over the lags up to the first one within two standard errors of none.
+fn correlations(events: &[Coefficient], mean: f64, variance: f64) -> f64 {
+    let n = events.len();
+    let from_mean = |i: usize| f64::from(events[i].value) - mean;
+    let correlation = |lag: usize| {
+        let products = (lag..n).map(|i| from_mean(i) * from_mean(i - lag)).sum::<f64>();
+        products / (n - lag) as f64 / variance
+    };
+    let least = 2.0 / (n as f64).sqrt();
+    (1..=(n / 4).min(32)).map(correlation).take_while(|c| *c > least).map(|c| c.min(1.0)).sum()
 }
 
 fn result(estimator: &Estimator) -> [f64; 3] {

@@ -7,6 +7,9 @@ use crate::config::Config;
 use crate::sample::{Reading, SampleFlag};
 use crate::units::{Counts, Newtons};
 
+/// No cable carries more, N: beyond it the sums of squares would overflow.
+const LARGEST_N: f32 = 1e12;
+
 /// Calibration with its division done beforehand.
 #[derive(Clone, Copy, Debug)]
 pub struct Calibrator {
@@ -25,7 +28,7 @@ impl Calibrator {
             tare_counts: calibration.tare_counts,
             n_per_count: 1.0 / calibration.counts_per_n,
             range_counts: calibration.range_counts,
-            range_n: config.range_n.unwrap_or(f32::MAX),
+            range_n: config.range_n.unwrap_or(LARGEST_N),
         }
     }
 

@@ -5,16 +5,15 @@
 
 use crate::detector::{Detector, Extreme, Stick};
 use crate::event::{Coefficient, Event, Quality, Reason, SampleTime};
-use crate::fit::{Data, Fit, Point, Prior};
+use crate::fit::{Data, Fit, Prior};
 use crate::line::Line;
+use crate::math;
 use crate::model::{self, Cycle};
+use crate::pending::{Pending, since};
 use crate::posterior::Posterior;
 use crate::residuals::Residuals;
 use crate::shared::{Shared, without_prior};
 use crate::window::Window;
-
-/// Most samples between the two stick lines.
-const CORE: usize = 96;
 
 /// What turns forces into coefficients.
 #[derive(Clone, Copy, Debug)]
@@ -27,42 +26,30 @@ pub struct Site {
     pub rate_hz: f32,
 }
 
-/// A slip whose stick line after it is still growing.
+impl Site {
+    /// A force and its variance as a coefficient (26 to 28).
+    fn coefficient(&self, force_n: f32, variance_n2: f32) -> Coefficient {
+        let (_, cos) = math::sin_cos(self.slope_rad);
+        Coefficient {
+            value: model::coefficient(force_n, self.weight_n, self.slope_rad),
+            std: math::sqrt(variance_n2) / (self.weight_n * cos),
+        }
+    }
+}
+
+/// A complete event.
 #[derive(Clone, Copy, Debug)]
-struct Pending {
-    /// Index at time zero of the points and of `before`.
-    origin: u64,
-    before: Line,
-    points: [Point; CORE],
-    length: usize,
-    peak: Extreme,
-    low: Extreme,
-    /// What the extremes alone tell, for a slip that the samples hardly resolve.
-    rough: Rough,
-    /// Rough variance of the noise, from the detector, N².
-    noise_n2: f32,
-    fit: Option<Fit>,
-    /// A saturated sample, or too many missing ones, between the lines.
-    hidden: bool,
+pub struct Finished {
+    /// The best that is known of it.
+    pub event: Event,
+    /// `mu_s` and `mu` without what other events told of the loading rate: for means
+    /// over events, whose errors must not be the same in all of them.
+    pub alone: Option<(Coefficient, Coefficient)>,
 }
 
-/// Loading rate, N per period, to within a factor of two, and the time of the slip.
-#[derive(Clone, Copy, Debug, Default)]
-struct Rough {
-    rate: f32,
-    /// Time of sliding and its standard deviation, periods.
-    slide: f32,
-    slide_std: f32,
-    /// Half-way down, periods from the event's origin.
-    middle: f32,
-}
-
-impl Rough {
-    /// The slip lies around its middle: as much as one sample in between can tell,
-    /// for the slips that have no more.
-    fn onset(&self, noise_n2: f32) -> Prior {
-        let spread = 0.3 * self.slide.max(1.0);
-        Prior { mean: self.middle - 0.5 * self.slide, weight: noise_n2 / (spread * spread) }
+impl From<Event> for Finished {
+    fn from(event: Event) -> Self {
+        Self { event, alone: None }
     }
 }
 
@@ -99,7 +86,7 @@ impl Cycles {
     /// Standard deviation of the noise, N, from the residuals of all fits.
     #[must_use]
     pub fn noise_n(&self) -> Option<f32> {
-        self.residuals.variance_n2().map(crate::math::sqrt)
+        self.residuals.variance_n2().map(math::sqrt)
     }
 
     /// Loading rate, N/s, and omega, rad/s, of the recent events.
@@ -117,14 +104,12 @@ impl Cycles {
         detector: &Detector,
         (peak, low): (Extreme, Extreme),
         last_hidden: Option<u64>,
-    ) -> Option<Event> {
+    ) -> Option<Finished> {
         let (stick, window) = (detector.ended(), detector.window());
         let noise_n = detector.noise_n().unwrap_or(1.0);
         let finished = self.complete(stick, window, peak);
         let now = detector.last().index;
         let mut next = Pending::new(stick, self.start(stick), window, now, (peak, low));
-        next.rough = self.rough(stick, window, (peak, low));
-        next.rough.middle = next.crossing();
         next.hidden |= last_hidden.is_some_and(|index| index + 4 >= stick.next);
         next.noise_n2 = noise_n * noise_n;
         next.fit = self.first_fit(&mut next);
@@ -154,30 +139,8 @@ impl Cycles {
     }
 
     /// Completes the pending event with what there is of its stick line.
-    pub fn finish(&mut self, stick: &Stick, window: &Window, last: Extreme) -> Option<Event> {
+    pub fn finish(&mut self, stick: &Stick, window: &Window, last: Extreme) -> Option<Finished> {
         self.complete(stick, window, last)
-    }
-
-    /// The loading rate from the line, or from the rise to the highest sample; the
-    /// time of the slip from the samples in between.
-    fn rough(&self, stick: &Stick, window: &Window, (peak, low): (Extreme, Extreme)) -> Rough {
-        let rise = |back: u64| {
-            let force_n = window.get(peak.index.checked_sub(back)?)?;
-            Some((peak.force_n - force_n) / back as f32)
-        };
-        let climb = rise(2).into_iter().chain(rise(1)).reduce(f32::max);
-        let line = stick.line.slope().filter(|_| stick.line.count >= 4);
-        let least = 1e-4 * (peak.force_n - low.force_n);
-        // The slip began after the last sample before it and ended before the first
-        // one after it: a uniform distribution, wider for slow ends of long slips.
-        let fall = (low.index - peak.index) as f32;
-        let (slide, slide_std) =
-            if fall < 1.5 { (0.5, 0.3 + 0.25) } else { (fall - 1.0, 0.6 + 0.25 * fall) };
-        let rate = line.or(climb).unwrap_or(0.0).max(least);
-        // From the highest to the lowest force the slide turns by π, in all by π + 2 φ.
-        let turn = core::f32::consts::FRAC_2_PI * fall / (peak.force_n - low.force_n);
-        let longer = 1.0 + core::f32::consts::FRAC_2_PI * crate::math::atan2(rate * turn, 1.0);
-        Rough { rate, slide: slide * longer, slide_std: slide_std * longer, middle: 0.0 }
     }
 
     /// First index of an event's samples: where the stick line ends, or right after
@@ -191,16 +154,16 @@ impl Cycles {
         }
     }
 
-    fn complete(&mut self, stick: &Stick, window: &Window, next_peak: Extreme) -> Option<Event> {
+    fn complete(&mut self, stick: &Stick, window: &Window, next_peak: Extreme) -> Option<Finished> {
         let mut pending = self.pending.take()?;
         pending.end_before(stick, window, next_peak.index);
         let mut after = *stick.first();
         after.shift(since(stick.origin, pending.origin));
         let noise_n2 = self.noise_n2(&pending);
         let fit = self.fit(&pending, &after, noise_n2);
-        let event = self.event(&pending, &after, fit.as_ref());
+        let finished = self.event(&pending, &after, fit.as_ref());
         self.count = self.count.saturating_add(1);
-        Some(event)
+        Some(finished)
     }
 
     fn fit(&self, pending: &Pending, after: &Line, noise_n2: f32) -> Option<Fit> {
@@ -238,7 +201,7 @@ impl Cycles {
     /// Until the events tell otherwise the winch turns steadily.
     fn bend_prior(&self, noise_n2: f32) -> Prior {
         const STEADY: f32 = 0.003;
-        let learnt = self.bend.prior(noise_n2);
+        let learnt = self.bend.prior_around_zero(noise_n2);
         if learnt.weight > 0.0 {
             return learnt;
         }
@@ -246,14 +209,14 @@ impl Cycles {
         Prior { mean: 0.0, weight: if spread > 0.0 { noise_n2 / (spread * spread) } else { 1e9 } }
     }
 
-    fn event(&mut self, pending: &Pending, after: &Line, fit: Option<&Fit>) -> Event {
+    fn event(&mut self, pending: &Pending, after: &Line, fit: Option<&Fit>) -> Finished {
         let Some(fit) = fit.filter(|fit| fit.converged) else {
-            return self.without_coefficients(pending, Reason::NoFit);
+            return self.without_coefficients(pending, Reason::NoFit).into();
         };
         let data = self.data(pending, after, self.noise_n2(pending));
         let (squares_n2, free) = own_residuals(&data, fit);
         if pending.hidden {
-            return self.without_coefficients(pending, Reason::Hidden);
+            return self.without_coefficients(pending, Reason::Hidden).into();
         }
         if free >= 1.0 {
             self.residuals.add(squares_n2, free, pending.noise_n2);
@@ -261,7 +224,14 @@ impl Cycles {
         let noise_n2 = self.noise_n2(pending);
         let posterior = Posterior::new(&data, fit, noise_n2);
         self.learn(&data, &posterior, noise_n2);
-        self.measured(pending, &posterior)
+        let event = self.measured(pending, &posterior);
+        let alone = fit.forces_alone(data.rate).filter(|_| posterior.is_resolved());
+        let alone = alone.map(|forces| {
+            let variance = noise_n2 * forces.static_variance;
+            let mu_s = self.site.coefficient(forces.static_n, variance);
+            (mu_s, self.site.coefficient(forces.dynamic_n, noise_n2 * forces.dynamic_variance))
+        });
+        Finished { event, alone }
     }
 
     /// Carries the event's own loading rate and swing to the next ones.
@@ -286,18 +256,10 @@ impl Cycles {
     }
 
     fn measured(&mut self, pending: &Pending, posterior: &Posterior) -> Event {
-        let site = self.site;
-        let (_, cos) = crate::math::sin_cos(site.slope_rad);
-        let coefficient = |force_n: f32, variance_n2: f32| {
-            Some(Coefficient {
-                value: model::coefficient(force_n, site.weight_n, site.slope_rad),
-                std: crate::math::sqrt(variance_n2) / (site.weight_n * cos),
-            })
-        };
         let cycle = &posterior.cycle;
         let mut event = self.bare(pending, cycle);
-        event.mu_s = coefficient(cycle.static_n, posterior.static_n2);
-        event.mu = coefficient(cycle.dynamic_n(), posterior.dynamic_n2);
+        event.mu_s = Some(self.site.coefficient(cycle.static_n, posterior.static_n2));
+        event.mu = Some(self.site.coefficient(cycle.dynamic_n(), posterior.dynamic_n2));
         if !posterior.is_resolved() {
             event.quality = Quality::Unresolved;
             event.omega_rad_per_s = None;
@@ -356,104 +318,6 @@ impl Cycles {
     }
 }
 
-impl Pending {
-    fn new(
-        stick: &Stick,
-        start: u64,
-        window: &Window,
-        now: u64,
-        (peak, low): (Extreme, Extreme),
-    ) -> Self {
-        let first = stick.next;
-        let mut before = stick.line;
-        before.shift(since(stick.origin, first));
-        let mut pending = Self {
-            origin: first,
-            before,
-            points: [Point::default(); CORE],
-            length: 0,
-            peak,
-            low,
-            rough: Rough::default(),
-            noise_n2: 0.0,
-            fit: None,
-            hidden: false,
-        };
-        pending.take(window, start, now);
-        let missing = (first..=now).filter(|&index| window.get(index).is_none()).count();
-        pending.hidden = missing > 3 || pending.length == CORE;
-        pending
-    }
-
-    /// Takes the samples `from` to `to`, as many as fit.
-    fn take(&mut self, window: &Window, from: u64, to: u64) {
-        for index in from..=to {
-            let Some(force_n) = window.get(index) else { continue };
-            let Some(point) = self.points.get_mut(self.length) else { return };
-            *point = Point { time: since(self.origin, index), force_n, weight: 1.0 };
-            self.length += 1;
-        }
-    }
-
-    /// Ends the event before the next one's peak; a stick too brief for a line
-    /// gives its samples one by one.
-    fn end_before(&mut self, stick: &Stick, window: &Window, next_peak: u64) {
-        if stick.first().count == 0 {
-            let last = self.points.get(..self.length).and_then(<[Point]>::last);
-            let next =
-                last.map_or(0, |point| self.origin.saturating_add_signed(point.time as i64) + 1);
-            self.take(window, next, next_peak.saturating_sub(1));
-        }
-        let end = since(self.origin, next_peak) - self.fit.map_or(0.0, |fit| fit.cycle.peak_time());
-        let points = self.points.get(..self.length).unwrap_or_default();
-        self.length = points.iter().take_while(|point| point.time < end).count();
-    }
-
-    /// A first guess: the lines' level and slope, half-way down in time, and the
-    /// slip's length that fits best of a few.
-    fn guess(&self, data: &Data<'_>, known_swing: bool) -> Option<Cycle> {
-        let drop = self.peak.force_n - self.low.force_n;
-        let rate = data.rate.mean;
-        let half_drop_n = 0.5 * drop;
-        let middle = self.rough.middle;
-        let with_slide = |slide: f32| {
-            let phase = crate::math::atan2(rate * slide, core::f32::consts::PI * half_drop_n);
-            let onset = middle - 0.5 * slide;
-            let static_n = if self.before.count >= 3 {
-                self.before.at(onset, rate)
-            } else {
-                self.peak.force_n
-            };
-            let omega = (core::f32::consts::PI + 2.0 * phase) / slide;
-            Cycle { onset, rate, static_n, half_drop_n, omega, bend: 0.0 }
-        };
-        if known_swing {
-            let phase = crate::math::atan2(rate * data.swing.mean, half_drop_n);
-            return Some(with_slide((core::f32::consts::PI + 2.0 * phase) * data.swing.mean));
-        }
-        let fall = (self.low.index - self.peak.index) as f32;
-        [0.6, 0.8, 1.0, 1.25, 1.6]
-            .map(|part| with_slide((part * fall).max(0.5)))
-            .into_iter()
-            .min_by(|a, b| data.cost(a).total_cmp(&data.cost(b)))
-    }
-
-    /// Time at which the samples fall through half the drop.
-    fn crossing(&self) -> f32 {
-        let half_n = 0.5 * (self.peak.force_n + self.low.force_n);
-        let points = self.points.get(..self.length).unwrap_or_default();
-        let peak_time = since(self.origin, self.peak.index);
-        let falls =
-            |pair: &&[Point]| pair.last().is_some_and(|p| p.time > peak_time && p.force_n < half_n);
-        match points.windows(2).find(falls) {
-            Some([a, b]) => {
-                b.time - (b.time - a.time) * (half_n - b.force_n) / (a.force_n - b.force_n)
-            }
-            _ => 0.5 * (peak_time + since(self.origin, self.low.index)),
-        }
-    }
-}
-
 /// What earlier events tell of a quantity, else a guess and its standard deviation.
 fn expected(shared: &Shared, guess: f32, spread: f32, noise_n2: f32) -> Prior {
     let learnt = shared.prior(noise_n2);
@@ -474,11 +338,6 @@ fn own_residuals(data: &Data<'_>, fit: &Fit) -> (f32, f32) {
     }
     let lines = data.before.count.min(2) as f32 + data.after.weight;
     (squares.max(0.0), data.points.len() as f32 + lines - unknowns)
-}
-
-/// Periods from an origin to an index, which may lie before it.
-fn since(origin: u64, index: u64) -> f32 {
-    index.wrapping_sub(origin).cast_signed() as f32
 }
 
 /// A time in periods from an origin, as index and fraction.

@@ -123,9 +123,9 @@ impl Estimator {
         (free > 0.0).then(|| (self.squares / free - self.variance).max(0.0))
     }
 
-    /// Factor on the variance of the mean because the events are correlated. Until
-    /// there are enough to see it: neighbours are, by half the share of the noise, as
-    /// from a shared stick line.
+    /// Factor on the variance of the mean because the events are correlated: what is
+    /// seen, once there are enough, and at least neighbours by half the share of the
+    /// noise, as from a shared stick line.
     fn inflation(&self, noise_share: f64) -> f64 {
         const ENOUGH: u32 = 30;
         let shared_line = if self.count > 1 { 1.0 + noise_share } else { 1.0 };
@@ -133,7 +133,7 @@ impl Estimator {
             return shared_line;
         }
         let variance = self.squares / f64::from(self.count);
-        self.correlation.inflation(self.mean, variance)
+        self.correlation.inflation(self.mean, variance).max(shared_line)
     }
 }
 

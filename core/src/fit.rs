@@ -56,13 +56,51 @@ pub struct Fit {
     pub cycle: Cycle,
     /// Weighted sum of squared residuals, the priors' included, N².
     pub cost: f32,
+    /// The normal equations at the fit.
+    normal: Normal,
     /// Factor of the information matrix: covariances in units of the noise variance.
     pub information: Factor,
     /// Whether the iteration settled.
     pub converged: bool,
 }
 
+/// `Fs` and `Fp` with their variances, N and units of the noise variance.
+#[derive(Clone, Copy, Debug)]
+pub struct Forces {
+    /// `Fs`.
+    pub static_n: f32,
+    /// `Fp`.
+    pub dynamic_n: f32,
+    /// Variance of `Fs`.
+    pub static_variance: f32,
+    /// Variance of `Fp`.
+    pub dynamic_variance: f32,
+}
+
+/// `Fs` and `Fp` as combinations of the unknowns.
+const STATIC: Gradient = [0.0, 0.0, 1.0, 0.0, 0.0, 0.0];
+const DYNAMIC: Gradient = [0.0, 0.0, 1.0, -1.0, 0.0, 0.0];
+
 impl Fit {
+    /// The forces of the fit.
+    #[must_use]
+    pub fn forces(&self) -> Forces {
+        forces(&self.cycle, &Gradient::default(), &self.information)
+    }
+
+    /// The forces as the event would give them without what was expected of its
+    /// loading rate: the expectation is taken out of the normal equations again.
+    ///
+    /// `None` when the event alone does not determine them.
+    #[must_use]
+    pub fn forces_alone(&self, rate: Prior) -> Option<Forces> {
+        let (mut normal, mut right) = (self.normal, Gradient::default());
+        normal.matrix[1][1] -= rate.weight;
+        right[1] = -rate.weight * (rate.mean - self.cycle.rate);
+        let factor = normal.factor(0.0)?;
+        Some(forces(&self.cycle, &factor.solve(&right), &factor))
+    }
+
     /// Variance of an unknown, in units of the noise variance.
     #[must_use]
     pub fn variance(&self, unknown: usize) -> f32 {
@@ -109,7 +147,13 @@ impl Data<'_> {
             }
         }
         let information = normal.factor(0.0)?;
-        normal.cost.is_finite().then_some(Fit { cycle, cost: normal.cost, information, converged })
+        normal.cost.is_finite().then_some(Fit {
+            cycle,
+            cost: normal.cost,
+            normal,
+            information,
+            converged,
+        })
     }
 
     /// Weighted sum of squared residuals at a trial cycle, N².
@@ -152,6 +196,15 @@ impl Data<'_> {
             (self.swing, cycle.swing()),
             (self.bend, cycle.bend),
         ]
+    }
+}
+
+fn forces(cycle: &Cycle, step: &Gradient, information: &Factor) -> Forces {
+    Forces {
+        static_n: cycle.static_n + dot(step, &STATIC),
+        dynamic_n: cycle.dynamic_n() + dot(step, &DYNAMIC),
+        static_variance: information.covariance(&STATIC, &STATIC),
+        dynamic_variance: information.covariance(&DYNAMIC, &DYNAMIC),
     }
 }
 

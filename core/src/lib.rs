@@ -30,6 +30,7 @@ pub mod math;
 pub mod memory;
 pub mod model;
 pub mod noise;
+pub mod pending;
 pub mod pipeline;
 pub mod posterior;
 pub mod report;

@@ -2,7 +2,7 @@
 
 use crate::calibrate::Calibrator;
 use crate::config::{Config, ConfigError};
-use crate::cycle::{Cycles, Site};
+use crate::cycle::{Cycles, Finished, Site};
 use crate::decimate::Decimator;
 use crate::derivative::{Central, Rate};
 use crate::detector::{Detector, Extreme, Transition};
@@ -14,6 +14,9 @@ use crate::spike::{Judged, SpikeFilter, Usual};
 
 /// Standard gravity, m/s²: turns a weight into a mass.
 const GRAVITY: f32 = 9.806_65;
+
+/// Indices beyond this one are refused as duplicates: it takes a billion years.
+const LAST_INDEX: u64 = u64::MAX / 2;
 
 /// What one sample led to.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -141,7 +144,7 @@ impl Pipeline {
     /// Calibrates, counts and flags.
     fn receive(&mut self, raw: RawSample) -> Step {
         let expected = self.last.map_or(raw.index, |last| last.saturating_add(1));
-        let (force_n, flag) = if raw.index < expected {
+        let (force_n, flag) = if raw.index < expected || raw.index > LAST_INDEX {
             (None, SampleFlag::Duplicate)
         } else {
             match self.calibrator.force_n(raw.reading) {
@@ -176,18 +179,19 @@ impl Pipeline {
         self.count(event)
     }
 
-    fn count(&mut self, event: Option<Event>) -> Option<Event> {
-        let mut event = event?;
+    fn count(&mut self, finished: Option<Finished>) -> Option<Event> {
+        let Finished { mut event, alone } = finished?;
         event.onset = self.decimator.moment(event.onset);
         event.stop = self.decimator.moment(event.stop);
         if let Some(noise_n) = self.cycles.noise_n() {
             self.detector.fitted_noise(noise_n);
         }
         self.events = self.events.saturating_add(1);
-        if let Some(mu_s) = event.mu_s {
+        let (mu_s, mu) = alone.map_or((event.mu_s, event.mu), |(mu_s, mu)| (Some(mu_s), Some(mu)));
+        if let Some(mu_s) = mu_s {
             self.mu_s.add(mu_s);
         }
-        if let Some(mu) = event.mu {
+        if let Some(mu) = mu {
             self.mu.add(mu);
         }
         self.onsets = Some((self.onsets.map_or(event.onset, |(first, _)| first), event.onset));

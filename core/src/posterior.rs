@@ -20,10 +20,6 @@ const STEP: f32 = 0.125;
 /// variance times the squared loading rate: to a thousandth of a period.
 const HELD: f32 = 1e6;
 
-/// `Fs` and `Fp` as combinations of the unknowns.
-const STATIC: Gradient = [0.0, 0.0, 1.0, 0.0, 0.0, 0.0];
-const DYNAMIC: Gradient = [0.0, 0.0, 1.0, -1.0, 0.0, 0.0];
-
 /// Means and variances of one event's unknowns; forces in N, times in periods.
 #[derive(Clone, Copy, Debug)]
 pub struct Posterior {
@@ -55,12 +51,13 @@ impl Posterior {
     }
 
     fn at(fit: &Fit, noise_n2: f32) -> Self {
-        let variance = |unit: &Gradient| noise_n2 * fit.information.covariance(unit, unit);
+        let forces = fit.forces();
         let mut unknowns = Gradient::default();
         for (unknown, entry) in unknowns.iter_mut().enumerate() {
             *entry = noise_n2 * fit.variance(unknown);
         }
-        let (static_n2, dynamic_n2) = (variance(&STATIC), variance(&DYNAMIC));
+        let static_n2 = noise_n2 * forces.static_variance;
+        let dynamic_n2 = noise_n2 * forces.dynamic_variance;
         Self { cycle: fit.cycle, static_n2, dynamic_n2, unknowns }
     }
 }

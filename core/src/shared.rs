@@ -76,6 +76,20 @@ impl Shared {
     }
 }
 
+impl Shared {
+    /// The same for a quantity that is zero unless the events say otherwise.
+    #[must_use]
+    pub fn prior_around_zero(&self, noise_n2: f32) -> Prior {
+        const SIGNIFICANT: f32 = 3.0;
+        let prior = self.prior(noise_n2);
+        if prior.weight <= 0.0 || self.mean * self.mean * self.weight > SIGNIFICANT * SIGNIFICANT {
+            return prior;
+        }
+        // Not less certain than the mean of the events would be.
+        Prior { mean: 0.0, weight: prior.weight }
+    }
+}
+
 /// What an event measured by itself, without the expectation it was fitted with.
 ///
 /// `mean` and `variance` are the fitted ones; the precisions subtract. `None` when

@@ -155,6 +155,7 @@ fn moved(x: &Vector, onset: f64, periods: f64) -> Vector {
 
 /// What the block does.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[expect(clippy::large_enum_variant, reason = "one is kept, in place")]
 enum Mode {
     Rest,
     /// Began between these samples.
@@ -271,7 +272,10 @@ impl Kalman {
             return event;
         }
         self.strikes = if fits { 0 } else { self.strikes + 1 };
+        let mut event = None;
         if self.strikes >= STRIKES {
+            let filter = self.filter;
+            event = self.close(&filter);
             (self.filter, self.slips, self.strikes) = (Filter::new(&self.setup), 0, 0);
             self.samples = 0.0;
         } else if !fits {
@@ -279,7 +283,7 @@ impl Kalman {
             self.filter.widen(FORCE, innovation);
         }
         self.filter.correct(force_n, self.noise_n2);
-        None
+        event
     }
 
     fn slip_step(&mut self, sample: Sample, periods: f64, base: Past, onset: f64) {

@@ -8,8 +8,6 @@ use super::method::{Found, Method, Sample, Setup, Value};
 use super::result::{Errors, Row};
 use super::scenes::{Record, Trial, Truth};
 
-/// Samples that times are taken over, at least, if the scene has them.
-const TIMED_SAMPLES: usize = 6000;
 /// Runs over them, after one that warms up.
 const RUNS: usize = 7;
 /// Events at the start of a record in which methods that learn still learn: their
@@ -34,17 +32,57 @@ struct Pair {
     bound: Option<f64>,
 }
 
-/// Runs a method over a scene.
+/// How right a method is on a scene.
+#[derive(Clone, Copy, Debug)]
+pub struct Judgement {
+    /// How well the events were found.
+    pub detection: Detection,
+    /// True events with a value for both coefficients.
+    pub read: usize,
+    /// Errors of `mu_s`; `None` without a single value.
+    pub mu_s: Option<Errors>,
+    /// Errors of `mu`.
+    pub mu: Option<Errors>,
+    /// Mean time from the true onset until a slip was declared, s.
+    pub onset_delay_s: Option<f64>,
+    /// Bytes kept between samples, at the end of the longest record.
+    pub state_bytes: usize,
+}
+
+/// Runs a method over a scene: errors and times.
 #[must_use]
 pub fn assess<M: Method>(trial: &Trial) -> Row {
-    let rate_hz = trial.setup.rate_hz;
+    let judgement = judge::<M>(trial);
+    let Judgement { detection, mu_s, mu, state_bytes, .. } = judgement;
+    let events = detection.hits + detection.misses;
+    Row {
+        scene: trial.name,
+        linear: trial.linear,
+        noise_percent: 100.0 * trial.noise,
+        method: M::NAME,
+        streams: M::STREAMS,
+        events,
+        f1: detection.f1(),
+        read_percent: 100.0 * judgement.read as f64 / events.max(1) as f64,
+        mu_s,
+        mu,
+        onset_delay_ms: judgement.onset_delay_s.map(|s| 1e3 * s).filter(|_| M::STREAMS),
+        ns_per_sample: ns_per_sample::<M>(trial),
+        state_bytes,
+        worst_tick_ns: M::STREAMS.then(|| worst_tick_ns::<M>(trial)),
+    }
+}
+
+/// Runs a method over a scene: errors only.
+#[must_use]
+pub fn judge<M: Method>(trial: &Trial) -> Judgement {
     let mut detection = Detection::default();
     let (mut mu_s, mut mu, mut delays_s) = (Vec::new(), Vec::new(), Vec::new());
     let (mut read, mut state_bytes) = (0, 0);
     for record in &trial.records {
         let answer = answer::<M>(&trial.setup, record);
         let judged = record.judged();
-        let (pairs, found) = matched(judged, &answer.found, rate_hz);
+        let (pairs, found) = matched(judged, &answer.found, trial.setup.rate_hz);
         detection.add(found);
         state_bytes = state_bytes.max(answer.state_bytes);
         delays_s.extend(delays(judged, &answer.declared_s));
@@ -59,23 +97,9 @@ pub fn assess<M: Method>(trial: &Trial) -> Row {
             mu.extend(found.mu.map(|v| pair(v, truth.mu, truth.bound.map(|b| b.1))));
         }
     }
-    let events = detection.hits + detection.misses;
-    Row {
-        scene: trial.name,
-        linear: trial.linear,
-        noise_percent: 100.0 * trial.noise,
-        method: M::NAME,
-        streams: M::STREAMS,
-        events,
-        f1: detection.f1(),
-        read_percent: 100.0 * read as f64 / events.max(1) as f64,
-        mu_s: errors(&mu_s),
-        mu: errors(&mu),
-        onset_delay_ms: mean(&delays_s).map(|s| 1e3 * s).filter(|_| M::STREAMS),
-        ns_per_sample: ns_per_sample::<M>(trial),
-        state_bytes,
-        worst_tick_ns: M::STREAMS.then(|| worst_tick_ns::<M>(trial)),
-    }
+    let onset_delay_s = mean(&delays_s);
+    let (mu_s, mu) = (errors(&mu_s), errors(&mu));
+    Judgement { detection, read, mu_s, mu, onset_delay_s, state_bytes }
 }
 
 fn answer<M: Method>(setup: &Setup, record: &Record) -> Answer {
@@ -135,7 +159,7 @@ fn timed(trial: &Trial) -> &[Record] {
     let mut samples = 0;
     let enough = trial.records.iter().position(|record| {
         samples += record.samples.len();
-        samples >= TIMED_SAMPLES
+        samples >= trial.timed_samples
     });
     trial.records.get(..=enough.unwrap_or(usize::MAX - 1)).unwrap_or(&trial.records)
 }

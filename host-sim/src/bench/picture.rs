@@ -12,8 +12,8 @@ use super::table::{methods, short, spread};
 const WIDTH: f64 = 1040.0;
 const HEIGHT: f64 = 588.0;
 /// Left edges of the panels, their size and upper edge.
-const LEFT: [f64; 2] = [84.0, 568.0];
-const PANEL: (f64, f64) = (448.0, 388.0);
+const LEFT: [f64; 2] = [84.0, 584.0];
+const PANEL: (f64, f64) = (436.0, 388.0);
 const TOP: f64 = 58.0;
 /// Height of a line of text and mean width of a letter of the labels.
 const LETTER: (f64, f64) = (15.0, 8.2);
@@ -153,8 +153,8 @@ fn limit_labels(out: &mut String, (pass, bound): (f64, f64), (left, top): (f64, 
         at.0, at.1
     );
     vec![
-        (pass, bound + 2.0, pass + 120.0, bound + 20.0),
-        (pass - 1.0, top, pass + 1.0, top + PANEL.1),
+        (pass, bound + 2.0, pass + 140.0, bound + 20.0),
+        (pass - 6.0, top, pass + 6.0, top + PANEL.1),
         (left, bound - 1.0, left + PANEL.0, bound + 1.0),
         (left, top, pass.max(left + 18.0), top + 160.0),
     ]

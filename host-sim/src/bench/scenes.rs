@@ -5,12 +5,24 @@ use crate::sim::{Scene, SceneError, TrueEvent, simulate};
 
 use super::method::{Sample, Setup};
 
-/// Events that a linear scene has at least, over all its records.
-const LINEAR_EVENTS: usize = 1200;
-/// Records of a hard scene.
-const HARD_RECORDS: u64 = 6;
-/// The same for a short run.
-const QUICK: (usize, u64) = (150, 1);
+/// How much is simulated and timed.
+#[derive(Clone, Copy, Debug)]
+pub struct Effort {
+    /// Events that a linear scene has at least, over all its records.
+    pub linear_events: usize,
+    /// Records of a hard scene.
+    pub hard_records: u64,
+    /// Samples of a scene that times are taken over, at least.
+    pub timed_samples: usize,
+}
+
+impl Effort {
+    /// For figures that stand: the error's own error is about 2 %.
+    pub const FULL: Self = Self { linear_events: 1200, hard_records: 6, timed_samples: 6000 };
+    /// For a look.
+    pub const QUICK: Self = Self { linear_events: 100, hard_records: 1, timed_samples: 1000 };
+}
+
 /// Noise of the linear scenes, parts of the weight.
 const NOISE: [f64; 3] = [0.001, 0.003, 0.02];
 
@@ -101,6 +113,8 @@ pub struct Trial {
     pub noise: f64,
     /// What the methods are told.
     pub setup: Setup,
+    /// Samples that times are taken over, at least, if it has them.
+    pub timed_samples: usize,
     /// Its records: seeds from 1 on, each with another sampling phase.
     pub records: Vec<Record>,
 }
@@ -111,34 +125,40 @@ pub struct Plan {
     name: &'static str,
     linear: bool,
     scene: Scene,
-    /// Least events, least and most records.
-    events: usize,
-    records: (u64, u64),
+    effort: Effort,
 }
 
 /// All scenes, in the order of the table.
 ///
 /// # Errors
 /// A scene that cannot be read.
-pub fn plans(quick: bool) -> Result<Vec<Plan>, SceneError> {
-    let (linear_events, hard_records) = if quick { QUICK } else { (LINEAR_EVENTS, HARD_RECORDS) };
+pub fn plans(effort: Effort) -> Result<Vec<Plan>, SceneError> {
     let mut plans = Vec::new();
     for (name, text) in LINEAR {
         for noise in NOISE {
-            let mut scene = Scene::from_toml(text)?;
-            scene.measurement.white_n = noise * scene.weight_n;
-            let records = (1, 1000);
-            plans.push(Plan { name, linear: true, scene, events: linear_events, records });
+            plans.push(Plan::new((name, text), Some(noise), effort)?);
         }
     }
-    for (name, text) in HARD {
-        let (scene, records) = (Scene::from_toml(text)?, (hard_records, hard_records));
-        plans.push(Plan { name, linear: false, scene, events: 0, records });
+    for scene in HARD {
+        plans.push(Plan::new(scene, None, effort)?);
     }
     Ok(plans)
 }
 
 impl Plan {
+    /// A linear scene if white noise is given, as a part of the weight.
+    fn new(
+        (name, text): (&'static str, &str),
+        noise: Option<f64>,
+        effort: Effort,
+    ) -> Result<Self, SceneError> {
+        let mut scene = Scene::from_toml(text)?;
+        if let Some(noise) = noise {
+            scene.measurement.white_n = noise * scene.weight_n;
+        }
+        Ok(Self { name, linear: noise.is_some(), scene, effort })
+    }
+
     /// Name of the scene.
     #[must_use]
     pub fn name(&self) -> &'static str {
@@ -151,15 +171,29 @@ impl Plan {
     /// A value out of its range, or an integrator that gives up.
     pub fn run(&self) -> Result<Trial, SceneError> {
         let mut records = Vec::new();
-        let (mut events, mut seed) = (0, 0);
-        while seed < self.records.0 || (events < self.events && seed < self.records.1) {
-            seed += 1;
+        let mut events = 0;
+        for seed in 1.. {
             let record = self.record(seed)?;
             events += record.events.len();
+            let found_none = record.events.is_empty();
             records.push(record);
+            let enough = if self.linear {
+                events >= self.effort.linear_events || found_none
+            } else {
+                seed >= self.effort.hard_records
+            };
+            if enough {
+                break;
+            }
         }
-        let noise = self.scene.measurement.white_n / self.scene.weight_n;
-        Ok(Trial { name: self.name, linear: self.linear, noise, setup: self.setup(), records })
+        Ok(Trial {
+            name: self.name,
+            linear: self.linear,
+            noise: self.scene.measurement.white_n / self.scene.weight_n,
+            setup: self.setup(),
+            timed_samples: self.effort.timed_samples,
+            records,
+        })
     }
 
     fn setup(&self) -> Setup {
@@ -220,5 +254,35 @@ impl Plan {
         let times_s = samples.iter().map(|s| s.index as f64 / self.scene.rate_hz);
         let own = times_s.filter(|t| (from_s..end_s).contains(t));
         linear.bound(own, noise_n).map(|b| (b.static_n, b.dynamic_n))
+    }
+}
+
+#[cfg(test)]
+pub(super) mod tests {
+    use super::*;
+
+    /// The linear scenes with a given noise, N.
+    pub fn linear(noise_n: f64, linear_events: usize) -> Vec<Trial> {
+        let effort = Effort { linear_events, ..Effort::QUICK };
+        let trial = |scene: &(&'static str, &str)| {
+            let weight_n = Scene::from_toml(scene.1).unwrap().weight_n;
+            Plan::new(*scene, Some(noise_n / weight_n), effort).unwrap().run().unwrap()
+        };
+        LINEAR.iter().map(trial).collect()
+    }
+
+    #[test]
+    fn records_start_at_different_phases_and_have_bounds() {
+        let trials = linear(2.0, 150);
+        let records = &trials[0].records;
+        assert!(records.len() >= 2);
+        assert!(records[0].samples != records[1].samples);
+        let events = records.iter().flat_map(|record| record.judged());
+        assert!(events.clone().count() >= 100);
+        assert!(events.clone().all(|e| (e.mu_s - 1.24).abs() < 1e-9));
+        // 0.32 and 0.14 sigma over the weight, by the phase of the samples.
+        let bound = |e: &Truth| e.bound.unwrap();
+        assert!(events.clone().all(|e| (0.0005..0.002).contains(&bound(e).0)));
+        assert!(events.clone().all(|e| (0.0003..0.0006).contains(&bound(e).1)));
     }
 }

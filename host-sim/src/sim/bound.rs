@@ -10,12 +10,17 @@
 //! - slip: `F = Fp + A cos omega t + B sin omega t` (7)
 //! - after: `F = 2 Fp - Fs + k w (t - T)` (16)
 //!
+//! When the block stops on a slack cable, (7) holds until it reaches zero, at the
+//! speed `v0`; then `F = 0` until the winch has taken up what the block slid on,
+//! `v0² M / (2 Fp w)` later, and `F = k w (t - t1)` from there on. The mass is known,
+//! so this time belongs to the same five unknowns.
+//!
 //! The gradients are these formulas' own; the Fisher matrix is their sum of
-//! squares over the samples. Aperture, steps, faults and slack are not in it.
+//! squares over the samples. Aperture, steps and faults are not in it.
 
 use std::f64::consts::PI;
 
-use super::scene::Scene;
+use super::scene::{GRAVITY_M_PER_S2, Scene};
 use super::truth::TrueEvent;
 
 /// Number of unknowns.
@@ -26,8 +31,7 @@ const STATIC: usize = 2;
 const DYNAMIC: usize = 3;
 const OMEGA: usize = 4;
 
-type Vector = [f64; UNKNOWNS];
-type Matrix = [Vector; UNKNOWNS];
+type Matrix = [[f64; UNKNOWNS]; UNKNOWNS];
 
 /// A linear event.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -42,6 +46,15 @@ pub struct LinearEvent {
     pub dynamic_force_n: f64,
     /// `omega`, rad/s.
     pub omega_rad_per_s: f64,
+}
+
+/// An event whose block stops on a slack cable.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SlackEvent {
+    /// Up to the slack; its re-stick does not happen.
+    pub taut: LinearEvent,
+    /// Mass of the block, kg.
+    pub mass_kg: f64,
 }
 
 /// Standard deviations of the two forces, N.
@@ -78,9 +91,8 @@ impl LinearEvent {
     #[must_use]
     pub fn gradient(&self, time_s: f64) -> [f64; 5] {
         let t = time_s - self.onset_s;
-        let rate = self.loading_rate_n_per_s;
         if t < 0.0 {
-            [-rate, t, 1.0, 0.0, 0.0]
+            [-self.loading_rate_n_per_s, t, 1.0, 0.0, 0.0]
         } else if t < self.slip_s() {
             self.slip_gradient(t)
         } else {
@@ -88,7 +100,7 @@ impl LinearEvent {
         }
     }
 
-    fn slip_gradient(&self, t: f64) -> Vector {
+    fn slip_gradient(&self, t: f64) -> [f64; UNKNOWNS] {
         let (a, b, _) = self.axes();
         let omega = self.omega_rad_per_s;
         let (sin, cos) = (omega * t).sin_cos();
@@ -96,7 +108,7 @@ impl LinearEvent {
         [-omega * turn, sin / omega, cos, 1.0 - cos, t * turn - b / omega * sin]
     }
 
-    fn rest_gradient(&self, t: f64) -> Vector {
+    fn rest_gradient(&self, t: f64) -> [f64; UNKNOWNS] {
         let (a, b, square) = self.axes();
         let (rate, omega, slip_s) =
             (self.loading_rate_n_per_s, self.omega_rad_per_s, self.slip_s());
@@ -116,8 +128,8 @@ impl LinearEvent {
     /// unknown; `None` where the samples cannot tell them apart.
     #[must_use]
     pub fn bound(&self, times_s: impl Iterator<Item = f64>, noise_n: f64) -> Option<ForceBound> {
-        let covariance = inverse(self.fisher(times_s))?;
-        Some(Self::forces(&covariance, noise_n))
+        let fisher = fisher(times_s.map(|t| self.gradient(t)));
+        Some(ForceBound::new(&inverse(fisher)?, noise_n))
     }
 
     /// The bound with `k w` and `omega` known from elsewhere.
@@ -127,7 +139,7 @@ impl LinearEvent {
         times_s: impl Iterator<Item = f64>,
         noise_n: f64,
     ) -> Option<ForceBound> {
-        let mut fisher = self.fisher(times_s);
+        let mut fisher = fisher(times_s.map(|t| self.gradient(t)));
         // What is known has no connection with the rest.
         let known = |i: usize| i == RATE || i == OMEGA;
         for (i, row) in fisher.iter_mut().enumerate() {
@@ -135,27 +147,110 @@ impl LinearEvent {
                 *cell = if i == j { 1.0 } else { 0.0 };
             }
         }
-        Some(Self::forces(&inverse(fisher)?, noise_n))
+        Some(ForceBound::new(&inverse(fisher)?, noise_n))
     }
+}
 
-    fn fisher(&self, times_s: impl Iterator<Item = f64>) -> Matrix {
-        let mut fisher = [[0.0; UNKNOWNS]; UNKNOWNS];
-        for gradient in times_s.map(|t| self.gradient(t)) {
-            for (row, g) in fisher.iter_mut().zip(gradient) {
-                for (cell, h) in row.iter_mut().zip(gradient) {
-                    *cell += g * h;
-                }
-            }
+impl SlackEvent {
+    /// Times from the onset until the force reaches zero and until it rises
+    /// again, s; `None` if it does not reach zero.
+    fn slack_s(&self) -> Option<(f64, f64)> {
+        let LinearEvent { loading_rate_n_per_s, dynamic_force_n, omega_rad_per_s, .. } = self.taut;
+        let (a, b, square) = self.taut.axes();
+        let under = square - dynamic_force_n * dynamic_force_n;
+        if under < 0.0 {
+            return None;
         }
-        fisher
+        let angle = b.atan2(a) + PI - under.sqrt().atan2(dynamic_force_n);
+        let stiffness = omega_rad_per_s * omega_rad_per_s * self.mass_kg;
+        let winch = loading_rate_n_per_s / stiffness;
+        let speed = winch + omega_rad_per_s * under.sqrt() / stiffness;
+        let starts_s = angle / omega_rad_per_s;
+        let lasts_s = speed * speed * self.mass_kg / (2.0 * dynamic_force_n * winch);
+        Some((starts_s, starts_s + lasts_s))
     }
 
-    fn forces(covariance: &Matrix, noise_n: f64) -> ForceBound {
-        ForceBound {
+    /// The event with one unknown moved.
+    fn moved(mut self, unknown: usize, by: f64) -> Self {
+        let taut = &mut self.taut;
+        match unknown {
+            RATE => taut.loading_rate_n_per_s += by,
+            STATIC => taut.static_force_n += by,
+            DYNAMIC => taut.dynamic_force_n += by,
+            OMEGA => taut.omega_rad_per_s += by,
+            _ => taut.onset_s += by,
+        }
+        self
+    }
+
+    /// Derivatives of the time at which the force rises again, by central
+    /// differences: of seconds after the onset, which does not depend on it.
+    fn rise_gradient(&self) -> Option<[f64; UNKNOWNS]> {
+        let e = &self.taut;
+        let scales =
+            [1.0, e.loading_rate_n_per_s, e.static_force_n, e.dynamic_force_n, e.omega_rad_per_s];
+        let mut gradient = [0.0; UNKNOWNS];
+        for (i, (slot, scale)) in gradient.iter_mut().zip(scales).enumerate() {
+            let h = 1e-6 * scale;
+            let rise = |by: f64| self.moved(i, by).slack_s().map(|slack| slack.1);
+            *slot = (rise(h)? - rise(-h)?) / (2.0 * h);
+        }
+        Some(gradient)
+    }
+
+    /// Derivatives of the force at times by the five unknowns.
+    fn gradients(
+        &self,
+        times_s: impl Iterator<Item = f64>,
+    ) -> Option<impl Iterator<Item = [f64; UNKNOWNS]>> {
+        let (starts_s, rises_s) = self.slack_s()?;
+        let rise = self.rise_gradient()?;
+        let (taut, rate) = (self.taut, self.taut.loading_rate_n_per_s);
+        Some(times_s.map(move |time_s| {
+            let t = time_s - taut.onset_s;
+            if t < 0.0 {
+                return taut.gradient(time_s);
+            }
+            if t < starts_s {
+                return taut.slip_gradient(t);
+            }
+            if t < rises_s {
+                return [0.0; UNKNOWNS];
+            }
+            let mut gradient = rise.map(|d| -rate * d);
+            gradient[0] -= rate;
+            gradient[RATE] += t - rises_s;
+            gradient
+        }))
+    }
+
+    /// As [`LinearEvent::bound`].
+    #[must_use]
+    pub fn bound(&self, times_s: impl Iterator<Item = f64>, noise_n: f64) -> Option<ForceBound> {
+        Some(ForceBound::new(&inverse(fisher(self.gradients(times_s)?))?, noise_n))
+    }
+}
+
+impl ForceBound {
+    fn new(covariance: &Matrix, noise_n: f64) -> Self {
+        Self {
             static_n: noise_n * covariance[STATIC][STATIC].sqrt(),
             dynamic_n: noise_n * covariance[DYNAMIC][DYNAMIC].sqrt(),
         }
     }
+}
+
+/// Sum of the products of the gradients at the samples.
+fn fisher(gradients: impl Iterator<Item = [f64; UNKNOWNS]>) -> Matrix {
+    let mut fisher = [[0.0; UNKNOWNS]; UNKNOWNS];
+    for gradient in gradients {
+        for (row, g) in fisher.iter_mut().zip(gradient) {
+            for (cell, h) in row.iter_mut().zip(gradient) {
+                *cell += g * h;
+            }
+        }
+    }
+    fisher
 }
 
 /// Inverse of a symmetric positive definite matrix, by Gauss-Jordan on the
@@ -202,32 +297,48 @@ fn inverse(matrix: Matrix) -> Option<Matrix> {
     Some(right)
 }
 
-/// Sets the bounds of the events of a linear scene with white noise; leaves the
-/// others without.
+/// Sets the bounds of the events of a scene with white noise that is linear and
+/// stays the same; leaves the others without.
 pub fn set_bounds(scene: &Scene, events: &mut [TrueEvent]) {
     let noise_n = scene.measurement.white_n;
-    if noise_n <= 0.0 || !scene.is_linear() {
+    let changes = scene.winch_profile.is_some() || scene.breaking.is_some();
+    if noise_n <= 0.0 || changes || !scene.is_linear() {
         return;
     }
     let onsets: Vec<f64> = events.iter().map(|e| e.onset_s).collect();
-    let force_of_one = |e: &TrueEvent| e.weight_n * scene.slope_rad().cos();
-    for (i, event) in events.iter_mut().enumerate().filter(|(_, e)| !e.slack) {
-        let linear = LinearEvent {
-            onset_s: event.onset_s,
-            loading_rate_n_per_s: event.loading_rate_n_per_s,
-            static_force_n: event.static_force_n,
-            dynamic_force_n: event.dynamic_force_n,
-            omega_rad_per_s: event.omega_rad_per_s,
-        };
+    for (i, event) in events.iter_mut().enumerate() {
         let end_s = onsets.get(i + 1).copied().unwrap_or(scene.duration_s);
         let first = ((event.onset_s - event.stick_s).max(0.0) * scene.rate_hz).ceil() as u64;
         let last = (end_s * scene.rate_hz).ceil() as u64;
         let times_s = (first..last.min(scene.sample_count())).map(|n| n as f64 / scene.rate_hz);
-        if let Some(bound) = linear.bound(times_s, noise_n) {
-            event.mu_s_bound = Some(bound.static_n / force_of_one(event));
-            event.mu_bound = Some(bound.dynamic_n / force_of_one(event));
+        if let Some(bound) = event_bound(scene, event, times_s) {
+            let force_of_one_n = event.weight_n * scene.slope_rad().cos();
+            event.mu_s_bound = Some(bound.static_n / force_of_one_n);
+            event.mu_bound = Some(bound.dynamic_n / force_of_one_n);
         }
     }
+}
+
+/// `None` also for a cable that is taut again while the block still moves.
+fn event_bound(
+    scene: &Scene,
+    event: &TrueEvent,
+    times_s: impl Iterator<Item = f64>,
+) -> Option<ForceBound> {
+    let taut = LinearEvent {
+        onset_s: event.onset_s,
+        loading_rate_n_per_s: event.loading_rate_n_per_s,
+        static_force_n: event.static_force_n,
+        dynamic_force_n: event.dynamic_force_n,
+        omega_rad_per_s: event.omega_rad_per_s,
+    };
+    let noise_n = scene.measurement.white_n;
+    if !event.slack {
+        return taut.bound(times_s, noise_n);
+    }
+    let mass_kg = event.weight_n / GRAVITY_M_PER_S2;
+    let stopped_slack = event.slack_m > 0.0;
+    if stopped_slack { SlackEvent { taut, mass_kg }.bound(times_s, noise_n) } else { None }
 }
 
 #[cfg(test)]
@@ -241,6 +352,14 @@ mod tests {
             static_force_n: 1.24 * 630.0,
             dynamic_force_n: 0.78 * 630.0,
             omega_rad_per_s: (23_000.0_f64 / (630.0 / 9.81)).sqrt(),
+        }
+    }
+
+    fn slack() -> SlackEvent {
+        let (static_force_n, dynamic_force_n) = (630.0, 252.0);
+        SlackEvent {
+            taut: LinearEvent { static_force_n, dynamic_force_n, ..dff8_13() },
+            mass_kg: 630.0 / 9.81,
         }
     }
 
@@ -264,45 +383,74 @@ mod tests {
         (root(squares.0), root(squares.1), root(known))
     }
 
+    /// The model of the header on its own, by the unknowns in their order; with
+    /// a mass, of a block that stops on a slack cable.
+    fn force_n(unknowns: &[f64; 5], mass_kg: Option<f64>, time_s: f64) -> f64 {
+        let [onset_s, rate, fs, fp, omega] = *unknowns;
+        let t = time_s - onset_s;
+        let (a, b) = (fs - fp, rate / omega);
+        let slip_s = 2.0 / omega * (PI - a.atan2(b));
+        let slip_n = |t: f64| fp + a * (omega * t).cos() + b * (omega * t).sin();
+        let Some(mass_kg) = mass_kg else {
+            let rest_n = 2.0 * fp - fs + rate * (t - slip_s);
+            return if t < 0.0 {
+                fs + rate * t
+            } else if t < slip_s {
+                slip_n(t)
+            } else {
+                rest_n
+            };
+        };
+        // Where the force is zero, by bisection up to its lowest point.
+        let (mut low, mut high) = (0.0, PI / omega);
+        for _ in 0..60 {
+            let middle = 0.5 * (low + high);
+            if slip_n(middle) > 0.0 { low = middle } else { high = middle }
+        }
+        let winch = rate / (omega * omega * mass_kg);
+        let falling = omega * (-a * (omega * low).sin() + b * (omega * low).cos());
+        let speed = winch - falling / (omega * omega * mass_kg);
+        let deceleration = fp / mass_kg;
+        let stop_s = speed / deceleration;
+        let slack_m = 0.5 * deceleration * stop_s * stop_s - winch * stop_s;
+        let rises_s = low + stop_s + slack_m / winch;
+        if t < 0.0 {
+            fs + rate * t
+        } else if t < low {
+            slip_n(t)
+        } else {
+            (rate * (t - rises_s)).max(0.0)
+        }
+    }
+
+    /// Compares a gradient with differences of the model.
+    fn assert_derivatives(event: &LinearEvent, mass_kg: Option<f64>, time_s: f64, found: [f64; 5]) {
+        let (rate, omega) = (event.loading_rate_n_per_s, event.omega_rad_per_s);
+        let unknowns = [event.onset_s, rate, event.static_force_n, event.dynamic_force_n, omega];
+        for (i, analytic) in found.into_iter().enumerate() {
+            let moved = |h: f64| {
+                let mut unknowns = unknowns;
+                unknowns[i] += h;
+                force_n(&unknowns, mass_kg, time_s)
+            };
+            let h = 1e-5;
+            let numeric = (moved(h) - moved(-h)) / (2.0 * h);
+            let close = (numeric - analytic).abs() < 1e-5 * (1.0 + analytic.abs());
+            assert!(close, "{time_s} {i}: {numeric} {analytic}");
+        }
+    }
+
     #[test]
     fn gradients_are_derivatives() {
-        let event = dff8_13();
-        let force = |e: &LinearEvent, time_s: f64| {
-            let t = time_s - e.onset_s;
-            let (a, b, _) = e.axes();
-            let (sin, cos) = (e.omega_rad_per_s * t).sin_cos();
-            if t < 0.0 {
-                e.static_force_n + e.loading_rate_n_per_s * t
-            } else if t < e.slip_s() {
-                e.dynamic_force_n + a * cos + b * sin
-            } else {
-                let rest_n = 2.0 * e.dynamic_force_n - e.static_force_n;
-                rest_n + e.loading_rate_n_per_s * (t - e.slip_s())
-            }
-        };
-        for time_s in [-1.0, -0.1, 0.03, 0.09, 0.15, 0.3, 1.2] {
-            let gradient = event.gradient(time_s);
-            for (i, analytic) in gradient.into_iter().enumerate() {
-                let moved = |h: f64| {
-                    let mut e = event;
-                    match i {
-                        0 => e.onset_s += h,
-                        RATE => e.loading_rate_n_per_s += h,
-                        STATIC => e.static_force_n += h,
-                        DYNAMIC => e.dynamic_force_n += h,
-                        _ => e.omega_rad_per_s += h,
-                    }
-                    force(&e, time_s)
-                };
-                let h = 1e-5;
-                let numeric = (moved(h) - moved(-h)) / (2.0 * h);
-                let tolerance = 1e-5 * (1.0 + analytic.abs());
-                assert!(
-                    (numeric - analytic).abs() < tolerance,
-                    "{time_s} {i}: {numeric} {analytic}"
-                );
-            }
+        let (taut, slack) = (dff8_13(), slack());
+        let times_s = [-1.0, -0.1, 0.03, 0.09, 0.15, 0.3, 0.85, 1.2, 2.0, 3.0];
+        for (time_s, of_slack) in
+            times_s.into_iter().zip(slack.gradients(times_s.into_iter()).unwrap())
+        {
+            assert_derivatives(&taut, None, time_s, taut.gradient(time_s));
+            assert_derivatives(&slack.taut, Some(slack.mass_kg), time_s, of_slack);
         }
+        assert!(slack.slack_s().unwrap().1 < 2.0, "the last times must be on the line after");
     }
 
     #[test]

@@ -1,0 +1,108 @@
+//! `floe simulate`: its truth has the names of a replay's result, and a replay of
+//! its log finds that truth as well as the bound allows.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use serde_json::Value;
+
+/// A folder of its own for each test.
+fn folder(name: &str) -> PathBuf {
+    let folder = std::env::temp_dir().join(format!("floe-simulate-{}-{name}", std::process::id()));
+    fs::create_dir_all(&folder).unwrap();
+    folder
+}
+
+fn floe(folder: &Path, arguments: &[&str]) -> String {
+    let output =
+        Command::new(env!("CARGO_BIN_EXE_floe")).current_dir(folder).args(arguments).output();
+    let output = output.unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    String::from_utf8(output.stdout).unwrap()
+}
+
+fn scene(name: &str) -> String {
+    let scenes = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes");
+    scenes.join(name).to_str().unwrap().to_owned()
+}
+
+/// Truth and result of a scene.
+fn simulate_and_replay(test: &str, name: &str, duration_s: &str) -> (Value, Value) {
+    let folder = folder(test);
+    let scene = scene(name);
+    let arguments = ["simulate", &scene, "-o", "log.csv", "--truth", "truth.json"];
+    let said = floe(&folder, &[&arguments[..], &["--duration-s", duration_s]].concat());
+    assert!(said.contains("method: ") && said.contains("terms: "), "{said}");
+    let truth = fs::read_to_string(folder.join("truth.json")).unwrap();
+    let result = floe(&folder, &["replay", "log.csv", "--json"]);
+    fs::remove_dir_all(folder).unwrap();
+    (serde_json::from_str(&truth).unwrap(), serde_json::from_str(&result).unwrap())
+}
+
+#[test]
+fn truth_has_the_names_of_a_result() {
+    let (truth, result) = simulate_and_replay("names", "dff8-13.toml", "20");
+    let event = truth["events"][0].as_object().unwrap();
+    for name in [
+        "index",
+        "onset_s",
+        "stop_s",
+        "static_force_n",
+        "dynamic_force_n",
+        "peak_force_n",
+        "restick_force_n",
+        "mu_s",
+        "mu",
+        "stick_s",
+        "slip_s",
+        "loading_rate_n_per_s",
+        "omega_rad_per_s",
+        "slack",
+    ] {
+        assert!(event.contains_key(name), "{name} is missing in the truth");
+        assert!(result["events"][0].get(name).is_some(), "{name} is missing in the result");
+    }
+    assert_eq!(truth["synthetic"], true);
+    assert_eq!(truth["scene"]["weight_n"], 630.0);
+}
+
+#[test]
+fn states_tell_what_the_block_did_at_each_sample() {
+    let (truth, _) = simulate_and_replay("states", "hard/slack.toml", "20");
+    let names: Vec<&str> =
+        truth["states"].as_array().unwrap().iter().map(|s| s["state"].as_str().unwrap()).collect();
+    for state in ["stick", "slip", "slack_sliding", "slack_stuck"] {
+        assert!(names.contains(&state), "{state}");
+    }
+    assert!(names.windows(2).all(|pair| pair[0] != pair[1]));
+}
+
+/// Root-mean-square of the errors over that of the bounds.
+fn error_over_bound(truth: &Value, result: &Value, name: &str) -> f64 {
+    let (truth, found) =
+        (truth["events"].as_array().unwrap(), result["events"].as_array().unwrap());
+    assert_eq!(truth.len(), found.len());
+    let (mut errors, mut bounds) = (0.0, 0.0);
+    for (t, f) in truth.iter().zip(found) {
+        let of = |event: &Value, key: &str| event[key].as_f64();
+        if let (Some(x), Some(y), Some(bound)) =
+            (of(t, name), of(f, name), of(t, &format!("{name}_bound")))
+        {
+            errors += (x - y).powi(2);
+            bounds += bound * bound;
+        }
+    }
+    (errors / bounds).sqrt()
+}
+
+#[test]
+fn a_replay_finds_the_truth_to_the_bound() {
+    let (truth, result) = simulate_and_replay("bound", "dff8-13.toml", "1200");
+    for name in ["mu_s", "mu"] {
+        let ratio = error_over_bound(&truth, &result, name);
+        println!("{name}: error {ratio:.2} of the bound");
+        // What is carried from event to event can beat the bound of one event.
+        assert!((0.4..1.1).contains(&ratio), "{name}: {ratio}");
+    }
+}
