@@ -120,6 +120,9 @@ impl Log {
         if is_floe && options.format.is_none_or(|format| format == Format::Floe) {
             return Self::from_floe(input, options);
         }
+        if options.format == Some(Format::Floe) {
+            return Err(InputError::new("is not a log of a floe logger; leave --format out"));
+        }
         let mut lines = Lines::new(input);
         let head = lines.head()?;
         refuse_binary(head)?;

@@ -133,7 +133,9 @@ pub fn run(args: &Args, forced: Option<Route>) -> Result<()> {
     let samples = args.live.is_some() || record.has_gaps();
     let setup = Setup { samples, port: args.live, card: args.card.as_deref(), cut_at: None };
     let run = machine.run(&record, setup)?;
-    let outcome = outcome::decode(&run.shown)?;
+    let mut outcome = outcome::decode(&run.shown)?;
+    // Without an image there is no card, and no need to say so.
+    outcome.troubles.retain(|t| args.card.is_some() || !t.starts_with("no card"));
     let health = &outcome.health;
     say(&format!(
         "{} samples in {:.1} s, {} lost, at most {} waiting; console {} bytes, CRC-32 {:08x}",

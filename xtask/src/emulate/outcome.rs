@@ -25,7 +25,7 @@ pub struct Outcome {
     pub health: Health,
     /// Samples shown as unusable.
     pub rejected: BTreeSet<u64>,
-    /// What the board complained of.
+    /// What the board complained of, each thing once.
     pub troubles: Vec<String>,
 }
 
@@ -43,11 +43,14 @@ pub fn decode(shown: &str) -> Result<Outcome> {
             Line::Report(r) => report = Some(r),
             Line::Health(h) => health = Some(h),
             Line::End { .. } => ended = true,
-            Line::Trouble(text) => troubles.push(text.to_string()),
+            Line::Trouble(text) if !troubles.iter().any(|t| t == text) => {
+                troubles.push(text.to_string());
+            }
             Line::Sample(sample) if sample.flag == SampleFlag::Rejected => {
                 rejected.insert(sample.index);
             }
-            Line::Sample(_) | Line::Spike(_) | Line::Mean(_) | Line::Info(_) => {}
+            Line::Sample(_) | Line::Spike(_) | Line::Mean(_) | Line::Info(_) | Line::Trouble(_) => {
+            }
         }
     }
     match (config, report, health, ended) {
