@@ -21,9 +21,9 @@ pub(crate) struct Learnt {
 const LEAST_OWN: f32 = 0.003;
 
 impl Learnt {
-    /// Variance of the noise: from the fits so far, else the detector's.
+    /// Variance of the noise, as if it were white: from the fits so far, else the detector's.
     pub(crate) fn noise_n2(&self, pending: &Pending) -> f32 {
-        self.residuals.variance_n2().unwrap_or(pending.noise_n2)
+        pending.inflation * self.residuals.variance_n2().unwrap_or(pending.noise_n2)
     }
 
     /// An event's samples and lines with what is expected of it.
