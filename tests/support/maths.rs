@@ -58,10 +58,10 @@ impl fmt::Display for Error {
     }
 }
 
-/// What rounding may do to a coefficient, of its weight: a fiftieth of the smallest
-/// standard deviation that an event can have, `0.14 σ / M g` at a noise of 0.1 % of
-/// the weight.
-const COEFFICIENT: f64 = 0.02 * 0.14 * 0.001;
+/// What a force may be wrong by, in weights: so that the fit, which at most doubles
+/// it, moves a coefficient by a fiftieth of the smallest standard deviation that an
+/// event can have, `0.14 σ / M g` at a noise of 0.1 % of the weight.
+const FORCE: f64 = 0.02 * 0.14 * 0.001 / 2.0;
 /// Test DFF8-13: `mu_s − mu`; and `k w / (ω M g) = w ω / g` at the fastest winch.
 const DROP: f64 = 1.24 - 0.78;
 const WINCH: f64 = 0.04 * 18.9 / 9.81;
@@ -71,10 +71,10 @@ const WINCH: f64 = 0.04 * 18.9 / 9.81;
 #[must_use]
 pub fn bearable(name: &str) -> Option<f64> {
     match name {
-        "sqrt" => Some(COEFFICIENT / DROP.hypot(WINCH)),
+        "sqrt" => Some(FORCE / DROP.hypot(WINCH)),
         "rough_sqrt" => Some(0.1),
-        "sin" | "cos" => Some(COEFFICIENT / DROP),
-        "atan2" => Some(COEFFICIENT / (2.0 * WINCH)),
+        "sin" | "cos" => Some(FORCE / DROP),
+        "atan2" => Some(FORCE / (2.0 * WINCH)),
         "exp" => Some(0.02),
         _ => None,
     }
