@@ -123,8 +123,9 @@ impl Fit {
 
 /// Most iterations before giving up; two or three are usual.
 const MOST_STEPS: u8 = 24;
-/// Settled when the next step is below this share of a standard deviation, squared.
-const SETTLED: f32 = 1e-3;
+/// Settled when the next step, which is still taken, is below this share of a standard
+/// deviation, squared: what it leaves is its square.
+const SETTLED: f32 = 1e-2;
 /// The same when the iterations are used up: a sample may sit right on an end of
 /// the slip, where the sum of squares has a kink.
 const NEARLY_SETTLED: f32 = 0.05;

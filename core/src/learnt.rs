@@ -17,6 +17,9 @@ pub(crate) struct Learnt {
     pub(crate) residuals: Residuals,
 }
 
+/// Least part of a fitted precision that has to be the event's own.
+const LEAST_OWN: f32 = 0.1;
+
 impl Learnt {
     /// Variance of the noise: from the fits so far, else the detector's.
     pub(crate) fn noise_n2(&self, pending: &Pending) -> f32 {
@@ -66,16 +69,17 @@ impl Learnt {
     /// Carries the event's own loading rate, swing and bend to the next ones.
     pub(crate) fn learn(&mut self, data: &Data<'_>, posterior: &Posterior, noise_n2: f32) {
         let Posterior { cycle, unknowns: [_, rate, _, _, swing, bend], .. } = *posterior;
-        // What hardly resolved slips tell is bent towards what was expected of them.
-        let least = if posterior.is_resolved() { 0.1 } else { 0.7 };
-        let own = |value, variance, prior| without_prior(value, variance, prior, noise_n2, least);
+        let own =
+            |value, variance, prior| without_prior(value, variance, prior, noise_n2, LEAST_OWN);
         // The loading rate and the swing are above zero; the bend may have any sign.
         if let Some((value, variance)) = own(cycle.rate, rate, data.rate).filter(|own| own.0 > 0.0)
         {
             self.rate.add(value, variance);
         }
+        // What hardly resolved slips tell of it is what was expected of them.
+        let own_swing = own(cycle.swing(), swing, data.swing);
         if let Some((value, variance)) =
-            own(cycle.swing(), swing, data.swing).filter(|own| own.0 > 0.0)
+            own_swing.filter(|own| own.0 > 0.0 && posterior.is_resolved())
         {
             self.swing.add(value, variance);
         }
