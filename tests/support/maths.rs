@@ -83,7 +83,11 @@ pub fn bearable(name: &str) -> Option<f64> {
 /// Is it the one that the core calls?
 #[must_use]
 pub fn is_used(function: &Function) -> bool {
-    let library = if function.name == "rough_sqrt" { "micromath" } else { "libm" };
+    let library = match function.name {
+        "sin" | "cos" => "floe",
+        "rough_sqrt" => "micromath",
+        _ => "libm",
+    };
     function.library == library && bearable(function.name).is_some()
 }
 

@@ -34,14 +34,16 @@ const RATIOS: (f32, f32) = (1e-6, 1e9);
 const LOG_RATIOS: (f32, f32) = (-87.0, 7.0);
 
 /// All that are compared, the core's own under the library that it takes.
-pub const FUNCTIONS: [Function; 16] = [
+pub const FUNCTIONS: [Function; 18] = [
     new("sqrt", "libm", SQUARES, math::sqrt),
     new("sqrt", "micromath", SQUARES, F32Ext::sqrt),
     new("sqrt", "hardware", SQUARES, hardware::sqrt),
     new("rough_sqrt", "micromath", SQUARES, math::rough_sqrt),
-    new("sin", "libm", ANGLES, |x| math::sin_cos(x).0),
+    new("sin", "floe", ANGLES, |x| math::sin_cos(x).0),
+    new("sin", "libm", ANGLES, |x| libm::sincosf(x).0),
     new("sin", "micromath", ANGLES, F32Ext::sin),
-    new("cos", "libm", ANGLES, |x| math::sin_cos(x).1),
+    new("cos", "floe", ANGLES, |x| math::sin_cos(x).1),
+    new("cos", "libm", ANGLES, |x| libm::sincosf(x).1),
     new("cos", "micromath", ANGLES, F32Ext::cos),
     new("atan2", "libm", RATIOS, |x| math::atan2(x, 1.0)),
     new("atan2", "micromath", RATIOS, |x| F32Ext::atan2(x, 1.0)),
