@@ -32,7 +32,7 @@ const FIRST_DROP: f32 = 8.0;
 const LEAST_DROP: f32 = 6.0;
 /// Least drop of a slip that starts in the upper half of the last one's range,
 /// parts of the usual drop. Flop of the cable starts in the lower half.
-const LEAST_PART: f32 = 0.35;
+const LEAST_PART: f32 = 0.05;
 /// Least drop of a slip that starts in the lower half.
 const LEAST_PART_LOW: f32 = 0.5;
 /// Rise that ends a slip at once, parts of its drop.
@@ -279,7 +279,12 @@ impl Detector {
     fn slips(&self, now: Extreme) -> bool {
         let Some(std) = self.std_n else { return false };
         let stick = &self.stick;
-        let part = if stick.highest.force_n > self.middle_n { LEAST_PART } else { LEAST_PART_LOW };
+        let innovation = self.innovation(now);
+        let part = match (stick.highest.force_n > self.middle_n, innovation) {
+            (true, Some(_)) => LEAST_PART,
+            (true, None) => 0.35,
+            (false, _) => LEAST_PART_LOW,
+        };
         let usual = self.usual_drop_n;
         let least = if usual > 0.0 {
             (LEAST_DROP * std).max(part * usual)
@@ -291,7 +296,7 @@ impl Detector {
         if stick.highest.force_n - now.force_n < least {
             return false;
         }
-        match self.innovation(now) {
+        match innovation {
             Some((innovation, spread)) => innovation < -OFF_LINE * std * spread,
             // Rests too briefly for a line: the drop alone decides.
             None => true,
@@ -398,7 +403,6 @@ impl Detector {
 
     fn restick(&mut self, now: Extreme, drop: f32, fall: u64) -> Transition {
         let (peak, low) = (self.stick.highest, self.lowest);
-        self.middle_n = 0.5 * (peak.force_n + low.force_n);
         if self.usual_drop_n > 0.0 {
             let change = (drop - self.usual_drop_n).clamp(-0.5 * self.usual_drop_n, drop);
             self.usual_drop_n = (self.usual_drop_n + 0.25 * change).max(0.5 * drop);
@@ -407,6 +411,7 @@ impl Detector {
             self.usual_drop_n = drop;
             self.usual_fall = fall as f32;
         }
+        self.middle_n = peak.force_n - 0.5 * drop.max(self.usual_drop_n);
         self.rest_from(now, now.index + 1);
         for index in low.index..now.index {
             let earlier = self.window.get(index).unwrap_or(f32::MIN);
