@@ -115,7 +115,7 @@ impl Pipeline {
         let held = self.spikes.finish().and_then(|held| self.decimator.step(held));
         let event = held.and_then(|block| self.advance(block));
         let event = event.or_else(|| self.decimator.finish().and_then(|block| self.advance(block)));
-        event.or_else(|| {
+        event.or_else(|| self.catch_up()).or_else(|| {
             let (stick, window) = (self.detector.stick(), self.detector.window());
             let end = Extreme { index: self.detector.last().index + 1, ..self.detector.last() };
             let event = self.cycles.finish(stick, window, end);
@@ -167,14 +167,32 @@ impl Pipeline {
 
     /// Takes a good sample through the detector and on.
     fn advance(&mut self, sample: Extreme) -> Option<Event> {
-        let event = match self.detector.step(sample.index, sample.force_n)? {
+        let transition = self.detector.step(sample.index, sample.force_n)?;
+        self.follow(transition)
+    }
+
+    /// The next event of samples that the detector has yet to look at.
+    fn catch_up(&mut self) -> Option<Event> {
+        while let Some(transition) = self.detector.catch_up(u32::MAX) {
+            let event = self.follow(transition);
+            if event.is_some() {
+                return event;
+            }
+        }
+        None
+    }
+
+    fn follow(&mut self, transition: Transition) -> Option<Event> {
+        let event = match transition {
             Transition::Onset | Transition::Cancelled => None,
             Transition::Restick { peak, low } => {
                 self.cycles.restick(&self.detector, (peak, low), self.last_hidden)
             }
-            Transition::Lost => {
-                self.cycles.finish(self.detector.ended(), self.detector.window(), sample)
-            }
+            Transition::Lost => self.cycles.finish(
+                self.detector.ended(),
+                self.detector.window(),
+                self.detector.last(),
+            ),
         };
         self.count(event)
     }
