@@ -3,10 +3,12 @@
 //! A slip is fitted twice: when the block has come to rest, for a first answer, and
 //! when the stick line after it is complete, for the final one.
 
+use crate::change::{Cause, Change, Levels};
 use crate::detector::{Detector, Extreme, Stick};
 use crate::event::{Coefficient, Event, Quality, Reason, SampleTime};
 use crate::fit::{Data, Fit, Prior};
 use crate::line::Line;
+use crate::mass::{Mass, Verdict};
 use crate::math;
 use crate::model::{self, Cycle};
 use crate::pending::{Pending, since};
@@ -22,6 +24,8 @@ pub struct Site {
     pub weight_n: f32,
     /// Slope of the ice, rad.
     pub slope_rad: f32,
+    /// Relative standard deviation of the weight; zero for the given one.
+    pub weight_spread: f32,
     /// Samples per second.
     pub rate_hz: f32,
 }
@@ -35,6 +39,18 @@ impl Site {
             std: math::sqrt(variance_n2) / (self.weight_n * cos),
         }
     }
+
+    /// Standard deviation of a force's coefficient because of the weight's.
+    fn common_std(&self, force_n: f32) -> f32 {
+        let (_, cos) = math::sin_cos(self.slope_rad);
+        self.weight_spread * force_n.abs() / (self.weight_n * cos)
+    }
+
+    /// The same with the weight's uncertainty in the standard deviation.
+    fn whole(&self, force_n: f32, variance_n2: f32) -> Coefficient {
+        let (own, common) = (self.coefficient(force_n, variance_n2), self.common_std(force_n));
+        Coefficient { std: math::sqrt(own.std * own.std + common * common), ..own }
+    }
 }
 
 /// A complete event.
@@ -45,11 +61,16 @@ pub struct Finished {
     /// `mu_s` and `mu` without what other events told of the loading rate: for means
     /// over events, whose errors must not be the same in all of them.
     pub alone: Option<(Coefficient, Coefficient)>,
+    /// Part of their standard deviations that is common to all events from the last
+    /// change on.
+    pub common: (f32, f32),
+    /// A change that this event told.
+    pub change: Option<Change>,
 }
 
 impl From<Event> for Finished {
     fn from(event: Event) -> Self {
-        Self { event, alone: None }
+        Self { event, alone: None, common: (0.0, 0.0), change: None }
     }
 }
 
@@ -59,8 +80,11 @@ pub struct Cycles {
     site: Site,
     pending: Option<Pending>,
     rate: Shared,
-    swing: Shared,
+    mass: Mass,
     bend: Shared,
+    levels: Levels,
+    /// The event whose swing was off.
+    suspect: Option<(u32, SampleTime)>,
     residuals: Residuals,
     /// Stop of the last event.
     last_stop: Option<SampleTime>,
@@ -75,8 +99,10 @@ impl Cycles {
             site,
             pending: None,
             rate: Shared::default(),
-            swing: Shared::default(),
+            mass: Mass::new(),
             bend: Shared::default(),
+            levels: Levels::default(),
+            suspect: None,
             residuals: Residuals::default(),
             last_stop: None,
             count: 0,
@@ -93,7 +119,7 @@ impl Cycles {
     #[must_use]
     pub fn shared(&self) -> (Option<f32>, Option<f32>) {
         let hz = self.site.rate_hz;
-        (self.rate.mean().map(|r| r * hz), self.swing.mean().map(|swing| hz / swing))
+        (self.rate.mean().map(|r| r * hz), self.mass.swing().mean().map(|swing| hz / swing))
     }
 
     /// The block rests again: completes the event before and starts the next one.
@@ -171,7 +197,7 @@ impl Cycles {
         match pending.fit {
             Some(first) => data.fit(&first.cycle, noise_n2),
             None => {
-                data.fit(&pending.guess(&data, self.swing.prior(noise_n2).weight > 0.0)?, noise_n2)
+                data.fit(&pending.guess(&data, self.mass.swing().prior(noise_n2).weight > 0.0)?, noise_n2)
             }
         }
     }
@@ -183,7 +209,7 @@ impl Cycles {
             after,
             rate: expected(&self.rate, pending.rough.rate, 0.7 * pending.rough.rate, noise_n2),
             swing: expected(
-                &self.swing,
+                self.mass.swing(),
                 pending.rough.slide * core::f32::consts::FRAC_1_PI,
                 pending.rough.slide_std * core::f32::consts::FRAC_1_PI,
                 noise_n2,
@@ -223,43 +249,109 @@ impl Cycles {
         }
         let noise_n2 = self.noise_n2(pending);
         let posterior = Posterior::new(&data, fit, noise_n2);
-        self.learn(&data, &posterior, noise_n2);
-        let event = self.measured(pending, &posterior);
+        let verdict = self.learn(&data, &posterior, noise_n2);
+        let mut event = self.measured(pending, &posterior);
+        let change = self.change(verdict, &event, &posterior);
+        if verdict == Verdict::Suspect {
+            (event.mu_s, event.mu, event.reason) = (None, None, Some(Reason::Suspect));
+            return event.into();
+        }
+        let site = self.site();
         let alone = fit.forces_alone(data.rate).filter(|_| posterior.is_resolved());
         let alone = alone.map(|forces| {
-            let variance = noise_n2 * forces.static_variance;
-            let mu_s = self.site.coefficient(forces.static_n, variance);
-            (mu_s, self.site.coefficient(forces.dynamic_n, noise_n2 * forces.dynamic_variance))
+            let mu_s = site.whole(forces.static_n, noise_n2 * forces.static_variance);
+            (mu_s, site.whole(forces.dynamic_n, noise_n2 * forces.dynamic_variance))
         });
-        Finished { event, alone }
+        let Cycle { static_n, .. } = posterior.cycle;
+        let common = (site.common_std(static_n), site.common_std(posterior.cycle.dynamic_n()));
+        Finished { event, alone, common, change }
     }
 
-    /// Carries the event's own loading rate and swing to the next ones.
-    fn learn(&mut self, data: &Data<'_>, posterior: &Posterior, noise_n2: f32) {
+    /// The site with the weight as far as it is known to have changed.
+    fn site(&self) -> Site {
+        let (ratio, weight_spread) = self.mass.weight_ratio();
+        Site { weight_n: ratio * self.site.weight_n, weight_spread, ..self.site }
+    }
+
+    /// Weight in use over the given one, and its relative standard deviation.
+    #[must_use]
+    pub fn weight_ratio(&self) -> (f32, f32) {
+        self.mass.weight_ratio()
+    }
+
+    /// What an event tells of a change.
+    fn change(
+        &mut self,
+        verdict: Verdict,
+        event: &Event,
+        posterior: &Posterior,
+    ) -> Option<Change> {
+        let here = (event.index, event.onset);
+        let suspect = self.suspect.take();
+        let (cause, (first, onset)) = match verdict {
+            Verdict::Suspect => {
+                self.suspect = Some(here);
+                return None;
+            }
+            Verdict::Changed { mass } => {
+                self.levels.forget();
+                (if mass { Cause::Mass } else { Cause::Unknown }, suspect.unwrap_or(here))
+            }
+            Verdict::Same => {
+                let Cycle { static_n, .. } = posterior.cycle;
+                let ago = self.levels.take(static_n, posterior.cycle.dynamic_n())?;
+                (Cause::Friction, (event.index.saturating_sub(ago), event.onset))
+            }
+        };
+        let (weight_ratio, relative) = self.mass.weight_ratio();
+        let weight_ratio_std = relative * weight_ratio;
+        Some(Change { event: first, onset, cause, weight_ratio, weight_ratio_std })
+    }
+
+    /// Carries the event's own loading rate and swing to the next ones, unless the
+    /// swing is that of another block.
+    fn learn(&mut self, data: &Data<'_>, posterior: &Posterior, noise_n2: f32) -> Verdict {
         let Posterior { cycle, unknowns: [_, rate, _, _, swing, bend], .. } = *posterior;
         // What hardly resolved slips tell is bent towards what was expected of them.
         let least = if posterior.is_resolved() { 0.1 } else { 0.7 };
-        let own = |value, variance, prior| without_prior(value, variance, prior, noise_n2, least);
+        let own = |value, variance, prior, least| {
+            without_prior(value, variance, prior, noise_n2, least)
+        };
         // The loading rate and the swing are above zero; the bend may have any sign.
-        if let Some((value, variance)) = own(cycle.rate, rate, data.rate).filter(|own| own.0 > 0.0)
-        {
+        let positive = |own: &(f32, f32)| own.0 > 0.0;
+        let own_rate = own(cycle.rate, rate, data.rate, least).filter(positive);
+        // A known swing hides another one: little of its own is enough to judge.
+        let own_swing = |least| own(cycle.swing(), swing, data.swing, least).filter(positive);
+        let verdict = own_swing(0.1 * least).map_or(Verdict::Same, |(value, variance)| {
+            self.mass.judge(value, variance, self.is_usual_rate(cycle.rate))
+        });
+        if verdict == Verdict::Suspect {
+            return verdict;
+        }
+        if let Some((value, variance)) = own_rate {
             self.rate.add(value, variance);
         }
-        if let Some((value, variance)) =
-            own(cycle.swing(), swing, data.swing).filter(|own| own.0 > 0.0)
-        {
-            self.swing.add(value, variance);
+        if let Some((value, variance)) = own_swing(least) {
+            self.mass.learn(value, variance);
         }
-        if let Some((value, variance)) = own(cycle.bend, bend, data.bend) {
+        if let Some((value, variance)) = own(cycle.bend, bend, data.bend, least) {
             self.bend.add(value, variance);
         }
+        verdict
+    }
+
+    /// Is the loading rate what it was, as far as winches turn steadily?
+    fn is_usual_rate(&self, rate: f32) -> bool {
+        const STEADY: f32 = 0.1;
+        self.rate.mean().is_none_or(|usual| (rate - usual).abs() < STEADY * usual)
     }
 
     fn measured(&mut self, pending: &Pending, posterior: &Posterior) -> Event {
         let cycle = &posterior.cycle;
         let mut event = self.bare(pending, cycle);
-        event.mu_s = Some(self.site.coefficient(cycle.static_n, posterior.static_n2));
-        event.mu = Some(self.site.coefficient(cycle.dynamic_n(), posterior.dynamic_n2));
+        let site = self.site();
+        event.mu_s = Some(site.whole(cycle.static_n, posterior.static_n2));
+        event.mu = Some(site.whole(cycle.dynamic_n(), posterior.dynamic_n2));
         if !posterior.is_resolved() {
             event.quality = Quality::Unresolved;
             event.omega_rad_per_s = None;

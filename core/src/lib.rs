@@ -16,6 +16,7 @@
 #![forbid(unsafe_code)]
 
 pub mod calibrate;
+pub mod change;
 pub mod config;
 pub mod correlation;
 pub mod cycle;
@@ -26,6 +27,7 @@ pub mod estimator;
 pub mod event;
 pub mod fit;
 pub mod line;
+pub mod mass;
 pub mod math;
 pub mod memory;
 pub mod model;
@@ -42,6 +44,7 @@ pub mod spike;
 pub mod units;
 pub mod window;
 
+pub use change::{Cause, Change};
 pub use config::{Calibration, Config, ConfigError};
 pub use event::{Coefficient, Event, Quality, Reason, SampleTime};
 pub use pipeline::{Pipeline, Step};

@@ -1,6 +1,7 @@
 //! The one entry point: a sample in, what is known out.
 
 use crate::calibrate::Calibrator;
+use crate::change::Change;
 use crate::config::{Config, ConfigError};
 use crate::cycle::{Cycles, Finished, Site};
 use crate::decimate::Decimator;
@@ -33,6 +34,8 @@ pub struct Step {
     pub phase: Phase,
     /// An event that is now complete.
     pub event: Option<Event>,
+    /// A change of the block or of its friction that the event told.
+    pub change: Option<Change>,
 }
 
 /// The whole computation for one test.
@@ -55,6 +58,9 @@ pub struct Pipeline {
     mu_s: Estimator,
     mu: Estimator,
     events: u32,
+    /// The newest change, and the same until a step has told it.
+    change: Option<Change>,
+    told: Option<Change>,
     onsets: Option<(SampleTime, SampleTime)>,
 }
 
@@ -67,7 +73,12 @@ impl Pipeline {
         config.validate()?;
         let decimator = Decimator::new(config.rate_hz);
         let rate_hz = config.rate_hz / decimator.factor();
-        let site = Site { weight_n: config.weight_n, slope_rad: config.slope_rad, rate_hz };
+        let site = Site {
+            weight_n: config.weight_n,
+            slope_rad: config.slope_rad,
+            weight_spread: 0.0,
+            rate_hz,
+        };
         Ok(Self {
             config: *config,
             calibrator: Calibrator::new(config),
@@ -83,6 +94,8 @@ impl Pipeline {
             mu_s: Estimator::default(),
             mu: Estimator::default(),
             events: 0,
+            change: None,
+            told: None,
             onsets: None,
         })
     }
@@ -106,6 +119,7 @@ impl Pipeline {
                 }
             }
         }
+        step.change = step.event.and(self.told.take());
         step.phase = self.detector.phase();
         step
     }
@@ -138,6 +152,10 @@ impl Pipeline {
             omega_rad_per_s: omega,
             stiffness_n_per_m: self.stiffness(loading_rate, omega),
             recurrence_s: self.recurrence_s(),
+            change: self.change.map(|change| {
+                let (weight_ratio, relative) = self.cycles.weight_ratio();
+                Change { weight_ratio, weight_ratio_std: relative * weight_ratio, ..change }
+            }),
         }
     }
 
@@ -162,7 +180,7 @@ impl Pipeline {
         }
         let gap = u32::try_from(gap).unwrap_or(u32::MAX);
         let sample = ForceSample { index: raw.index, force_n, flag, gap };
-        Step { sample, spike: None, rate: None, phase: Phase::Unknown, event: None }
+        Step { sample, spike: None, rate: None, phase: Phase::Unknown, event: None, change: None }
     }
 
     /// Takes a good sample through the detector and on.
@@ -198,19 +216,24 @@ impl Pipeline {
     }
 
     fn count(&mut self, finished: Option<Finished>) -> Option<Event> {
-        let Finished { mut event, alone } = finished?;
+        let Finished { mut event, alone, common, change } = finished?;
         event.onset = self.decimator.moment(event.onset);
         event.stop = self.decimator.moment(event.stop);
         if let Some(noise_n) = self.cycles.noise_n() {
             self.detector.fitted_noise(noise_n);
         }
         self.events = self.events.saturating_add(1);
+        if let Some(change) = change {
+            let onset = self.decimator.moment(change.onset);
+            self.change = Some(Change { onset, ..change });
+            self.told = self.change;
+        }
         let (mu_s, mu) = alone.map_or((event.mu_s, event.mu), |(mu_s, mu)| (Some(mu_s), Some(mu)));
         if let Some(mu_s) = mu_s {
-            self.mu_s.add(mu_s);
+            self.mu_s.add_with_common(mu_s, common.0);
         }
         if let Some(mu) = mu {
-            self.mu.add(mu);
+            self.mu.add_with_common(mu, common.1);
         }
         self.onsets = Some((self.onsets.map_or(event.onset, |(first, _)| first), event.onset));
         Some(event)
@@ -223,7 +246,8 @@ impl Pipeline {
 
     /// `k` from `F' = k w` where the winch speed is known, else from `ω² = k / M`.
     fn stiffness(&self, loading_rate: Option<f32>, omega: Option<f32>) -> Option<f32> {
-        let mass_kg = self.config.weight_n / GRAVITY;
+        let (ratio, _) = self.cycles.weight_ratio();
+        let mass_kg = ratio * self.config.weight_n / GRAVITY;
         match self.config.winch_m_per_s {
             Some(winch) => loading_rate.map(|rate| rate / winch),
             None => omega.map(|omega| omega * omega * mass_kg),
