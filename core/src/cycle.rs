@@ -8,7 +8,7 @@ use crate::detector::{Detector, Extreme, Stick};
 use crate::event::{Coefficient, Event, Quality, Reason, SampleTime};
 use crate::fit::{Data, Fit, Prior};
 use crate::line::Line;
-use crate::mass::{Mass, Verdict};
+use crate::mass::{Mass, Told, Verdict};
 use crate::math;
 use crate::model::{self, Cycle};
 use crate::pending::{Pending, since};
@@ -249,7 +249,8 @@ impl Cycles {
         }
         let noise_n2 = self.noise_n2(pending);
         let posterior = Posterior::new(&data, fit, noise_n2);
-        let verdict = self.learn(&data, &posterior, noise_n2);
+        let strained = is_strained(&data, squares_n2, noise_n2) && posterior.is_resolved();
+        let verdict = self.learn(&data, &posterior, noise_n2, strained);
         let mut event = self.measured(pending, &posterior);
         let change = self.change(verdict, &event, &posterior);
         if verdict == Verdict::Suspect {
@@ -290,27 +291,38 @@ impl Cycles {
         let suspect = self.suspect.take();
         let (cause, (first, onset)) = match verdict {
             Verdict::Suspect => {
-                self.suspect = Some(here);
+                self.suspect = suspect.or(Some(here));
                 return None;
-            }
-            Verdict::Changed { mass } => {
-                self.levels.forget();
-                (if mass { Cause::Mass } else { Cause::Unknown }, suspect.unwrap_or(here))
             }
             Verdict::Same => {
                 let Cycle { static_n, .. } = posterior.cycle;
-                let ago = self.levels.take(static_n, posterior.cycle.dynamic_n())?;
-                (Cause::Friction, (event.index.saturating_sub(ago), event.onset))
+                let shift = self.levels.take(static_n, posterior.cycle.dynamic_n())?;
+                let first = (event.index.saturating_sub(shift.events_ago), event.onset);
+                if is_clear(&posterior.cycle) && self.mass.doubt(shift.dynamic_before_n) {
+                    self.suspect = Some(first);
+                    return None;
+                }
+                (Cause::Unknown, first)
             }
+            Verdict::Mass => (Cause::Mass, suspect.unwrap_or(here)),
+            Verdict::SameMass => (Cause::Friction, suspect.unwrap_or(here)),
+            Verdict::Unknown => (Cause::Unknown, suspect.unwrap_or(here)),
         };
+        self.levels.forget();
         let (weight_ratio, relative) = self.mass.weight_ratio();
         let weight_ratio_std = relative * weight_ratio;
         Some(Change { event: first, onset, cause, weight_ratio, weight_ratio_std })
     }
 
-    /// Carries the event's own loading rate and swing to the next ones, unless the
-    /// swing is that of another block.
-    fn learn(&mut self, data: &Data<'_>, posterior: &Posterior, noise_n2: f32) -> Verdict {
+    /// Carries the event's own loading rate and swing to the next ones, unless it is a
+    /// suspect.
+    fn learn(
+        &mut self,
+        data: &Data<'_>,
+        posterior: &Posterior,
+        noise_n2: f32,
+        strained: bool,
+    ) -> Verdict {
         let Posterior { cycle, unknowns: [_, rate, _, _, swing, bend], .. } = *posterior;
         // What hardly resolved slips tell is bent towards what was expected of them.
         let least = if posterior.is_resolved() { 0.1 } else { 0.7 };
@@ -319,25 +331,27 @@ impl Cycles {
         };
         // The loading rate and the swing are above zero; the bend may have any sign.
         let positive = |own: &(f32, f32)| own.0 > 0.0;
-        let own_rate = own(cycle.rate, rate, data.rate, least).filter(positive);
-        // A known swing hides another one: little of its own is enough to judge.
         let own_swing = |least| own(cycle.swing(), swing, data.swing, least).filter(positive);
-        let verdict = own_swing(0.1 * least).map_or(Verdict::Same, |(value, variance)| {
-            self.mass.judge(value, variance, self.is_usual_rate(cycle.rate))
-        });
-        if verdict == Verdict::Suspect {
+        let mut told = Told {
+            // A known swing hides another one: little of its own is enough to judge.
+            swing: own_swing(0.1 * least).filter(|_| is_telling(posterior)),
+            dynamic_n: cycle.dynamic_n(),
+            same_cable: self.is_usual_rate(cycle.rate),
+            strained,
+        };
+        let verdict = self.mass.judge(&told);
+        let in_trial = self.mass.is_on_trial();
+        if verdict == Verdict::Suspect && !in_trial {
             return verdict;
         }
-        if let Some((value, variance)) = own_rate {
+        if let Some((value, variance)) = own(cycle.rate, rate, data.rate, least).filter(positive) {
             self.rate.add(value, variance);
-        }
-        if let Some((value, variance)) = own_swing(least) {
-            self.mass.learn(value, variance);
         }
         if let Some((value, variance)) = own(cycle.bend, bend, data.bend, least) {
             self.bend.add(value, variance);
         }
-        verdict
+        told.swing = own_swing(least).filter(|_| is_clear(&cycle) || !in_trial);
+        self.mass.learn(&told).unwrap_or(verdict)
     }
 
     /// Is the loading rate what it was, as far as winches turn steadily?
@@ -430,6 +444,27 @@ fn own_residuals(data: &Data<'_>, fit: &Fit) -> (f32, f32) {
     }
     let lines = data.before.count.min(2) as f32 + data.after.weight;
     (squares.max(0.0), data.points.len() as f32 + lines - unknowns)
+}
+
+/// Does the slip have samples enough to tell a small change of the swing from what the
+/// sampling makes of it?
+fn is_clear(cycle: &Cycle) -> bool {
+    const CLEAR: f32 = 2.0;
+    cycle.slide_time() > CLEAR && cycle.restick_n() > 0.0
+}
+
+/// Is the fitted swing the block's? A cable cannot push.
+fn is_telling(posterior: &Posterior) -> bool {
+    posterior.is_resolved() && posterior.cycle.restick_n() > 0.0
+}
+
+/// Are the samples around the slip far from the fit? `squares_n2` as from
+/// [`own_residuals`].
+fn is_strained(data: &Data<'_>, squares_n2: f32, noise_n2: f32) -> bool {
+    const STRAINED: f32 = 10.0;
+    // The lines are two observations each.
+    let observations = data.points.len() as f32 + 4.0;
+    squares_n2 - data.after.residual() > STRAINED * observations * noise_n2
 }
 
 /// A time in periods from an origin, as index and fraction.

@@ -2,16 +2,22 @@
 //!
 //! While the block slides `ω² = k / M`. The cable does not change from one event to
 //! the next (the loading rate `k w` would show it), so the swing `1/ω` goes with the
-//! square root of the mass: `M'/M = (ω/ω')²`, whatever the friction does. One event
-//! far off is a suspect and gives no coefficient; when the next one, fitted without
-//! what was known of the swing, is off as well, the mass has changed, and the weight
-//! is corrected by the measured ratio. Its uncertainty is common to all later events.
+//! square root of the mass: `M'/M = (ω/ω')²`, whatever the friction does.
+//!
+//! An event far off is a suspect and gives no coefficient; the next one is fitted
+//! without what was known of the swing. If it is off as well, and its force `Fp` is
+//! nearer to the new weight's than to the old one's, the mass has changed, and the
+//! weight is corrected by the measured ratio, whose uncertainty is common to all later
+//! events. Where single events tell too little of the swing, a change of the forces'
+//! level starts a trial: the swings before and after it decide.
 
 use crate::fit::Prior;
 use crate::shared::Shared;
 
-/// Standard deviations by which the swing has to be off.
+/// Standard deviations by which the swing of one event, or the mean of a trial, has
+/// to be off.
 const FAR: f32 = 6.0;
+const FAR_MEAN: f32 = 4.0;
 /// A smaller change of the mass is not claimed: sag and wear change the stiffness
 /// like that.
 const LEAST: f32 = 0.05;
@@ -19,20 +25,35 @@ const LEAST: f32 = 0.05;
 const FEWEST: u32 = 5;
 /// Events whose swings make the ratio; later ones may have another cable length.
 const MOST: u32 = 16;
+/// Suspects in a row without a mass that explains them: something else has changed.
+const ODD: u32 = 3;
 
-/// What an event's swing says.
+/// What an event tells.
+#[derive(Clone, Copy, Debug)]
+pub struct Told {
+    /// Its swing and the variance of that, periods, with nothing from other events.
+    pub swing: Option<(f32, f32)>,
+    /// `Fp`, N.
+    pub dynamic_n: f32,
+    /// The loading rate is what it was: so are cable and winch.
+    pub same_cable: bool,
+    /// The model, with what is known of the swing, is far from the samples.
+    pub strained: bool,
+}
+
+/// What becomes of it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
     /// Nothing new.
     Same,
-    /// Off, and not confirmed yet.
+    /// Not known yet whether the mass has changed.
     Suspect,
-    /// Off for the second time: since the suspect the mass has changed, or else the
-    /// cable or the winch.
-    Changed {
-        /// It was the mass.
-        mass: bool,
-    },
+    /// The mass has changed since the first suspect, or the start of the trial.
+    Mass,
+    /// The trial says that the mass is the same.
+    SameMass,
+    /// The cable or the winch has changed, or there is no telling.
+    Unknown,
 }
 
 /// The weight in use over the one that was given.
@@ -49,15 +70,27 @@ struct Since {
     count: u32,
     mean: f32,
     weight: f32,
+    /// Mean `Fp`, N.
+    dynamic_n: f32,
 }
 
 impl Since {
-    fn add(&mut self, value: f32, variance: f32) {
+    fn add(&mut self, (value, variance): (f32, f32), dynamic_n: f32) {
         let weight = 1.0 / variance;
         self.weight += weight;
         self.mean += weight / self.weight * (value - self.mean);
         self.count += 1;
+        self.dynamic_n += (dynamic_n - self.dynamic_n) / self.count as f32;
     }
+}
+
+#[derive(Clone, Copy, Debug)]
+enum State {
+    Steady,
+    /// With the swing as it was, and how many suspects there are.
+    Suspect(Shared, u32),
+    /// After so many events.
+    Trial(u32),
 }
 
 /// Follows the swing, and the mass with it.
@@ -65,13 +98,14 @@ impl Since {
 pub struct Mass {
     /// What the next event may expect.
     swing: Shared,
-    /// The same without the suspect, while there is one.
-    kept: Option<Shared>,
+    state: State,
     /// Events that told `swing`.
     seen: u32,
+    /// Mean `Fp` of the recent events, N.
+    dynamic_n: f32,
     /// The weight in use over the given one, up to the last change.
     base: Ratio,
-    /// The swing before the last change of mass, and the swings since.
+    /// The swing before the last change of mass or the trial, and the swings since.
     before: Option<Prior>,
     since: Since,
 }
@@ -82,8 +116,9 @@ impl Mass {
     pub fn new() -> Self {
         Self {
             swing: Shared::default(),
-            kept: None,
+            state: State::Steady,
             seen: 0,
+            dynamic_n: 0.0,
             base: Ratio { value: 1.0, variance: 0.0 },
             before: None,
             since: Since::default(),
@@ -96,40 +131,116 @@ impl Mass {
         &self.swing
     }
 
-    /// Judges an event's own swing and its variance, periods; the cable is the same
-    /// as before if the loading rate is. What fits may be learnt, see [`Mass::learn`].
-    pub fn judge(&mut self, swing: f32, variance: f32, same_cable: bool) -> Verdict {
-        match self.kept {
-            None if self.seen >= FEWEST && is_off(swing, variance, self.swing.prior(1.0)) => {
-                self.kept = Some(core::mem::take(&mut self.swing));
-                Verdict::Suspect
-            }
-            Some(kept) if is_off(swing, variance, kept.prior(1.0)) => {
-                self.change(same_cable.then(|| kept.prior(1.0)));
-                Verdict::Changed { mass: same_cable }
-            }
-            Some(kept) => {
-                (self.swing, self.kept) = (kept, None);
-                Verdict::Same
-            }
-            None => Verdict::Same,
+    /// Judges an event. What is [`Verdict::Suspect`] outside a trial is not learnt.
+    pub fn judge(&mut self, told: &Told) -> Verdict {
+        match self.state {
+            State::Trial(_) => Verdict::Suspect,
+            State::Steady => self.judge_steady(told),
+            State::Suspect(kept, odd) => self.judge_suspect(told, &kept, odd),
         }
     }
 
-    /// Learns the swing of an event that is no suspect.
-    pub fn learn(&mut self, swing: f32, variance: f32) {
-        self.seen = self.seen.saturating_add(1);
-        self.swing.add(swing, variance);
-        if self.before.is_some() && self.since.count < MOST {
-            self.since.add(swing, variance);
+    fn judge_steady(&mut self, told: &Told) -> Verdict {
+        if self.seen < FEWEST || !(told.strained || told.is_off(self.swing.prior(1.0))) {
+            return Verdict::Same;
         }
+        self.state = State::Suspect(core::mem::take(&mut self.swing), 1);
+        Verdict::Suspect
+    }
+
+    /// The event after a suspect.
+    fn judge_suspect(&mut self, told: &Told, kept: &Shared, odd: u32) -> Verdict {
+        let before = kept.prior(1.0);
+        let (verdict, state) = if told.strained || !told.is_off(before) {
+            self.swing = *kept;
+            // One that the model cannot describe is not to be learnt from either.
+            (if told.strained { Verdict::Suspect } else { Verdict::Same }, State::Steady)
+        } else if told.same_cable && self.explains(told.mass_ratio(before), told.dynamic_n) {
+            self.start(Some(before));
+            (Verdict::Mass, State::Steady)
+        } else if odd >= ODD {
+            self.start(None);
+            (Verdict::Unknown, State::Steady)
+        } else {
+            (Verdict::Suspect, State::Suspect(*kept, odd + 1))
+        };
+        self.state = state;
+        verdict
+    }
+
+    /// Learns from an event, and may end the trial.
+    pub fn learn(&mut self, told: &Told) -> Option<Verdict> {
+        if let Some((swing, variance)) = told.swing {
+            self.seen = self.seen.saturating_add(1);
+            self.swing.add(swing, variance);
+            if self.before.is_some() && self.since.count < MOST {
+                self.since.add((swing, variance), told.dynamic_n);
+            }
+        }
+        if let State::Trial(events) = self.state {
+            self.state = State::Trial(events + 1);
+            let verdict = self.tried(events + 1)?;
+            self.dynamic_n = self.since.dynamic_n;
+            return Some(verdict);
+        }
+        let share = 1.0 / self.seen.clamp(1, 8) as f32;
+        self.dynamic_n += share * (told.dynamic_n - self.dynamic_n);
+        None
+    }
+
+    /// The forces have changed; `Fp` was so much before: starts a trial. `false` if the
+    /// swing is known too little to tell anything.
+    pub fn doubt(&mut self, dynamic_before_n: f32) -> bool {
+        let before = self.swing.prior(1.0);
+        let known = before.weight * before.mean * before.mean * LEAST * LEAST > 1.0;
+        if known && matches!(self.state, State::Steady) {
+            self.start(Some(before));
+            self.dynamic_n = dynamic_before_n;
+            self.swing = Shared::default();
+            self.state = State::Trial(0);
+        }
+        known
+    }
+
+    /// Is a trial under way?
+    #[must_use]
+    pub fn is_on_trial(&self) -> bool {
+        matches!(self.state, State::Trial(_))
     }
 
     /// The weight over the given one, and its relative standard deviation.
     #[must_use]
     pub fn weight_ratio(&self) -> (f32, f32) {
+        let ratio = if self.is_on_trial() { self.base } else { self.ratio() };
+        (ratio.value, crate::math::sqrt(ratio.variance))
+    }
+
+    /// Is a ratio of the masses nearer than one to that of the forces?
+    fn explains(&self, ratio: f32, dynamic_n: f32) -> bool {
+        let forces = dynamic_n / self.dynamic_n;
+        (forces - ratio).abs() < (forces - 1.0).abs()
+    }
+
+    /// What the trial says so far.
+    fn tried(&mut self, events: u32) -> Option<Verdict> {
         let Ratio { value, variance } = self.ratio();
-        (value, crate::math::sqrt(variance))
+        let (value, variance) = (value / self.base.value, variance - self.base.variance);
+        let off = value - 1.0;
+        let is_off = self.since.count > 1 && off * off > FAR_MEAN * FAR_MEAN * variance * value * value;
+        let verdict = if is_off && off.abs() > LEAST && self.explains(value, self.since.dynamic_n) {
+            Verdict::Mass
+        } else if self.since.count > 1 && variance < 0.25 * LEAST * LEAST && off.abs() < LEAST {
+            Verdict::SameMass
+        } else if is_off || events >= MOST {
+            Verdict::Unknown
+        } else {
+            return None;
+        };
+        if verdict != Verdict::Mass {
+            self.before = None;
+        }
+        self.state = State::Steady;
+        Some(verdict)
     }
 
     fn ratio(&self) -> Ratio {
@@ -143,10 +254,10 @@ impl Mass {
         }
     }
 
-    fn change(&mut self, before: Option<Prior>) {
+    /// From here on the swings count anew.
+    fn start(&mut self, before: Option<Prior>) {
         self.base = self.ratio();
-        (self.before, self.kept, self.seen) = (before, None, 0);
-        self.since = Since::default();
+        (self.before, self.seen, self.since) = (before, 0, Since::default());
     }
 }
 
@@ -156,32 +267,48 @@ impl Default for Mass {
     }
 }
 
-/// Is a swing off by more than its noise, and by more than a cable may vary?
-fn is_off(swing: f32, variance: f32, expected: Prior) -> bool {
-    if expected.weight <= 0.0 {
-        return false;
+impl Told {
+    /// Is the swing off by more than its noise, and by more than a cable may vary?
+    fn is_off(&self, expected: Prior) -> bool {
+        let Some((swing, variance)) = self.swing.filter(|_| expected.weight > 0.0) else {
+            return false;
+        };
+        let off = swing - expected.mean;
+        off * off > FAR * FAR * (variance + 1.0 / expected.weight)
+            && (self.mass_ratio(expected) - 1.0).abs() > LEAST
     }
-    let (off, ratio) = (swing - expected.mean, swing / expected.mean);
-    off * off > FAR * FAR * (variance + 1.0 / expected.weight)
-        && (ratio * ratio - 1.0).abs() > LEAST
+
+    /// Mass over that of the expected swing.
+    fn mass_ratio(&self, expected: Prior) -> f32 {
+        let ratio = self.swing.map_or(1.0, |(swing, _)| swing / expected.mean);
+        ratio * ratio
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    /// Swings measured to 0.006 periods.
+    fn measured(i: usize, swing: f32, noise: f32, dynamic_n: f32) -> Told {
+        let value = swing + noise * ((i * 7 % 5) as f32 - 2.0);
+        let swing = Some((value, 2.5 * noise * noise));
+        Told { swing, dynamic_n, same_cable: true, strained: false }
+    }
+
+    fn take(mass: &mut Mass, told: &Told) -> Verdict {
+        let verdict = mass.judge(told);
+        if verdict != Verdict::Suspect {
+            mass.learn(told);
+        }
+        verdict
+    }
+
+    /// Swings measured to 0.006 periods, the forces going with the mass.
     fn taken<const N: usize>(swings: [f32; N]) -> (Mass, [Verdict; N]) {
         let mut mass = Mass::new();
-        let mut count = 0;
-        let told = swings.map(|swing| {
-            count += 1;
-            let measured = swing + 0.004 * ((count * 7 % 5) as f32 - 2.0);
-            let verdict = mass.judge(measured, 4e-5, true);
-            if verdict != Verdict::Suspect {
-                mass.learn(measured, 4e-5);
-            }
-            verdict
+        let told = core::array::from_fn(|i| {
+            let swing = swings[i];
+            take(&mut mass, &measured(i, swing, 0.004, 500.0 * swing * swing))
         });
         (mass, told)
     }
@@ -191,7 +318,7 @@ mod tests {
         let mut swings = [0.845; 30];
         swings[12..].fill(0.845 * 0.8165);
         let (mass, told) = taken(swings);
-        assert_eq!((told[12], told[13]), (Verdict::Suspect, Verdict::Changed { mass: true }));
+        assert_eq!((told[12], told[13]), (Verdict::Suspect, Verdict::Mass));
         assert_eq!(told.iter().filter(|&&verdict| verdict == Verdict::Same).count(), 28);
         let (ratio, std) = mass.weight_ratio();
         assert!((ratio / 0.6667 - 1.0).abs() < 2.5 * std && std < 0.01, "{ratio} {std}");
@@ -221,5 +348,31 @@ mod tests {
         let (mass, told) = taken(core::array::from_fn::<f32, 200, _>(|i| 0.845 - 0.001 * i as f32));
         assert!(told.iter().all(|&verdict| verdict == Verdict::Same));
         assert_eq!(mass.weight_ratio(), (1.0, 0.0));
+    }
+
+    #[test]
+    fn forces_that_stay_contradict_another_mass() {
+        let mut mass = Mass::new();
+        let told: [Verdict; 20] = core::array::from_fn(|i| {
+            let swing = if i < 14 { 0.845 } else { 0.4 };
+            take(&mut mass, &measured(i, swing, 0.004, 490.0))
+        });
+        assert!(!told.contains(&Verdict::Mass) && told.contains(&Verdict::Unknown));
+        assert_eq!(mass.weight_ratio(), (1.0, 0.0));
+    }
+
+    /// Each swing is known to 5 % only.
+    #[test]
+    fn a_trial_tells_a_lighter_block_from_another_friction() {
+        for (swing, expected) in [(0.69, Verdict::Mass), (0.845, Verdict::SameMass)] {
+            let mut mass = Mass::new();
+            (0..30).for_each(|i| assert_eq!(mass.learn(&measured(i, 0.845, 0.03, 490.0)), None));
+            assert!(mass.doubt(490.0));
+            let ended = (0..60).find_map(|i| mass.learn(&measured(i, swing, 0.03, 327.0)));
+            assert_eq!(ended, Some(expected));
+            let (ratio, std) = mass.weight_ratio();
+            let truth = if expected == Verdict::Mass { 0.6667 } else { 1.0 };
+            assert!((ratio / truth - 1.0).abs() <= 2.5 * std && std < 0.1, "{ratio} {std}");
+        }
     }
 }
