@@ -196,9 +196,10 @@ impl Cycles {
         let data = self.data(pending, after, noise_n2);
         match pending.fit {
             Some(first) => data.fit(&first.cycle, noise_n2),
-            None => {
-                data.fit(&pending.guess(&data, self.mass.swing().prior(noise_n2).weight > 0.0)?, noise_n2)
-            }
+            None => data.fit(
+                &pending.guess(&data, self.mass.swing().prior(noise_n2).weight > 0.0)?,
+                noise_n2,
+            ),
         }
     }
 
@@ -281,12 +282,7 @@ impl Cycles {
     }
 
     /// What an event tells of a change.
-    fn change(
-        &mut self,
-        verdict: Verdict,
-        event: &Event,
-        posterior: &Posterior,
-    ) -> Option<Change> {
+    fn change(&mut self, verdict: Verdict, event: &Event, posterior: &Posterior) -> Option<Change> {
         let here = (event.index, event.onset);
         let suspect = self.suspect.take();
         let (cause, (first, onset)) = match verdict {
@@ -326,9 +322,8 @@ impl Cycles {
         let Posterior { cycle, unknowns: [_, rate, _, _, swing, bend], .. } = *posterior;
         // What hardly resolved slips tell is bent towards what was expected of them.
         let least = if posterior.is_resolved() { 0.1 } else { 0.7 };
-        let own = |value, variance, prior, least| {
-            without_prior(value, variance, prior, noise_n2, least)
-        };
+        let own =
+            |value, variance, prior, least| without_prior(value, variance, prior, noise_n2, least);
         // The loading rate and the swing are above zero; the bend may have any sign.
         let positive = |own: &(f32, f32)| own.0 > 0.0;
         let own_swing = |least| own(cycle.swing(), swing, data.swing, least).filter(positive);

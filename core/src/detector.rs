@@ -14,8 +14,13 @@
 //! scale of the innovations. No limit is in newtons: all are multiples of the noise
 //! or parts of the drops seen so far.
 //!
-//! Delay: an onset is known one or two samples after it, a re-stick two samples
-//! after the lowest one (half the slip's length for longer slips).
+//! Delay: an onset high on the line is known at the first sample that is clearly below
+//! the line, a re-stick two samples after the lowest one (half the slip's length for
+//! longer slips). The spike filter before adds a sample; [`Detector::foresees_slip`]
+//! looks at the sample that it holds, so the phase that is shown has no such delay.
+//!
+//! Before the noise is known nothing can be told: once it is, and while there was no
+//! slip, the window is looked at again, a few samples a step.
 
 use crate::line::Line;
 use crate::math;
@@ -38,6 +43,8 @@ const LEAST_PART: f32 = 0.05;
 const LEAST_PART_BRIEF: f32 = 0.35;
 /// Least drop of a slip that starts in the lower half.
 const LEAST_PART_LOW: f32 = 0.5;
+/// A larger fall in one sample, usual drops, is not taken for a slip beforehand.
+const LARGEST_DROP: f32 = 1.1;
 /// Rise that ends a slip at once, parts of its drop.
 const CLEAR_RISE: f32 = 0.12;
 /// Fewest samples that make a stick line.
@@ -338,6 +345,15 @@ impl Detector {
         drop >= self.least_drop(std)
             // Rests too briefly for a line: the drop alone decides.
             && self.depth(now).is_none_or(|depth| depth > OFF_LINE * std)
+    }
+
+    /// Would this sample begin a slip, if it came next and is no spike? Tells before
+    /// the sample is judged; nothing is changed. A fall much larger than usual is more
+    /// likely a spike.
+    #[must_use]
+    pub fn foresees_slip(&self, next: Extreme) -> bool {
+        let drop = self.stick.highest.force_n - next.force_n;
+        self.phase == Phase::Stick && drop < LARGEST_DROP * self.usual_drop_n && self.slips(next)
     }
 
     /// Least drop of a slip, N.

@@ -133,7 +133,7 @@ const STD_PER_FOURTH: f32 = 1.0 / 5.643;
 /// noise would give.
 const SAW: f32 = 0.06;
 /// A smooth swing: the same for the fourth difference.
-const SWING: f32 = 0.6;
+const SWING: f32 = 0.5;
 
 impl Noise {
     /// Nothing known.

@@ -30,7 +30,8 @@ pub struct Step {
     pub spike: Option<u64>,
     /// Rate of the force, by the paper's central difference; two samples late.
     pub rate: Option<Rate>,
-    /// What the block is doing.
+    /// What the block is doing. An onset is told by the first sample that is clearly
+    /// below the stick line; if that turns out to be a spike, for this sample only.
     pub phase: Phase,
     /// An event that is now complete.
     pub event: Option<Event>,
@@ -120,8 +121,17 @@ impl Pipeline {
             }
         }
         step.change = step.event.and(self.told.take());
-        step.phase = self.detector.phase();
+        step.phase = self.phase(step.sample);
         step
+    }
+
+    /// What the block is doing, with a first look at a sample that may still be a spike.
+    fn phase(&self, ForceSample { index, force_n, .. }: ForceSample) -> Phase {
+        let each = self.block_root <= 1.0;
+        match force_n.filter(|_| each) {
+            Some(force_n) if self.detector.foresees_slip(Extreme { index, force_n }) => Phase::Slip,
+            _ => self.detector.phase(),
+        }
     }
 
     /// Ends the test: completes what is pending, one event a call, until `None`.
