@@ -1,20 +1,22 @@
 //! From transitions to events: the lines and samples around a slip, fitted.
 //!
-//! A slip is fitted twice: when the block has come to rest, for a first answer, and
-//! when the stick line after it is complete, for the final one.
+//! While a slip's stick line grows it is *pending*; when the next slip has ended that
+//! line it is *finishing*: its fit is made one iteration a sample. A first answer,
+//! from what the other events tell, is there as soon as the force has turned.
+
+use core::ops::ControlFlow;
 
 use crate::change::{Cause, Change, Levels};
 use crate::detector::{Detector, Extreme, Stick};
-use crate::event::{Coefficient, Event, Quality, Reason, SampleTime};
-use crate::fit::{Data, Fit, Prior};
+use crate::event::{Coefficient, Event, Provisional, Quality, Reason, SampleTime};
+use crate::finishing::{Finishing, HARDLY, Outcome};
+use crate::learnt::{Learnt, is_clear};
 use crate::line::Line;
-use crate::mass::{Mass, Told, Verdict};
+use crate::mass::Verdict;
 use crate::math;
 use crate::model::{self, Cycle};
 use crate::pending::{Pending, since};
 use crate::posterior::Posterior;
-use crate::residuals::Residuals;
-use crate::shared::{Shared, without_prior};
 use crate::window::Window;
 
 /// What turns forces into coefficients.
@@ -78,14 +80,16 @@ impl From<Event> for Finished {
 #[derive(Clone, Debug)]
 pub struct Cycles {
     site: Site,
+    learnt: Learnt,
+    /// The last slip.
     pending: Option<Pending>,
-    rate: Shared,
-    mass: Mass,
-    bend: Shared,
+    /// The one before it.
+    finishing: Option<Finishing>,
+    /// First answer on the slip that has just ended, and the index of its time zero.
+    early: Option<(u64, Cycle)>,
     levels: Levels,
-    /// The event whose swing was off.
+    /// The first event after what may be a change.
     suspect: Option<(u32, SampleTime)>,
-    residuals: Residuals,
     /// Stop of the last event.
     last_stop: Option<SampleTime>,
     count: u32,
@@ -97,13 +101,12 @@ impl Cycles {
     pub fn new(site: Site) -> Self {
         Self {
             site,
+            learnt: Learnt::default(),
             pending: None,
-            rate: Shared::default(),
-            mass: Mass::new(),
-            bend: Shared::default(),
+            finishing: None,
+            early: None,
             levels: Levels::default(),
             suspect: None,
-            residuals: Residuals::default(),
             last_stop: None,
             count: 0,
         }
@@ -112,19 +115,63 @@ impl Cycles {
     /// Standard deviation of the noise, N, from the residuals of all fits.
     #[must_use]
     pub fn noise_n(&self) -> Option<f32> {
-        self.residuals.variance_n2().map(math::sqrt)
+        self.learnt.residuals.variance_n2().map(math::sqrt)
     }
 
     /// Loading rate, N/s, and omega, rad/s, of the recent events.
     #[must_use]
     pub fn shared(&self) -> (Option<f32>, Option<f32>) {
         let hz = self.site.rate_hz;
-        (self.rate.mean().map(|r| r * hz), self.mass.swing().mean().map(|swing| hz / swing))
+        let Learnt { rate, mass, .. } = &self.learnt;
+        let swing = mass.swing();
+        (rate.mean().map(|r| r * hz), swing.mean().map(|swing| hz / swing))
     }
 
-    /// The block rests again: completes the event before and starts the next one.
+    /// The slip has begun: a first value of `mu_s`, between the last sample on the line
+    /// and the first one off it.
+    #[must_use]
+    pub fn onset(&mut self, detector: &Detector) -> Option<Provisional> {
+        self.early = None;
+        let (stick, now) = (detector.stick(), detector.last());
+        let (slope, noise_n) = (stick.line.slope()?, detector.noise_n()?);
+        let time = since(stick.origin, now.index) - 1.0;
+        // Anywhere within the two periods before: a uniform distribution.
+        const SPREAD: f32 = 0.577;
+        let onset_n = SPREAD * slope;
+        let variance_n2 = onset_n * onset_n + noise_n * noise_n * stick.line.leverage(time);
+        let mu_s = self.site().whole(stick.line.at(time, slope), variance_n2);
+        Some(Provisional { mu_s, mu: None })
+    }
+
+    /// The force has turned: a first answer from what the other events tell.
+    pub fn turned(&mut self, detector: &Detector) -> Option<Provisional> {
+        let (stick, extremes) = (detector.stick(), detector.extremes());
+        let slip = self.slip(stick, detector, extremes);
+        let known_n2 = self.learnt.residuals.variance_n2();
+        let noise_n2 = known_n2.unwrap_or(HARDLY * slip.noise_n2);
+        let steps = if self.learnt.knows_swing() { 4 } else { 24 };
+        let none = Line::default();
+        let data = self.learnt.data(&slip, &none, noise_n2);
+        let mut fitting = slip.begin(&data, self.learnt.knows_swing());
+        let mut step = || fitting.step(&data, noise_n2).break_value();
+        let fit = (0..steps).find_map(|_| step()).flatten();
+        let fit = fit.filter(|fit| fit.converged && slip.holds(&fit.cycle))?;
+        self.early = Some((slip.origin, fit.cycle));
+        let posterior = Posterior::at(&fit, noise_n2);
+        if slip.hidden || !posterior.is_resolved() || known_n2.is_none() {
+            return None;
+        }
+        let Posterior { cycle, static_n2, dynamic_n2, .. } = &posterior;
+        Some(Provisional {
+            mu_s: self.site().whole(cycle.static_n, *static_n2),
+            mu: Some(self.site().whole(cycle.dynamic_n(), *dynamic_n2)),
+        })
+    }
+
+    /// The block rests again: the event before has its lines, and this one is pending.
     ///
-    /// `last_hidden` is the newest saturated index.
+    /// `last_hidden` is the newest saturated index. Gives the event before that one if
+    /// it was not finished yet.
     pub fn restick(
         &mut self,
         detector: &Detector,
@@ -132,47 +179,65 @@ impl Cycles {
         last_hidden: Option<u64>,
     ) -> Option<Finished> {
         let (stick, window) = (detector.ended(), detector.window());
-        let noise_n = detector.noise_n().unwrap_or(1.0);
         let finished = self.complete(stick, window, peak);
-        let now = detector.last().index;
-        let mut next = Pending::new(stick, self.start(stick), window, now, (peak, low));
+        let mut next = self.slip(stick, detector, (peak, low));
         next.hidden |= last_hidden.is_some_and(|index| index + 4 >= stick.next);
-        next.noise_n2 = noise_n * noise_n;
-        next.fit = self.first_fit(&mut next);
+        next.early = self.early.take().map(|(origin, cycle)| Cycle {
+            onset: cycle.onset + since(next.origin, origin),
+            ..cycle
+        });
         self.pending = Some(next);
         finished
     }
 
-    /// Fits the event without the stick line after it.
-    ///
-    /// Where the block never rests the detector's noise is only a bound, far too
-    /// large, and would make rough expectations look precise: there the event's own
-    /// residuals, fitted with hardly any expectation, come first.
-    fn first_fit(&self, pending: &mut Pending) -> Option<Fit> {
-        const HARDLY: f32 = 1e-3;
-        let none = Line::default();
-        if let Some(pooled_n2) = self.residuals.variance_n2() {
-            return self.fit(pending, &none, pooled_n2);
+    /// Ends the pending event with what there is of its stick line. Gives the event
+    /// before it if it was not finished yet.
+    pub fn complete(
+        &mut self,
+        stick: &Stick,
+        window: &Window,
+        next_peak: Extreme,
+    ) -> Option<Finished> {
+        let finished = self.finish();
+        if let Some(pending) = &mut self.pending {
+            pending.end_before(stick, window, next_peak.index);
+            let mut after = *stick.first();
+            after.shift(since(stick.origin, pending.origin));
+            self.finishing = Some(Finishing::new(*pending, after));
         }
-        let free_n2 = HARDLY * pending.noise_n2;
-        if let Some(fit) = self.fit(pending, &none, free_n2) {
-            let (squares_n2, free) = own_residuals(&self.data(pending, &none, free_n2), &fit);
-            if free >= 1.0 {
-                pending.noise_n2 = pending.noise_n2.min(squares_n2 / free).max(free_n2);
-            }
-        }
-        self.fit(pending, &none, pending.noise_n2)
+        self.pending = None;
+        finished
     }
 
-    /// Completes the pending event with what there is of its stick line.
-    pub fn finish(&mut self, stick: &Stick, window: &Window, last: Extreme) -> Option<Finished> {
-        self.complete(stick, window, last)
+    /// Does one iteration of the fit that is under way.
+    pub fn work(&mut self) -> Option<Finished> {
+        let outcome = self.finishing.as_mut()?.step(&mut self.learnt).break_value()?;
+        self.end(outcome)
+    }
+
+    /// Does all that is left of the fit that is under way.
+    pub fn finish(&mut self) -> Option<Finished> {
+        let finishing = self.finishing.as_mut()?;
+        loop {
+            if let ControlFlow::Break(outcome) = finishing.step(&mut self.learnt) {
+                return self.end(outcome);
+            }
+        }
+    }
+
+    /// The slip between a stick line and now.
+    fn slip(&self, stick: &Stick, detector: &Detector, extremes: (Extreme, Extreme)) -> Pending {
+        let now = detector.last().index;
+        let mut slip = Pending::new(stick, self.start(stick), detector.window(), now, extremes);
+        let noise_n = detector.noise_n().unwrap_or(1.0);
+        slip.noise_n2 = noise_n * noise_n;
+        slip
     }
 
     /// First index of an event's samples: where the stick line ends, or right after
     /// the last stop when the block rested too briefly for a line.
     fn start(&self, stick: &Stick) -> u64 {
-        match self.last_stop {
+        match self.newest_stop() {
             Some(stop) if stick.line.count < 3 => {
                 stick.next.min((stop.index + 1).max(stick.next.saturating_sub(4)))
             }
@@ -180,105 +245,61 @@ impl Cycles {
         }
     }
 
-    fn complete(&mut self, stick: &Stick, window: &Window, next_peak: Extreme) -> Option<Finished> {
-        let mut pending = self.pending.take()?;
-        pending.end_before(stick, window, next_peak.index);
-        let mut after = *stick.first();
-        after.shift(since(stick.origin, pending.origin));
-        let noise_n2 = self.noise_n2(&pending);
-        let fit = self.fit(&pending, &after, noise_n2);
-        let finished = self.event(&pending, &after, fit.as_ref());
+    /// When the block last came to rest, as far as is known yet.
+    fn newest_stop(&self) -> Option<SampleTime> {
+        let unfinished = self.pending.as_ref().or(self.finishing.as_ref().map(|f| &f.pending));
+        match unfinished {
+            Some(slip) => slip.early.map(|cycle| moment(slip.origin, cycle.shape().stop())),
+            None => self.last_stop,
+        }
+    }
+
+    fn end(&mut self, outcome: Outcome) -> Option<Finished> {
+        let pending = self.finishing.take()?.pending;
+        let finished = match outcome {
+            Outcome::Failed(reason) => self.without_coefficients(&pending, reason).into(),
+            Outcome::Fitted { posterior, alone, noise_n2, verdict } => {
+                let site = self.site();
+                let alone = alone.map(|forces| {
+                    let mu_s = site.whole(forces.static_n, noise_n2 * forces.static_variance);
+                    (mu_s, site.whole(forces.dynamic_n, noise_n2 * forces.dynamic_variance))
+                });
+                self.judged(self.measured(&pending, &posterior), alone, &posterior, verdict)
+            }
+        };
+        self.last_stop = Some(finished.event.stop);
         self.count = self.count.saturating_add(1);
         Some(finished)
     }
 
-    fn fit(&self, pending: &Pending, after: &Line, noise_n2: f32) -> Option<Fit> {
-        let data = self.data(pending, after, noise_n2);
-        match pending.fit {
-            Some(first) => data.fit(&first.cycle, noise_n2),
-            None => data.fit(
-                &pending.guess(&data, self.mass.swing().prior(noise_n2).weight > 0.0)?,
-                noise_n2,
-            ),
-        }
-    }
-
-    fn data<'a>(&self, pending: &'a Pending, after: &'a Line, noise_n2: f32) -> Data<'a> {
-        Data {
-            before: &pending.before,
-            points: pending.points.get(..pending.length).unwrap_or_default(),
-            after,
-            rate: expected(&self.rate, pending.rough.rate, 0.7 * pending.rough.rate, noise_n2),
-            swing: expected(
-                self.mass.swing(),
-                pending.rough.slide * core::f32::consts::FRAC_1_PI,
-                pending.rough.slide_std * core::f32::consts::FRAC_1_PI,
-                noise_n2,
-            ),
-            bend: self.bend_prior(pending.rough.rate, noise_n2),
-            onset: pending.rough.onset(noise_n2),
-        }
-    }
-
-    /// Variance of the noise: from the fits so far, else the detector's.
-    fn noise_n2(&self, pending: &Pending) -> f32 {
-        self.residuals.variance_n2().unwrap_or(pending.noise_n2)
-    }
-
-    /// Until the events tell otherwise the winch turns steadily.
-    fn bend_prior(&self, rough_rate: f32, noise_n2: f32) -> Prior {
-        const STEADY: f32 = 0.003;
-        let learnt = self.bend.prior_around_zero(noise_n2);
-        if learnt.weight > 0.0 {
-            return learnt;
-        }
-        let spread = STEADY * self.rate.mean().unwrap_or(rough_rate);
-        Prior { mean: 0.0, weight: noise_n2 / (spread * spread) }
-    }
-
-    fn event(&mut self, pending: &Pending, after: &Line, fit: Option<&Fit>) -> Finished {
-        let Some(fit) = fit.filter(|fit| fit.converged && pending.holds(&fit.cycle)) else {
-            return self.without_coefficients(pending, Reason::NoFit).into();
-        };
-        let data = self.data(pending, after, self.noise_n2(pending));
-        let (squares_n2, free) = own_residuals(&data, fit);
-        if pending.hidden {
-            return self.without_coefficients(pending, Reason::Hidden).into();
-        }
-        if free >= 1.0 {
-            self.residuals.add(squares_n2, free, pending.noise_n2);
-        }
-        let noise_n2 = self.noise_n2(pending);
-        let posterior = Posterior::new(&data, fit, noise_n2);
-        let strained = is_strained(&data, squares_n2, noise_n2) && posterior.is_resolved();
-        let verdict = self.learn(&data, &posterior, noise_n2, strained);
-        let mut event = self.measured(pending, &posterior);
-        let change = self.change(verdict, &event, &posterior);
+    /// A measured event with what it tells of a change.
+    fn judged(
+        &mut self,
+        mut event: Event,
+        alone: Option<(Coefficient, Coefficient)>,
+        posterior: &Posterior,
+        verdict: Verdict,
+    ) -> Finished {
+        let change = self.change(verdict, &event, posterior);
         if verdict == Verdict::Suspect {
             (event.mu_s, event.mu, event.reason) = (None, None, Some(Reason::Suspect));
             return event.into();
         }
-        let site = self.site();
-        let alone = fit.forces_alone(data.rate).filter(|_| posterior.is_resolved());
-        let alone = alone.map(|forces| {
-            let mu_s = site.whole(forces.static_n, noise_n2 * forces.static_variance);
-            (mu_s, site.whole(forces.dynamic_n, noise_n2 * forces.dynamic_variance))
-        });
-        let Cycle { static_n, .. } = posterior.cycle;
-        let common = (site.common_std(static_n), site.common_std(posterior.cycle.dynamic_n()));
+        let (site, cycle) = (self.site(), &posterior.cycle);
+        let common = (site.common_std(cycle.static_n), site.common_std(cycle.dynamic_n()));
         Finished { event, alone, common, change }
     }
 
     /// The site with the weight as far as it is known to have changed.
     fn site(&self) -> Site {
-        let (ratio, weight_spread) = self.mass.weight_ratio();
+        let (ratio, weight_spread) = self.learnt.mass.weight_ratio();
         Site { weight_n: ratio * self.site.weight_n, weight_spread, ..self.site }
     }
 
     /// Weight in use over the given one, and its relative standard deviation.
     #[must_use]
     pub fn weight_ratio(&self) -> (f32, f32) {
-        self.mass.weight_ratio()
+        self.learnt.mass.weight_ratio()
     }
 
     /// What an event tells of a change.
@@ -294,7 +315,7 @@ impl Cycles {
                 let Cycle { static_n, .. } = posterior.cycle;
                 let shift = self.levels.take(static_n, posterior.cycle.dynamic_n())?;
                 let first = (event.index.saturating_sub(shift.events_ago), event.onset);
-                if is_clear(&posterior.cycle) && self.mass.doubt(shift.dynamic_before_n) {
+                if is_clear(&posterior.cycle) && self.learnt.mass.doubt(shift.dynamic_before_n) {
                     self.suspect = Some(first);
                     return None;
                 }
@@ -305,57 +326,12 @@ impl Cycles {
             Verdict::Unknown => (Cause::Unknown, suspect.unwrap_or(here)),
         };
         self.levels.forget();
-        let (weight_ratio, relative) = self.mass.weight_ratio();
+        let (weight_ratio, relative) = self.learnt.mass.weight_ratio();
         let weight_ratio_std = relative * weight_ratio;
         Some(Change { event: first, onset, cause, weight_ratio, weight_ratio_std })
     }
 
-    /// Carries the event's own loading rate and swing to the next ones, unless it is a
-    /// suspect.
-    fn learn(
-        &mut self,
-        data: &Data<'_>,
-        posterior: &Posterior,
-        noise_n2: f32,
-        strained: bool,
-    ) -> Verdict {
-        let Posterior { cycle, unknowns: [_, rate, _, _, swing, bend], .. } = *posterior;
-        // What hardly resolved slips tell is bent towards what was expected of them.
-        let least = if posterior.is_resolved() { 0.1 } else { 0.7 };
-        let own =
-            |value, variance, prior, least| without_prior(value, variance, prior, noise_n2, least);
-        // The loading rate and the swing are above zero; the bend may have any sign.
-        let positive = |own: &(f32, f32)| own.0 > 0.0;
-        let own_swing = |least| own(cycle.swing(), swing, data.swing, least).filter(positive);
-        let mut told = Told {
-            // A known swing hides another one: little of its own is enough to judge.
-            swing: own_swing(0.1 * least).filter(|_| is_telling(posterior)),
-            dynamic_n: cycle.dynamic_n(),
-            same_cable: self.is_usual_rate(cycle.rate),
-            strained,
-        };
-        let verdict = self.mass.judge(&told);
-        let in_trial = self.mass.is_on_trial();
-        if verdict == Verdict::Suspect && !in_trial {
-            return verdict;
-        }
-        if let Some((value, variance)) = own(cycle.rate, rate, data.rate, least).filter(positive) {
-            self.rate.add(value, variance);
-        }
-        if let Some((value, variance)) = own(cycle.bend, bend, data.bend, least) {
-            self.bend.add(value, variance);
-        }
-        told.swing = own_swing(least).filter(|_| is_clear(&cycle) || !in_trial);
-        self.mass.learn(&told).unwrap_or(verdict)
-    }
-
-    /// Is the loading rate what it was, as far as winches turn steadily?
-    fn is_usual_rate(&self, rate: f32) -> bool {
-        const STEADY: f32 = 0.1;
-        self.rate.mean().is_none_or(|usual| (rate - usual).abs() < STEADY * usual)
-    }
-
-    fn measured(&mut self, pending: &Pending, posterior: &Posterior) -> Event {
+    fn measured(&self, pending: &Pending, posterior: &Posterior) -> Event {
         let cycle = &posterior.cycle;
         let mut event = self.bare(pending, cycle);
         let site = self.site();
@@ -369,14 +345,13 @@ impl Cycles {
     }
 
     /// Times and forces of an event.
-    fn bare(&mut self, pending: &Pending, cycle: &Cycle) -> Event {
+    fn bare(&self, pending: &Pending, cycle: &Cycle) -> Event {
         let hz = self.site.rate_hz;
         let onset = moment(pending.origin, cycle.onset);
         let stop = moment(pending.origin, cycle.shape().stop());
         let rest = self.last_stop.map(|last| {
             (since(last.index, onset.index) + onset.fraction - last.fraction).max(0.0) / hz
         });
-        self.last_stop = Some(stop);
         Event {
             index: self.count,
             onset,
@@ -398,13 +373,19 @@ impl Cycles {
     }
 
     /// An event that is only seen, from its highest and lowest sample.
-    fn without_coefficients(&mut self, pending: &Pending, reason: Reason) -> Event {
+    fn without_coefficients(&self, pending: &Pending, reason: Reason) -> Event {
         let onset = since(pending.origin, pending.peak.index);
         let fall = (pending.low.index - pending.peak.index) as f32;
         let drop = pending.peak.force_n - pending.low.force_n;
         let cycle = Cycle {
             onset,
-            rate: self.rate.mean().or(pending.before.slope()).unwrap_or(0.0).max(1e-6 * drop),
+            rate: self
+                .learnt
+                .rate
+                .mean()
+                .or(pending.before.slope())
+                .unwrap_or(0.0)
+                .max(1e-6 * drop),
             static_n: pending.peak.force_n,
             half_drop_n: 0.5 * drop,
             omega: core::f32::consts::PI / fall.max(1.0),
@@ -417,49 +398,6 @@ impl Cycles {
         event.reason = Some(reason);
         event
     }
-}
-
-/// What earlier events tell of a quantity, else a guess and its standard deviation.
-fn expected(shared: &Shared, guess: f32, spread: f32, noise_n2: f32) -> Prior {
-    let learnt = shared.prior(noise_n2);
-    if learnt.weight > 0.0 {
-        return learnt;
-    }
-    Prior { mean: guess, weight: noise_n2 / (spread * spread) }
-}
-
-/// Squared residuals of an event that no other event counts, N², and their degrees
-/// of freedom: observations less unknowns, as far as these come from the samples
-/// and not from what was expected.
-fn own_residuals(data: &Data<'_>, fit: &Fit) -> (f32, f32) {
-    let (mut squares, mut unknowns) = (fit.cost + data.after.residual(), model::UNKNOWNS as f32);
-    for (unknown, (prior, value)) in data.priors(&fit.cycle).into_iter().enumerate() {
-        squares -= prior.weight * (prior.mean - value) * (prior.mean - value);
-        unknowns -= prior.weight * fit.variance(unknown);
-    }
-    let lines = data.before.count.min(2) as f32 + data.after.weight;
-    (squares.max(0.0), data.points.len() as f32 + lines - unknowns)
-}
-
-/// Does the slip have samples enough to tell a small change of the swing from what the
-/// sampling makes of it?
-fn is_clear(cycle: &Cycle) -> bool {
-    const CLEAR: f32 = 2.0;
-    cycle.slide_time() > CLEAR && cycle.restick_n() > 0.0
-}
-
-/// Is the fitted swing the block's? A cable cannot push.
-fn is_telling(posterior: &Posterior) -> bool {
-    posterior.is_resolved() && posterior.cycle.restick_n() > 0.0
-}
-
-/// Are the samples around the slip far from the fit? `squares_n2` as from
-/// [`own_residuals`].
-fn is_strained(data: &Data<'_>, squares_n2: f32, noise_n2: f32) -> bool {
-    const STRAINED: f32 = 10.0;
-    // The lines are two observations each.
-    let observations = data.points.len() as f32 + 4.0;
-    squares_n2 - data.after.residual() > STRAINED * observations * noise_n2
 }
 
 /// A time in periods from an origin, as index and fraction.

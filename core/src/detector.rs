@@ -202,6 +202,31 @@ impl Detector {
         self.phase
     }
 
+    /// Highest sample before the slip and lowest one so far.
+    #[must_use]
+    pub fn extremes(&self) -> (Extreme, Extreme) {
+        (self.stick.highest, self.lowest)
+    }
+
+    /// Would the slip be over if this sample, the next one, is no spike?
+    #[must_use]
+    pub fn turns_with(&self, next: Extreme) -> bool {
+        self.phase == Phase::Slip
+            && self.is_up_to_date()
+            && next.force_n > self.lowest.force_n
+            && self.turns(next)
+    }
+
+    /// Has the force stopped falling?
+    fn turns(&self, now: Extreme) -> bool {
+        let std = self.std_n.unwrap_or(0.0);
+        let drop = self.stick.highest.force_n - self.lowest.force_n;
+        let fall = self.lowest.index - self.stick.highest.index;
+        let rise = now.force_n - self.lowest.force_n;
+        let rises = rise > (4.0 * std).min(0.5 * drop).max(CLEAR_RISE * drop);
+        rises || now.index - self.lowest.index >= fall.div_ceil(2).max(2)
+    }
+
     /// The newest sample looked at.
     #[must_use]
     pub fn last(&self) -> Extreme {
@@ -246,7 +271,7 @@ impl Detector {
     /// Takes a good sample with an index past all earlier ones.
     pub fn step(&mut self, index: u64, force_n: f32) -> Option<Transition> {
         self.noise.see(force_n, index == self.newest + 1);
-        if self.next > self.newest {
+        if self.is_up_to_date() {
             self.next = index;
         }
         self.newest = index;
@@ -260,7 +285,7 @@ impl Detector {
     /// to the first transition. At the end of a test: until it returns `None`.
     pub fn catch_up(&mut self, most: u32) -> Option<Transition> {
         for _ in 0..most {
-            if self.next > self.newest {
+            if self.is_up_to_date() {
                 return None;
             }
             let index = self.window.first_from(self.next);
@@ -273,6 +298,10 @@ impl Detector {
             }
         }
         None
+    }
+
+    fn is_up_to_date(&self) -> bool {
+        self.next > self.newest
     }
 
     /// Without any slip so far, and with far less noise than was thought: looks at
@@ -353,7 +382,10 @@ impl Detector {
     #[must_use]
     pub fn foresees_slip(&self, next: Extreme) -> bool {
         let drop = self.stick.highest.force_n - next.force_n;
-        self.phase == Phase::Stick && drop < LARGEST_DROP * self.usual_drop_n && self.slips(next)
+        self.phase == Phase::Stick
+            && self.is_up_to_date()
+            && drop < LARGEST_DROP * self.usual_drop_n
+            && self.slips(next)
     }
 
     /// Least drop of a slip, N.
@@ -465,19 +497,14 @@ impl Detector {
         }
         let peak = self.stick.highest;
         let fall = self.lowest.index - peak.index;
-        let since_lowest = now.index - self.lowest.index;
         if now.index - peak.index > WINDOW as u64 * 3 / 4 {
             self.rest_from(now, now.index);
             return Some(Transition::Lost);
         }
-        let std = self.std_n.unwrap_or(0.0);
-        let drop = peak.force_n - self.lowest.force_n;
-        let rise = now.force_n - self.lowest.force_n;
-        let rises = rise > (4.0 * std).min(0.5 * drop).max(CLEAR_RISE * drop);
-        let rests = since_lowest >= (fall.div_ceil(2)).max(2);
-        if !(rises || rests) {
+        if !self.turns(now) {
             return None;
         }
+        let drop = peak.force_n - self.lowest.force_n;
         Some(if self.is_back(now, drop) { self.cancel(now) } else { self.restick(now, drop, fall) })
     }
 

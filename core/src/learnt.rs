@@ -1,0 +1,155 @@
+//! What the events of a test have told so far, as expectations for the next one.
+
+use crate::fit::{Data, Fit, Prior};
+use crate::line::Line;
+use crate::mass::{Mass, Told, Verdict};
+use crate::model::{Cycle, UNKNOWNS};
+use crate::pending::Pending;
+use crate::posterior::Posterior;
+use crate::residuals::Residuals;
+use crate::shared::{Shared, without_prior};
+
+/// Loading rate, swing `1/ω` and bend that the events share, and the noise.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Learnt {
+    pub(crate) rate: Shared,
+    pub(crate) mass: Mass,
+    bend: Shared,
+    pub(crate) residuals: Residuals,
+}
+
+/// Least part of a fitted precision that has to be the event's own.
+const LEAST_OWN: f32 = 0.1;
+
+impl Learnt {
+    /// Variance of the noise: from the fits so far, else the detector's.
+    pub(crate) fn noise_n2(&self, pending: &Pending) -> f32 {
+        self.residuals.variance_n2().unwrap_or(pending.noise_n2)
+    }
+
+    /// An event's samples and lines with what is expected of it.
+    pub(crate) fn data<'a>(
+        &self,
+        pending: &'a Pending,
+        after: &'a Line,
+        noise_n2: f32,
+    ) -> Data<'a> {
+        let rough = &pending.rough;
+        Data {
+            before: &pending.before,
+            samples: pending.samples(),
+            after,
+            rate: expected(&self.rate, rough.rate, 0.7 * rough.rate, noise_n2),
+            swing: expected(
+                self.mass.swing(),
+                rough.slide * core::f32::consts::FRAC_1_PI,
+                rough.slide_std * core::f32::consts::FRAC_1_PI,
+                noise_n2,
+            ),
+            bend: self.bend_prior(rough.rate, noise_n2),
+            onset: rough.onset(noise_n2),
+        }
+    }
+
+    /// Until the events tell otherwise the winch turns steadily.
+    fn bend_prior(&self, rough_rate: f32, noise_n2: f32) -> Prior {
+        const STEADY: f32 = 0.003;
+        let learnt = self.bend.prior_around_zero(noise_n2);
+        if learnt.weight > 0.0 {
+            return learnt;
+        }
+        let spread = STEADY * self.rate.mean().unwrap_or(rough_rate);
+        Prior { mean: 0.0, weight: noise_n2 / (spread * spread) }
+    }
+
+    /// Is the swing known from earlier events?
+    pub(crate) fn knows_swing(&self) -> bool {
+        self.mass.swing().prior(1.0).weight > 0.0
+    }
+
+    /// Carries the event's own loading rate, swing and bend to the next ones, unless it
+    /// is a suspect. `strained` as from [`is_strained`].
+    pub(crate) fn learn(
+        &mut self,
+        data: &Data<'_>,
+        posterior: &Posterior,
+        noise_n2: f32,
+        strained: bool,
+    ) -> Verdict {
+        let Posterior { cycle, unknowns: [_, rate, _, _, swing, bend], .. } = *posterior;
+        let own =
+            |value, variance, prior, least| without_prior(value, variance, prior, noise_n2, least);
+        // The loading rate and the swing are above zero; the bend may have any sign.
+        let positive = |own: &(f32, f32)| own.0 > 0.0;
+        // What hardly resolved slips tell of the swing is what was expected of them.
+        let own_swing = |least| {
+            let own = own(cycle.swing(), swing, data.swing, least).filter(positive);
+            own.filter(|_| posterior.is_resolved())
+        };
+        let mut told = Told {
+            // A known swing hides another one: little of its own is enough to judge. A
+            // cable cannot push.
+            swing: own_swing(0.1 * LEAST_OWN).filter(|_| cycle.restick_n() > 0.0),
+            dynamic_n: cycle.dynamic_n(),
+            same_cable: self.is_usual_rate(cycle.rate),
+            strained,
+        };
+        let verdict = self.mass.judge(&told);
+        let on_trial = self.mass.is_on_trial();
+        if verdict == Verdict::Suspect && !on_trial {
+            return verdict;
+        }
+        let own_rate = own(cycle.rate, rate, data.rate, LEAST_OWN);
+        if let Some((value, variance)) = own_rate.filter(positive) {
+            self.rate.add(value, variance);
+        }
+        if let Some((value, variance)) = own(cycle.bend, bend, data.bend, LEAST_OWN) {
+            self.bend.add(value, variance);
+        }
+        told.swing = own_swing(LEAST_OWN).filter(|_| is_clear(&cycle) || !on_trial);
+        self.mass.learn(&told).unwrap_or(verdict)
+    }
+
+    /// Is the loading rate what it was, as far as winches turn steadily?
+    fn is_usual_rate(&self, rate: f32) -> bool {
+        const STEADY: f32 = 0.1;
+        self.rate.mean().is_none_or(|usual| (rate - usual).abs() < STEADY * usual)
+    }
+}
+
+/// Does the slip have samples enough to tell a small change of the swing from what the
+/// sampling makes of it?
+pub(crate) fn is_clear(cycle: &Cycle) -> bool {
+    const CLEAR: f32 = 2.0;
+    cycle.slide_time() > CLEAR && cycle.restick_n() > 0.0
+}
+
+/// Are the samples around the slip far from the fit?
+pub(crate) fn is_strained(data: &Data<'_>, fit: &Fit, noise_n2: f32) -> bool {
+    const STRAINED: f32 = 10.0;
+    let around_n2 = own_residuals(data, fit).0 - data.after.residual();
+    // The lines are two observations each.
+    around_n2 > STRAINED * (data.samples.good().count() as f32 + 4.0) * noise_n2
+}
+
+/// What earlier events tell of a quantity, else a guess and its standard deviation.
+fn expected(shared: &Shared, guess: f32, spread: f32, noise_n2: f32) -> Prior {
+    let learnt = shared.prior(noise_n2);
+    if learnt.weight > 0.0 {
+        return learnt;
+    }
+    Prior { mean: guess, weight: noise_n2 / (spread * spread) }
+}
+
+/// Squared residuals of an event that no other event counts, N², and their degrees
+/// of freedom: observations less unknowns, as far as these come from the samples
+/// and not from what was expected.
+pub(crate) fn own_residuals(data: &Data<'_>, fit: &Fit) -> (f32, f32) {
+    let (mut squares, mut unknowns) = (fit.cost() + data.after.residual(), UNKNOWNS as f32);
+    for (unknown, (prior, value)) in data.priors(&fit.cycle).into_iter().enumerate() {
+        squares -= prior.weight * (prior.mean - value) * (prior.mean - value);
+        unknowns -= prior.weight * fit.variance(unknown);
+    }
+    let lines = data.before.count.min(2) as f32 + data.after.weight;
+    (squares.max(0.0), data.samples.good().count() as f32 + lines - unknowns)
+}
