@@ -170,8 +170,8 @@ impl Mass {
 
     /// Learns from an event, and may end the trial.
     pub fn learn(&mut self, told: &Told) -> Option<Verdict> {
+        self.seen = self.seen.saturating_add(1);
         if let Some((swing, variance)) = told.swing {
-            self.seen = self.seen.saturating_add(1);
             self.swing.add(swing, variance);
             if self.before.is_some() && self.since.count < MOST {
                 self.since.add((swing, variance), told.dynamic_n);
