@@ -27,6 +27,8 @@ const FEWEST: u32 = 5;
 const MOST: u32 = 16;
 /// Suspects in a row without a mass that explains them: something else has changed.
 const ODD: u32 = 3;
+/// The same for events that do not tell their swing.
+const SILENT: u32 = 8;
 
 /// What an event tells.
 #[derive(Clone, Copy, Debug)]
@@ -151,14 +153,14 @@ impl Mass {
     /// The event after a suspect.
     fn judge_suspect(&mut self, told: &Told, kept: &Shared, odd: u32) -> Verdict {
         let before = kept.prior(1.0);
-        let (verdict, state) = if told.strained || !told.is_off(before) {
+        let (verdict, state) = if told.strained || (told.swing.is_some() && !told.is_off(before)) {
             self.swing = *kept;
             // One that the model cannot describe is not to be learnt from either.
             (if told.strained { Verdict::Suspect } else { Verdict::Same }, State::Steady)
-        } else if told.same_cable && self.explains(told.mass_ratio(before), told.dynamic_n) {
+        } else if told.explains(before, self.dynamic_n) {
             self.start(Some(before));
             (Verdict::Mass, State::Steady)
-        } else if odd >= ODD {
+        } else if odd >= if told.swing.is_some() { ODD } else { SILENT } {
             self.start(None);
             (Verdict::Unknown, State::Steady)
         } else {
@@ -215,20 +217,14 @@ impl Mass {
         (ratio.value, crate::math::sqrt(ratio.variance))
     }
 
-    /// Is a ratio of the masses nearer than one to that of the forces?
-    fn explains(&self, ratio: f32, dynamic_n: f32) -> bool {
-        let forces = dynamic_n / self.dynamic_n;
-        (forces - ratio).abs() < (forces - 1.0).abs()
-    }
-
     /// What the trial says so far.
     fn tried(&mut self, events: u32) -> Option<Verdict> {
         let Ratio { value, variance } = self.ratio();
         let (value, variance) = (value / self.base.value, variance - self.base.variance);
-        let off = value - 1.0;
+        let (off, forces) = (value - 1.0, self.since.dynamic_n / self.dynamic_n);
         let is_off =
             self.since.count > 1 && off * off > FAR_MEAN * FAR_MEAN * variance * value * value;
-        let verdict = if is_off && off.abs() > LEAST && self.explains(value, self.since.dynamic_n) {
+        let verdict = if is_off && off.abs() > LEAST && is_nearer(forces, value) {
             Verdict::Mass
         } else if self.since.count > 1 && variance < 0.25 * LEAST * LEAST && off.abs() < LEAST {
             Verdict::SameMass
@@ -268,6 +264,11 @@ impl Default for Mass {
     }
 }
 
+/// Is a ratio of the masses nearer than one to that of the forces?
+fn is_nearer(forces: f32, masses: f32) -> bool {
+    (forces - masses).abs() < (forces - 1.0).abs()
+}
+
 impl Told {
     /// Is the swing off by more than its noise, and by more than a cable may vary?
     fn is_off(&self, expected: Prior) -> bool {
@@ -277,6 +278,12 @@ impl Told {
         let off = swing - expected.mean;
         off * off > FAR * FAR * (variance + 1.0 / expected.weight)
             && (self.mass_ratio(expected) - 1.0).abs() > LEAST
+    }
+
+    /// Has the mass changed: with the same cable, and the force with it?
+    fn explains(&self, before: Prior, dynamic_before_n: f32) -> bool {
+        let forces = self.dynamic_n / dynamic_before_n;
+        self.swing.is_some() && self.same_cable && is_nearer(forces, self.mass_ratio(before))
     }
 
     /// Mass over that of the expected swing.
@@ -362,14 +369,14 @@ mod tests {
         assert_eq!(mass.weight_ratio(), (1.0, 0.0));
     }
 
-    /// Each swing is known to 5 % only.
+    /// Each swing is known to 4 % only.
     #[test]
     fn a_trial_tells_a_lighter_block_from_another_friction() {
         for (swing, expected) in [(0.69, Verdict::Mass), (0.845, Verdict::SameMass)] {
             let mut mass = Mass::new();
-            (0..30).for_each(|i| assert_eq!(mass.learn(&measured(i, 0.845, 0.03, 490.0)), None));
+            (0..30).for_each(|i| assert_eq!(mass.learn(&measured(i, 0.845, 0.02, 490.0)), None));
             assert!(mass.doubt(490.0));
-            let ended = (0..60).find_map(|i| mass.learn(&measured(i, swing, 0.03, 327.0)));
+            let ended = (0..60).find_map(|i| mass.learn(&measured(i, swing, 0.02, 327.0)));
             assert_eq!(ended, Some(expected));
             let (ratio, std) = mass.weight_ratio();
             let truth = if expected == Verdict::Mass { 0.6667 } else { 1.0 };
