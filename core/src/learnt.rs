@@ -19,7 +19,7 @@ pub(crate) struct Learnt {
 }
 
 /// Least part of a fitted precision that has to be the event's own.
-const LEAST_OWN: f32 = 0.1;
+const LEAST_OWN: f32 = 0.003;
 
 impl Learnt {
     /// Variance of the noise: from the fits so far, else the detector's.
