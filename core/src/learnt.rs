@@ -89,7 +89,7 @@ impl Learnt {
         let mut told = Told {
             // A known swing hides another one: little of its own is enough to judge. A
             // cable cannot push.
-            swing: own_swing(0.1 * LEAST_OWN).filter(|_| cycle.restick_n() > 0.0),
+            swing: own_swing(LEAST_OWN).filter(|_| cycle.restick_n() > 0.0),
             dynamic_n: cycle.dynamic_n(),
             same_cable: self.is_usual_rate(cycle.rate),
             strained,
