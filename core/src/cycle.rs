@@ -64,6 +64,8 @@ pub struct Cycles {
     residuals: Residuals,
     /// Stop of the last event.
     last_stop: Option<SampleTime>,
+    /// Index before which the cable did not load since then.
+    last_loose: u64,
     count: u32,
 }
 
@@ -79,6 +81,7 @@ impl Cycles {
             bend: Shared::default(),
             residuals: Residuals::default(),
             last_stop: None,
+            last_loose: 0,
             count: 0,
         }
     }
@@ -147,8 +150,8 @@ impl Cycles {
     /// the last stop when the block rested too briefly for a line.
     fn start(&self, stick: &Stick) -> u64 {
         match self.last_stop {
-            Some(stop) if stick.line.count < 3 => {
-                stick.next.min((stop.index + 1).max(stick.next.saturating_sub(4)))
+            Some(_) if stick.line.count < 3 => {
+                stick.next.min((self.last_loose + 1).max(stick.next.saturating_sub(4)))
             }
             _ => stick.next,
         }
@@ -271,11 +274,13 @@ impl Cycles {
     fn bare(&mut self, pending: &Pending, cycle: &Cycle) -> Event {
         let hz = self.site.rate_hz;
         let onset = moment(pending.origin, cycle.onset);
-        let stop = moment(pending.origin, cycle.shape().stop());
+        let shape = cycle.shape();
+        let stop = moment(pending.origin, shape.stop());
         let rest = self.last_stop.map(|last| {
             (since(last.index, onset.index) + onset.fraction - last.fraction).max(0.0) / hz
         });
         self.last_stop = Some(stop);
+        self.last_loose = moment(pending.origin, cycle.onset + shape.loads()).index;
         Event {
             index: self.count,
             onset,
@@ -287,11 +292,11 @@ impl Cycles {
             mu_s: None,
             mu: None,
             stick_s: rest,
-            slip_s: cycle.slide_time() / hz,
+            slip_s: shape.slide() / hz,
             loading_rate_n_per_s: cycle.rate * hz,
             omega_rad_per_s: Some(cycle.omega * hz),
-            slack: false,
-            quality: Quality::Good,
+            slack: shape.is_slack(),
+            quality: if shape.is_slack() { Quality::Slack } else { Quality::Good },
             reason: None,
         }
     }
