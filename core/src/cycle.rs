@@ -171,7 +171,8 @@ impl Cycles {
 
     fn fit(&self, pending: &Pending, after: &Line, noise_n2: f32) -> Option<Fit> {
         let data = self.data(pending, after, noise_n2);
-        match pending.fit {
+        // Without the line after it a slip on a slack cable is hardly determined.
+        match pending.fit.filter(|first| after.count == 0 || !first.cycle.shape().is_slack()) {
             Some(first) => data.fit(&first.cycle, noise_n2),
             None => {
                 data.fit(&pending.guess(&data, self.swing.prior(noise_n2).weight > 0.0)?, noise_n2)

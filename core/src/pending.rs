@@ -128,30 +128,42 @@ impl Pending {
     /// A first guess: the lines' level and slope, half-way down in time, and the
     /// slip's length that fits best of a few.
     pub(crate) fn guess(&self, data: &Data<'_>, known_swing: bool) -> Option<Cycle> {
-        let drop = self.peak.force_n - self.low.force_n;
+        const PI: f32 = core::f32::consts::PI;
+        let (peak_n, low_n) = (self.peak.force_n, self.low.force_n);
+        let centre_n = self.slack_centre_n(data).unwrap_or(0.5 * (peak_n + low_n));
+        let half_drop_n = peak_n - centre_n;
         let rate = data.rate.mean;
-        let half_drop_n = 0.5 * drop;
-        let middle = self.rough.middle;
-        let with_slide = |slide: f32| {
-            let phase = math::atan2(rate * slide, core::f32::consts::PI * half_drop_n);
-            let onset = middle - 0.5 * slide;
-            let static_n = if self.before.count >= 3 {
-                self.before.at(onset, rate)
-            } else {
-                self.peak.force_n
-            };
-            let omega = (core::f32::consts::PI + 2.0 * phase) / slide;
-            Cycle { onset, rate, static_n, half_drop_n, omega, bend: 0.0 }
+        let with_swing = |swing: f32| {
+            let phase = math::atan2(rate * swing, half_drop_n);
+            let amplitude_n = half_drop_n / math::sin_cos(phase).1;
+            let half_way = phase + math::acos((0.5 * (peak_n + low_n) - centre_n) / amplitude_n);
+            let onset = self.rough.middle - half_way * swing;
+            let static_n =
+                if self.before.count >= 3 { self.before.at(onset, rate) } else { peak_n };
+            Cycle { onset, rate, static_n, half_drop_n, omega: 1.0 / swing, bend: 0.0 }
         };
         if known_swing {
-            let phase = math::atan2(rate * data.swing.mean, half_drop_n);
-            return Some(with_slide((core::f32::consts::PI + 2.0 * phase) * data.swing.mean));
+            return Some(with_swing(data.swing.mean));
         }
         let fall = (self.low.index - self.peak.index) as f32;
+        let with_slide = |slide: f32| {
+            let phase = math::atan2(rate * slide, PI * half_drop_n);
+            with_swing(slide / (PI + 2.0 * phase))
+        };
         [0.6, 0.8, 1.0, 1.25, 1.6]
             .map(|part| with_slide((part * fall).max(0.5)))
             .into_iter()
             .min_by(|a, b| data.cost(a).total_cmp(&data.cost(b)))
+    }
+
+    /// `Fp` if the stick line after the slip, continued back to the lowest sample, is
+    /// below zero by `x`: on a slack cable the block slid on and the winch took that up,
+    /// so the work of friction is `Fp (Fs + x) = Fs² / 2`, but for the winch's own.
+    fn slack_centre_n(&self, data: &Data<'_>) -> Option<f32> {
+        let slope = data.after.slope()?;
+        let below_n = -data.after.at(since(self.origin, self.low.index), slope);
+        let peak_n = self.peak.force_n;
+        (below_n > 0.0).then(|| 0.5 * peak_n * peak_n / (peak_n + below_n))
     }
 
     /// Is a fitted cycle the slip that the samples show? Its ends lie within half the
