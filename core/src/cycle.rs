@@ -181,19 +181,20 @@ impl Cycles {
     }
 
     fn data<'a>(&self, pending: &'a Pending, after: &'a Line, noise_n2: f32) -> Data<'a> {
+        let rough = pending.rough(after);
         Data {
             before: &pending.before,
             points: pending.points.get(..pending.length).unwrap_or_default(),
             after,
-            rate: expected(&self.rate, pending.rough.rate, 0.7 * pending.rough.rate, noise_n2),
+            rate: expected(&self.rate, rough.rate, 0.7 * rough.rate, noise_n2),
             swing: expected(
                 &self.swing,
-                pending.rough.slide * core::f32::consts::FRAC_1_PI,
-                pending.rough.slide_std * core::f32::consts::FRAC_1_PI,
+                rough.slide * core::f32::consts::FRAC_1_PI,
+                rough.slide_std * core::f32::consts::FRAC_1_PI,
                 noise_n2,
             ),
-            bend: self.bend_prior(pending.rough.rate, noise_n2),
-            onset: pending.rough.onset(noise_n2),
+            bend: self.bend_prior(rough.rate, noise_n2),
+            onset: rough.onset(noise_n2),
         }
     }
 

@@ -7,6 +7,8 @@ use crate::math;
 use crate::model::Cycle;
 use crate::window::{WINDOW, Window};
 
+const PI: f32 = core::f32::consts::PI;
+
 /// Most samples between the two stick lines.
 const CORE: usize = 96;
 
@@ -38,6 +40,15 @@ pub(crate) struct Rough {
     pub(crate) slide_std: f32,
     /// Half-way down, periods from the event's origin.
     pub(crate) middle: f32,
+}
+
+/// A slip that ended on a slack cable.
+#[derive(Clone, Copy, Debug)]
+struct Slack {
+    /// `Fp`, N.
+    centre_n: f32,
+    /// Part of the half turn from the largest force to the smallest up to `F = 0`.
+    part: f32,
 }
 
 impl Rough {
@@ -128,9 +139,9 @@ impl Pending {
     /// A first guess: the lines' level and slope, half-way down in time, and the
     /// slip's length that fits best of a few.
     pub(crate) fn guess(&self, data: &Data<'_>, known_swing: bool) -> Option<Cycle> {
-        const PI: f32 = core::f32::consts::PI;
         let (peak_n, low_n) = (self.peak.force_n, self.low.force_n);
-        let centre_n = self.slack_centre_n(data).unwrap_or(0.5 * (peak_n + low_n));
+        let slack = self.slack(data.after);
+        let centre_n = slack.map_or(0.5 * (peak_n + low_n), |slack| slack.centre_n);
         let half_drop_n = peak_n - centre_n;
         let rate = data.rate.mean;
         let with_swing = |swing: f32| {
@@ -145,7 +156,8 @@ impl Pending {
         if known_swing {
             return Some(with_swing(data.swing.mean));
         }
-        let fall = (self.low.index - self.peak.index) as f32;
+        let fall =
+            (self.low.index - self.peak.index) as f32 / slack.map_or(1.0, |slack| slack.part);
         let with_slide = |slide: f32| {
             let phase = math::atan2(rate * slide, PI * half_drop_n);
             with_swing(slide / (PI + 2.0 * phase))
@@ -156,14 +168,29 @@ impl Pending {
             .min_by(|a, b| data.cost(a).total_cmp(&data.cost(b)))
     }
 
-    /// `Fp` if the stick line after the slip, continued back to the lowest sample, is
-    /// below zero by `x`: on a slack cable the block slid on and the winch took that up,
-    /// so the work of friction is `Fp (Fs + x) = Fs² / 2`, but for the winch's own.
-    fn slack_centre_n(&self, data: &Data<'_>) -> Option<f32> {
-        let slope = data.after.slope()?;
-        let below_n = -data.after.at(since(self.origin, self.low.index), slope);
+    /// What the extremes tell together with the stick line after the slip.
+    pub(crate) fn rough(&self, after: &Line) -> Rough {
+        let Some(Slack { part, .. }) = self.slack(after) else { return self.rough };
+        // From the highest sample, less than one off the onset, to the first at zero.
+        let fall = (self.low.index - self.peak.index) as f32;
+        let (slide, slide_std) = ((fall - 0.5) / part, (0.6 + 0.15 * fall) / part);
+        Rough { slide, slide_std, ..self.rough }
+    }
+
+    /// The slip ended on a slack cable if the stick line after it, continued back to
+    /// the lowest sample, is below zero there by `x`: the block slid on and the winch
+    /// took that up. The work of friction is `Fp (Fs + x) = Fs² / 2`, but for the
+    /// winch's own.
+    fn slack(&self, after: &Line) -> Option<Slack> {
+        let slope = after.slope()?;
+        let below_n = -after.at(since(self.origin, self.low.index), slope);
+        if below_n <= 0.0 {
+            return None;
+        }
         let peak_n = self.peak.force_n;
-        (below_n > 0.0).then(|| 0.5 * peak_n * peak_n / (peak_n + below_n))
+        let centre_n = 0.5 * peak_n * peak_n / (peak_n + below_n);
+        let part = 1.0 - math::acos(centre_n / (peak_n - centre_n)) / PI;
+        Some(Slack { centre_n, part })
     }
 
     /// Is a fitted cycle the slip that the samples show? Its ends lie within half the
