@@ -266,7 +266,9 @@ impl Cycles {
         event.mu_s = Some(self.site.coefficient(cycle.static_n, posterior.static_n2));
         event.mu = Some(self.site.coefficient(cycle.dynamic_n(), posterior.dynamic_n2));
         if !posterior.is_resolved() {
-            event.quality = Quality::Unresolved;
+            if !event.slack {
+                event.quality = Quality::Unresolved;
+            }
             event.omega_rad_per_s = None;
         }
         event
