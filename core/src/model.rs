@@ -149,16 +149,11 @@ impl Shape {
         self.cycle.onset + self.slide
     }
 
-    /// Time from the onset until the block rests again.
-    #[must_use]
-    pub fn slide(&self) -> f32 {
-        self.slide
-    }
-
-    /// Time from the onset until the force rises on the next stick line.
+    /// Time at which the next stick line starts: later than the stop if the block
+    /// stops on a slack cable.
     #[must_use]
     pub fn loads(&self) -> f32 {
-        self.slack.map_or(self.slide, |slack| slack.stop.max(slack.taut))
+        self.cycle.onset + self.slack.map_or(self.slide, |slack| slack.stop.max(slack.taut))
     }
 
     /// Does the cable go slack?
