@@ -253,7 +253,8 @@ impl Detector {
         let gap = index.saturating_sub(self.last.index);
         self.window.push(index, force_n);
         let started = self.phase != Phase::Unknown;
-        self.noise.see(force_n, started && gap == 1 && self.floor.is_none());
+        let lies = self.floor.is_some_and(|floor| floor.is_long());
+        self.noise.see(force_n, started && gap == 1 && !lies);
         (self.line_std_n, self.std_n) = self.noise.std_n(force_n);
         self.last = now;
         if !started || gap > LONGEST_GAP {

@@ -8,14 +8,18 @@ use crate::detector::Extreme;
 
 /// Rise that shows that the cable is taut, standard deviations of the noise.
 const RISE: f32 = 5.0;
-/// The same where the noise is not known yet, parts of the slip's drop.
-const ROUGH_RISE: f32 = 0.12;
+/// Most that it has to be, parts of the slip's drop: where the block never rests what
+/// is known of the noise is only a bound.
+const MOST_RISE: f32 = 0.25;
 /// A slip that ends within this part of its drop, and the rise, of zero may have ended
 /// on a slack cable; a small error of the cell's zero is allowed for.
 const NEAR_ZERO: f32 = 0.1;
 /// The line starts where the force has risen by less than this part: the rest is room
 /// for noise.
 const SURE: f32 = 0.7;
+
+/// So many samples at zero in a row are no turning point.
+const LONG: u32 = 5;
 
 /// Waits for the rise.
 #[derive(Clone, Copy, Debug)]
@@ -30,9 +34,15 @@ pub(crate) struct Floor {
 impl Floor {
     /// After a slip with this drop, N, whose lowest sample is near zero; else `None`.
     pub(crate) fn under(low: Extreme, drop_n: f32, std_n: Option<f32>) -> Option<Self> {
-        let rise_n = std_n.map_or(ROUGH_RISE * drop_n, |std| RISE * std);
+        let most_n = MOST_RISE * drop_n;
+        let rise_n = std_n.map_or(most_n, |std| most_n.min(RISE * std));
         let is_near = low.force_n.abs() < NEAR_ZERO * drop_n + rise_n;
         is_near.then_some(Self { mean_n: low.force_n, count: 1, rise_n, above: false })
+    }
+
+    /// Has the force stayed down? A cell that reads no force below zero cuts the noise.
+    pub(crate) fn is_long(&self) -> bool {
+        self.count >= LONG
     }
 
     /// Takes the next sample; gives how far the force has risen, N, when it has. Two
