@@ -93,6 +93,13 @@ impl Outcome {
         Ok(format!("{bad}{events} events and the report as on this PC, bit for bit"))
     }
 
+    /// Whether the test ran from the record's first sample to its last.
+    #[must_use]
+    pub fn is_whole(&self, record: &Record) -> bool {
+        let counters = &self.report.counters;
+        counters.samples + counters.missing >= record.codes.len() as u64
+    }
+
     /// As `floe replay` would give it.
     #[must_use]
     pub fn result(&self, path: &Path, record: &Record) -> ReplayResult {
