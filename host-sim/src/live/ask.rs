@@ -73,7 +73,7 @@ impl Ask {
     #[must_use]
     pub fn text(&self) -> String {
         let Some(question) = self.question else {
-            return "s start  x stop  w weight  n name  a slope  t tare  c calibrate  : command  \
+            return "s start  x stop  w weight  n name  a slope  t tare  c calibrate  : more  \
                     q quit"
                 .to_string();
         };

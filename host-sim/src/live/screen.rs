@@ -37,8 +37,20 @@ pub fn draw(frame: &mut Frame<'_>, state: &State, ask: &Ask, place: &str, now: D
     if force.height >= TRACE_ROWS {
         trace::draw(frame, force, state);
     }
-    let style = if ask.is_open() { Modifier::REVERSED } else { Modifier::DIM };
-    frame.render_widget(Paragraph::new(ask.text()).style(style), last);
+    frame.render_widget(last_row(state, ask, now), last);
+}
+
+/// A question, else what came of the last answer, else the keys.
+fn last_row(state: &State, ask: &Ask, now: Duration) -> Paragraph<'static> {
+    let reply = state.reply(now).filter(|_| !ask.is_open());
+    let style = if ask.is_open() {
+        Modifier::REVERSED
+    } else if reply.is_some() {
+        Modifier::BOLD
+    } else {
+        Modifier::DIM
+    };
+    Paragraph::new(reply.unwrap_or_else(|| ask.text())).style(style)
 }
 
 /// Title, verdict, numbers, words, trace, keys. Where there is no room for all, an

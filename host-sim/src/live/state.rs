@@ -37,6 +37,10 @@ pub struct State {
     pub lost: Option<Duration>,
     /// When a sector could last not be written.
     pub unkept: Option<Duration>,
+    /// What the user last said to it.
+    pub said: Option<(String, Duration)>,
+    /// When the board last showed settings or the end of a test: it took that.
+    pub taken: Option<Duration>,
     /// The board's last answer.
     pub answer: Option<(String, Duration)>,
     /// The board's last complaint.
@@ -84,6 +88,26 @@ impl State {
         }
     }
 
+    /// What the user said lately, and what the board said to that.
+    #[must_use]
+    pub fn reply(&self, now: Duration) -> Option<String> {
+        const READING_TIME: Duration = Duration::from_secs(8);
+        let (command, at) = self.said.as_ref()?;
+        if now.saturating_sub(*at) > READING_TIME {
+            return None;
+        }
+        let later = |words: &&(String, Duration)| words.1 >= *at;
+        let words = self.complaint.as_ref().filter(later).or(self.answer.as_ref().filter(later));
+        let taken = self.taken.is_some_and(|taken| taken >= *at);
+        let reply = match words {
+            _ if self.away.is_some() => "not said, there is no port",
+            Some((words, _)) => words,
+            None if taken => "done",
+            None => "said",
+        };
+        Some(format!("{command}: {reply}"))
+    }
+
     /// A moment in seconds from the start of the test.
     #[must_use]
     pub fn seconds(&self, moment: SampleTime) -> f64 {
@@ -101,7 +125,7 @@ impl State {
         self.heard = now;
         let after_settings = std::mem::take(&mut self.after_settings);
         match line {
-            Line::Start { run, settings } => self.start(run, settings),
+            Line::Start { run, settings } => self.start(run, settings, now),
             Line::Sample(sample) => self.sample(sample, now),
             Line::Spike(index) => self.spike(index),
             Line::Event(event) => {
@@ -118,7 +142,7 @@ impl State {
                 }
                 self.health(health, now);
             }
-            Line::End { .. } => self.testing = Some(false),
+            Line::End { .. } => (self.testing, self.taken) = (Some(false), Some(now)),
             Line::Mean(mean) => {
                 let (count, failed) = (mean.count, mean.failed);
                 let text =
@@ -132,12 +156,12 @@ impl State {
     }
 
     /// Settings come at every change and question; a new number is a new test.
-    fn start(&mut self, run: u32, settings: Settings) {
+    fn start(&mut self, run: u32, settings: Settings, now: Duration) {
         if self.test.as_ref().is_some_and(|(known, _)| *known != run) {
             self.forget_test();
         }
         self.test = Some((run, settings));
-        self.after_settings = true;
+        (self.after_settings, self.taken) = (true, Some(now));
     }
 
     fn forget_test(&mut self) {

@@ -83,7 +83,7 @@ impl<'a> Display<'a> {
                 if let Event::Key(key) = event::read()? {
                     match self.ask.key(key) {
                         Deed::None => {}
-                        Deed::Say(command) => self.port.say(&command),
+                        Deed::Say(command) => self.say(command),
                         Deed::Quit => return Ok(()),
                     }
                 }
@@ -96,6 +96,11 @@ impl<'a> Display<'a> {
                 drawn = Some(now);
             }
         }
+    }
+
+    fn say(&mut self, command: String) {
+        self.port.say(&command);
+        self.state.said = Some((command, self.start.elapsed()));
     }
 
     /// Takes all that has come; whether there was anything.
