@@ -172,7 +172,11 @@ fn serve(directory: &Directory, link: Link, child: &mut Child) -> Result<SerialC
             break done.map_err(|e| e.to_string())?;
         }
         if let Ok(Some(status)) = child.try_wait() {
-            return Err(format!("the firmware stopped ({status})"));
+            // A line that was just closed ends the board before it is told of here.
+            match receiver.recv_timeout(Duration::from_secs(1)) {
+                Ok(Ok(done)) if status.success() => return Ok(done),
+                _ => return Err(format!("the firmware stopped ({status})")),
+            }
         }
     };
     // The line is closed: the board ends by itself.
