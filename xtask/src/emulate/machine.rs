@@ -17,6 +17,9 @@ use crate::arm::Route;
 use crate::qemu;
 use crate::shell::root;
 
+/// 62.5 million instructions per second.
+const SHIFT: u32 = 4;
+
 /// A firmware that is ready to run.
 #[derive(Debug)]
 pub struct Machine {
@@ -115,11 +118,7 @@ impl Machine {
     }
 
     fn spawn(&self, directory: &Directory) -> Result<Child> {
-        let mut command = Command::new(self.qemu);
-        command.args(["-M", "mps2-an386", "-display", "none", "-monitor", "none"]);
-        command.args(["-serial", "none", "-icount", "shift=4,sleep=off"]);
-        command.args(["-semihosting-config", "enable=on,target=native", "-kernel"]);
-        command.arg(&self.firmware).current_dir(&directory.0);
+        let mut command = qemu::board(self.qemu, SHIFT, &self.firmware, &directory.0);
         let logged = fs::File::create(directory.path("logged")).map_err(|e| e.to_string())?;
         command.stdin(Stdio::null()).stdout(logged).stderr(Stdio::piped());
         command.spawn().map_err(|e| format!("cannot start {}: {e}", self.qemu))
