@@ -17,6 +17,9 @@ use crate::arm::Route;
 use crate::qemu;
 use crate::shell::{root, say};
 
+/// 62.5 million instructions per second.
+const SHIFT: u32 = 4;
+
 /// A firmware that is ready to run.
 #[derive(Debug)]
 pub struct Machine {
@@ -117,12 +120,9 @@ impl Machine {
     }
 
     fn spawn(&self, directory: &Directory, port: Option<u16>) -> Result<Child> {
-        let mut command = Command::new(self.qemu);
-        command.args(["-M", "mps2-an386", "-display", "none", "-monitor", "none"]);
-        let serial = port.map_or("none".to_string(), socket);
-        command.args(["-serial", &serial, "-icount", "shift=4,sleep=off"]);
-        command.args(["-semihosting-config", "enable=on,target=native", "-kernel"]);
-        command.arg(&self.firmware).current_dir(&directory.0);
+        let socket = port.map(socket);
+        let socket = socket.as_deref();
+        let mut command = qemu::board(self.qemu, SHIFT, socket, &self.firmware, &directory.0);
         let logged = fs::File::create(directory.path("logged")).map_err(|e| e.to_string())?;
         command.stdin(Stdio::null()).stdout(logged).stderr(Stdio::piped());
         command.spawn().map_err(|e| format!("cannot start {}: {e}", self.qemu))

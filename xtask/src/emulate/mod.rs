@@ -110,6 +110,7 @@ fn check(machine: &Machine, name: &str, record: &Record) -> Result<usize> {
     let run = machine.run(record, Setup { samples: record.has_gaps(), ..Setup::default() })?;
     let outcome = outcome::decode(&run.shown)?;
     let same = outcome.compare(record, &run.delivered).map_err(|e| format!("{name}: {e}"))?;
+    outcome.check_ticks().map_err(|e| format!("{name}: {e}"))?;
     println!("emulated: {name}: {} samples, {same}", outcome.report.counters.samples);
     Ok(outcome.events.len())
 }
@@ -151,6 +152,9 @@ pub fn run(args: &Args, forced: Option<Route>) -> Result<()> {
         say("a person ended the test: not compared with this PC");
     } else {
         say(&outcome.compare(&record, &run.delivered)?);
+    }
+    if args.live.is_none() {
+        outcome.check_ticks()?;
     }
     for trouble in &outcome.troubles {
         say(&format!("the board says: {trouble}"));

@@ -100,6 +100,18 @@ impl Outcome {
         counters.samples + counters.missing >= record.codes.len() as u64
     }
 
+    /// In the emulator every tick comes to the clock's very count: a late one is the
+    /// emulator's mistake, and the run would not be repeatable.
+    ///
+    /// # Errors
+    /// How late one came.
+    pub fn check_ticks(&self) -> Result<()> {
+        match self.health.jitter_s {
+            Some(jitter_s) if jitter_s > 0.0 => Err(format!("a tick came {jitter_s} s late")),
+            _ => Ok(()),
+        }
+    }
+
     /// As `floe replay` would give it.
     #[must_use]
     pub fn result(&self, path: &Path, record: &Record) -> ReplayResult {
