@@ -12,6 +12,7 @@
 
 mod card;
 pub mod link;
+mod live;
 pub mod machine;
 pub mod outcome;
 pub mod record;
@@ -103,6 +104,7 @@ fn files(directories: &[&str]) -> Vec<PathBuf> {
 }
 
 pub use card::check_card;
+pub use live::check_live;
 pub use troubles::check_troubles;
 
 /// Number of events.
