@@ -238,7 +238,12 @@ impl Cycles {
     fn learn(&mut self, data: &Data<'_>, posterior: &Posterior, noise_n2: f32) {
         let Posterior { cycle, unknowns: [_, rate, _, _, swing, bend], .. } = *posterior;
         // What hardly resolved slips tell is bent towards what was expected of them.
-        let least = if posterior.is_resolved() { 0.1 } else { 0.7 };
+        let least = if posterior.is_resolved() { 0.01 } else { 0.7 };
+        if posterior.is_resolved() {
+            for shared in [&mut self.rate, &mut self.swing, &mut self.bend] {
+                shared.forget();
+            }
+        }
         let own = |value, variance, prior| without_prior(value, variance, prior, noise_n2, least);
         // The loading rate and the swing are above zero; the bend may have any sign.
         if let Some((value, variance)) = own(cycle.rate, rate, data.rate).filter(|own| own.0 > 0.0)

@@ -29,33 +29,42 @@ pub struct Shared {
 }
 
 impl Shared {
+    /// Lets the past count for less: once an event, whether or not it tells anything, so
+    /// that no expectation, once too sure of itself, shuts out what could correct it.
+    pub fn forget(&mut self) {
+        const FADE: f32 = 1.0 - 1.0 / MEMORY;
+        self.count *= FADE;
+        self.weight *= FADE;
+        self.excess *= FADE;
+        self.weight_squares *= FADE;
+    }
+
     /// Takes an event's own measurement and its variance.
     pub fn add(&mut self, value: f32, variance: f32) {
         if !(value.is_finite() && variance.is_finite() && variance > 0.0) {
             return;
         }
-        let fade = 1.0 - 1.0 / MEMORY;
-        self.count = (fade * self.count) + 1.0;
+        self.count += 1.0;
         let weight = 1.0 / (variance + self.between);
-        self.weight = fade * self.weight + weight;
+        self.weight += weight;
         let share = weight / self.weight;
         let step = value - self.mean;
         self.mean += share * step;
         // The first value has nothing to differ from.
         if self.count > 1.0 {
             let square = weight * weight;
-            self.excess = fade * self.excess + square * ((1.0 - share) * step * step - variance);
-            self.weight_squares = fade * self.weight_squares + square;
+            self.excess += square * ((1.0 - share) * step * step - variance);
+            self.weight_squares += square;
             self.between = self.significant_excess();
         }
     }
 
-    /// Variance between events; zero unless it is more than so few events can feign.
+    /// Variance between events, as far as it is more than so few events can feign.
     fn significant_excess(&self) -> f32 {
         let between = self.excess / self.weight_squares;
         let own = self.count / self.weight;
         let feigned = own * crate::math::sqrt(2.0 / (self.count - 1.0));
-        if between > feigned { between } else { 0.0 }
+        between.max(0.0) * surely(between, feigned)
     }
 
     /// Mean so far; `None` before the first event.
@@ -82,12 +91,16 @@ impl Shared {
     pub fn prior_around_zero(&self, noise_n2: f32) -> Prior {
         const SIGNIFICANT: f32 = 3.0;
         let prior = self.prior(noise_n2);
-        if prior.weight <= 0.0 || self.mean * self.mean * self.weight > SIGNIFICANT * SIGNIFICANT {
-            return prior;
-        }
+        let sure = surely(self.mean * self.mean * self.weight, SIGNIFICANT * SIGNIFICANT);
         // No sign of anything: half the standard error of the mean that says so.
-        Prior { mean: 0.0, weight: 4.0 * prior.weight }
+        Prior { mean: sure * self.mean, weight: (4.0 - 3.0 * sure) * prior.weight }
     }
+}
+
+/// From 0 where a size is within a limit to 1 where it is twice that: no expectation
+/// jumps because of a last digit.
+fn surely(size: f32, limit: f32) -> f32 {
+    (size / limit - 1.0).clamp(0.0, 1.0)
 }
 
 /// What an event measured by itself, without the expectation it was fitted with.
@@ -104,7 +117,8 @@ pub fn without_prior(
 ) -> Option<(f32, f32)> {
     let (fitted, expected) = (1.0 / variance, prior.weight / noise_n2);
     let own = fitted - expected;
-    (own > least * fitted).then(|| ((fitted * mean - expected * prior.mean) / own, 1.0 / own))
+    // The difference of the means keeps its digits, that of the products would not.
+    (own > least * fitted).then(|| (mean + expected / own * (mean - prior.mean), 1.0 / own))
 }
 
 #[cfg(test)]
@@ -115,7 +129,10 @@ mod tests {
     fn equal_measurements_sharpen_the_expectation_and_scatter_widens_it() {
         let prior_after = |scatter: f32, events: u32| {
             let mut shared = Shared::default();
-            (0..events).for_each(|i| shared.add(10.0 + scatter * (i % 2) as f32, 1.0));
+            (0..events).for_each(|i| {
+                shared.forget();
+                shared.add(10.0 + scatter * (i % 2) as f32, 1.0);
+            });
             shared.prior(1.0)
         };
         assert!(prior_after(1.0, 2).weight <= 0.0);

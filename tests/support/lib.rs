@@ -1,6 +1,8 @@
 //! Helpers shared by the tests across the crates.
 
+pub mod both;
 pub mod brute;
 pub mod feed;
 pub mod normal;
 pub mod scenes;
+pub mod wide;
