@@ -80,11 +80,9 @@ impl Pending {
         (peak, low): (Extreme, Extreme),
     ) -> Self {
         let first = stick.next;
-        let mut before = stick.line;
-        before.shift(since(stick.origin, first));
         let mut pending = Self {
             origin: first,
-            before,
+            before: stick.line_from(first),
             points: [Point::default(); CORE],
             length: 0,
             peak,
@@ -114,7 +112,7 @@ impl Pending {
     /// Ends the event before the next one's peak; a stick too brief for a line
     /// gives its samples one by one.
     pub(crate) fn end_before(&mut self, stick: &Stick, window: &Window, next_peak: u64) {
-        if stick.first().count == 0 {
+        if stick.first_from(stick.origin).count == 0 {
             let last = self.points.get(..self.length).and_then(<[Point]>::last);
             let next =
                 last.map_or(0, |point| self.origin.saturating_add_signed(point.time as i64) + 1);
