@@ -2,7 +2,8 @@
 //!
 //! Each event measures both; the next one may expect them again, within what they
 //! vary from event to event. Old events are forgotten slowly, so a cable that
-//! shortens or a winch that tires is followed.
+//! shortens or a winch that tires is followed. A single event that is far off (the
+//! winch had paused) teaches nothing; several in a row are how things are now.
 
 use crate::fit::Prior;
 
@@ -10,6 +11,10 @@ use crate::fit::Prior;
 const MEMORY: f32 = 40.0;
 /// Events before which nothing is expected.
 const LEAST_EVENTS: f32 = 2.5;
+/// Standard deviations beyond which an event is far off.
+const FAR_OFF: f32 = 6.0;
+/// So many far off in a row: all that was before is forgotten.
+const CHANGED: u8 = 3;
 
 /// Running mean of a quantity that events share, and how much it varies.
 ///
@@ -26,6 +31,8 @@ pub struct Shared {
     excess: f32,
     weight_squares: f32,
     between: f32,
+    /// Events in a row that were far off.
+    strangers: u8,
 }
 
 impl Shared {
@@ -44,6 +51,14 @@ impl Shared {
         if !(value.is_finite() && variance.is_finite() && variance > 0.0) {
             return;
         }
+        if self.is_far_off(value, variance) {
+            self.strangers += 1;
+            if self.strangers < CHANGED {
+                return;
+            }
+            *self = Self::default();
+        }
+        self.strangers = 0;
         self.count += 1.0;
         let weight = 1.0 / (variance + self.between);
         self.weight += weight;
@@ -57,6 +72,13 @@ impl Shared {
             self.weight_squares += square;
             self.between = self.significant_excess();
         }
+    }
+
+    /// Is a measurement not one of these?
+    fn is_far_off(&self, value: f32, variance: f32) -> bool {
+        let step = value - self.mean;
+        let expected = variance + self.between + 1.0 / self.weight;
+        self.count >= LEAST_EVENTS && step * step > FAR_OFF * FAR_OFF * expected
     }
 
     /// Variance between events, as far as it is more than so few events can feign.
@@ -141,6 +163,19 @@ mod tests {
         let wide = prior_after(20.0, 40);
         assert!(wide.weight < 0.02, "{wide:?}");
         assert!((many.mean - 10.5).abs() < 0.1);
+    }
+
+    #[test]
+    fn one_far_off_teaches_nothing_and_three_in_a_row_begin_anew() {
+        let mut shared = Shared::default();
+        (0..20).for_each(|i| shared.add(22.5 + 0.01 * (i % 2) as f32, 1e-3));
+        for (times, mean) in [(1, 22.5), (1, 22.5), (1, 30.0)] {
+            (0..times).for_each(|_| shared.add(30.0, 1e-12));
+            assert!((shared.mean - mean).abs() < 0.01, "{shared:?}");
+        }
+        assert!(shared.prior(1.0).weight <= 0.0);
+        (0..5).for_each(|_| shared.add(30.0, 1e-3));
+        assert!((shared.mean - 30.0).abs() < 0.01 && shared.prior(1.0).weight > 0.0);
     }
 
     #[test]
