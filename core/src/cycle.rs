@@ -157,8 +157,7 @@ impl Cycles {
     fn complete(&mut self, stick: &Stick, window: &Window, next_peak: Extreme) -> Option<Finished> {
         let mut pending = self.pending.take()?;
         pending.end_before(stick, window, next_peak.index);
-        let mut after = *stick.first();
-        after.shift(since(stick.origin, pending.origin));
+        let after = stick.first_from(pending.origin);
         let noise_n2 = self.noise_n2(&pending);
         let fit = self.fit(&pending, &after, noise_n2);
         let finished = self.event(&pending, &after, fit.as_ref());
@@ -217,6 +216,9 @@ impl Cycles {
         let (squares_n2, free) = own_residuals(&data, fit);
         if pending.hidden {
             return self.without_coefficients(pending, Reason::Hidden).into();
+        }
+        if self.residuals.are_far_less_than(squares_n2, free) {
+            return self.without_coefficients(pending, Reason::NoFit).into();
         }
         if free >= 1.0 {
             self.residuals.add(squares_n2, free, pending.noise_n2);
