@@ -1,9 +1,9 @@
 //! A straight line followed sample by sample: the stick line.
 //!
-//! Weighted least squares of force against time, kept as means and central
-//! moments, so that neither a large force nor a long stick costs digits. The squared
-//! residuals grow by each point's own distance from the line before it: never the
-//! small difference of two large sums. Constant memory.
+//! Weighted least squares of force against time, in recursive form: each point moves
+//! the line by a part of its distance from it, and adds to the squared residuals.
+//! Nothing is the small difference of two large sums, so neither a large force nor a
+//! long stick costs digits. Constant memory.
 
 /// Sums of a straight line through weighted points.
 ///
@@ -19,8 +19,8 @@ pub struct Line {
     pub level_n: f32,
     /// Σ w (t − mean)².
     tt: f32,
-    /// Σ w (t − mean)(F − mean).
-    ty: f32,
+    /// Slope, N per period; zero before it is known.
+    slope: f32,
     /// Σ w (F − line)², N².
     residual_n2: f32,
     /// Number of points.
@@ -33,18 +33,19 @@ impl Line {
         let total = self.weight + weight;
         let share = weight / total;
         let dt = time - self.time;
-        let dy = force_n - self.level_n;
-        // Both factors of the central moments use the mean before and after.
+        // Recursive least squares: everything moves by parts of the distance from the
+        // line so far. Rounding then acts on noise, and not, being the same in every
+        // event, on the mean of all.
+        let off_n = force_n - self.at(time, self.slope);
         let rest = self.weight * share;
         let tt = self.tt + rest * dt * dt;
-        // Recursive least squares: e² / (1 + h), with the distance e from the line so
-        // far and its leverage h; two points are a line.
-        let off_n = dy - self.slope().unwrap_or(0.0) * dt;
-        self.residual_n2 += rest * off_n * off_n * if tt > 0.0 { self.tt / tt } else { 1.0 };
+        let (gain, kept) = if tt > 0.0 { (rest * dt / tt, self.tt / tt) } else { (0.0, 1.0) };
+        let mean = self.time + share * dt;
+        self.level_n = self.at(mean, self.slope) + share * off_n;
+        self.time = mean;
+        self.residual_n2 += rest * off_n * off_n * kept;
+        self.slope += gain * off_n;
         self.tt = tt;
-        self.ty += rest * dt * dy;
-        self.time += share * dt;
-        self.level_n += share * dy;
         self.weight = total;
         self.count = self.count.saturating_add(1);
     }
@@ -53,7 +54,6 @@ impl Line {
     pub fn fade(&mut self, factor: f32) {
         self.weight *= factor;
         self.tt *= factor;
-        self.ty *= factor;
         self.residual_n2 *= factor;
     }
 
@@ -65,7 +65,7 @@ impl Line {
     /// Slope, N per period; `None` with fewer than two different times.
     #[must_use]
     pub fn slope(&self) -> Option<f32> {
-        (self.tt > 0.0).then(|| self.ty / self.tt)
+        (self.tt > 0.0).then_some(self.slope)
     }
 
     /// Weight of the slope: Σ w (t − mean)².
