@@ -22,7 +22,8 @@ fn widened_core(source: &Path) -> Result<String, String> {
     for line in root.lines() {
         if let Some(name) = declared_module(line) {
             let file = source.join(format!("{name}.rs"));
-            let text = widened(&read(&file)?).map_err(|what| format!("core/src/{name}.rs{what}"))?;
+            let text =
+                widened(&read(&file)?).map_err(|what| format!("core/src/{name}.rs{what}"))?;
             wide += &format!("/// [`floe_core::{name}`].\npub mod {name} {{\n{text}}}\n");
         } else if line.starts_with("pub use ") {
             wide += &format!("{line}\n");

@@ -146,3 +146,28 @@ fn diagnose() {
         if seen > upto { break }
     }
 }
+
+#[test]
+fn offsets() {
+    for (name, w) in [("dff8-13", 630.0), ("heavy", 3000.0), ("snow", 900.0)] {
+        let path = scenes().into_iter().find(|p| p.file_stem().unwrap().to_str().unwrap() == name).unwrap();
+        let mut scene = Scene::from_toml(&fs::read_to_string(&path).unwrap()).unwrap();
+        scene.duration_s = 86400.0;
+        let mut both = Both::new(&config(&scene));
+        for s in Run::new(&scene, 1).unwrap() { both.force(s.index, s.force_n); }
+        let (mut a, mut b, mut c, mut d, mut r, mut o, mut n) = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0);
+        for (x, y) in both.events.0.iter().zip(&both.events.1) {
+            let (Some(m), Some(_)) = (x.mu, y.mu) else { continue };
+            if (time(x) - wtime(y)).abs() > 0.1 { continue }
+            n += 1.0;
+            a += f64::from(x.static_force_n) - y.static_force_n;
+            b += f64::from(x.dynamic_force_n) - y.dynamic_force_n;
+            c += f64::from(m.value) - f64::from(x.dynamic_force_n) / w;
+            d += f64::from(x.peak_force_n) - y.peak_force_n;
+            r += f64::from(x.loading_rate_n_per_s) - y.loading_rate_n_per_s;
+            o += time(x) - wtime(y);
+        }
+        println!("{name} n {n} Fs {:.2e} Fp {:.2e} coef {:.2e} peak {:.2e} rate {:.2e} onset {:.2e}", a / n, b / n, c / n, d / n, r / n, o / n);
+        println!("{:?} {:?}", both.single.report().mu, both.double.report().mu);
+    }
+}
