@@ -1,18 +1,20 @@
 //! From transitions to events: the lines and samples around a slip, fitted.
 //!
-//! A slip is fitted twice: when the block has come to rest, for a first answer, and
-//! when the stick line after it is complete, for the final one.
+//! While a slip's stick line grows it is *pending*; when the next slip has ended that
+//! line it is *finishing*: its fit is made one iteration a sample. A first answer,
+//! from what the other events tell, is there as soon as the force has turned.
+
+use core::ops::ControlFlow;
 
 use crate::detector::{Detector, Extreme, Stick};
-use crate::event::{Coefficient, Event, Quality, Reason, SampleTime};
-use crate::fit::{Data, Fit, Prior};
+use crate::event::{Coefficient, Event, Provisional, Quality, Reason, SampleTime};
+use crate::finishing::{Finishing, HARDLY, Outcome};
+use crate::learnt::Learnt;
 use crate::line::Line;
 use crate::math;
 use crate::model::{self, Cycle};
 use crate::pending::{Pending, since};
 use crate::posterior::Posterior;
-use crate::residuals::Residuals;
-use crate::shared::{Shared, without_prior};
 use crate::window::Window;
 
 /// What turns forces into coefficients.
@@ -57,11 +59,13 @@ impl From<Event> for Finished {
 #[derive(Clone, Debug)]
 pub struct Cycles {
     site: Site,
+    learnt: Learnt,
+    /// The last slip.
     pending: Option<Pending>,
-    rate: Shared,
-    swing: Shared,
-    bend: Shared,
-    residuals: Residuals,
+    /// The one before it.
+    finishing: Option<Finishing>,
+    /// First answer on the slip that has just ended, and the index of its time zero.
+    early: Option<(u64, Cycle)>,
     /// Stop of the last event.
     last_stop: Option<SampleTime>,
     count: u32,
@@ -73,11 +77,10 @@ impl Cycles {
     pub fn new(site: Site) -> Self {
         Self {
             site,
+            learnt: Learnt::default(),
             pending: None,
-            rate: Shared::default(),
-            swing: Shared::default(),
-            bend: Shared::default(),
-            residuals: Residuals::default(),
+            finishing: None,
+            early: None,
             last_stop: None,
             count: 0,
         }
@@ -86,19 +89,62 @@ impl Cycles {
     /// Standard deviation of the noise, N, from the residuals of all fits.
     #[must_use]
     pub fn noise_n(&self) -> Option<f32> {
-        self.residuals.variance_n2().map(math::sqrt)
+        self.learnt.residuals.variance_n2().map(math::sqrt)
     }
 
     /// Loading rate, N/s, and omega, rad/s, of the recent events.
     #[must_use]
     pub fn shared(&self) -> (Option<f32>, Option<f32>) {
         let hz = self.site.rate_hz;
-        (self.rate.mean().map(|r| r * hz), self.swing.mean().map(|swing| hz / swing))
+        let Learnt { rate, swing, .. } = &self.learnt;
+        (rate.mean().map(|r| r * hz), swing.mean().map(|swing| hz / swing))
     }
 
-    /// The block rests again: completes the event before and starts the next one.
+    /// The slip has begun: a first value of `mu_s`, between the last sample on the line
+    /// and the first one off it.
+    #[must_use]
+    pub fn onset(&mut self, detector: &Detector) -> Option<Provisional> {
+        self.early = None;
+        let (stick, now) = (detector.stick(), detector.last());
+        let line = stick.line_from(now.index);
+        let (slope, noise_n, time) = (line.slope()?, detector.noise_n()?, -1.0);
+        // Anywhere within the two periods before: a uniform distribution.
+        const SPREAD: f32 = 0.577;
+        let onset_n = SPREAD * slope;
+        let variance_n2 = onset_n * onset_n + noise_n * noise_n * line.leverage(time);
+        let mu_s = self.site.coefficient(line.at(time, slope), variance_n2);
+        Some(Provisional { mu_s, mu: None })
+    }
+
+    /// The force has turned: a first answer from what the other events tell.
+    pub fn turned(&mut self, detector: &Detector) -> Option<Provisional> {
+        let (stick, extremes) = (detector.stick(), detector.extremes());
+        let slip = self.slip(stick, detector, extremes);
+        let known_n2 = self.learnt.residuals.variance_n2();
+        let noise_n2 = known_n2.unwrap_or(HARDLY * slip.noise_n2);
+        let steps = if self.learnt.knows_swing() { 4 } else { 24 };
+        let none = Line::default();
+        let data = self.learnt.data(&slip, &none, noise_n2);
+        let mut fitting = slip.begin(&data, self.learnt.knows_swing());
+        let mut step = || fitting.step(&data, noise_n2).break_value();
+        let fit = (0..steps).find_map(|_| step()).flatten();
+        let fit = fit.filter(|fit| fit.converged && slip.holds(&fit.cycle))?;
+        self.early = Some((slip.origin, fit.cycle));
+        let posterior = Posterior::at(&fit, noise_n2);
+        if slip.hidden || !posterior.is_resolved() || known_n2.is_none() {
+            return None;
+        }
+        let Posterior { cycle, static_n2, dynamic_n2, .. } = &posterior;
+        Some(Provisional {
+            mu_s: self.site.coefficient(cycle.static_n, *static_n2),
+            mu: Some(self.site.coefficient(cycle.dynamic_n(), *dynamic_n2)),
+        })
+    }
+
+    /// The block rests again: the event before has its lines, and this one is pending.
     ///
-    /// `last_hidden` is the newest saturated index.
+    /// `last_hidden` is the newest saturated index. Gives the event before that one if
+    /// it was not finished yet.
     pub fn restick(
         &mut self,
         detector: &Detector,
@@ -106,47 +152,64 @@ impl Cycles {
         last_hidden: Option<u64>,
     ) -> Option<Finished> {
         let (stick, window) = (detector.ended(), detector.window());
-        let noise_n = detector.noise_n().unwrap_or(1.0);
         let finished = self.complete(stick, window, peak);
-        let now = detector.last().index;
-        let mut next = Pending::new(stick, self.start(stick), window, now, (peak, low));
+        let mut next = self.slip(stick, detector, (peak, low));
         next.hidden |= last_hidden.is_some_and(|index| index + 4 >= stick.next);
-        next.noise_n2 = noise_n * noise_n;
-        next.fit = self.first_fit(&mut next);
+        next.early = self.early.take().map(|(origin, cycle)| Cycle {
+            onset: cycle.onset + since(next.origin, origin),
+            ..cycle
+        });
         self.pending = Some(next);
         finished
     }
 
-    /// Fits the event without the stick line after it.
-    ///
-    /// Where the block never rests the detector's noise is only a bound, far too
-    /// large, and would make rough expectations look precise: there the event's own
-    /// residuals, fitted with hardly any expectation, come first.
-    fn first_fit(&self, pending: &mut Pending) -> Option<Fit> {
-        const HARDLY: f32 = 1e-3;
-        let none = Line::default();
-        if let Some(pooled_n2) = self.residuals.variance_n2() {
-            return self.fit(pending, &none, pooled_n2);
+    /// Ends the pending event with what there is of its stick line. Gives the event
+    /// before it if it was not finished yet.
+    pub fn complete(
+        &mut self,
+        stick: &Stick,
+        window: &Window,
+        next_peak: Extreme,
+    ) -> Option<Finished> {
+        let finished = self.finish();
+        if let Some(pending) = &mut self.pending {
+            pending.end_before(stick, window, next_peak.index);
+            let after = stick.first_from(pending.origin);
+            self.finishing = Some(Finishing::new(*pending, after));
         }
-        let free_n2 = HARDLY * pending.noise_n2;
-        if let Some(fit) = self.fit(pending, &none, free_n2) {
-            let (squares_n2, free) = own_residuals(&self.data(pending, &none, free_n2), &fit);
-            if free >= 1.0 {
-                pending.noise_n2 = pending.noise_n2.min(squares_n2 / free).max(free_n2);
-            }
-        }
-        self.fit(pending, &none, pending.noise_n2)
+        self.pending = None;
+        finished
     }
 
-    /// Completes the pending event with what there is of its stick line.
-    pub fn finish(&mut self, stick: &Stick, window: &Window, last: Extreme) -> Option<Finished> {
-        self.complete(stick, window, last)
+    /// Does one iteration of the fit that is under way.
+    pub fn work(&mut self) -> Option<Finished> {
+        let outcome = self.finishing.as_mut()?.step(&mut self.learnt).break_value()?;
+        self.end(outcome)
+    }
+
+    /// Does all that is left of the fit that is under way.
+    pub fn finish(&mut self) -> Option<Finished> {
+        let finishing = self.finishing.as_mut()?;
+        loop {
+            if let ControlFlow::Break(outcome) = finishing.step(&mut self.learnt) {
+                return self.end(outcome);
+            }
+        }
+    }
+
+    /// The slip between a stick line and now.
+    fn slip(&self, stick: &Stick, detector: &Detector, extremes: (Extreme, Extreme)) -> Pending {
+        let now = detector.last().index;
+        let mut slip = Pending::new(stick, self.start(stick), detector.window(), now, extremes);
+        let noise_n = detector.noise_n().unwrap_or(1.0);
+        slip.noise_n2 = noise_n * noise_n;
+        slip
     }
 
     /// First index of an event's samples: where the stick line ends, or right after
     /// the last stop when the block rested too briefly for a line.
     fn start(&self, stick: &Stick) -> u64 {
-        match self.last_stop {
+        match self.newest_stop() {
             Some(stop) if stick.line.count < 3 => {
                 stick.next.min((stop.index + 1).max(stick.next.saturating_sub(4)))
             }
@@ -154,112 +217,31 @@ impl Cycles {
         }
     }
 
-    fn complete(&mut self, stick: &Stick, window: &Window, next_peak: Extreme) -> Option<Finished> {
-        let mut pending = self.pending.take()?;
-        pending.end_before(stick, window, next_peak.index);
-        let after = stick.first_from(pending.origin);
-        let noise_n2 = self.noise_n2(&pending);
-        let fit = self.fit(&pending, &after, noise_n2);
-        let finished = self.event(&pending, &after, fit.as_ref());
+    /// When the block last came to rest, as far as is known yet.
+    fn newest_stop(&self) -> Option<SampleTime> {
+        let unfinished = self.pending.as_ref().or(self.finishing.as_ref().map(|f| &f.pending));
+        match unfinished {
+            Some(slip) => slip.early.map(|cycle| moment(slip.origin, cycle.shape().stop())),
+            None => self.last_stop,
+        }
+    }
+
+    fn end(&mut self, outcome: Outcome) -> Option<Finished> {
+        let pending = self.finishing.take()?.pending;
+        let finished = match outcome {
+            Outcome::Failed(reason) => self.without_coefficients(&pending, reason).into(),
+            Outcome::Fitted { posterior, alone, noise_n2 } => {
+                let alone = alone.map(|forces| {
+                    let variance_n2 = noise_n2 * forces.static_variance;
+                    let mu_s = self.site.coefficient(forces.static_n, variance_n2);
+                    let variance_n2 = noise_n2 * forces.dynamic_variance;
+                    (mu_s, self.site.coefficient(forces.dynamic_n, variance_n2))
+                });
+                Finished { event: self.measured(&pending, &posterior), alone }
+            }
+        };
         self.count = self.count.saturating_add(1);
         Some(finished)
-    }
-
-    fn fit(&self, pending: &Pending, after: &Line, noise_n2: f32) -> Option<Fit> {
-        let data = self.data(pending, after, noise_n2);
-        match pending.fit {
-            Some(first) => data.fit(&first.cycle, noise_n2),
-            None => {
-                data.fit(&pending.guess(&data, self.swing.prior(noise_n2).weight > 0.0)?, noise_n2)
-            }
-        }
-    }
-
-    fn data<'a>(&self, pending: &'a Pending, after: &'a Line, noise_n2: f32) -> Data<'a> {
-        Data {
-            before: &pending.before,
-            points: pending.points.get(..pending.length).unwrap_or_default(),
-            after,
-            rate: expected(&self.rate, pending.rough.rate, 0.7 * pending.rough.rate, noise_n2),
-            swing: expected(
-                &self.swing,
-                pending.rough.slide * core::f32::consts::FRAC_1_PI,
-                pending.rough.slide_std * core::f32::consts::FRAC_1_PI,
-                noise_n2,
-            ),
-            bend: self.bend_prior(pending.rough.rate, noise_n2),
-            onset: pending.rough.onset(noise_n2),
-        }
-    }
-
-    /// Variance of the noise: from the fits so far, else the detector's.
-    fn noise_n2(&self, pending: &Pending) -> f32 {
-        self.residuals.variance_n2().unwrap_or(pending.noise_n2)
-    }
-
-    /// Until the events tell otherwise the winch turns steadily.
-    fn bend_prior(&self, rough_rate: f32, noise_n2: f32) -> Prior {
-        const STEADY: f32 = 0.003;
-        let learnt = self.bend.prior_around_zero(noise_n2);
-        if learnt.weight > 0.0 {
-            return learnt;
-        }
-        let spread = STEADY * self.rate.mean().unwrap_or(rough_rate);
-        Prior { mean: 0.0, weight: noise_n2 / (spread * spread) }
-    }
-
-    fn event(&mut self, pending: &Pending, after: &Line, fit: Option<&Fit>) -> Finished {
-        let Some(fit) = fit.filter(|fit| fit.converged && pending.holds(&fit.cycle)) else {
-            return self.without_coefficients(pending, Reason::NoFit).into();
-        };
-        let data = self.data(pending, after, self.noise_n2(pending));
-        let (squares_n2, free) = own_residuals(&data, fit);
-        if pending.hidden {
-            return self.without_coefficients(pending, Reason::Hidden).into();
-        }
-        if self.residuals.are_far_less_than(squares_n2, free) {
-            return self.without_coefficients(pending, Reason::NoFit).into();
-        }
-        if free >= 1.0 {
-            self.residuals.add(squares_n2, free, pending.noise_n2);
-        }
-        let noise_n2 = self.noise_n2(pending);
-        let posterior = Posterior::new(&data, fit, noise_n2);
-        self.learn(&data, &posterior, noise_n2);
-        let event = self.measured(pending, &posterior);
-        let alone = fit.forces_alone(data.rate).filter(|_| posterior.is_resolved());
-        let alone = alone.map(|forces| {
-            let variance = noise_n2 * forces.static_variance;
-            let mu_s = self.site.coefficient(forces.static_n, variance);
-            (mu_s, self.site.coefficient(forces.dynamic_n, noise_n2 * forces.dynamic_variance))
-        });
-        Finished { event, alone }
-    }
-
-    /// Carries the event's own loading rate and swing to the next ones.
-    fn learn(&mut self, data: &Data<'_>, posterior: &Posterior, noise_n2: f32) {
-        let Posterior { cycle, unknowns: [_, rate, _, _, swing, bend], .. } = *posterior;
-        // What hardly resolved slips tell is bent towards what was expected of them.
-        let least = if posterior.is_resolved() { 0.01 } else { 0.7 };
-        if posterior.is_resolved() {
-            for shared in [&mut self.rate, &mut self.swing, &mut self.bend] {
-                shared.forget();
-            }
-        }
-        let own = |value, variance, prior| without_prior(value, variance, prior, noise_n2, least);
-        // The loading rate and the swing are above zero; the bend may have any sign.
-        if let Some((value, variance)) = own(cycle.rate, rate, data.rate).filter(|own| own.0 > 0.0)
-        {
-            self.rate.add(value, variance);
-        }
-        if let Some((value, variance)) =
-            own(cycle.swing(), swing, data.swing).filter(|own| own.0 > 0.0)
-        {
-            self.swing.add(value, variance);
-        }
-        if let Some((value, variance)) = own(cycle.bend, bend, data.bend) {
-            self.bend.add(value, variance);
-        }
     }
 
     fn measured(&mut self, pending: &Pending, posterior: &Posterior) -> Event {
@@ -310,7 +292,13 @@ impl Cycles {
         let drop = pending.peak.force_n - pending.low.force_n;
         let cycle = Cycle {
             onset,
-            rate: self.rate.mean().or(pending.before.slope()).unwrap_or(0.0).max(1e-6 * drop),
+            rate: self
+                .learnt
+                .rate
+                .mean()
+                .or(pending.before.slope())
+                .unwrap_or(0.0)
+                .max(1e-6 * drop),
             static_n: pending.peak.force_n,
             half_drop_n: 0.5 * drop,
             omega: core::f32::consts::PI / fall.max(1.0),
@@ -323,28 +311,6 @@ impl Cycles {
         event.reason = Some(reason);
         event
     }
-}
-
-/// What earlier events tell of a quantity, else a guess and its standard deviation.
-fn expected(shared: &Shared, guess: f32, spread: f32, noise_n2: f32) -> Prior {
-    let learnt = shared.prior(noise_n2);
-    if learnt.weight > 0.0 {
-        return learnt;
-    }
-    Prior { mean: guess, weight: noise_n2 / (spread * spread) }
-}
-
-/// Squared residuals of an event that no other event counts, N², and their degrees
-/// of freedom: observations less unknowns, as far as these come from the samples
-/// and not from what was expected.
-fn own_residuals(data: &Data<'_>, fit: &Fit) -> (f32, f32) {
-    let (mut squares, mut unknowns) = (fit.cost + data.after.residual(), model::UNKNOWNS as f32);
-    for (unknown, (prior, value)) in data.priors(&fit.cycle).into_iter().enumerate() {
-        squares -= prior.weight * (prior.mean - value) * (prior.mean - value);
-        unknowns -= prior.weight * fit.variance(unknown);
-    }
-    let lines = data.before.count.min(2) as f32 + data.after.weight;
-    (squares.max(0.0), data.points.len() as f32 + lines - unknowns)
 }
 
 /// A time in periods from an origin, as index and fraction.

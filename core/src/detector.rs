@@ -217,6 +217,28 @@ impl Detector {
         self.phase
     }
 
+    /// Highest sample before the slip and lowest one so far.
+    #[must_use]
+    pub fn extremes(&self) -> (Extreme, Extreme) {
+        (self.stick.highest, self.lowest)
+    }
+
+    /// Would the slip be over if this sample, the next one, is no spike?
+    #[must_use]
+    pub fn turns_with(&self, next: Extreme) -> bool {
+        self.phase == Phase::Slip && next.force_n > self.lowest.force_n && self.turns(next)
+    }
+
+    /// Has the force stopped falling?
+    fn turns(&self, now: Extreme) -> bool {
+        let std = self.std_n.unwrap_or(0.0);
+        let drop = self.stick.highest.force_n - self.lowest.force_n;
+        let fall = self.lowest.index - self.stick.highest.index;
+        let rise = now.force_n - self.lowest.force_n;
+        let rises = rise > (4.0 * std).min(0.5 * drop).max(CLEAR_RISE * drop);
+        rises || now.index - self.lowest.index >= fall.div_ceil(2).max(2)
+    }
+
     /// The newest sample.
     #[must_use]
     pub fn last(&self) -> Extreme {
@@ -408,19 +430,14 @@ impl Detector {
         }
         let peak = self.stick.highest;
         let fall = self.lowest.index - peak.index;
-        let since_lowest = now.index - self.lowest.index;
         if now.index - peak.index > WINDOW as u64 * 3 / 4 {
             self.rest_from(now, now.index);
             return Some(Transition::Lost);
         }
-        let std = self.std_n.unwrap_or(0.0);
-        let drop = peak.force_n - self.lowest.force_n;
-        let rise = now.force_n - self.lowest.force_n;
-        let rises = rise > (4.0 * std).min(0.5 * drop).max(CLEAR_RISE * drop);
-        let rests = since_lowest >= (fall.div_ceil(2)).max(2);
-        if !(rises || rests) {
+        if !self.turns(now) {
             return None;
         }
+        let drop = peak.force_n - self.lowest.force_n;
         Some(if self.is_back(now, drop) { self.cancel(now) } else { self.restick(now, drop, fall) })
     }
 

@@ -24,6 +24,18 @@ pub struct Coefficient {
     pub std: f32,
 }
 
+/// A first answer while the slip is still going on or has just ended, from the samples
+/// so far and what the other events told; the event itself follows when the next slip
+/// has ended the stick line.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Provisional {
+    /// Static coefficient.
+    pub mu_s: Coefficient,
+    /// Dynamic coefficient; unknown while the force falls.
+    pub mu: Option<Coefficient>,
+}
+
 /// How far an event can be trusted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]

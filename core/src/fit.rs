@@ -6,6 +6,8 @@
 //! around the slip enter one by one; what earlier events told of the loading rate
 //! and of omega enters as two more.
 
+use core::ops::ControlFlow;
+
 use crate::line::Line;
 use crate::model::{Cycle, Gradient, UNKNOWNS};
 use crate::solve::{Factor, Normal, dot};
@@ -19,15 +21,22 @@ pub struct Prior {
     pub weight: f32,
 }
 
-/// One sample of the slip and its surroundings.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Point {
-    /// Time, sampling periods from the event's origin.
-    pub time: f32,
-    /// Force, N.
-    pub force_n: f32,
-    /// Weight; zero for a sample that is missing or bad.
-    pub weight: f32,
+/// The samples of the slip and its surroundings, one a period.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Samples<'a> {
+    /// Time of the first, sampling periods from the event's origin.
+    pub start: f32,
+    /// Forces, N; NaN where a sample is missing or bad.
+    pub forces_n: &'a [f32],
+}
+
+impl Samples<'_> {
+    /// Times, periods, and forces, N, of the good samples.
+    pub fn good(&self) -> impl Iterator<Item = (f32, f32)> + '_ {
+        let start = self.start;
+        let timed = self.forces_n.iter().enumerate().map(move |(i, &f)| (start + i as f32, f));
+        timed.filter(|(_, force_n)| !force_n.is_nan())
+    }
 }
 
 /// Everything one event's fit is made from.
@@ -36,7 +45,7 @@ pub struct Data<'a> {
     /// Stick line up to the first point.
     pub before: &'a Line,
     /// The samples in between.
-    pub points: &'a [Point],
+    pub samples: Samples<'a>,
     /// Stick line after the last point.
     pub after: &'a Line,
     /// Loading rate from earlier events, N per period.
@@ -54,8 +63,6 @@ pub struct Data<'a> {
 pub struct Fit {
     /// The unknowns.
     pub cycle: Cycle,
-    /// Weighted sum of squared residuals, the priors' included, N².
-    pub cost: f32,
     /// The normal equations at the fit.
     normal: Normal,
     /// Factor of the information matrix: covariances in units of the noise variance.
@@ -82,6 +89,12 @@ const STATIC: Gradient = [0.0, 0.0, 1.0, 0.0, 0.0, 0.0];
 const DYNAMIC: Gradient = [0.0, 0.0, 1.0, -1.0, 0.0, 0.0];
 
 impl Fit {
+    /// Weighted sum of squared residuals, the priors' included, N².
+    #[must_use]
+    pub fn cost(&self) -> f32 {
+        self.normal.cost
+    }
+
     /// The forces of the fit.
     #[must_use]
     pub fn forces(&self) -> Forces {
@@ -108,57 +121,106 @@ impl Fit {
     }
 }
 
-/// Most iterations before giving up; 3 to 5 are usual.
-const MOST_STEPS: u32 = 24;
-/// Settled when a step is below this share of a standard deviation, squared.
-const SETTLED: f32 = 1e-3;
-/// A residual cannot be known better than this part of the force in single precision;
-/// a quiet cell's noise may be less.
-const ROUNDING: f32 = 3e-6;
+/// Most iterations before giving up; two or three are usual.
+const MOST_STEPS: u8 = 24;
+/// Settled when the next step, which is still taken, is below this share of a standard
+/// deviation, squared: what it leaves is its square.
+const SETTLED: f32 = 1e-2;
 /// The same when the iterations are used up: a sample may sit right on an end of
 /// the slip, where the sum of squares has a kink.
 const NEARLY_SETTLED: f32 = 0.05;
+/// A residual cannot be known better than this part of the force in single precision;
+/// a quiet cell's noise may be less.
+const ROUNDING: f32 = 3e-6;
+/// Damping after the first refused step, and below which it is none.
+const DAMPING: f32 = 1e-3;
+/// Damping beyond which the data do not determine the unknowns.
+const MOST_DAMPING: f32 = 1e9;
+
+/// A fit under way, so that a board can do one iteration a tick.
+///
+/// Every [`Fitting::step`] wants the same data, but for what is expected, which may
+/// become better known meanwhile.
+#[derive(Clone, Copy, Debug)]
+pub struct Fitting {
+    cycle: Cycle,
+    normal: Normal,
+    damping: f32,
+    steps: u8,
+}
+
+impl Fitting {
+    /// Starts from a guess.
+    #[must_use]
+    pub fn new(data: &Data<'_>, guess: &Cycle) -> Self {
+        let cycle = limited(*guess);
+        Self { cycle, normal: data.normal(&cycle), damping: 0.0, steps: 0 }
+    }
+
+    /// One iteration. Breaks with the fit, or with `None` when the data do not
+    /// determine the unknowns.
+    ///
+    /// `noise_n2` is the variance of a sample: it decides only when the iteration
+    /// has settled.
+    pub fn step(&mut self, data: &Data<'_>, noise_n2: f32) -> ControlFlow<Option<Fit>> {
+        self.steps += 1;
+        let Some(factor) = self.normal.factor(self.damping) else { return self.refuse() };
+        let step = factor.solve(&self.normal.right);
+        // What the step is expected to gain: in units of the noise, its length squared.
+        let gain = dot(&step, &self.normal.right);
+        let rounding = ROUNDING * self.cycle.static_n;
+        let least_n2 = noise_n2 + rounding * rounding;
+        let trial = limited(moved(&self.cycle, &step));
+        if gain < SETTLED * least_n2 {
+            if self.damping > 0.0 {
+                return ControlFlow::Break(self.settled(true));
+            }
+            self.cycle = trial;
+            return ControlFlow::Break(self.fit(factor, true));
+        }
+        let next = data.normal(&trial);
+        // A NaN cost compares false and is a refused step.
+        if next.cost <= self.normal.cost {
+            (self.cycle, self.normal) = (trial, next);
+            self.damping = if self.damping > DAMPING { 0.1 * self.damping } else { 0.0 };
+        } else if self.refuse().is_break() {
+            return ControlFlow::Break(None);
+        }
+        if self.steps < MOST_STEPS {
+            return ControlFlow::Continue(());
+        }
+        ControlFlow::Break(self.settled(gain < NEARLY_SETTLED * least_n2))
+    }
+
+    /// Smaller steps from here on.
+    fn refuse(&mut self) -> ControlFlow<Option<Fit>> {
+        self.damping = (10.0 * self.damping).max(DAMPING);
+        if self.damping > MOST_DAMPING || self.steps > MOST_STEPS {
+            return ControlFlow::Break(None);
+        }
+        ControlFlow::Continue(())
+    }
+
+    fn settled(&self, converged: bool) -> Option<Fit> {
+        self.fit(self.normal.factor(0.0)?, converged)
+    }
+
+    fn fit(&self, information: Factor, converged: bool) -> Option<Fit> {
+        let Self { cycle, normal, .. } = *self;
+        normal.cost.is_finite().then_some(Fit { cycle, normal, information, converged })
+    }
+}
 
 impl Data<'_> {
-    /// Starts from a guess and returns the best fit near it.
-    ///
-    /// `noise_n2` is the variance of a point of weight one: it decides only when
-    /// the iteration has settled. `None` when the data do not determine the
-    /// unknowns.
+    /// Starts from a guess and returns the best fit near it, see [`Fitting`].
     #[must_use]
     pub fn fit(&self, guess: &Cycle, noise_n2: f32) -> Option<Fit> {
-        let mut cycle = limited(*guess);
-        let mut normal = self.normal(&cycle);
-        let mut damping = 1e-3;
-        let mut converged = false;
-        for _ in 0..MOST_STEPS {
-            let step = normal.factor(damping)?.solve(&normal.right);
-            let gain = dot(&step, &normal.right);
-            let trial = limited(moved(&cycle, &step));
-            let next = self.normal(&trial);
-            // A NaN cost compares false and is a refused step.
-            let better = next.cost <= normal.cost;
-            if better {
-                (cycle, normal) = (trial, next);
-                damping *= 0.1;
-            } else {
-                damping = (damping * 10.0).max(1e-3);
-            }
-            let rounding = ROUNDING * cycle.static_n;
-            let least = noise_n2 + rounding * rounding;
-            converged = gain < NEARLY_SETTLED * least;
-            if gain < SETTLED * least {
-                break;
+        let mut fitting = Fitting::new(self, guess);
+        loop {
+            if let ControlFlow::Break(fit) = fitting.step(self, noise_n2) {
+                return fit;
             }
         }
-        let information = normal.factor(0.0)?;
-        normal.cost.is_finite().then_some(Fit {
-            cycle,
-            cost: normal.cost,
-            normal,
-            information,
-            converged,
-        })
     }
 
     /// Weighted sum of squared residuals at a trial cycle, N².
@@ -171,9 +233,9 @@ impl Data<'_> {
     fn normal(&self, cycle: &Cycle) -> Normal {
         let shape = cycle.shape();
         let mut normal = Normal::default();
-        for point in self.points.iter().filter(|p| p.weight > 0.0) {
-            let (force, gradient) = shape.force(point.time);
-            normal.add(point.force_n - force, &gradient, point.weight);
+        for (time, force_n) in self.samples.good() {
+            let (force, gradient) = shape.force(time);
+            normal.add(force_n - force, &gradient, 1.0);
         }
         let (before, after) = (self.before, self.after);
         add_line(

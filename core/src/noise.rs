@@ -43,12 +43,9 @@ impl Quantile {
     pub fn add(&mut self, size: f32) {
         let (up, down) =
             if self.count >= SETTLED { (self.up, self.down) } else { self.start(size) };
-        if size > self.value {
-            // Zero (a noiseless start) could not grow by a factor alone.
-            self.value = (self.value * up).max(1e-3 * size);
-        } else {
-            self.value *= down;
-        }
+        let factor = if size > self.value { up } else { down };
+        // Zero (a noiseless start) could not grow by a factor alone.
+        self.value = (self.value * factor).max(1e-3 * size);
     }
 
     /// Larger steps at first.
@@ -171,6 +168,10 @@ impl Noise {
         if self.filled >= 2 && step > 0.0 && (self.resolution_n <= 0.0 || step < self.resolution_n)
         {
             self.resolution_n = step;
+        }
+        // What follows tells the noise until the fits do.
+        if self.fitted_n.is_some() {
+            return;
         }
         if self.filled >= 3 {
             let second = (c - 2.0 * d + e).abs();

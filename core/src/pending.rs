@@ -1,32 +1,36 @@
 //! A slip between two stick lines, gathered sample by sample.
 
 use crate::detector::{Extreme, Stick};
-use crate::fit::{Data, Fit, Point, Prior};
+use crate::fit::{Data, Fitting, Prior, Samples};
 use crate::line::Line;
 use crate::math;
 use crate::model::Cycle;
-use crate::window::{WINDOW, Window};
+use crate::window::Window;
 
-/// Most samples between the two stick lines.
+/// Most sampling periods between the two stick lines.
 const CORE: usize = 96;
 
 /// A slip whose stick line after it is still growing.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Pending {
-    /// Index at time zero of the points and of `before`.
+    /// Index at time zero of the samples and of `before`.
     pub(crate) origin: u64,
     pub(crate) before: Line,
-    pub(crate) points: [Point; CORE],
-    pub(crate) length: usize,
+    /// The samples between the lines; NaN: missing.
+    forces_n: [f32; CORE],
+    /// Time of the first of them, and how many there are.
+    start: f32,
+    length: usize,
     pub(crate) peak: Extreme,
     pub(crate) low: Extreme,
     /// What the extremes alone tell, for a slip that the samples hardly resolve.
     pub(crate) rough: Rough,
     /// Rough variance of the noise, from the detector, N².
     pub(crate) noise_n2: f32,
-    pub(crate) fit: Option<Fit>,
     /// A saturated sample, or too many missing ones, between the lines.
     pub(crate) hidden: bool,
+    /// The cycle as far as it was known before the stick line after it.
+    pub(crate) early: Option<Cycle>,
 }
 
 /// Loading rate, N per period, to within a factor of two, and the time of the slip.
@@ -83,14 +87,15 @@ impl Pending {
         let mut pending = Self {
             origin: first,
             before: stick.line_from(first),
-            points: [Point::default(); CORE],
+            forces_n: [f32::NAN; CORE],
+            start: since(first, start),
             length: 0,
             peak,
             low,
             rough: Rough::new(stick, window, (peak, low)),
             noise_n2: 0.0,
-            fit: None,
             hidden: false,
+            early: None,
         };
         pending.take(window, start, now);
         pending.rough.middle = pending.crossing();
@@ -99,33 +104,42 @@ impl Pending {
         pending
     }
 
-    /// Takes the samples `from` to `to`, as many as fit.
+    /// Takes the samples `from`, right after those that were taken, to `to`, as many as fit.
     fn take(&mut self, window: &Window, from: u64, to: u64) {
-        for index in from.max(to.saturating_sub(WINDOW as u64))..=to {
-            let Some(force_n) = window.get(index) else { continue };
-            let Some(point) = self.points.get_mut(self.length) else { return };
-            *point = Point { time: since(self.origin, index), force_n, weight: 1.0 };
+        for index in from..=to {
+            let Some(entry) = self.forces_n.get_mut(self.length) else { return };
+            *entry = window.get(index).unwrap_or(f32::NAN);
             self.length += 1;
         }
     }
 
-    /// Ends the event before the next one's peak; a stick too brief for a line
-    /// gives its samples one by one.
+    /// The samples between the lines.
+    pub(crate) fn samples(&self) -> Samples<'_> {
+        let forces_n = self.forces_n.get(..self.length).unwrap_or_default();
+        Samples { start: self.start, forces_n }
+    }
+
+    /// Ends the event before the next one's slip begins, a little before its highest
+    /// sample; a stick too brief for a line gives its samples one by one.
     pub(crate) fn end_before(&mut self, stick: &Stick, window: &Window, next_peak: u64) {
+        let periods = |time: f32| time as i64;
         if stick.first_from(stick.origin).count == 0 {
-            let last = self.points.get(..self.length).and_then(<[Point]>::last);
-            let next =
-                last.map_or(0, |point| self.origin.saturating_add_signed(point.time as i64) + 1);
+            let next = self.origin.saturating_add_signed(periods(self.start)) + self.length as u64;
             self.take(window, next, next_peak.saturating_sub(1));
         }
-        let end = since(self.origin, next_peak) - self.fit.map_or(0.0, |fit| fit.cycle.peak_time());
-        let points = self.points.get(..self.length).unwrap_or_default();
-        self.length = points.iter().take_while(|point| point.time < end).count();
+        let peak_time = self.early.map_or(0.0, |cycle| cycle.peak_time());
+        let end = since(self.origin, next_peak) - peak_time - self.start;
+        self.length = self.length.min(libm::ceilf(end).max(0.0) as usize);
+    }
+
+    /// Begins a fit where an earlier one ended, else at a guess.
+    pub(crate) fn begin(&self, data: &Data<'_>, known_swing: bool) -> Fitting {
+        Fitting::new(data, &self.early.unwrap_or_else(|| self.guess(data, known_swing)))
     }
 
     /// A first guess: the lines' level and slope, half-way down in time, and the
     /// slip's length that fits best of a few.
-    pub(crate) fn guess(&self, data: &Data<'_>, known_swing: bool) -> Option<Cycle> {
+    fn guess(&self, data: &Data<'_>, known_swing: bool) -> Cycle {
         let drop = self.peak.force_n - self.low.force_n;
         let rate = data.rate.mean;
         let half_drop_n = 0.5 * drop;
@@ -143,13 +157,13 @@ impl Pending {
         };
         if known_swing {
             let phase = math::atan2(rate * data.swing.mean, half_drop_n);
-            return Some(with_slide((core::f32::consts::PI + 2.0 * phase) * data.swing.mean));
+            return with_slide((core::f32::consts::PI + 2.0 * phase) * data.swing.mean);
         }
         let fall = (self.low.index - self.peak.index) as f32;
-        [0.6, 0.8, 1.0, 1.25, 1.6]
-            .map(|part| with_slide((part * fall).max(0.5)))
-            .into_iter()
-            .min_by(|a, b| data.cost(a).total_cmp(&data.cost(b)))
+        let with_part = |part: f32| with_slide((part * fall).max(0.5));
+        [0.6, 0.8, 1.25, 1.6].map(with_part).into_iter().fold(with_part(1.0), |best, other| {
+            if data.cost(&other) < data.cost(&best) { other } else { best }
+        })
     }
 
     /// Is a fitted cycle the slip that the samples show? Its ends lie within half the
@@ -162,18 +176,19 @@ impl Pending {
     }
 
     /// Time at which the samples fall through half the drop.
-    pub(crate) fn crossing(&self) -> f32 {
+    fn crossing(&self) -> f32 {
         let half_n = 0.5 * (self.peak.force_n + self.low.force_n);
-        let points = self.points.get(..self.length).unwrap_or_default();
         let peak_time = since(self.origin, self.peak.index);
-        let falls =
-            |pair: &&[Point]| pair.last().is_some_and(|p| p.time > peak_time && p.force_n < half_n);
-        match points.windows(2).find(falls) {
-            Some([a, b]) => {
-                b.time - (b.time - a.time) * (half_n - b.force_n) / (a.force_n - b.force_n)
+        let mut before = None;
+        for (time, force_n) in self.samples().good() {
+            match before {
+                Some((earlier, from_n)) if time > peak_time && force_n < half_n => {
+                    return time - (time - earlier) * (half_n - force_n) / (from_n - force_n);
+                }
+                _ => before = Some((time, force_n)),
             }
-            _ => 0.5 * (peak_time + since(self.origin, self.low.index)),
         }
+        0.5 * (peak_time + since(self.origin, self.low.index))
     }
 }
 

@@ -7,7 +7,7 @@ use crate::decimate::Decimator;
 use crate::derivative::{Central, Rate};
 use crate::detector::{Detector, Extreme, Transition};
 use crate::estimator::Estimator;
-use crate::event::{Event, SampleTime};
+use crate::event::{Event, Provisional, SampleTime};
 use crate::report::{Counters, Report};
 use crate::sample::{ForceSample, Phase, RawSample, SampleFlag};
 use crate::spike::{Judged, SpikeFilter, Usual};
@@ -31,6 +31,8 @@ pub struct Step {
     pub rate: Option<Rate>,
     /// What the block is doing.
     pub phase: Phase,
+    /// A first answer on the slip that is going on or has just ended.
+    pub provisional: Option<Provisional>,
     /// An event that is now complete.
     pub event: Option<Event>,
 }
@@ -102,7 +104,8 @@ impl Pipeline {
                 }
                 Judged::Good(good) => {
                     step.rate = self.derivative.step(good.index, good.force_n);
-                    step.event = self.decimator.step(good).and_then(|block| self.advance(block));
+                    let newest = Extreme { index: raw.index, force_n };
+                    (step.event, step.provisional) = self.good(good, newest);
                 }
             }
         }
@@ -116,9 +119,12 @@ impl Pipeline {
         let event = held.and_then(|block| self.advance(block));
         let event = event.or_else(|| self.decimator.finish().and_then(|block| self.advance(block)));
         event.or_else(|| {
-            let (stick, window) = (self.detector.stick(), self.detector.window());
-            let end = Extreme { index: self.detector.last().index + 1, ..self.detector.last() };
-            let event = self.cycles.finish(stick, window, end);
+            let event = self.cycles.finish().or_else(|| {
+                let (stick, window) = (self.detector.stick(), self.detector.window());
+                let end = Extreme { index: self.detector.last().index + 1, ..self.detector.last() };
+                self.cycles.complete(stick, window, end);
+                self.cycles.finish()
+            });
             self.count(event)
         })
     }
@@ -162,21 +168,51 @@ impl Pipeline {
         }
         let gap = u32::try_from(gap).unwrap_or(u32::MAX);
         let sample = ForceSample { index: raw.index, force_n, flag, gap };
-        Step { sample, spike: None, rate: None, phase: Phase::Unknown, event: None }
+        Step {
+            sample,
+            spike: None,
+            rate: None,
+            phase: Phase::Unknown,
+            provisional: None,
+            event: None,
+        }
+    }
+
+    /// Takes a good sample on; `newest` is the one that may yet be a spike.
+    fn good(&mut self, good: Extreme, newest: Extreme) -> (Option<Event>, Option<Provisional>) {
+        let Some(block) = self.decimator.step(good) else { return (None, None) };
+        let slips = self.detector.phase() == Phase::Slip;
+        // A sample of a block is no block: there the answer comes with the block itself.
+        let is_block = self.block_root > 1.0;
+        let turned = is_block.then(|| self.turned(block)).flatten();
+        let event = self.advance(block);
+        let provisional = if is_block {
+            turned
+        } else if self.detector.phase() == Phase::Slip && !slips {
+            self.cycles.onset(&self.detector)
+        } else {
+            self.turned(newest)
+        };
+        (event, provisional)
+    }
+
+    /// A first answer if the slip is over with the next sample.
+    fn turned(&mut self, next: Extreme) -> Option<Provisional> {
+        if self.detector.turns_with(next) { self.cycles.turned(&self.detector) } else { None }
     }
 
     /// Takes a good sample through the detector and on.
     fn advance(&mut self, sample: Extreme) -> Option<Event> {
-        let event = match self.detector.step(sample.index, sample.force_n)? {
-            Transition::Onset | Transition::Cancelled => None,
-            Transition::Restick { peak, low } => {
+        let finished = match self.detector.step(sample.index, sample.force_n) {
+            None | Some(Transition::Onset | Transition::Cancelled) => self.cycles.work(),
+            Some(Transition::Restick { peak, low }) => {
                 self.cycles.restick(&self.detector, (peak, low), self.last_hidden)
             }
-            Transition::Lost => {
-                self.cycles.finish(self.detector.ended(), self.detector.window(), sample)
+            Some(Transition::Lost) => {
+                self.cycles.complete(self.detector.ended(), self.detector.window(), sample)
             }
         };
-        self.count(event)
+        self.count(finished)
     }
 
     fn count(&mut self, finished: Option<Finished>) -> Option<Event> {

@@ -7,6 +7,8 @@
 //! held at a row of places, and the fits are averaged with their likelihoods
 //! `exp(−cost / 2 σ²)`: what the samples cannot tell widens the interval.
 
+use core::ops::ControlFlow;
+
 use crate::fit::{Data, Fit, Prior};
 use crate::math;
 use crate::model::{Cycle, Gradient, UNKNOWNS};
@@ -34,23 +36,15 @@ pub struct Posterior {
 }
 
 impl Posterior {
-    /// From the best fit, with the variance of the noise.
-    #[must_use]
-    pub fn new(data: &Data<'_>, fit: &Fit, noise_n2: f32) -> Self {
-        if fit.cycle.slide_time() < RESOLVED {
-            over_onset(data, fit, noise_n2)
-        } else {
-            Self::at(fit, noise_n2)
-        }
-    }
-
     /// Is the slip long enough for the samples?
     #[must_use]
     pub fn is_resolved(&self) -> bool {
         self.cycle.slide_time() >= RESOLVED
     }
 
-    fn at(fit: &Fit, noise_n2: f32) -> Self {
+    /// At the best fit, with the variance of the noise.
+    #[must_use]
+    pub fn at(fit: &Fit, noise_n2: f32) -> Self {
         let forces = fit.forces();
         let mut unknowns = Gradient::default();
         for (unknown, entry) in unknowns.iter_mut().enumerate() {
@@ -62,31 +56,60 @@ impl Posterior {
     }
 }
 
-/// Averages over places of the onset, weighted by likelihood.
-fn over_onset(data: &Data<'_>, best: &Fit, noise_n2: f32) -> Posterior {
-    let mut sums = Sums::default();
-    for way in [-1.0, 1.0] {
-        let mut from = best.cycle;
-        let first = if way > 0.0 { 0 } else { 1 };
-        for place in first..=PLACES {
-            let onset = best.cycle.onset + way * STEP * f32::from(place);
-            let steepest = from.rate + from.half_drop_n * from.omega;
-            let weight = HELD * steepest * steepest;
-            let held = Data { onset: Prior { mean: onset, weight }, ..*data };
-            let Some(fit) = held.fit(&Cycle { onset, ..from }, noise_n2) else { break };
+/// Averages over places of the onset, weighted by likelihood: one place a step.
+#[derive(Clone, Copy, Debug)]
+pub struct OverOnset {
+    sums: Sums,
+    /// Next place, and the fit at the one before it.
+    place: i16,
+    from: Cycle,
+}
+
+impl OverOnset {
+    /// For a slip that its best fit does not resolve; `None`: the fit says it all.
+    #[must_use]
+    pub fn new(best: &Fit) -> Option<Self> {
+        let is_short = best.cycle.slide_time() < RESOLVED;
+        is_short.then_some(Self { sums: Sums::default(), place: 0, from: best.cycle })
+    }
+
+    /// Takes the next place of the onset; breaks with the result after the last.
+    pub fn step(&mut self, data: &Data<'_>, best: &Fit, noise_n2: f32) -> ControlFlow<Posterior> {
+        let onset = best.cycle.onset + STEP * f32::from(self.place);
+        let steepest = self.from.rate + self.from.half_drop_n * self.from.omega;
+        let held = Prior { mean: onset, weight: HELD * steepest * steepest };
+        let held = Data { onset: held, ..*data };
+        let fit = held.fit(&Cycle { onset, ..self.from }, noise_n2);
+        if let Some(fit) = &fit {
             let expected =
                 data.onset.weight * (onset - data.onset.mean) * (onset - data.onset.mean);
-            let cost = fit.cost + expected - best.cost;
-            sums.add(math::exp(-0.5 * cost / noise_n2), &Posterior::at(&fit, noise_n2), best);
-            from = fit.cycle;
+            let cost = fit.cost() + expected - best.cost();
+            let likelihood = math::exp(-0.5 * cost / noise_n2);
+            self.sums.add(likelihood, &Posterior::at(fit, noise_n2), best);
         }
+        let Some(next) = following(self.place, fit.is_some()) else {
+            return ControlFlow::Break(self.sums.posterior(best, noise_n2));
+        };
+        // The other way begins at the best fit again.
+        let turns = self.place > 0 && next < 0;
+        self.from = fit.filter(|_| !turns).map_or(best.cycle, |fit| fit.cycle);
+        self.place = next;
+        ControlFlow::Continue(())
     }
-    sums.posterior(best, noise_n2)
+}
+
+/// Places go up to the last, or to the first that has no fit, and then down.
+fn following(place: i16, fitted: bool) -> Option<i16> {
+    match place {
+        0..PLACES if fitted => Some(place + 1),
+        0.. => Some(-1),
+        _ => (fitted && place > -PLACES).then_some(place - 1),
+    }
 }
 
 /// Weighted sums of values relative to the best fit, of their squares and of their
 /// variances: `Fs`, `Fp` and the unknowns.
-#[derive(Default)]
+#[derive(Clone, Copy, Debug, Default)]
 struct Sums {
     weight: f32,
     moments: [[f32; 2]; 2 + UNKNOWNS],
@@ -140,27 +163,24 @@ fn values(c: &Cycle) -> [f32; 2 + UNKNOWNS] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fit::Point;
+    use crate::fit::Samples;
     use crate::line::Line;
 
     /// A stiff cable's event sampled at whole periods, without noise.
-    fn points(cycle: &Cycle) -> [Point; 12] {
+    fn forces_n(cycle: &Cycle) -> [f32; 12] {
         let shape = cycle.shape();
-        core::array::from_fn(|i| {
-            let time = i as f32 - 6.0;
-            Point { time, force_n: shape.force(time).0, weight: 1.0 }
-        })
+        core::array::from_fn(|i| shape.force(i as f32 - 6.0).0)
     }
 
     fn posterior(slide: f32, onset: f32) -> (Cycle, Posterior) {
         let omega = 3.3 / slide;
         let truth =
             Cycle { onset, rate: 20.0, static_n: 780.0, half_drop_n: 290.0, omega, bend: 0.0 };
-        let points = points(&truth);
+        let forces_n = forces_n(&truth);
         let line = Line::default();
         let data = Data {
             before: &line,
-            points: &points,
+            samples: Samples { start: -6.0, forces_n: &forces_n },
             after: &line,
             rate: Prior { mean: 20.0, weight: 0.1 },
             swing: Prior { mean: 0.8 / omega, weight: 4.0 * omega * omega / 0.25 },
@@ -168,7 +188,14 @@ mod tests {
             onset: Prior { mean: 0.5 - 0.5 * slide, weight: 44.0 },
         };
         let fit = data.fit(&Cycle { onset: onset + 0.1, ..truth }, 4.0).unwrap();
-        (truth, Posterior::new(&data, &fit, 4.0))
+        let Some(mut places) = OverOnset::new(&fit) else {
+            return (truth, Posterior::at(&fit, 4.0));
+        };
+        loop {
+            if let ControlFlow::Break(posterior) = places.step(&data, &fit, 4.0) {
+                return (truth, posterior);
+            }
+        }
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! The same samples through the core in single and in double precision.
 
-use floe_core::{Coefficient, Config, Event, Pipeline, RawSample, Reading, Report};
+use floe_core::{Config, Event, Pipeline, RawSample, Reading, Report};
 
 use crate::wide;
 

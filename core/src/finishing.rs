@@ -1,0 +1,153 @@
+//! The last fit of an event whose lines are complete, spread over the samples that
+//! follow: one iteration a step, so that no sample has to wait for a whole fit.
+
+use core::ops::ControlFlow;
+
+use crate::event::Reason;
+use crate::fit::{Data, Fit, Fitting, Forces};
+use crate::learnt::{Learnt, own_residuals};
+use crate::line::Line;
+use crate::pending::Pending;
+use crate::posterior::{OverOnset, Posterior};
+
+/// Weight of rough expectations where the noise is not known yet.
+pub(crate) const HARDLY: f32 = 1e-3;
+
+/// An event being fitted.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Finishing {
+    pub(crate) pending: Pending,
+    after: Line,
+    stage: Stage,
+}
+
+#[derive(Clone, Copy, Debug)]
+#[allow(clippy::large_enum_variant, reason = "there is one, and no heap to put it on")]
+enum Stage {
+    /// Nothing done yet.
+    New,
+    /// Fitted with hardly any expectation.
+    ///
+    /// Where the block never rests the detector's noise is only a bound, far too
+    /// large, and would make rough expectations look precise: there the event's own
+    /// residuals come first.
+    Free(Fitting),
+    /// Fitted with what is expected.
+    Expected(Fitting),
+    /// Averaged over the onset.
+    Places(OverOnset, Fit),
+}
+
+/// What became of an event.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Outcome {
+    /// Measured.
+    Fitted {
+        posterior: Posterior,
+        /// The forces without what other events told of the loading rate.
+        alone: Option<Forces>,
+        /// Variance of the noise, N².
+        noise_n2: f32,
+    },
+    /// Only seen.
+    Failed(Reason),
+}
+
+impl Finishing {
+    pub(crate) fn new(pending: Pending, after: Line) -> Self {
+        Self { pending, after, stage: Stage::New }
+    }
+
+    /// One iteration.
+    pub(crate) fn step(&mut self, learnt: &mut Learnt) -> ControlFlow<Outcome> {
+        match self.stage {
+            Stage::New => self.start(learnt),
+            Stage::Free(_) => self.free(learnt),
+            Stage::Expected(_) => self.expected(learnt),
+            Stage::Places(..) => self.place(learnt),
+        }
+    }
+
+    fn start(&mut self, learnt: &Learnt) -> ControlFlow<Outcome> {
+        let known = learnt.residuals.variance_n2();
+        let noise_n2 = known.unwrap_or(HARDLY * self.pending.noise_n2);
+        let data = learnt.data(&self.pending, &self.after, noise_n2);
+        let fitting = self.pending.begin(&data, learnt.knows_swing());
+        self.stage = if known.is_some() { Stage::Expected(fitting) } else { Stage::Free(fitting) };
+        ControlFlow::Continue(())
+    }
+
+    fn free(&mut self, learnt: &Learnt) -> ControlFlow<Outcome> {
+        let Stage::Free(fitting) = &mut self.stage else { return ControlFlow::Continue(()) };
+        let noise_n2 = HARDLY * self.pending.noise_n2;
+        let data = learnt.data(&self.pending, &self.after, noise_n2);
+        let ControlFlow::Break(fit) = fitting.step(&data, noise_n2) else {
+            return ControlFlow::Continue(());
+        };
+        if let Some(fit) = fit {
+            let (squares_n2, free) = own_residuals(&data, &fit);
+            if free >= 1.0 {
+                let own_n2 = (squares_n2 / free).max(noise_n2);
+                self.pending.noise_n2 = self.pending.noise_n2.min(own_n2);
+            }
+        }
+        self.pending.early = fit.map(|fit| fit.cycle);
+        let data = learnt.data(&self.pending, &self.after, self.pending.noise_n2);
+        self.stage = Stage::Expected(self.pending.begin(&data, learnt.knows_swing()));
+        ControlFlow::Continue(())
+    }
+
+    fn expected(&mut self, learnt: &mut Learnt) -> ControlFlow<Outcome> {
+        let Stage::Expected(fitting) = &mut self.stage else { return ControlFlow::Continue(()) };
+        let pending = &self.pending;
+        let noise_n2 = learnt.noise_n2(pending);
+        let data = learnt.data(pending, &self.after, noise_n2);
+        let ControlFlow::Break(fit) = fitting.step(&data, noise_n2) else {
+            return ControlFlow::Continue(());
+        };
+        let holds = |fit: &Fit| fit.converged && pending.holds(&fit.cycle);
+        let Some(fit) = fit.filter(holds) else {
+            return ControlFlow::Break(Outcome::Failed(Reason::NoFit));
+        };
+        if pending.hidden {
+            return ControlFlow::Break(Outcome::Failed(Reason::Hidden));
+        }
+        let (squares_n2, free) = own_residuals(&data, &fit);
+        if learnt.residuals.are_far_less_than(squares_n2, free) {
+            return ControlFlow::Break(Outcome::Failed(Reason::NoFit));
+        }
+        if free >= 1.0 {
+            learnt.residuals.add(squares_n2, free, pending.noise_n2);
+        }
+        if let Some(places) = OverOnset::new(&fit) {
+            self.stage = Stage::Places(places, fit);
+            return ControlFlow::Continue(());
+        }
+        let now_n2 = learnt.noise_n2(pending);
+        ControlFlow::Break(fitted(learnt, &data, &fit, Posterior::at(&fit, now_n2), now_n2))
+    }
+
+    fn place(&mut self, learnt: &mut Learnt) -> ControlFlow<Outcome> {
+        let Stage::Places(places, fit) = &mut self.stage else {
+            return ControlFlow::Continue(());
+        };
+        let noise_n2 = learnt.noise_n2(&self.pending);
+        let data = learnt.data(&self.pending, &self.after, noise_n2);
+        let ControlFlow::Break(posterior) = places.step(&data, fit, noise_n2) else {
+            return ControlFlow::Continue(());
+        };
+        ControlFlow::Break(fitted(learnt, &data, fit, posterior, noise_n2))
+    }
+}
+
+fn fitted(
+    learnt: &mut Learnt,
+    data: &Data<'_>,
+    fit: &Fit,
+    posterior: Posterior,
+    noise_n2: f32,
+) -> Outcome {
+    let alone = fit.forces_alone(data.rate).filter(|_| posterior.is_resolved());
+    learnt.learn(data, &posterior, noise_n2);
+    Outcome::Fitted { posterior, alone, noise_n2 }
+}
