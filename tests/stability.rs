@@ -235,11 +235,22 @@ fn a_month() {
     days(30);
 }
 
-/// The winch pauses for longer and longer between pulls of a minute.
 #[test]
-fn pauses_of_any_length_cost_nothing() {
+fn pauses_of_up_to_a_day_cost_nothing() {
+    pauses(&[60.0, 3600.0, 86_400.0]);
+}
+
+/// More than 2²⁴ samples.
+#[test]
+#[ignore = "41 million samples"]
+fn a_pause_of_twenty_days_costs_nothing() {
+    pauses(&[20.0 * 86_400.0]);
+}
+
+/// The winch pauses between pulls of a minute.
+fn pauses(stops_s: &[f64]) {
     println!("{TABLE}");
-    for stop_s in [60.0, 3600.0, 86_400.0, 20.0 * 86_400.0] {
+    for stop_s in stops_s {
         let text = format!(
             "weight_n = 630.0\nmu_s = 1.24\nmu = 0.78\nstiffness_n_per_m = 23000.0\n\
              winch_m_per_s = 0.01565\nduration_s = {}\n[measurement]\nwhite_n = 2.0\n\
@@ -258,6 +269,31 @@ fn pauses_of_any_length_cost_nothing() {
         for z in &errors.coefficients {
             assert!(z.len() + 4 > run.events().len(), "{} of {}", z.len(), run.events().len());
             assert!(quantile(z, 1.0) < 5.0, "{} standard deviations off", quantile(z, 1.0));
+        }
+    }
+}
+
+/// A winch that turns twice as fast from one moment on: a few events do not fit what was
+/// learnt, the others do.
+#[test]
+fn a_change_of_speed_is_followed() {
+    let slow = Scene { duration_s: 900.0, ..scene("dff8-13") };
+    for factor in [0.5, 0.95, 1.05, 2.0] {
+        let winch_m_per_s = factor * slow.winch_m_per_s;
+        let fast = Scene { winch_m_per_s, start_force_n: 201.6, ..slow.clone() };
+        let mut both = Both::new(&both::config(&slow));
+        Run::new(&slow, 1).unwrap().for_each(|s| both.force(s.index, s.force_n));
+        let (before, first_index) = (both.events.0.len(), slow.sample_count());
+        let mut run = Run::new(&fast, 2).unwrap();
+        run.by_ref().for_each(|s| both.force(first_index + s.index, s.force_n));
+        let events = &both.events.0[before..];
+        let errors = Errors::new(events, first_index, run.events(), slow.rate_hz);
+        errors.print(&format!("speed times {factor}"));
+        let (given, due) = (errors.onset.len(), run.events().len());
+        assert!(given + 10 > due, "{given} of {due}");
+        for z in &errors.coefficients {
+            let late = &z[10..];
+            assert!(rms(late) < 1.15, "{}", rms(late));
         }
     }
 }

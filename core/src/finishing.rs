@@ -113,7 +113,9 @@ impl Finishing {
             return ControlFlow::Break(Outcome::Failed(Reason::Hidden));
         }
         let (squares_n2, free) = own_residuals(&data, &fit);
-        if learnt.residuals.are_far_less_than(squares_n2, free) {
+        // Without what is left around the line after it, which fits whatever the slip does.
+        let (line_n2, points) = (self.after.residual(), (self.after.weight - 2.0).max(0.0));
+        if learnt.is_misfit(squares_n2 - line_n2, free - points) {
             return ControlFlow::Break(Outcome::Failed(Reason::NoFit));
         }
         if free >= 1.0 {

@@ -15,12 +15,33 @@ pub(crate) struct Learnt {
     pub(crate) swing: Shared,
     bend: Shared,
     pub(crate) residuals: Residuals,
+    /// Events in a row that did not fit.
+    misfits: u8,
 }
+
+/// So many events in a row that do not fit: what was expected is no longer true.
+const CHANGED: u8 = 3;
 
 impl Learnt {
     /// Variance of the noise: from the fits so far, else the detector's.
     pub(crate) fn noise_n2(&self, pending: &Pending) -> f32 {
         self.residuals.variance_n2().unwrap_or(pending.noise_n2)
+    }
+
+    /// Does an event leave far more than the others do? The winch paused or started, the
+    /// block hit something; or, after several of them, all is different from now on, and
+    /// nothing is expected any more.
+    pub(crate) fn is_misfit(&mut self, squares_n2: f32, free: f32) -> bool {
+        if !self.residuals.are_far_less_than(squares_n2, free) {
+            self.misfits = 0;
+            return false;
+        }
+        self.misfits += 1;
+        if self.misfits == CHANGED {
+            self.misfits = 0;
+            [self.rate, self.swing, self.bend] = [Shared::default(); 3];
+        }
+        true
     }
 
     /// An event's samples and lines with what is expected of it.
