@@ -13,10 +13,6 @@ use floe_tests::normal::Normal;
 /// Largest root-mean-square difference, in stated standard deviations of an event.
 const LIMIT: f64 = 0.02;
 
-/// A slip of less than a sample can be fitted in several ways, and which one is found
-/// hangs on the last digit: not a matter of rounding, and not held to its limit.
-const SEVERAL_FITS: (&str, f64) = ("unresolved", 1.5);
-
 fn scene(name: &str) -> Scene {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../host-sim/scenes").join(name);
     Scene::from_toml(&fs::read_to_string(path.with_extension("toml")).unwrap()).unwrap()
@@ -75,12 +71,8 @@ fn rounding_is_small_against_the_error_on_every_scene() {
             both.finish();
             differences.add(&both.events);
         }
-        if name.ends_with(SEVERAL_FITS.0) {
-            check(&name, &differences, SEVERAL_FITS.1);
-        } else {
-            check(&name, &differences, LIMIT);
-            assert_eq!(differences.alone, 0, "{name}");
-        }
+        check(&name, &differences, LIMIT);
+        assert_eq!(differences.alone, 0, "{name}");
     }
 }
 

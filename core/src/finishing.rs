@@ -121,7 +121,7 @@ impl Finishing {
         if free >= 1.0 {
             learnt.residuals.add(squares_n2, free, pending.noise_n2);
         }
-        if let Some(places) = OverOnset::new(&fit) {
+        if let Some(places) = OverOnset::new(&fit, learnt.knows_swing()) {
             self.stage = Stage::Places(places, fit);
             return ControlFlow::Continue(());
         }

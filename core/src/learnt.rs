@@ -21,6 +21,9 @@ pub(crate) struct Learnt {
 
 /// So many events in a row that do not fit: what was expected is no longer true.
 const CHANGED: u8 = 3;
+/// Least part of a fitted precision that has to be the event's own: less than one event
+/// has in the memory of all, else nothing would be learnt after the first few.
+const LEAST_OWN: f32 = 0.01;
 
 impl Learnt {
     /// Variance of the noise: from the fits so far, else the detector's.
@@ -87,21 +90,22 @@ impl Learnt {
     /// Carries the event's own loading rate, swing and bend to the next ones.
     pub(crate) fn learn(&mut self, data: &Data<'_>, posterior: &Posterior, noise_n2: f32) {
         let Posterior { cycle, unknowns: [_, rate, _, _, swing, bend], .. } = *posterior;
-        // What hardly resolved slips tell is bent towards what was expected of them.
-        let least = if posterior.is_resolved() { 0.01 } else { 0.7 };
+        self.rate.forget();
+        self.bend.forget();
         if posterior.is_resolved() {
-            for shared in [&mut self.rate, &mut self.swing, &mut self.bend] {
-                shared.forget();
-            }
+            self.swing.forget();
         }
-        let own = |value, variance, prior| without_prior(value, variance, prior, noise_n2, least);
+        let own =
+            |value, variance, prior| without_prior(value, variance, prior, noise_n2, LEAST_OWN);
         // The loading rate and the swing are above zero; the bend may have any sign.
         if let Some((value, variance)) = own(cycle.rate, rate, data.rate).filter(|own| own.0 > 0.0)
         {
             self.rate.add(value, variance);
         }
+        // What hardly resolved slips tell of it is what was expected of them.
+        let own_swing = own(cycle.swing(), swing, data.swing);
         if let Some((value, variance)) =
-            own(cycle.swing(), swing, data.swing).filter(|own| own.0 > 0.0)
+            own_swing.filter(|own| own.0 > 0.0 && posterior.is_resolved())
         {
             self.swing.add(value, variance);
         }
