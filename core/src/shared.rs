@@ -25,6 +25,9 @@ pub struct Shared {
     /// Number of events, at most [`MEMORY`].
     count: f32,
     mean: f32,
+    /// Variance of the first event: weights are in units of one over it, so that their
+    /// squares are numbers whatever the size of the forces.
+    unit: f32,
     /// Σ w: one over it is the variance of the mean.
     weight: f32,
     /// Σ w² ((x − mean)² − s²) and Σ w².
@@ -48,7 +51,7 @@ impl Shared {
 
     /// Takes an event's own measurement and its variance.
     pub fn add(&mut self, value: f32, variance: f32) {
-        if !(value.is_finite() && variance.is_finite() && variance > 0.0) {
+        if !(value.is_finite() && variance.is_normal() && variance > 0.0) {
             return;
         }
         if self.is_far_off(value, variance) {
@@ -59,15 +62,21 @@ impl Shared {
             *self = Self::default();
         }
         self.strangers = 0;
+        if self.count <= 0.0 {
+            *self = Self { unit: variance, ..Self::default() };
+        }
+        let weight = self.unit / (variance + self.between);
+        let square = weight * weight;
+        if !square.is_normal() {
+            return;
+        }
         self.count += 1.0;
-        let weight = 1.0 / (variance + self.between);
         self.weight += weight;
         let share = weight / self.weight;
         let step = value - self.mean;
         self.mean += share * step;
         // The first value has nothing to differ from.
         if self.count > 1.0 {
-            let square = weight * weight;
             self.excess += square * ((1.0 - share) * step * step - variance);
             self.weight_squares += square;
             self.between = self.significant_excess();
@@ -77,16 +86,21 @@ impl Shared {
     /// Is a measurement not one of these?
     fn is_far_off(&self, value: f32, variance: f32) -> bool {
         let step = value - self.mean;
-        let expected = variance + self.between + 1.0 / self.weight;
+        let expected = variance + self.between + self.of_mean();
         self.count >= LEAST_EVENTS && step * step > FAR_OFF * FAR_OFF * expected
     }
 
     /// Variance between events, as far as it is more than so few events can feign.
     fn significant_excess(&self) -> f32 {
         let between = self.excess / self.weight_squares;
-        let own = self.count / self.weight;
+        let own = self.count * self.of_mean();
         let feigned = own * crate::math::sqrt(2.0 / (self.count - 1.0));
         between.max(0.0) * surely(between, feigned)
+    }
+
+    /// Variance of the mean, apart from that between events.
+    fn of_mean(&self) -> f32 {
+        self.unit / self.weight
     }
 
     /// Mean so far; `None` before the first event.
@@ -102,7 +116,7 @@ impl Shared {
         if self.count < LEAST_EVENTS {
             return Prior::default();
         }
-        let variance = self.between + 1.0 / self.weight;
+        let variance = self.between + self.of_mean();
         Prior { mean: self.mean, weight: noise_n2 / variance }
     }
 }
@@ -113,7 +127,7 @@ impl Shared {
     pub fn prior_around_zero(&self, noise_n2: f32) -> Prior {
         const SIGNIFICANT: f32 = 3.0;
         let prior = self.prior(noise_n2);
-        let sure = surely(self.mean * self.mean * self.weight, SIGNIFICANT * SIGNIFICANT);
+        let sure = surely(self.mean * self.mean, SIGNIFICANT * SIGNIFICANT * self.of_mean());
         // No sign of anything: half the standard error of the mean that says so.
         Prior { mean: sure * self.mean, weight: (4.0 - 3.0 * sure) * prior.weight }
     }
