@@ -23,7 +23,7 @@ pub(crate) struct Learnt {
 const CHANGED: u8 = 3;
 /// Least part of a fitted precision that has to be the event's own: less than one event
 /// has in the memory of all, else nothing would be learnt after the first few.
-const LEAST_OWN: f32 = 0.01;
+const LEAST_OWN: f32 = 0.003;
 
 impl Learnt {
     /// Variance of the noise: from the fits so far, else the detector's.

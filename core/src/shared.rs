@@ -4,33 +4,42 @@
 //! vary from event to event. Old events are forgotten slowly, so a cable that
 //! shortens or a winch that tires is followed. A single event that is far off (the
 //! winch had paused) teaches nothing; several in a row are how things are now.
+//!
+//! What counts only when it is significant grows from its limit to twice that: no
+//! expectation jumps because of a last digit.
 
 use crate::fit::Prior;
+use crate::line::Line;
+use crate::math;
 
 /// Events over which the past is forgotten.
 const MEMORY: f32 = 40.0;
 /// Events before which nothing is expected.
 const LEAST_EVENTS: f32 = 2.5;
+/// Standard errors beyond which a value that should be zero, or a trend, counts: the
+/// trend is looked at with every event.
+const SIGNIFICANT: f32 = 3.0;
+const TREND: f32 = 5.0;
 /// Standard deviations beyond which an event is far off.
 const FAR_OFF: f32 = 6.0;
 /// So many far off in a row: all that was before is forgotten.
 const CHANGED: u8 = 3;
 
-/// Running mean of a quantity that events share, and how much it varies.
+/// Running mean of a quantity that events share, its trend, and how much it varies.
 ///
-/// A weighted mean with weights `1/(s² + τ²)`: `s²` the event's own variance, `τ²`
-/// the variance between events, estimated alongside with the squared weights.
+/// A weighted line over the events with weights `1/(s² + τ²)`: `s²` the event's own
+/// variance, `τ²` the variance between events, estimated alongside with the squared
+/// weights. The trend counts once it is significant.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Shared {
-    /// Number of events, at most [`MEMORY`].
-    count: f32,
-    mean: f32,
+    /// Over the events so far, the newest at time −1.
+    line: Line,
     /// Variance of the first event: weights are in units of one over it, so that their
     /// squares are numbers whatever the size of the forces.
     unit: f32,
-    /// Σ w: one over it is the variance of the mean.
-    weight: f32,
-    /// Σ w² ((x − mean)² − s²) and Σ w².
+    /// Number of events, at most [`MEMORY`].
+    count: f32,
+    /// Σ w² (step² − s²) and Σ w²; a step without what the expectation adds to it.
     excess: f32,
     weight_squares: f32,
     between: f32,
@@ -43,13 +52,14 @@ impl Shared {
     /// that no expectation, once too sure of itself, shuts out what could correct it.
     pub fn forget(&mut self) {
         const FADE: f32 = 1.0 - 1.0 / MEMORY;
+        self.line.fade(FADE);
+        self.line.shift(1.0);
         self.count *= FADE;
-        self.weight *= FADE;
         self.excess *= FADE;
         self.weight_squares *= FADE;
     }
 
-    /// Takes an event's own measurement and its variance.
+    /// Takes the newest event's own measurement and its variance.
     pub fn add(&mut self, value: f32, variance: f32) {
         if !(value.is_finite() && variance.is_normal() && variance > 0.0) {
             return;
@@ -59,7 +69,7 @@ impl Shared {
             if self.strangers < CHANGED {
                 return;
             }
-            *self = Self::default();
+            self.count = 0.0;
         }
         self.strangers = 0;
         if self.count <= 0.0 {
@@ -70,14 +80,14 @@ impl Shared {
         if !square.is_normal() {
             return;
         }
+        let (expected, expected_variance) = self.at(NEWEST);
+        self.line.add(NEWEST, value, weight);
         self.count += 1.0;
-        self.weight += weight;
-        let share = weight / self.weight;
-        let step = value - self.mean;
-        self.mean += share * step;
         // The first value has nothing to differ from.
         if self.count > 1.0 {
-            self.excess += square * ((1.0 - share) * step * step - variance);
+            let step = value - expected;
+            let share = 1.0 / (1.0 + weight * expected_variance / self.unit);
+            self.excess += square * (share * step * step - variance);
             self.weight_squares += square;
             self.between = self.significant_excess();
         }
@@ -85,28 +95,34 @@ impl Shared {
 
     /// Is a measurement not one of these?
     fn is_far_off(&self, value: f32, variance: f32) -> bool {
-        let step = value - self.mean;
-        let expected = variance + self.between + self.of_mean();
-        self.count >= LEAST_EVENTS && step * step > FAR_OFF * FAR_OFF * expected
+        let (expected, expected_variance) = self.at(NEWEST);
+        let step = value - expected;
+        let usual = variance + self.between + expected_variance;
+        self.count >= LEAST_EVENTS && step * step > FAR_OFF * FAR_OFF * usual
+    }
+
+    /// The value at a time and its variance, without the variation between events: on
+    /// the line as far as its slope is significant.
+    fn at(&self, time: f32) -> (f32, f32) {
+        let slope = self.line.slope().unwrap_or(0.0);
+        let size = slope * slope * self.line.slope_weight();
+        let near = surely(size, TREND * TREND * self.unit) * (time - self.line.time);
+        let time = self.line.time + near;
+        (self.line.at(time, slope), self.unit * self.line.leverage(time))
     }
 
     /// Variance between events, as far as it is more than so few events can feign.
     fn significant_excess(&self) -> f32 {
         let between = self.excess / self.weight_squares;
-        let own = self.count * self.of_mean();
-        let feigned = own * crate::math::sqrt(2.0 / (self.count - 1.0));
+        let own = self.count * self.unit / self.line.weight;
+        let feigned = own * math::sqrt(2.0 / (self.count - 1.0));
         between.max(0.0) * surely(between, feigned)
     }
 
-    /// Variance of the mean, apart from that between events.
-    fn of_mean(&self) -> f32 {
-        self.unit / self.weight
-    }
-
-    /// Mean so far; `None` before the first event.
+    /// The value now; `None` before the first event.
     #[must_use]
     pub fn mean(&self) -> Option<f32> {
-        (self.count > 0.0).then_some(self.mean)
+        (self.count > 0.0).then(|| self.at(NEXT).0)
     }
 
     /// What the next event may expect, in units of one over `noise_n2`: its variance
@@ -116,27 +132,29 @@ impl Shared {
         if self.count < LEAST_EVENTS {
             return Prior::default();
         }
-        let variance = self.between + self.of_mean();
-        Prior { mean: self.mean, weight: noise_n2 / variance }
+        let (mean, variance) = self.at(NEXT);
+        Prior { mean, weight: noise_n2 / (self.between + variance) }
     }
-}
 
-impl Shared {
     /// The same for a quantity that is zero unless the events say otherwise.
     #[must_use]
     pub fn prior_around_zero(&self, noise_n2: f32) -> Prior {
-        const SIGNIFICANT: f32 = 3.0;
         let prior = self.prior(noise_n2);
-        let sure = surely(self.mean * self.mean, SIGNIFICANT * SIGNIFICANT * self.of_mean());
+        let mean = self.line.level_n;
+        let limit = SIGNIFICANT * SIGNIFICANT * self.unit / self.line.weight;
+        let sure = surely(mean * mean, limit);
         // No sign of anything: half the standard error of the mean that says so.
-        Prior { mean: sure * self.mean, weight: (4.0 - 3.0 * sure) * prior.weight }
+        Prior { mean: sure * prior.mean, weight: (4.0 - 3.0 * sure) * prior.weight }
     }
 }
 
-/// From 0 where a size is within a limit to 1 where it is twice that: no expectation
-/// jumps because of a last digit.
+/// Times of the line: the event that is being learnt, and the one after it.
+const NEWEST: f32 = -1.0;
+const NEXT: f32 = 0.0;
+
+/// From 0 where a size is within a limit to 1 where it is twice that.
 fn surely(size: f32, limit: f32) -> f32 {
-    (size / limit - 1.0).clamp(0.0, 1.0)
+    if size > limit { (size / limit - 1.0).min(1.0) } else { 0.0 }
 }
 
 /// What an event measured by itself, without the expectation it was fitted with.
@@ -185,11 +203,11 @@ mod tests {
         (0..20).for_each(|i| shared.add(22.5 + 0.01 * (i % 2) as f32, 1e-3));
         for (times, mean) in [(1, 22.5), (1, 22.5), (1, 30.0)] {
             (0..times).for_each(|_| shared.add(30.0, 1e-12));
-            assert!((shared.mean - mean).abs() < 0.01, "{shared:?}");
+            assert!((shared.mean().unwrap() - mean).abs() < 0.01, "{shared:?}");
         }
         assert!(shared.prior(1.0).weight <= 0.0);
         (0..5).for_each(|_| shared.add(30.0, 1e-3));
-        assert!((shared.mean - 30.0).abs() < 0.01 && shared.prior(1.0).weight > 0.0);
+        assert!((shared.mean().unwrap() - 30.0).abs() < 0.01 && shared.prior(1.0).weight > 0.0);
     }
 
     #[test]
