@@ -398,8 +398,10 @@ fn disturbed_pulls_neither_panic_nor_give_what_is_not_a_number() {
     check(500, disturbed_samples(), |samples| holds_for(&block(), &samples));
 }
 
-/// Forces of the size of one, by the number of the sample.
-const PATTERNS: [(&str, fn(u64) -> f32); 8] = [
+/// Force of the size of one, by the number of the sample.
+type Pattern = fn(u64) -> f32;
+
+const PATTERNS: [(&str, Pattern); 8] = [
     ("constant", |_| 1.0),
     ("step", |i| if i < 500 { 0.5 } else { 1.0 }),
     ("alternating", |i| if i % 2 == 0 { 1.0 } else { -1.0 }),
