@@ -398,6 +398,42 @@ fn disturbed_pulls_neither_panic_nor_give_what_is_not_a_number() {
     check(500, disturbed_samples(), |samples| holds_for(&block(), &samples));
 }
 
+/// Force of the size of one, by the number of the sample.
+type Pattern = fn(u64) -> f32;
+
+const PATTERNS: [(&str, Pattern); 8] = [
+    ("constant", |_| 1.0),
+    ("step", |i| if i < 500 { 0.5 } else { 1.0 }),
+    ("alternating", |i| if i % 2 == 0 { 1.0 } else { -1.0 }),
+    ("ramp", |i| i as f32 / 1000.0),
+    ("saw", |i| (i % 31) as f32 / 31.0),
+    ("saw with a tooth of two samples", |i| if i % 2 == 0 { 1.0 } else { 0.1 }),
+    ("pulses", |i| if i % 17 == 0 { 1.0 } else { 0.0 }),
+    ("growing saw", |i| (i % 31) as f32 * (i as f32 * 0.01).exp2()),
+];
+
+/// From forces whose squares are no numbers any more to those at the end of the range,
+/// alone and on a dead load.
+#[test]
+fn patterns_of_any_size_give_numbers() {
+    let scales = [1e-38, 1e-30, 1e-20, 1e-15, 1e-10, 1e-5, 1.0, 1e5, 1e8, 1e11, 1e12];
+    for (name, pattern) in PATTERNS {
+        for scale in scales {
+            for tare_n in [0.0, 1e7] {
+                for rate_hz in [1.0, 16.0, 2000.0] {
+                    let force_n = |i| f64::from(tare_n + scale * pattern(i));
+                    let samples: Vec<_> = (0..1500).map(|i| feed::force(i, force_n(i))).collect();
+                    for weight_n in [scale, 630.0] {
+                        let config = Config { weight_n, rate_hz, ..block() };
+                        let outcome = holds_for(&config, &samples);
+                        assert!(outcome.is_ok(), "{name} × {scale} + {tare_n}: {outcome:?}");
+                    }
+                }
+            }
+        }
+    }
+}
+
 /// A logger that was off for years goes on at once: the time of a step is bounded.
 #[test]
 fn a_gap_of_any_length_is_passed_at_once() {

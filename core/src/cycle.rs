@@ -135,13 +135,13 @@ impl Cycles {
     pub fn onset(&mut self, detector: &Detector) -> Option<Provisional> {
         self.early = None;
         let (stick, now) = (detector.stick(), detector.last());
-        let (slope, noise_n) = (stick.line.slope()?, detector.noise_n()?);
-        let time = since(stick.origin, now.index) - 1.0;
+        let line = stick.line_from(now.index);
+        let (slope, noise_n, time) = (line.slope()?, detector.noise_n()?, -1.0);
         // Anywhere within the two periods before: a uniform distribution.
         const SPREAD: f32 = 0.577;
         let onset_n = SPREAD * slope;
-        let variance_n2 = onset_n * onset_n + noise_n * noise_n * stick.line.leverage(time);
-        let mu_s = self.site().whole(stick.line.at(time, slope), variance_n2);
+        let variance_n2 = onset_n * onset_n + noise_n * noise_n * line.leverage(time);
+        let mu_s = self.site().whole(line.at(time, slope), variance_n2);
         Some(Provisional { mu_s, mu: None })
     }
 
@@ -205,8 +205,7 @@ impl Cycles {
         let finished = self.finish();
         if let Some(pending) = &mut self.pending {
             pending.end_before(stick, window, next_peak.index);
-            let mut after = *stick.first();
-            after.shift(since(stick.origin, pending.origin));
+            let after = stick.first_from(pending.origin);
             self.finishing = Some(Finishing::new(*pending, after));
         }
         self.pending = None;

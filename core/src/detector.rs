@@ -27,6 +27,7 @@ use crate::line::Line;
 use crate::math;
 use crate::memory::Memory;
 use crate::noise::Noise;
+use crate::pending::since;
 use crate::sample::Phase;
 use crate::whiteness::Whiteness;
 use crate::window::{WINDOW, Window};
@@ -62,6 +63,8 @@ const LEAST_WEIGHT: f32 = 0.02;
 const CATCH_UP: u32 = 3;
 /// Part of the noise thought of that makes it worth looking at all samples again.
 const LESS_NOISE: f32 = 0.4;
+/// A line's mean time is kept below this, periods.
+const FAR: f32 = 64.0;
 /// A gap longer than this starts anew, periods.
 const LONGEST_GAP: u64 = 8;
 
@@ -95,10 +98,13 @@ pub enum Transition {
 /// The stick line since the last re-stick.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Stick {
-    /// Index at time zero of the lines.
+    /// Index of the first sample: time zero of `first`.
     pub origin: u64,
     /// Where the line is now: ends at the next onset.
     pub line: Line,
+    /// Index at time zero of `line` and `trial`: stays near them, so that a block that
+    /// rests for days costs no digits.
+    line_origin: u64,
     /// The line as it started, unless `straight`.
     first: Line,
     /// All samples so far are on one line, with endless memory: `line` is also how
@@ -119,10 +125,29 @@ pub struct Stick {
 }
 
 impl Stick {
-    /// The line as it started: begins at the last re-stick.
+    /// At rest from an index on.
+    fn new(origin: u64, highest: Extreme, straight: bool) -> Self {
+        let (line_origin, next, first_weight) = (origin, origin, 1.0);
+        Self { origin, line_origin, next, highest, straight, first_weight, ..Self::default() }
+    }
+
+    /// The line as it started, at the last re-stick; times from an index on.
     #[must_use]
-    pub fn first(&self) -> &Line {
-        if self.straight { &self.line } else { &self.first }
+    pub fn first_from(&self, index: u64) -> Line {
+        if self.straight { self.line_from(index) } else { moved(self.first, self.origin, index) }
+    }
+
+    /// The line as it is now; times from an index on.
+    #[must_use]
+    pub fn line_from(&self, index: u64) -> Line {
+        moved(self.line, self.line_origin, index)
+    }
+
+    /// Begins the line anew, from an index on; keeps how it started.
+    fn start_line(&mut self, index: u64) {
+        self.first = self.first_from(self.origin);
+        (self.straight, self.first_weight, self.strikes) = (false, 0.0, 0);
+        (self.line, self.trial, self.line_origin) = (Line::default(), Line::default(), index);
     }
 
     /// Leaves out a line that does not describe the force: only the last samples
@@ -133,16 +158,28 @@ impl Stick {
     }
 
     /// Takes a sample into the lines.
-    fn take(&mut self, time: f32, force_n: f32, memory: &Memory) {
+    fn take(&mut self, index: u64, force_n: f32, memory: &Memory) {
+        let time = since(self.line_origin, index);
         self.line.fade(memory.fade());
         self.line.add(time, force_n, 1.0);
         self.trial.fade(memory.trial_fade());
         self.trial.add(time, force_n, 1.0);
         if !self.straight && self.first_weight > LEAST_WEIGHT {
-            self.first.add(time, force_n, self.first_weight);
+            self.first.add(since(self.origin, index), force_n, self.first_weight);
             self.first_weight *= memory.fade();
         }
+        if self.line.time >= FAR {
+            self.line.shift(FAR);
+            self.trial.shift(FAR);
+            self.line_origin += FAR as u64;
+        }
     }
+}
+
+/// A line whose time begins at one index, with times from another one on.
+fn moved(mut line: Line, from: u64, to: u64) -> Line {
+    line.shift(since(from, to));
+    line
 }
 
 /// The state machine.
@@ -361,8 +398,7 @@ impl Detector {
             self.ended.next = self.ended.origin;
         }
         let straight = self.memory.is_endless();
-        self.stick =
-            Stick { origin: next, next, highest, straight, first_weight: 1.0, ..Stick::default() };
+        self.stick = Stick::new(next, highest, straight);
     }
 
     fn stick_step(&mut self, now: Extreme) -> Option<Transition> {
@@ -386,8 +422,8 @@ impl Detector {
         let Some(risen_n) = floor.risen_n(now.force_n) else { return true };
         self.floor = None;
         let since = self.ended.line.slope().map_or(0, |rate| floor::periods_above(risen_n, rate));
-        self.stick.origin = self.stick.origin.max(now.index.saturating_sub(since));
-        self.stick.next = self.stick.origin;
+        let origin = self.stick.origin.max(now.index.saturating_sub(since));
+        self.stick = Stick::new(origin, self.stick.highest, self.stick.straight);
         false
     }
 
@@ -468,7 +504,7 @@ impl Detector {
     fn innovation(&self, now: Extreme) -> Option<(f32, f32)> {
         let stick = &self.stick;
         let slope = stick.line.slope().filter(|_| stick.line.count >= LINE_POINTS)?;
-        let time = (now.index - stick.origin) as f32;
+        let time = since(stick.line_origin, now.index);
         let spread = math::rough_sqrt(1.0 + stick.line.leverage(time));
         Some((now.force_n - stick.line.at(time, slope), spread))
     }
@@ -487,7 +523,7 @@ impl Detector {
     }
 
     fn take_into_line(&mut self, sample: Extreme) {
-        let time = (sample.index - self.stick.origin) as f32;
+        let time = since(self.stick.line_origin, sample.index);
         if let Some((innovation, spread)) = self.innovation(sample) {
             let relative = innovation / spread;
             let std = self.line_std_n;
@@ -501,7 +537,7 @@ impl Detector {
             }
         }
         self.stick.strikes = 0;
-        self.stick.take(time, sample.force_n, &self.memory);
+        self.stick.take(sample.index, sample.force_n, &self.memory);
     }
 
     /// A sample off the line is left out; several on one side start a new line.
@@ -514,13 +550,11 @@ impl Detector {
         if stick.same_side < NEW_LINE && stick.strikes < 2 * NEW_LINE {
             return;
         }
-        stick.first = *stick.first();
-        (stick.straight, stick.first_weight) = (false, 0.0);
-        stick.strikes = 0;
-        (stick.line, stick.trial) = (Line::default(), Line::default());
-        for past in (index + 1).saturating_sub(u64::from(NEW_LINE))..=index {
+        let start = (index + 1).saturating_sub(u64::from(NEW_LINE));
+        stick.start_line(start);
+        for past in start..=index {
             if let Some(force_n) = self.window.get(past) {
-                stick.take((past - stick.origin) as f32, force_n, &self.memory);
+                stick.take(past, force_n, &self.memory);
             }
         }
     }

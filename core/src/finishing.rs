@@ -56,6 +56,12 @@ pub(crate) enum Outcome {
     Failed(Reason),
 }
 
+impl Outcome {
+    fn is_suspect(&self) -> bool {
+        matches!(self, Self::Fitted { verdict: Verdict::Suspect, .. })
+    }
+}
+
 impl Finishing {
     pub(crate) fn new(pending: Pending, after: Line) -> Self {
         Self { pending, after, stage: Stage::New }
@@ -116,15 +122,20 @@ impl Finishing {
             return ControlFlow::Break(Outcome::Failed(Reason::Hidden));
         }
         let (squares_n2, free) = own_residuals(&data, &fit);
-        if free >= 1.0 {
+        // Without what is left around the line after it, which fits whatever the slip does.
+        let (line_n2, points) = (self.after.residual(), (self.after.weight - 2.0).max(0.0));
+        let misfit = learnt.is_misfit(squares_n2 - line_n2, free - points);
+        if free >= 1.0 && !misfit {
             learnt.residuals.add(squares_n2, free, pending.noise_n2);
         }
-        if let Some(places) = OverOnset::new(&fit, learnt.knows_swing()) {
+        if let Some(places) = OverOnset::new(&fit, learnt.knows_swing()).filter(|_| !misfit) {
             self.stage = Stage::Places(places, fit);
             return ControlFlow::Continue(());
         }
         let now_n2 = learnt.noise_n2(pending);
-        ControlFlow::Break(fitted(learnt, &data, &fit, Posterior::at(&fit, now_n2), now_n2))
+        let outcome = fitted(learnt, &data, &fit, Posterior::at(&fit, now_n2), now_n2);
+        let nothing = misfit && !outcome.is_suspect();
+        ControlFlow::Break(if nothing { Outcome::Failed(Reason::NoFit) } else { outcome })
     }
 
     fn place(&mut self, learnt: &mut Learnt) -> ControlFlow<Outcome> {

@@ -16,9 +16,14 @@ pub(crate) struct Learnt {
     pub(crate) mass: Mass,
     bend: Shared,
     pub(crate) residuals: Residuals,
+    /// Events in a row that did not fit.
+    misfits: u8,
 }
 
-/// Least part of a fitted precision that has to be the event's own.
+/// So many events in a row that do not fit: what was expected is no longer true.
+const CHANGED: u8 = 3;
+/// Least part of a fitted precision that has to be the event's own: less than one event
+/// has in the memory of all, else nothing would be learnt after the first few.
 const LEAST_OWN: f32 = 0.003;
 
 /// What rounding leaves of a force, parts of it.
@@ -31,6 +36,23 @@ impl Learnt {
         let rounding_n = ROUNDING * pending.peak.force_n;
         let noise_n2 = self.residuals.variance_n2().unwrap_or(pending.noise_n2);
         pending.inflation * noise_n2.max(rounding_n * rounding_n)
+    }
+
+    /// Does an event leave far more than the others do? The winch paused or started, the
+    /// block hit something; or, after several of them, all is different from now on, and
+    /// nothing is expected any more.
+    pub(crate) fn is_misfit(&mut self, squares_n2: f32, free: f32) -> bool {
+        if !self.residuals.are_far_less_than(squares_n2, free) {
+            self.misfits = 0;
+            return false;
+        }
+        self.misfits += 1;
+        if self.misfits == CHANGED {
+            self.misfits = 0;
+            [self.rate, self.bend] = [Shared::default(); 2];
+            self.mass.forget_all();
+        }
+        true
     }
 
     /// An event's samples and lines with what is expected of it.
@@ -83,6 +105,11 @@ impl Learnt {
         strained: bool,
     ) -> Verdict {
         let Posterior { cycle, unknowns: [_, rate, _, _, swing, bend], .. } = *posterior;
+        self.rate.forget();
+        self.bend.forget();
+        if posterior.is_resolved() {
+            self.mass.forget();
+        }
         let own =
             |value, variance, prior, least| without_prior(value, variance, prior, noise_n2, least);
         // The loading rate and the swing are above zero; the bend may have any sign.
@@ -102,7 +129,7 @@ impl Learnt {
         };
         let verdict = self.mass.judge(&told);
         let on_trial = self.mass.is_on_trial();
-        if verdict == Verdict::Suspect && !on_trial {
+        if strained || (verdict == Verdict::Suspect && !on_trial) {
             return verdict;
         }
         let own_rate = own(cycle.rate, rate, data.rate, LEAST_OWN);

@@ -133,6 +133,18 @@ impl Mass {
         &self.swing
     }
 
+    /// Lets the past swings count for less, see [`Shared::forget`].
+    pub fn forget(&mut self) {
+        self.swing.forget();
+    }
+
+    /// All is different from now on.
+    pub fn forget_all(&mut self) {
+        self.swing = Shared::default();
+        self.state = State::Steady;
+        self.start(None);
+    }
+
     /// Judges an event. What is [`Verdict::Suspect`] outside a trial is not learnt.
     pub fn judge(&mut self, told: &Told) -> Verdict {
         match self.state {

@@ -97,11 +97,9 @@ impl Pending {
         (peak, low): (Extreme, Extreme),
     ) -> Self {
         let first = stick.next;
-        let mut before = stick.line;
-        before.shift(since(stick.origin, first));
         let mut pending = Self {
             origin: first,
-            before,
+            before: stick.line_from(first),
             forces_n: [f32::NAN; CORE],
             start: since(first, start),
             length: 0,
@@ -139,7 +137,7 @@ impl Pending {
     /// sample; a stick too brief for a line gives its samples one by one.
     pub(crate) fn end_before(&mut self, stick: &Stick, window: &Window, next_peak: u64) {
         let periods = |time: f32| time as i64;
-        if stick.first().count == 0 {
+        if stick.first_from(stick.origin).count == 0 {
             let next = self.origin.saturating_add_signed(periods(self.start)) + self.length as u64;
             self.take(window, next, next_peak.saturating_sub(1));
         }

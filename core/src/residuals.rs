@@ -18,6 +18,8 @@ pub struct Residuals {
 const MEMORY: f32 = 8000.0;
 /// An event with so many times the median event's residuals is left out.
 const LIMIT: f32 = 6.0;
+/// An event with so many times the usual residuals does not fit.
+const MISFIT: f32 = 50.0;
 
 /// The first events may leave so many times more than the rough noise.
 const ROUGH: f32 = 3.0;
@@ -50,6 +52,14 @@ impl Residuals {
             self.squares_n2 += squares_n2;
             self.free += free;
         }
+    }
+
+    /// Does an event leave so much more than the others that the model cannot be what
+    /// its samples show? The winch paused or started, the block hit something.
+    #[must_use]
+    pub fn are_far_less_than(&self, squares_n2: f32, free: f32) -> bool {
+        let usual = self.median_n2.value().zip(self.variance_n2());
+        usual.is_some_and(|(median, mean)| squares_n2 > MISFIT * median.max(mean) * free.max(1.0))
     }
 
     /// Variance of the noise, N²; `None` before the first event.

@@ -2,7 +2,11 @@
 //!
 //! Each event measures both; the next one may expect them again, within what they
 //! vary from event to event. Old events are forgotten slowly, so a cable that
-//! shortens or a winch that tires is followed.
+//! shortens or a winch that tires is followed. A single event that is far off (the
+//! winch had paused) teaches nothing; several in a row are how things are now.
+//!
+//! What counts only when it is significant grows from its limit to twice that: no
+//! expectation jumps because of a last digit.
 
 use crate::fit::Prior;
 use crate::line::Line;
@@ -10,13 +14,16 @@ use crate::math;
 
 /// Events over which the past is forgotten.
 const MEMORY: f32 = 40.0;
-const FADE: f32 = 1.0 - 1.0 / MEMORY;
 /// Events before which nothing is expected.
 const LEAST_EVENTS: f32 = 2.5;
 /// Standard errors beyond which a value that should be zero, or a trend, counts: the
 /// trend is looked at with every event.
 const SIGNIFICANT: f32 = 3.0;
 const TREND: f32 = 5.0;
+/// Standard deviations beyond which an event is far off.
+const FAR_OFF: f32 = 6.0;
+/// So many far off in a row: all that was before is forgotten.
+const CHANGED: u8 = 3;
 
 /// Running mean of a quantity that events share, its trend, and how much it varies.
 ///
@@ -27,64 +34,95 @@ const TREND: f32 = 5.0;
 pub struct Shared {
     /// Over the events so far, the newest at time −1.
     line: Line,
+    /// Variance of the first event: weights are in units of one over it, so that their
+    /// squares are numbers whatever the size of the forces.
+    unit: f32,
     /// Number of events, at most [`MEMORY`].
     count: f32,
     /// Σ w² (step² − s²) and Σ w²; a step without what the expectation adds to it.
     excess: f32,
     weight_squares: f32,
     between: f32,
+    /// Events in a row that were far off.
+    strangers: u8,
 }
 
 impl Shared {
-    /// Takes an event's own measurement and its variance.
+    /// Lets the past count for less: once an event, whether or not it tells anything, so
+    /// that no expectation, once too sure of itself, shuts out what could correct it.
+    pub fn forget(&mut self) {
+        const FADE: f32 = 1.0 - 1.0 / MEMORY;
+        self.line.fade(FADE);
+        self.line.shift(1.0);
+        self.count *= FADE;
+        self.excess *= FADE;
+        self.weight_squares *= FADE;
+    }
+
+    /// Takes the newest event's own measurement and its variance.
     pub fn add(&mut self, value: f32, variance: f32) {
-        if !(value.is_finite() && variance.is_finite() && variance > 0.0) {
+        if !(value.is_finite() && variance.is_normal() && variance > 0.0) {
             return;
         }
-        let (expected, expected_variance) = self.forecast();
-        self.count = (FADE * self.count) + 1.0;
-        let weight = 1.0 / (variance + self.between);
+        if self.is_far_off(value, variance) {
+            self.strangers += 1;
+            if self.strangers < CHANGED {
+                return;
+            }
+            self.count = 0.0;
+        }
+        self.strangers = 0;
+        if self.count <= 0.0 {
+            *self = Self { unit: variance, ..Self::default() };
+        }
+        let weight = self.unit / (variance + self.between);
+        let square = weight * weight;
+        if !square.is_normal() {
+            return;
+        }
+        let (expected, expected_variance) = self.at(NEWEST);
+        self.line.add(NEWEST, value, weight);
+        self.count += 1.0;
         // The first value has nothing to differ from.
         if self.count > 1.0 {
-            let (square, step) = (weight * weight, value - expected);
-            let share = 1.0 / (1.0 + weight * expected_variance);
-            self.excess = FADE * self.excess + square * (share * step * step - variance);
-            self.weight_squares = FADE * self.weight_squares + square;
-        }
-        self.line.fade(FADE);
-        self.line.add(0.0, value, weight);
-        self.line.shift(1.0);
-        if self.count > 1.0 {
+            let step = value - expected;
+            let share = 1.0 / (1.0 + weight * expected_variance / self.unit);
+            self.excess += square * (share * step * step - variance);
+            self.weight_squares += square;
             self.between = self.significant_excess();
         }
     }
 
-    /// What comes next and the variance of that, without the variation between events.
-    fn forecast(&self) -> (f32, f32) {
-        match self.trend() {
-            Some(trend) => (self.line.at(0.0, trend), self.line.leverage(0.0)),
-            None => (self.line.level_n, 1.0 / self.line.weight),
-        }
+    /// Is a measurement not one of these?
+    fn is_far_off(&self, value: f32, variance: f32) -> bool {
+        let (expected, expected_variance) = self.at(NEWEST);
+        let step = value - expected;
+        let usual = variance + self.between + expected_variance;
+        self.count >= LEAST_EVENTS && step * step > FAR_OFF * FAR_OFF * usual
     }
 
-    /// Change from event to event, if there is any to be seen.
-    fn trend(&self) -> Option<f32> {
-        let limit = TREND * TREND;
-        self.line.slope().filter(|slope| slope * slope * self.line.slope_weight() > limit)
+    /// The value at a time and its variance, without the variation between events: on
+    /// the line as far as its slope is significant.
+    fn at(&self, time: f32) -> (f32, f32) {
+        let slope = self.line.slope().unwrap_or(0.0);
+        let size = slope * slope * self.line.slope_weight();
+        let near = surely(size, TREND * TREND * self.unit) * (time - self.line.time);
+        let time = self.line.time + near;
+        (self.line.at(time, slope), self.unit * self.line.leverage(time))
     }
 
-    /// Variance between events; zero unless it is more than so few events can feign.
+    /// Variance between events, as far as it is more than so few events can feign.
     fn significant_excess(&self) -> f32 {
         let between = self.excess / self.weight_squares;
-        let own = self.count / self.line.weight;
+        let own = self.count * self.unit / self.line.weight;
         let feigned = own * math::sqrt(2.0 / (self.count - 1.0));
-        if between > feigned { between } else { 0.0 }
+        between.max(0.0) * surely(between, feigned)
     }
 
     /// The value now; `None` before the first event.
     #[must_use]
     pub fn mean(&self) -> Option<f32> {
-        (self.count > 0.0).then(|| self.forecast().0)
+        (self.count > 0.0).then(|| self.at(NEXT).0)
     }
 
     /// What the next event may expect, in units of one over `noise_n2`: its variance
@@ -94,23 +132,29 @@ impl Shared {
         if self.count < LEAST_EVENTS {
             return Prior::default();
         }
-        let (mean, variance) = self.forecast();
+        let (mean, variance) = self.at(NEXT);
         Prior { mean, weight: noise_n2 / (self.between + variance) }
     }
-}
 
-impl Shared {
     /// The same for a quantity that is zero unless the events say otherwise.
     #[must_use]
     pub fn prior_around_zero(&self, noise_n2: f32) -> Prior {
         let prior = self.prior(noise_n2);
         let mean = self.line.level_n;
-        if prior.weight <= 0.0 || mean * mean * self.line.weight > SIGNIFICANT * SIGNIFICANT {
-            return prior;
-        }
+        let limit = SIGNIFICANT * SIGNIFICANT * self.unit / self.line.weight;
+        let sure = surely(mean * mean, limit);
         // No sign of anything: half the standard error of the mean that says so.
-        Prior { mean: 0.0, weight: 4.0 * prior.weight }
+        Prior { mean: sure * prior.mean, weight: (4.0 - 3.0 * sure) * prior.weight }
     }
+}
+
+/// Times of the line: the event that is being learnt, and the one after it.
+const NEWEST: f32 = -1.0;
+const NEXT: f32 = 0.0;
+
+/// From 0 where a size is within a limit to 1 where it is twice that.
+fn surely(size: f32, limit: f32) -> f32 {
+    if size > limit { (size / limit - 1.0).min(1.0) } else { 0.0 }
 }
 
 /// What an event measured by itself, without the expectation it was fitted with.
@@ -127,7 +171,8 @@ pub fn without_prior(
 ) -> Option<(f32, f32)> {
     let (fitted, expected) = (1.0 / variance, prior.weight / noise_n2);
     let own = fitted - expected;
-    (own > least * fitted).then(|| ((fitted * mean - expected * prior.mean) / own, 1.0 / own))
+    // The difference of the means keeps its digits, that of the products would not.
+    (own > least * fitted).then(|| (mean + expected / own * (mean - prior.mean), 1.0 / own))
 }
 
 #[cfg(test)]
@@ -138,7 +183,10 @@ mod tests {
     fn equal_measurements_sharpen_the_expectation_and_scatter_widens_it() {
         let prior_after = |scatter: f32, events: u32| {
             let mut shared = Shared::default();
-            (0..events).for_each(|i| shared.add(10.0 + scatter * (i % 2) as f32, 1.0));
+            (0..events).for_each(|i| {
+                shared.forget();
+                shared.add(10.0 + scatter * (i % 2) as f32, 1.0);
+            });
             shared.prior(1.0)
         };
         assert!(prior_after(1.0, 2).weight <= 0.0);
@@ -147,6 +195,19 @@ mod tests {
         let wide = prior_after(20.0, 40);
         assert!(wide.weight < 0.02, "{wide:?}");
         assert!((many.mean - 10.5).abs() < 0.1);
+    }
+
+    #[test]
+    fn one_far_off_teaches_nothing_and_three_in_a_row_begin_anew() {
+        let mut shared = Shared::default();
+        (0..20).for_each(|i| shared.add(22.5 + 0.01 * (i % 2) as f32, 1e-3));
+        for (times, mean) in [(1, 22.5), (1, 22.5), (1, 30.0)] {
+            (0..times).for_each(|_| shared.add(30.0, 1e-12));
+            assert!((shared.mean().unwrap() - mean).abs() < 0.01, "{shared:?}");
+        }
+        assert!(shared.prior(1.0).weight <= 0.0);
+        (0..5).for_each(|_| shared.add(30.0, 1e-3));
+        assert!((shared.mean().unwrap() - 30.0).abs() < 0.01 && shared.prior(1.0).weight > 0.0);
     }
 
     #[test]

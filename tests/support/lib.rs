@@ -1,7 +1,9 @@
 //! Helpers shared by the tests across the crates.
 
+pub mod both;
 pub mod brute;
 pub mod feed;
 pub mod maths;
 pub mod normal;
 pub mod scenes;
+pub mod wide;

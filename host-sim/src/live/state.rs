@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 use std::time::Duration;
 
-use floe_core::{Event, Report, SampleFlag, SampleTime};
+use floe_core::{Change, Event, Report, SampleFlag, SampleTime};
 use floe_firmware::line::{Health, Line, LineError, LiveSample};
 use floe_firmware::settings::Settings;
 
@@ -29,6 +29,8 @@ pub struct State {
     pub sampled: Option<Duration>,
     /// The last event.
     pub event: Option<Event>,
+    /// The last change of the block or its friction.
+    pub change: Option<Change>,
     /// The result so far.
     pub report: Option<Report>,
     /// The state of the board.
@@ -132,6 +134,7 @@ impl State {
                 self.event = Some(event);
                 return Some(event);
             }
+            Line::Change(change) => self.change = Some(change),
             Line::Report(report) => {
                 self.report = Some(report);
                 self.testing = Some(true);
@@ -166,7 +169,7 @@ impl State {
 
     fn forget_test(&mut self) {
         self.trace.clear();
-        (self.sampled, self.event, self.report) = (None, None, None);
+        (self.sampled, self.event, self.change, self.report) = (None, None, None, None);
     }
 
     fn sample(&mut self, sample: LiveSample, now: Duration) {

@@ -1,0 +1,107 @@
+//! The core in double precision: its own source with every `f32` an `f64`.
+//!
+//! `floe_tests::wide` is the reference against which single precision is judged, so
+//! nothing but the width may differ: the text of `core/src` is converted, word by
+//! word, and whatever cannot be converted stops the build with a line that says so.
+
+use std::path::{Path, PathBuf};
+use std::{env, fs};
+
+fn main() {
+    let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("../core/src");
+    println!("cargo:rerun-if-changed={}", source.display());
+    let wide = widened_core(&source).unwrap_or_else(|what| panic!("the core in f64: {what}"));
+    let out = PathBuf::from(env::var_os("OUT_DIR").expect("cargo sets OUT_DIR")).join("wide.rs");
+    fs::write(out, wide).expect("OUT_DIR can be written");
+}
+
+/// All modules that `lib.rs` declares, and what it re-exports.
+fn widened_core(source: &Path) -> Result<String, String> {
+    let root = read(&source.join("lib.rs"))?;
+    let mut wide = String::new();
+    for line in root.lines() {
+        if let Some(name) = declared_module(line) {
+            let file = source.join(format!("{name}.rs"));
+            let text =
+                widened(&read(&file)?).map_err(|what| format!("core/src/{name}.rs{what}"))?;
+            wide += &format!("/// [`floe_core::{name}`].\npub mod {name} {{\n{text}}}\n");
+        } else if line.starts_with("pub use ") {
+            wide += &format!("{line}\n");
+        }
+    }
+    Ok(wide)
+}
+
+fn read(path: &Path) -> Result<String, String> {
+    fs::read_to_string(path).map_err(|error| format!("{}: {error}", path.display()))
+}
+
+fn declared_module(line: &str) -> Option<&str> {
+    line.trim_start_matches("pub ").strip_prefix("mod ")?.strip_suffix(';')
+}
+
+/// A module without its tests, in double precision.
+fn widened(text: &str) -> Result<String, String> {
+    let text = without_tests(text)?;
+    let mut wide = String::new();
+    for (number, line) in (1..).zip(text.lines()) {
+        let line = if line.trim_start().starts_with("//") {
+            line.to_owned()
+        } else {
+            widened_line(line).map_err(|what| format!(":{number}: {what}"))?
+        };
+        wide += &line;
+        wide.push('\n');
+    }
+    Ok(wide)
+}
+
+/// The unit tests are the last item of a file.
+fn without_tests(text: &str) -> Result<&str, String> {
+    let Some((code, tests)) = text.split_once("\n#[cfg(test)]\n") else { return Ok(text) };
+    let end = tests.find("\n}\n").map_or(tests.len(), |at| at + 3);
+    if end < tests.len() || code.contains("cfg(test)") {
+        return Err(": something follows the unit tests, or there are two of them".to_owned());
+    }
+    Ok(code)
+}
+
+fn widened_line(line: &str) -> Result<String, String> {
+    if line.trim_start().starts_with(r#"#[cfg_attr(feature = "defmt""#) {
+        return Ok(String::new());
+    }
+    if declared_module(line.trim_start()).is_some() {
+        return Err("a module within a module".to_owned());
+    }
+    let mut wide = String::new();
+    for piece in words(line) {
+        let of_libm = wide.ends_with("libm::");
+        wide += &match piece {
+            "f32" => "f64".to_owned(),
+            // sqrtf, atan2f and so on; libm's erf is its own.
+            _ if of_libm && piece != "erf" => piece.strip_suffix('f').unwrap_or(piece).to_owned(),
+            // The exponent and mantissa of a number are those of its own width.
+            "to_bits" | "from_bits" => return Err(format!("`{piece}` cannot be widened")),
+            _ if piece.ends_with("_f32") && piece.starts_with(|c: char| c.is_ascii_digit()) => {
+                piece.replace("_f32", "_f64")
+            }
+            _ => piece.to_owned(),
+        };
+    }
+    // micromath has no other width: rough is rough.
+    let wide = wide.replace("F32Ext::sqrt(x)", "f64::from(F32Ext::sqrt(x as f32))");
+    Ok(wide.replace("crate::", "crate::wide::"))
+}
+
+/// Words and what is between them.
+fn words(line: &str) -> impl Iterator<Item = &str> {
+    let is_word = |c: char| c.is_ascii_alphanumeric() || c == '_';
+    let mut rest = line;
+    std::iter::from_fn(move || {
+        let first = rest.chars().next()?;
+        let end = rest.find(|c| is_word(c) != is_word(first)).unwrap_or(rest.len());
+        let (piece, tail) = rest.split_at(end);
+        rest = tail;
+        Some(piece)
+    })
+}
