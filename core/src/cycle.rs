@@ -231,6 +231,7 @@ impl Cycles {
         let mut slip = Pending::new(stick, self.start(stick), detector.window(), now, extremes);
         let noise_n = detector.noise_n().unwrap_or(1.0);
         slip.noise_n2 = noise_n * noise_n;
+        slip.inflation = detector.inflation();
         slip
     }
 

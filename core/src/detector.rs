@@ -27,6 +27,7 @@ use crate::math;
 use crate::memory::Memory;
 use crate::noise::Noise;
 use crate::sample::Phase;
+use crate::whiteness::Whiteness;
 use crate::window::{WINDOW, Window};
 
 /// Samples whose innovation exceeds this many standard deviations are not on the line.
@@ -152,6 +153,7 @@ pub struct Detector {
     std_n: Option<f32>,
     line_std_n: Option<f32>,
     memory: Memory,
+    whiteness: Whiteness,
     phase: Phase,
     stick: Stick,
     ended: Stick,
@@ -181,6 +183,7 @@ impl Detector {
             std_n: None,
             line_std_n: None,
             memory: Memory::new(),
+            whiteness: Whiteness::default(),
             phase: Phase::Unknown,
             stick: Stick::default(),
             ended: Stick::default(),
@@ -255,6 +258,12 @@ impl Detector {
     #[must_use]
     pub fn noise_n(&self) -> Option<f32> {
         self.std_n
+    }
+
+    /// Samples of the stick line that tell as much as one with an error of its own.
+    #[must_use]
+    pub fn inflation(&self) -> f32 {
+        self.whiteness.inflation()
     }
 
     /// Usual drop of a slip, N; zero before the first.
@@ -336,6 +345,7 @@ impl Detector {
     fn rest_from(&mut self, highest: Extreme, next: u64) {
         self.phase = Phase::Stick;
         self.memory.decide();
+        self.whiteness.interrupt();
         self.ended = self.stick;
         if !self.line_fits() {
             self.ended.forget_line();
@@ -462,6 +472,7 @@ impl Detector {
             if std.is_some_and(|std| relative.abs() > OFF_LINE * std) {
                 return self.strike(sample.index, relative);
             }
+            self.whiteness.add(relative);
             if let Some(slope) = self.stick.trial.slope() {
                 self.memory.compare(innovation, sample.force_n - self.stick.trial.at(time, slope));
             }

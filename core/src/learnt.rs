@@ -21,10 +21,16 @@ pub(crate) struct Learnt {
 /// Least part of a fitted precision that has to be the event's own.
 const LEAST_OWN: f32 = 0.003;
 
+/// What rounding leaves of a force, parts of it.
+const ROUNDING: f32 = 1e-6;
+
 impl Learnt {
-    /// Variance of the noise: from the fits so far, else the detector's.
+    /// Variance of the noise, as if it were white: from the fits so far, else the
+    /// detector's. Never below what single precision leaves of a force.
     pub(crate) fn noise_n2(&self, pending: &Pending) -> f32 {
-        self.residuals.variance_n2().unwrap_or(pending.noise_n2)
+        let rounding_n = ROUNDING * pending.peak.force_n;
+        let noise_n2 = self.residuals.variance_n2().unwrap_or(pending.noise_n2);
+        pending.inflation * noise_n2.max(rounding_n * rounding_n)
     }
 
     /// An event's samples and lines with what is expected of it.

@@ -44,6 +44,7 @@ pub mod shared;
 pub mod solve;
 pub mod spike;
 pub mod units;
+pub mod whiteness;
 pub mod window;
 
 pub use change::{Cause, Change};
