@@ -131,7 +131,7 @@ const SETTLED: f32 = 1e-2;
 const NEARLY_SETTLED: f32 = 0.05;
 /// A residual cannot be known better than this part of the force in single precision;
 /// a quiet cell's noise may be less.
-pub(crate) const ROUNDING: f32 = 3e-6;
+const ROUNDING: f32 = 3e-6;
 /// Damping after the first refused step, and below which it is none.
 const DAMPING: f32 = 1e-3;
 /// Damping beyond which the data do not determine the unknowns.

@@ -1,6 +1,6 @@
 //! What the events of a test have told so far, as expectations for the next one.
 
-use crate::fit::{Data, Fit, Prior, ROUNDING};
+use crate::fit::{Data, Fit, Prior};
 use crate::line::Line;
 use crate::mass::{Mass, Told, Verdict};
 use crate::model::{Cycle, UNKNOWNS};
@@ -134,10 +134,9 @@ pub(crate) fn is_clear(cycle: &Cycle) -> bool {
 pub(crate) fn is_strained(data: &Data<'_>, fit: &Fit, noise_n2: f32) -> bool {
     const STRAINED: f32 = 10.0;
     let around_n2 = own_residuals(data, fit).0 - data.after.residual();
-    let rounding_n = ROUNDING * fit.cycle.static_n;
     // The lines are two observations each.
     let observations = data.samples.good().count() as f32 + 4.0;
-    around_n2 > STRAINED * observations * (noise_n2 + rounding_n * rounding_n)
+    around_n2 > STRAINED * observations * noise_n2
 }
 
 /// What earlier events tell of a quantity, else a guess and its standard deviation.
