@@ -18,8 +18,11 @@ pub(crate) struct Learnt {
     pub(crate) residuals: Residuals,
 }
 
-/// Least part of a fitted precision that has to be the event's own.
-const LEAST_OWN: f32 = 0.003;
+/// Least part of a fitted precision that has to be the event's own: a smaller part is
+/// the difference of two numbers that the fit's last step may have left unsettled.
+const LEAST_OWN: f32 = 0.05;
+/// The same to judge whether it is another block, which differs by far.
+const LEAST_JUDGED: f32 = 0.003;
 
 /// What rounding leaves of a force, parts of it.
 const ROUNDING: f32 = 1e-6;
@@ -95,10 +98,10 @@ impl Learnt {
         let mut told = Told {
             // A known swing hides another one: little of its own is enough to judge. A
             // cable cannot push.
-            swing: own_swing(LEAST_OWN).filter(|_| cycle.restick_n() > 0.0),
+            swing: own_swing(LEAST_JUDGED).filter(|_| cycle.restick_n() > 0.0),
             dynamic_n: cycle.dynamic_n(),
             same_cable: self.is_usual_rate(cycle.rate),
-            strained,
+            strained: strained && cycle.restick_n() > 0.0,
         };
         let verdict = self.mass.judge(&told);
         let on_trial = self.mass.is_on_trial();
