@@ -90,8 +90,9 @@ pub struct Cycles {
     levels: Levels,
     /// The first event after what may be a change.
     suspect: Option<(u32, SampleTime)>,
-    /// Stop of the last event.
+    /// Stop of the last event, and when its cable began to load.
     last_stop: Option<SampleTime>,
+    last_load: Option<SampleTime>,
     count: u32,
 }
 
@@ -108,6 +109,7 @@ impl Cycles {
             levels: Levels::default(),
             suspect: None,
             last_stop: None,
+            last_load: None,
             count: 0,
         }
     }
@@ -164,7 +166,9 @@ impl Cycles {
         let Posterior { cycle, static_n2, dynamic_n2, .. } = &posterior;
         Some(Provisional {
             mu_s: self.site().whole(cycle.static_n, *static_n2),
-            mu: Some(self.site().whole(cycle.dynamic_n(), *dynamic_n2)),
+            // On a slack cable the time at zero will tell it.
+            mu: (!cycle.shape().is_slack())
+                .then(|| self.site().whole(cycle.dynamic_n(), *dynamic_n2)),
         })
     }
 
@@ -236,31 +240,33 @@ impl Cycles {
     }
 
     /// First index of an event's samples: where the stick line ends, or right after
-    /// the last stop when the block rested too briefly for a line.
+    /// the cable began to load when the block rested too briefly for a line.
     fn start(&self, stick: &Stick) -> u64 {
-        match self.newest_stop() {
-            Some(stop) if stick.line.count < 3 => {
-                stick.next.min((stop.index + 1).max(stick.next.saturating_sub(4)))
+        match self.newest_load() {
+            Some(load) if stick.line.count < 3 => {
+                stick.next.min((load.index + 1).max(stick.next.saturating_sub(4)))
             }
             _ => stick.next,
         }
     }
 
-    /// When the block last came to rest, as far as is known yet.
-    fn newest_stop(&self) -> Option<SampleTime> {
+    /// When the cable of a resting block last began to load, as far as is known yet.
+    fn newest_load(&self) -> Option<SampleTime> {
         let unfinished = self.pending.as_ref().or(self.finishing.as_ref().map(|f| &f.pending));
         match unfinished {
-            Some(slip) => slip.early.map(|cycle| moment(slip.origin, cycle.shape().stop())),
-            None => self.last_stop,
+            Some(slip) => slip.early.map(|cycle| moment(slip.origin, cycle.shape().loads())),
+            None => self.last_load,
         }
     }
 
     fn end(&mut self, outcome: Outcome) -> Option<Finished> {
         let pending = self.finishing.take()?.pending;
+        let mut loads = None;
         let finished = match outcome {
             Outcome::Failed(reason) => self.without_coefficients(&pending, reason).into(),
             Outcome::Fitted { posterior, alone, noise_n2, verdict } => {
                 let site = self.site();
+                loads = Some(moment(pending.origin, posterior.cycle.shape().loads()));
                 let alone = alone.map(|forces| {
                     let mu_s = site.whole(forces.static_n, noise_n2 * forces.static_variance);
                     (mu_s, site.whole(forces.dynamic_n, noise_n2 * forces.dynamic_variance))
@@ -269,6 +275,7 @@ impl Cycles {
             }
         };
         self.last_stop = Some(finished.event.stop);
+        self.last_load = Some(loads.unwrap_or(finished.event.stop));
         self.count = self.count.saturating_add(1);
         Some(finished)
     }
@@ -339,7 +346,9 @@ impl Cycles {
         event.mu_s = Some(site.whole(cycle.static_n, posterior.static_n2));
         event.mu = Some(site.whole(cycle.dynamic_n(), posterior.dynamic_n2));
         if !posterior.is_resolved() {
-            event.quality = Quality::Unresolved;
+            if !event.slack {
+                event.quality = Quality::Unresolved;
+            }
             event.omega_rad_per_s = None;
         }
         event
@@ -349,7 +358,8 @@ impl Cycles {
     fn bare(&self, pending: &Pending, cycle: &Cycle) -> Event {
         let hz = self.site.rate_hz;
         let onset = moment(pending.origin, cycle.onset);
-        let stop = moment(pending.origin, cycle.shape().stop());
+        let shape = cycle.shape();
+        let stop = moment(pending.origin, shape.stop());
         let rest = self.last_stop.map(|last| {
             (since(last.index, onset.index) + onset.fraction - last.fraction).max(0.0) / hz
         });
@@ -367,8 +377,8 @@ impl Cycles {
             slip_s: cycle.slide_time() / hz,
             loading_rate_n_per_s: cycle.rate * hz,
             omega_rad_per_s: Some(cycle.omega * hz),
-            slack: false,
-            quality: Quality::Good,
+            slack: shape.is_slack(),
+            quality: if shape.is_slack() { Quality::Slack } else { Quality::Good },
             reason: None,
         }
     }

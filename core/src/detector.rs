@@ -22,6 +22,7 @@
 //! Before the noise is known nothing can be told: once it is, and while there was no
 //! slip, the window is looked at again, a few samples a step.
 
+use crate::floor::{self, Floor};
 use crate::line::Line;
 use crate::math;
 use crate::memory::Memory;
@@ -157,6 +158,8 @@ pub struct Detector {
     phase: Phase,
     stick: Stick,
     ended: Stick,
+    /// The cable may hang slack: the stick line has yet to start.
+    floor: Option<Floor>,
     lowest: Extreme,
     /// Newest sample looked at, and the index from which to look on.
     last: Extreme,
@@ -187,6 +190,7 @@ impl Detector {
             phase: Phase::Unknown,
             stick: Stick::default(),
             ended: Stick::default(),
+            floor: None,
             lowest: Extreme::default(),
             last: Extreme::default(),
             next: 0,
@@ -279,7 +283,8 @@ impl Detector {
 
     /// Takes a good sample with an index past all earlier ones.
     pub fn step(&mut self, index: u64, force_n: f32) -> Option<Transition> {
-        self.noise.see(force_n, index == self.newest + 1);
+        let lies = self.floor.is_some_and(|floor| floor.is_long());
+        self.noise.see(force_n, index == self.newest + 1 && !lies);
         if self.is_up_to_date() {
             self.next = index;
         }
@@ -350,6 +355,11 @@ impl Detector {
         if !self.line_fits() {
             self.ended.forget_line();
         }
+        if self.floor.take().is_some() {
+            // It slipped as soon as it rose: what came before the peak may be slack.
+            self.ended.origin = self.ended.highest.index;
+            self.ended.next = self.ended.origin;
+        }
         let straight = self.memory.is_endless();
         self.stick =
             Stick { origin: next, next, highest, straight, first_weight: 1.0, ..Stick::default() };
@@ -364,8 +374,21 @@ impl Detector {
             self.lowest = now;
             return Some(Transition::Onset);
         }
-        self.extend_line(now.index);
+        if !self.hangs(now) {
+            self.extend_line(now.index);
+        }
         None
+    }
+
+    /// Does the cable still hang slack? Where its force has risen the line starts.
+    fn hangs(&mut self, now: Extreme) -> bool {
+        let Some(floor) = &mut self.floor else { return false };
+        let Some(risen_n) = floor.risen_n(now.force_n) else { return true };
+        self.floor = None;
+        let since = self.ended.line.slope().map_or(0, |rate| floor::periods_above(risen_n, rate));
+        self.stick.origin = self.stick.origin.max(now.index.saturating_sub(since));
+        self.stick.next = self.stick.origin;
+        false
     }
 
     /// Is the sample far above all before and above the stick line: more than one
@@ -507,7 +530,6 @@ impl Detector {
             self.lowest = now;
         }
         let peak = self.stick.highest;
-        let fall = self.lowest.index - peak.index;
         if now.index - peak.index > WINDOW as u64 * 3 / 4 {
             self.rest_from(now, now.index);
             return Some(Transition::Lost);
@@ -516,7 +538,7 @@ impl Detector {
             return None;
         }
         let drop = peak.force_n - self.lowest.force_n;
-        Some(if self.is_back(now, drop) { self.cancel(now) } else { self.restick(now, drop, fall) })
+        Some(if self.is_back(now, drop) { self.cancel(now) } else { self.restick(now, drop) })
     }
 
     /// Is the force back on the old stick line, as after a spike?
@@ -525,8 +547,11 @@ impl Detector {
         innovation.is_some_and(|(innovation, _)| innovation > -LEAST_SHIFT * drop)
     }
 
-    fn restick(&mut self, now: Extreme, drop: f32, fall: u64) -> Transition {
-        let (peak, low) = (self.stick.highest, self.lowest);
+    fn restick(&mut self, now: Extreme, drop: f32) -> Transition {
+        let peak = self.stick.highest;
+        let floor = Floor::under(self.lowest, drop, self.std_n);
+        let low = if floor.is_some() { self.first_low(peak.index) } else { self.lowest };
+        let fall = low.index - peak.index;
         if self.usual_drop_n > 0.0 {
             let change = (drop - self.usual_drop_n).clamp(-0.5 * self.usual_drop_n, drop);
             self.usual_drop_n = (self.usual_drop_n + 0.25 * change).max(0.5 * drop);
@@ -537,13 +562,26 @@ impl Detector {
         }
         self.middle_n = peak.force_n - 0.5 * drop.max(self.usual_drop_n);
         self.rest_from(now, now.index + 1);
-        for index in low.index..now.index {
-            let earlier = self.window.get(index).unwrap_or(f32::MIN);
-            if earlier > self.stick.highest.force_n {
-                self.stick.highest = Extreme { index, force_n: earlier };
+        self.floor = floor;
+        for index in low.index..=now.index {
+            let Some(force_n) = self.window.get(index) else { continue };
+            if force_n > self.stick.highest.force_n {
+                self.stick.highest = Extreme { index, force_n };
+            }
+            if self.floor.as_mut().is_some_and(|floor| floor.risen_n(force_n).is_some()) {
+                self.floor = None;
             }
         }
         Transition::Restick { peak, low }
+    }
+
+    /// The first sample after the peak that is as low as the lowest one, but for noise:
+    /// on a slack cable all are at zero.
+    fn first_low(&self, peak: u64) -> Extreme {
+        let limit_n = self.lowest.force_n + 3.0 * self.std_n.unwrap_or(0.0);
+        let sample = |index| Some(Extreme { index, force_n: self.window.get(index)? });
+        let low = (peak + 1..self.lowest.index).filter_map(sample).find(|s| s.force_n < limit_n);
+        low.unwrap_or(self.lowest)
     }
 
     /// Back to the old line, without the samples that looked like a slip.

@@ -43,7 +43,7 @@ impl Learnt {
         after: &'a Line,
         noise_n2: f32,
     ) -> Data<'a> {
-        let rough = &pending.rough;
+        let rough = pending.rough(after);
         Data {
             before: &pending.before,
             samples: pending.samples(),

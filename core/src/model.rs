@@ -14,11 +14,14 @@
 //!     onset          stop             T_slide = (π + 2 φ) / ω    (25)
 //! ```
 //!
+//! If `a > Fp` the cable goes slack on the way, see [`crate::slack`].
+//!
 //! Any unit of time will do, as long as the rate, ω and the times agree; the fit
 //! uses sampling periods. Exactness: `tests/equations.rs` integrates the equations
 //! of motion by brute force and compares.
 
 use crate::math;
+use crate::slack::{ByShape, Slack, Then};
 
 /// Number of unknowns of a cycle.
 pub const UNKNOWNS: usize = 6;
@@ -50,8 +53,21 @@ pub struct Shape {
     q: f32,
     /// `a² = d² + q²` (10), N².
     a2: f32,
-    /// `T_slide` (25).
+    /// `T_slide` (25), or up to the stop on a slack cable.
     slide: f32,
+    /// Up to here since the onset the slip is on the ellipse.
+    arc: f32,
+    slack: Option<Slack>,
+}
+
+/// Where the stick line after the slip starts.
+struct Rest {
+    /// Time since the onset.
+    time: f32,
+    by: ByShape,
+    /// Force there, N, with its derivatives by `Fs` and `d`.
+    force_n: f32,
+    force_by: [f32; 2],
 }
 
 /// Gradient of the force with respect to the unknowns of the fit: onset, rate, `Fs`,
@@ -66,10 +82,10 @@ impl Cycle {
         self.static_n - self.half_drop_n
     }
 
-    /// `Fe = 2 Fp − Fs` (16), N.
+    /// `Fe = 2 Fp − Fs` (16), N; zero when the block comes to rest on a slack cable.
     #[must_use]
     pub fn restick_n(&self) -> f32 {
-        self.static_n - 2.0 * self.half_drop_n
+        (self.static_n - 2.0 * self.half_drop_n).max(0.0)
     }
 
     /// Half-length `a` of the ellipse's force axis (10), N.
@@ -96,13 +112,13 @@ impl Cycle {
         1.0 / self.omega
     }
 
-    /// Time of sliding, `T_slide` (25).
+    /// Time of sliding: `T_slide` (25) on a taut cable.
     #[must_use]
     pub fn slide_time(&self) -> f32 {
         self.shape().slide
     }
 
-    /// Time of rest that loads the cable from `Fe` to `Fs`, `T_static` (22).
+    /// Time of rest that loads a taut cable from `Fe` to `Fs`, `T_static` (22).
     #[must_use]
     pub fn rest_time(&self) -> f32 {
         2.0 * self.half_drop_n / self.rate
@@ -113,8 +129,16 @@ impl Cycle {
     pub fn shape(&self) -> Shape {
         let q = self.rate / self.omega;
         let phase = math::atan2(q, self.half_drop_n);
-        let slide = (core::f32::consts::PI + 2.0 * phase) / self.omega;
-        Shape { cycle: *self, q, a2: self.half_drop_n * self.half_drop_n + q * q, slide }
+        let a2 = self.half_drop_n * self.half_drop_n + q * q;
+        let slack = Slack::of(self, q, a2, phase);
+        let (arc, slide) = match &slack {
+            Some(slack) => (slack.falls, slack.stop),
+            None => {
+                let slide = (core::f32::consts::PI + 2.0 * phase) / self.omega;
+                (slide, slide)
+            }
+        };
+        Shape { cycle: *self, q, a2, slide, arc, slack }
     }
 }
 
@@ -125,16 +149,49 @@ impl Shape {
         self.cycle.onset + self.slide
     }
 
+    /// Time at which the next stick line starts: later than the stop if the block
+    /// stops on a slack cable.
+    #[must_use]
+    pub fn loads(&self) -> f32 {
+        self.cycle.onset + self.slack.map_or(self.slide, |slack| slack.stop.max(slack.taut))
+    }
+
+    /// Does the cable go slack?
+    #[must_use]
+    pub fn is_slack(&self) -> bool {
+        self.slack.is_some()
+    }
+
     /// Force at a time (4, 7), N, and its gradient.
     #[must_use]
     pub fn force(&self, time: f32) -> (f32, Gradient) {
         let since_onset = time - self.cycle.onset;
         if since_onset <= 0.0 {
             self.before(since_onset)
-        } else if since_onset < self.slide {
+        } else if since_onset < self.arc {
             self.during(since_onset)
         } else {
-            self.after(since_onset)
+            match &self.slack {
+                Some(slack) => self.after_fall(slack, since_onset),
+                None => self.after(since_onset),
+            }
+        }
+    }
+
+    /// From the moment at which the force has reached zero.
+    fn after_fall(&self, slack: &Slack, since_onset: f32) -> (f32, Gradient) {
+        if since_onset < slack.taut {
+            return (0.0, Gradient::default());
+        }
+        match &slack.then {
+            Then::Slides(delay, by) if since_onset < slack.stop => {
+                let (force_n, mut gradient) = self.during(since_onset - delay);
+                // A later force is that of an earlier moment, as with the onset.
+                let [by_onset, by_shape @ .., _] = &mut gradient;
+                by_shape.iter_mut().zip(by).for_each(|(g, by)| *g += *by_onset * by);
+                (force_n, gradient)
+            }
+            Then::Slides(..) | Then::Rests(_) => self.after(since_onset),
         }
     }
 
@@ -161,23 +218,37 @@ impl Shape {
     #[must_use]
     pub fn after(&self, since_onset: f32) -> (f32, Gradient) {
         let c = &self.cycle;
-        let (d, q, a2) = (c.half_drop_n, self.q, self.a2);
-        let since_stop = since_onset - self.slide;
+        let Rest { time, by, force_n, force_by } = self.rest();
+        let [by_rate, by_static, by_drop, by_swing] = by;
+        let since_rest = since_onset - time;
         let rate = c.rate + c.bend;
-        // Derivatives of T_slide, from φ = atan(q / d).
-        let part = 2.0 / (c.omega * a2);
-        let slide_by_rate = part * d / c.omega;
-        let slide_by_drop = -part * q;
-        let slide_by_swing = c.omega * (self.slide + part * q * d);
         let gradient = [
             -rate,
-            since_stop - rate * slide_by_rate,
-            1.0,
-            -2.0 - rate * slide_by_drop,
-            -rate * slide_by_swing,
-            since_stop,
+            since_rest - rate * by_rate,
+            force_by[0] - rate * by_static,
+            force_by[1] - rate * by_drop,
+            -rate * by_swing,
+            since_rest,
         ];
-        (c.static_n - 2.0 * d + rate * since_stop, gradient)
+        (force_n + rate * since_rest, gradient)
+    }
+
+    fn rest(&self) -> Rest {
+        let c = &self.cycle;
+        let (d, q) = (c.half_drop_n, self.q);
+        let (delay, delayed_by) = match self.slack {
+            Some(Slack { taut, then: Then::Rests(by), .. }) => {
+                return Rest { time: taut, by, force_n: 0.0, force_by: [0.0; 2] };
+            }
+            Some(Slack { then: Then::Slides(delay, by), .. }) => (delay, by),
+            None => (0.0, ByShape::default()),
+        };
+        // Derivatives of T_slide (25), from φ = atan(q / d).
+        let part = 2.0 / (c.omega * self.a2);
+        let mut by =
+            [part * d / c.omega, 0.0, -part * q, c.omega * (self.slide - delay + part * q * d)];
+        by.iter_mut().zip(delayed_by).for_each(|(by, delayed)| *by += delayed);
+        Rest { time: self.slide, by, force_n: c.static_n - 2.0 * d, force_by: [1.0, -2.0] }
     }
 
     /// Slope of the line before the slip, and its gradient.

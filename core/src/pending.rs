@@ -7,6 +7,8 @@ use crate::math;
 use crate::model::Cycle;
 use crate::window::Window;
 
+const PI: f32 = core::f32::consts::PI;
+
 /// Most sampling periods between the two stick lines.
 const CORE: usize = 96;
 
@@ -24,7 +26,7 @@ pub(crate) struct Pending {
     pub(crate) peak: Extreme,
     pub(crate) low: Extreme,
     /// What the extremes alone tell, for a slip that the samples hardly resolve.
-    pub(crate) rough: Rough,
+    rough: Rough,
     /// Rough variance of the noise, from the detector, N².
     pub(crate) noise_n2: f32,
     /// Samples that tell as much as one with an error of its own.
@@ -44,6 +46,15 @@ pub(crate) struct Rough {
     pub(crate) slide_std: f32,
     /// Half-way down, periods from the event's origin.
     pub(crate) middle: f32,
+}
+
+/// A slip that ended on a slack cable.
+#[derive(Clone, Copy, Debug)]
+struct Slack {
+    /// `Fp`, N.
+    centre_n: f32,
+    /// Part of the half turn from the largest force to the smallest up to `F = 0`.
+    part: f32,
 }
 
 impl Rough {
@@ -139,36 +150,70 @@ impl Pending {
 
     /// Begins a fit where an earlier one ended, else at a guess.
     pub(crate) fn begin(&self, data: &Data<'_>, known_swing: bool) -> Fitting {
-        Fitting::new(data, &self.early.unwrap_or_else(|| self.guess(data, known_swing)))
+        // Without the line after it a slip on a slack cable is hardly determined.
+        let early = self.early.filter(|_| self.slack(data.after).is_none());
+        Fitting::new(data, &early.unwrap_or_else(|| self.guess(data, known_swing)))
     }
 
     /// A first guess: the lines' level and slope, half-way down in time, and the
     /// slip's length that fits best of a few.
     fn guess(&self, data: &Data<'_>, known_swing: bool) -> Cycle {
-        let drop = self.peak.force_n - self.low.force_n;
+        let (peak_n, low_n) = (self.peak.force_n, self.low.force_n);
+        let slack = self.slack(data.after);
+        let centre_n = slack.map_or(0.5 * (peak_n + low_n), |slack| slack.centre_n);
+        let half_drop_n = peak_n - centre_n;
         let rate = data.rate.mean;
-        let half_drop_n = 0.5 * drop;
-        let middle = self.rough.middle;
-        let with_slide = |slide: f32| {
-            let phase = math::atan2(rate * slide, core::f32::consts::PI * half_drop_n);
-            let onset = middle - 0.5 * slide;
-            let static_n = if self.before.count >= 3 {
-                self.before.at(onset, rate)
-            } else {
-                self.peak.force_n
-            };
-            let omega = (core::f32::consts::PI + 2.0 * phase) / slide;
-            Cycle { onset, rate, static_n, half_drop_n, omega, bend: 0.0 }
+        let with_swing = |swing: f32| {
+            let phase = math::atan2(rate * swing, half_drop_n);
+            let amplitude_n = half_drop_n / math::sin_cos(phase).1;
+            let half_way = phase + math::acos((0.5 * (peak_n + low_n) - centre_n) / amplitude_n);
+            let onset = self.rough.middle - half_way * swing;
+            let static_n =
+                if self.before.count >= 3 { self.before.at(onset, rate) } else { peak_n };
+            Cycle { onset, rate, static_n, half_drop_n, omega: 1.0 / swing, bend: 0.0 }
         };
         if known_swing {
-            let phase = math::atan2(rate * data.swing.mean, half_drop_n);
-            return with_slide((core::f32::consts::PI + 2.0 * phase) * data.swing.mean);
+            return with_swing(data.swing.mean);
         }
-        let fall = (self.low.index - self.peak.index) as f32;
-        let with_part = |part: f32| with_slide((part * fall).max(0.5));
+        let fall = self.fall() / slack.map_or(1.0, |slack| slack.part);
+        let with_part = |part: f32| {
+            let slide = (part * fall).max(0.5);
+            let phase = math::atan2(rate * slide, PI * half_drop_n);
+            with_swing(slide / (PI + 2.0 * phase))
+        };
         [0.6, 0.8, 1.25, 1.6].map(with_part).into_iter().fold(with_part(1.0), |best, other| {
             if data.cost(&other) < data.cost(&best) { other } else { best }
         })
+    }
+
+    /// What the extremes tell together with the stick line after the slip.
+    pub(crate) fn rough(&self, after: &Line) -> Rough {
+        let Some(Slack { part, .. }) = self.slack(after) else { return self.rough };
+        // From the highest sample, less than one off the onset, to the first at zero.
+        let fall = self.fall();
+        let (slide, slide_std) = ((fall - 0.5) / part, (0.6 + 0.15 * fall) / part);
+        Rough { slide, slide_std, ..self.rough }
+    }
+
+    /// Periods from the highest sample to the lowest.
+    fn fall(&self) -> f32 {
+        (self.low.index - self.peak.index) as f32
+    }
+
+    /// The slip ended on a slack cable if the stick line after it, continued back to
+    /// the lowest sample, is below zero there by `x`: the block slid on and the winch
+    /// took that up. The work of friction is `Fp (Fs + x) = Fs² / 2`, but for the
+    /// winch's own.
+    fn slack(&self, after: &Line) -> Option<Slack> {
+        let slope = after.slope()?;
+        let below_n = -after.at(since(self.origin, self.low.index), slope);
+        if below_n <= 0.0 {
+            return None;
+        }
+        let peak_n = self.peak.force_n;
+        let centre_n = 0.5 * peak_n * peak_n / (peak_n + below_n);
+        let part = 1.0 - math::acos(centre_n / (peak_n - centre_n)) / PI;
+        Some(Slack { centre_n, part })
     }
 
     /// Is a fitted cycle the slip that the samples show? Its ends lie within half the

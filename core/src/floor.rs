@@ -1,0 +1,65 @@
+//! A force that lies at zero after a slip: the cable hangs slack.
+//!
+//! The stick line starts only where the force has risen again; until then the samples
+//! tell nothing of the loading rate. A force that rises at once, or that never was
+//! near zero, starts its line at once.
+
+use crate::detector::Extreme;
+
+/// Rise that shows that the cable is taut, standard deviations of the noise.
+const RISE: f32 = 5.0;
+/// Most that it has to be, parts of the slip's drop: where the block never rests what
+/// is known of the noise is only a bound.
+const MOST_RISE: f32 = 0.25;
+/// A slip that ends within this part of its drop, and the rise, of zero may have ended
+/// on a slack cable; a small error of the cell's zero is allowed for.
+const NEAR_ZERO: f32 = 0.1;
+/// The line starts where the force has risen by less than this part: the rest is room
+/// for noise.
+const SURE: f32 = 0.7;
+
+/// So many samples at zero in a row are no turning point.
+const LONG: u32 = 5;
+
+/// Waits for the rise.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Floor {
+    mean_n: f32,
+    count: u32,
+    rise_n: f32,
+    /// The last sample was above the floor.
+    above: bool,
+}
+
+impl Floor {
+    /// After a slip with this drop, N, whose lowest sample is near zero; else `None`.
+    pub(crate) fn under(low: Extreme, drop_n: f32, std_n: Option<f32>) -> Option<Self> {
+        let most_n = MOST_RISE * drop_n;
+        let rise_n = std_n.map_or(most_n, |std| most_n.min(RISE * std));
+        let is_near = low.force_n.abs() < NEAR_ZERO * drop_n + rise_n;
+        is_near.then_some(Self { mean_n: low.force_n, count: 1, rise_n, above: false })
+    }
+
+    /// Has the force stayed down? A cell that reads no force below zero cuts the noise.
+    pub(crate) fn is_long(&self) -> bool {
+        self.count >= LONG
+    }
+
+    /// Takes the next sample; gives how far the force has risen, N, when it has. Two
+    /// samples in a row decide.
+    pub(crate) fn risen_n(&mut self, force_n: f32) -> Option<f32> {
+        let height_n = force_n - self.mean_n;
+        let was_above = core::mem::replace(&mut self.above, height_n > self.rise_n);
+        if !self.above {
+            self.count = self.count.saturating_add(1);
+            self.mean_n += height_n / self.count as f32;
+        }
+        (self.above && was_above).then_some(height_n)
+    }
+}
+
+/// Periods since a force has risen surely, at so many newtons a period.
+pub(crate) fn periods_above(risen_n: f32, rate: f32) -> u64 {
+    let periods = SURE * risen_n / rate;
+    if periods > 0.0 { periods as u64 } else { 0 }
+}

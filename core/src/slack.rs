@@ -1,0 +1,138 @@
+//! A cable does not push: where the ellipse would go below zero it hangs slack.
+//!
+//! With `h² = a² − Fp²` the force reaches zero at the angle `π + φ − ψ`,
+//! `ψ = atan(h / Fp)`, falling at `ω h`. The block then moves with `k v = ω (q + h)`
+//! and is slowed down by friction alone, `k dv/dt = −ω² Fp`.
+//!
+//! ```text
+//!  h > q: it stops before the winch has caught up     h ≤ q: the winch catches it moving
+//!
+//!     ╲                    ╱                             ╲                  ╱
+//!      ╲                  ╱  k w                          ╲               ╱  stop, at
+//!  ─────╲________________╱──── F = 0                  ─────╲_______......╱   2 Fp − Fs
+//!      falls    stop   rises                              falls   catches  from the
+//!                                                                          mirror point
+//! ```
+//!
+//! - It stops `(q + h) / (ω Fp)` after the fall, having taken the slack
+//!   `(q + h)² / (2 Fp)` in units of force; the winch takes that up at the rate `ω q`.
+//!   So the time at zero tells `Fp`, and neither `k` nor the weight is needed.
+//! - Or it is caught `2 h / (ω Fp)` after the fall with the force rising at `ω h`:
+//!   the same ellipse goes on where the fall's mirror point is. All that follows is
+//!   later by `2 (z − atan z) / ω`, `z = h / Fp`.
+//!
+//! Both are the same at `h = q`, and without slack, `h = 0`, nothing changes.
+//! Exactness: `tests/equations.rs`.
+
+use crate::math;
+use crate::model::Cycle;
+
+/// Derivatives by the loading rate, `Fs`, `d` and the swing.
+pub(crate) type ByShape = [f32; 4];
+
+/// The slack of one cycle; times are since the onset.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Slack {
+    /// The force reaches zero.
+    pub(crate) falls: f32,
+    /// The block has come to rest.
+    pub(crate) stop: f32,
+    /// The cable is taut again.
+    pub(crate) taut: f32,
+    /// What the winch finds.
+    pub(crate) then: Then,
+}
+
+/// What the block does when the cable is taut again.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Then {
+    /// It rests: a stick line from zero. Derivatives of the time at which it starts.
+    Rests(ByShape),
+    /// It still slides, on the ellipse delayed by a time, with its derivatives.
+    Slides(f32, ByShape),
+}
+
+/// An angle on the ellipse with its derivatives by `q`, `Fp` and `d`.
+struct Angle {
+    value: f32,
+    by_q: f32,
+    by_centre: f32,
+    by_drop: f32,
+}
+
+impl Slack {
+    /// `None` if the cable stays taut, or if nothing would stop the block.
+    pub(crate) fn of(cycle: &Cycle, q: f32, a2: f32, phase: f32) -> Option<Self> {
+        let centre_n = cycle.dynamic_n();
+        if a2 <= centre_n * centre_n || centre_n <= 0.0 {
+            return None;
+        }
+        let h = math::sqrt(a2 - centre_n * centre_n);
+        let ellipse = Ellipse { drop_n: cycle.half_drop_n, q, h, centre_n, a2 };
+        let swing = cycle.swing();
+        let until = math::atan2(h, centre_n);
+        let falls = core::f32::consts::PI + phase - until;
+        if h > q {
+            let rise = ellipse.rise(falls);
+            let stop = swing * (falls + (q + h) / centre_n);
+            let taut = swing * rise.value;
+            let then = Then::Rests(rise.time(q, swing));
+            Some(Self { falls: swing * falls, stop, taut, then })
+        } else {
+            let delay = ellipse.delay(until);
+            let turn = core::f32::consts::PI + 2.0 * phase + delay.value;
+            let taut = swing * (falls + 2.0 * h / centre_n);
+            let then = Then::Slides(swing * delay.value, delay.time(q, swing));
+            Some(Self { falls: swing * falls, stop: swing * turn, taut, then })
+        }
+    }
+}
+
+struct Ellipse {
+    drop_n: f32,
+    q: f32,
+    h: f32,
+    centre_n: f32,
+    a2: f32,
+}
+
+impl Ellipse {
+    /// Angle `π + φ − ψ + (q + h)² / (2 Fp q)` at which the slack is taken up.
+    fn rise(&self, falls: f32) -> Angle {
+        let Self { drop_n: d, q, h, centre_n, a2 } = *self;
+        let caught = (q + h) / (centre_n * q);
+        let taken_up = 0.5 * caught * (q + h);
+        // By h at fixed q and Fp, then h by each of them.
+        let by_h = caught - centre_n / a2;
+        Angle {
+            value: falls + taken_up,
+            by_q: d / a2 + caught - taken_up / q + by_h * q / h,
+            by_centre: h / a2 - taken_up / centre_n - by_h * centre_n / h,
+            by_drop: -q / a2 + by_h * d / h,
+        }
+    }
+
+    /// Angle `2 (z − atan z)` by which the ellipse goes on later.
+    fn delay(&self, until: f32) -> Angle {
+        let Self { drop_n: d, q, h, centre_n, a2 } = *self;
+        let part = 2.0 * h / (a2 * centre_n);
+        Angle {
+            value: 2.0 * (h / centre_n - until).max(0.0),
+            by_q: part * q,
+            by_centre: -2.0 * h / (centre_n * centre_n),
+            by_drop: part * d,
+        }
+    }
+}
+
+impl Angle {
+    /// Derivatives of the time in which the slide turns by this angle.
+    fn time(&self, q: f32, swing: f32) -> ByShape {
+        [
+            swing * swing * self.by_q,
+            swing * self.by_centre,
+            swing * (self.by_drop - self.by_centre),
+            self.value + q * self.by_q,
+        ]
+    }
+}
