@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 use std::time::Duration;
 
-use floe_core::{Event, Report, SampleFlag, SampleTime};
+use floe_core::{Cause, Change, Event, Report, SampleFlag, SampleTime};
 use floe_firmware::line::{Health, Line, LineError, LiveSample};
 use floe_firmware::settings::Settings;
 
@@ -132,6 +132,7 @@ impl State {
                 self.event = Some(event);
                 return Some(event);
             }
+            Line::Change(change) => self.answer = Some((told(&change), now)),
             Line::Report(report) => {
                 self.report = Some(report);
                 self.testing = Some(true);
@@ -197,5 +198,17 @@ impl State {
             self.unkept = Some(now);
         }
         self.health = Some(health);
+    }
+}
+
+/// A change in words.
+fn told(change: &Change) -> String {
+    let Change { event, weight_ratio: ratio, weight_ratio_std: std, .. } = change;
+    match change.cause {
+        Cause::Mass => {
+            format!("from event {event} on the block weighs {ratio:.3} ± {std:.3} of it")
+        }
+        Cause::Friction => format!("from event {event} on the friction is another"),
+        Cause::Unknown => format!("from event {event} on the forces are others: weigh the block"),
     }
 }
