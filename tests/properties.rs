@@ -270,6 +270,9 @@ fn time_shift_moves_the_indices_and_nothing_else() {
             event.onset.index += shift;
             event.stop.index += shift;
         }
+        if let Some(change) = &mut here.report.change {
+            change.onset.index += shift;
+        }
         prop_assert_eq!(here, there);
         Ok(())
     });

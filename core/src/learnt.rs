@@ -22,9 +22,11 @@ pub(crate) struct Learnt {
 
 /// So many events in a row that do not fit: what was expected is no longer true.
 const CHANGED: u8 = 3;
-/// Least part of a fitted precision that has to be the event's own: less than one event
-/// has in the memory of all, else nothing would be learnt after the first few.
-const LEAST_OWN: f32 = 0.003;
+/// Least part of a fitted precision that has to be the event's own: a smaller part is
+/// the difference of two numbers that the fit's last step may have left unsettled.
+const LEAST_OWN: f32 = 0.05;
+/// The same to judge whether it is another block, which differs by far.
+const LEAST_JUDGED: f32 = 0.003;
 
 /// What rounding leaves of a force, parts of it.
 const ROUNDING: f32 = 1e-6;
@@ -122,10 +124,10 @@ impl Learnt {
         let mut told = Told {
             // A known swing hides another one: little of its own is enough to judge. A
             // cable cannot push.
-            swing: own_swing(LEAST_OWN).filter(|_| cycle.restick_n() > 0.0),
+            swing: own_swing(LEAST_JUDGED).filter(|_| cycle.restick_n() > 0.0),
             dynamic_n: cycle.dynamic_n(),
             same_cable: self.is_usual_rate(cycle.rate),
-            strained,
+            strained: strained && cycle.restick_n() > 0.0,
         };
         let verdict = self.mass.judge(&told);
         let on_trial = self.mass.is_on_trial();
@@ -162,7 +164,8 @@ pub(crate) fn is_strained(data: &Data<'_>, fit: &Fit, noise_n2: f32) -> bool {
     const STRAINED: f32 = 10.0;
     let around_n2 = own_residuals(data, fit).0 - data.after.residual();
     // The lines are two observations each.
-    around_n2 > STRAINED * (data.samples.good().count() as f32 + 4.0) * noise_n2
+    let observations = data.samples.good().count() as f32 + 4.0;
+    around_n2 > STRAINED * observations * noise_n2
 }
 
 /// What earlier events tell of a quantity, else a guess and its standard deviation.

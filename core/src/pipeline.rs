@@ -61,9 +61,9 @@ pub struct Pipeline {
     mu_s: Estimator,
     mu: Estimator,
     events: u32,
-    /// The newest change, and the same until a step has told it.
+    /// The newest change, and whether a step has told it.
     change: Option<Change>,
-    told: Option<Change>,
+    told: bool,
     onsets: Option<(SampleTime, SampleTime)>,
 }
 
@@ -98,7 +98,7 @@ impl Pipeline {
             mu: Estimator::default(),
             events: 0,
             change: None,
-            told: None,
+            told: true,
             onsets: None,
         })
     }
@@ -123,7 +123,9 @@ impl Pipeline {
                 }
             }
         }
-        step.change = step.event.and(self.told.take());
+        if !self.told {
+            (step.change, self.told) = (self.change, true);
+        }
         step.phase = self.phase(step.sample);
         step
     }
@@ -272,7 +274,7 @@ impl Pipeline {
         if let Some(change) = change {
             let onset = self.decimator.moment(change.onset);
             self.change = Some(Change { onset, ..change });
-            self.told = self.change;
+            self.told = false;
         }
         let (mu_s, mu) = alone.map_or((event.mu_s, event.mu), |(mu_s, mu)| (Some(mu_s), Some(mu)));
         if let Some(mu_s) = mu_s {

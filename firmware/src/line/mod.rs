@@ -150,3 +150,29 @@ fn checksum(text: &str) -> u16 {
     const CRC: Crc<u16, NoTable> = Crc::<u16, NoTable>::new(&CRC_16_XMODEM);
     CRC.checksum(text.as_bytes())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use floe_core::{Cause, Config, Pipeline, SampleTime};
+
+    fn returns(line: &Line<'_>) {
+        let text = line.to_text().unwrap();
+        assert_eq!(Line::parse(&text).as_ref(), Ok(line), "{text}");
+    }
+
+    #[test]
+    fn a_change_returns_as_it_was() {
+        let onset = SampleTime { index: 964, fraction: 0.404 };
+        let ratio = (0.653_039_5, 0.018_978_2);
+        for cause in [Cause::Mass, Cause::Friction, Cause::Unknown] {
+            let (weight_ratio, weight_ratio_std) = ratio;
+            let change = Change { event: 33, onset, cause, weight_ratio, weight_ratio_std };
+            returns(&Line::Change(change));
+            let config = Config { weight_n: 630.0, ..Config::default() };
+            let none = Pipeline::new(&config).unwrap().report();
+            returns(&Line::Report(none));
+            returns(&Line::Report(Report { change: Some(change), ..none }));
+        }
+    }
+}

@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 use std::time::Duration;
 
-use floe_core::{Change, Event, Report, SampleFlag, SampleTime};
+use floe_core::{Cause, Change, Event, Report, SampleFlag, SampleTime};
 use floe_firmware::line::{Health, Line, LineError, LiveSample};
 use floe_firmware::settings::Settings;
 
@@ -29,8 +29,6 @@ pub struct State {
     pub sampled: Option<Duration>,
     /// The last event.
     pub event: Option<Event>,
-    /// The last change of the block or its friction.
-    pub change: Option<Change>,
     /// The result so far.
     pub report: Option<Report>,
     /// The state of the board.
@@ -134,7 +132,7 @@ impl State {
                 self.event = Some(event);
                 return Some(event);
             }
-            Line::Change(change) => self.change = Some(change),
+            Line::Change(change) => self.answer = Some((told(&change), now)),
             Line::Report(report) => {
                 self.report = Some(report);
                 self.testing = Some(true);
@@ -169,7 +167,7 @@ impl State {
 
     fn forget_test(&mut self) {
         self.trace.clear();
-        (self.sampled, self.event, self.change, self.report) = (None, None, None, None);
+        (self.sampled, self.event, self.report) = (None, None, None);
     }
 
     fn sample(&mut self, sample: LiveSample, now: Duration) {
@@ -200,5 +198,17 @@ impl State {
             self.unkept = Some(now);
         }
         self.health = Some(health);
+    }
+}
+
+/// A change in words.
+fn told(change: &Change) -> String {
+    let Change { event, weight_ratio: ratio, weight_ratio_std: std, .. } = change;
+    match change.cause {
+        Cause::Mass => {
+            format!("from event {event} on the block weighs {ratio:.3} ± {std:.3} of it")
+        }
+        Cause::Friction => format!("from event {event} on the friction is another"),
+        Cause::Unknown => format!("from event {event} on the forces are others: weigh the block"),
     }
 }

@@ -78,6 +78,7 @@ fn report() -> Report {
         omega_rad_per_s: Some(18.9),
         stiffness_n_per_m: Some(23_010.0),
         recurrence_s: Some(1.78),
+        change: None,
     }
 }
 

@@ -78,7 +78,15 @@ mod tests {
 
     fn step(index: u64, force_n: f32, flag: SampleFlag, spike: Option<u64>) -> Step {
         let sample = ForceSample { index, force_n: Some(force_n), flag, gap: 0 };
-        Step { sample, spike, rate: None, phase: Phase::Unknown, provisional: None, event: None }
+        Step {
+            sample,
+            spike,
+            rate: None,
+            phase: Phase::Unknown,
+            provisional: None,
+            event: None,
+            change: None,
+        }
     }
 
     #[test]

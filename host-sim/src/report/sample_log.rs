@@ -210,7 +210,15 @@ impl SampleLog {
 
 fn step(index: u64, force_n: f32) -> Step {
     let sample = ForceSample { index, force_n: Some(force_n), flag: SampleFlag::Good, gap: 0 };
-    Step { sample, spike: None, rate: None, phase: Phase::Unknown, provisional: None, event: None }
+    Step {
+        sample,
+        spike: None,
+        rate: None,
+        phase: Phase::Unknown,
+        provisional: None,
+        event: None,
+        change: None,
+    }
 }
 
 fn result(events: Vec<EventSummary>, samples: u64, duration_s: f64) -> ReplayResult {
