@@ -28,7 +28,7 @@ mod target {
     fn main() -> ! {
         mps2::start();
         let (app, sampler) = build();
-        app.greet(None);
+        app.power_up(None);
         app.turn();
         mps2::start_tick(sampler);
         loop {
