@@ -5,12 +5,13 @@ use std::path::PathBuf;
 use std::process::{Command, Output};
 use std::time::{Duration, Instant};
 
-use floe_core::math;
-
 use crate::Result;
 use crate::arm::Route;
 use crate::qemu;
 use crate::shell::{root, say};
+
+#[path = "../../firmware/src/bin/mps2-test/maths.rs"]
+mod maths;
 
 /// Virtual time of an instruction is 2 to this power in ns.
 const FAST: u32 = 4;
@@ -87,7 +88,9 @@ impl Tests {
             End::Stopped => code != Some(0) && output.stdout.is_empty(),
         };
         let said = String::from_utf8_lossy(&output.stdout);
-        if !as_expected || (name == "maths" && said.trim() != format!("maths {:08x}", hash())) {
+        if !as_expected
+            || (name == "maths" && said.trim() != format!("maths {:08x}", maths::hash()))
+        {
             let failure = report(name, &output);
             say(&failure);
             return Err(failure);
@@ -125,25 +128,4 @@ fn within(command: &mut Command, limit: Duration) -> Result<Output> {
         std::thread::sleep(Duration::from_millis(5));
     }
     child.wait_with_output().map_err(|e| e.to_string())
-}
-
-/// FNV-1a over the bits of the elementary functions' results, as in
-/// `firmware/src/bin/mps2-test/paths.rs`.
-fn hash() -> u32 {
-    let mut hash = 0x811C_9DC5_u32;
-    let mut add = |x: f32| {
-        for byte in x.to_bits().to_le_bytes() {
-            hash = (hash ^ u32::from(byte)).wrapping_mul(0x0100_0193);
-        }
-    };
-    for i in 0..4096_u16 {
-        let x = f32::from(i) / 64.0 - 32.0;
-        let (sin, cos) = math::sin_cos(x);
-        add(sin);
-        add(cos);
-        add(math::atan2(x, 0.7));
-        add(math::acos(x / 32.0));
-        add(math::sqrt(x * x * 1000.0));
-    }
-    hash
 }

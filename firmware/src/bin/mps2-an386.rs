@@ -57,18 +57,6 @@ mod target {
         let card = CardLog::new(CardFile::open(), LOG_SECTORS);
         (APP.init_with(|| App::new(consumer, &SHARED, pipeline, console, card, CLOCK_HZ)), sampler)
     }
-
-    #[cortex_m_rt::exception]
-    #[allow(unsafe_code)] // SAFETY: it never returns and touches nothing.
-    unsafe fn HardFault(_: &cortex_m_rt::ExceptionFrame) -> ! {
-        exit(102)
-    }
-
-    #[panic_handler]
-    fn panic(info: &core::panic::PanicInfo<'_>) -> ! {
-        semihosting::eprintln!("{info}");
-        exit(101)
-    }
 }
 
 #[cfg(not(target_os = "none"))]

@@ -3,6 +3,7 @@
 //! Timer 0 is the sampling tick, timer 1 the clock. The converter, the console and
 //! the card are files of the emulator's host, see [`files`].
 
+mod crash;
 pub mod files;
 
 use core::cell::RefCell;
