@@ -13,8 +13,12 @@ use crate::fit::{Data, Fit, Prior};
 use crate::math;
 use crate::model::{Cycle, Gradient, UNKNOWNS};
 
-/// Slips shorter than this are averaged over the onset, periods.
+/// Slips shorter than this are averaged over the onset, periods; so are those up to the
+/// second limit while no other event tells how long a slip is.
 const RESOLVED: f32 = 1.5;
+const CLEARLY_RESOLVED: f32 = 3.0;
+/// A slip whose swing is less well known than this part of it is not resolved.
+const SWING_KNOWN: f32 = 0.2;
 /// Places of the onset: so many on either side of the best fit, so far apart, periods.
 const PLACES: i16 = 8;
 const STEP: f32 = 0.125;
@@ -39,7 +43,18 @@ impl Posterior {
     /// Is the slip long enough for the samples?
     #[must_use]
     pub fn is_resolved(&self) -> bool {
-        self.cycle.slide_time() >= RESOLVED
+        let most = SWING_KNOWN * self.cycle.swing();
+        self.cycle.slide_time() >= RESOLVED && self.unknowns[4] < most * most
+    }
+
+    /// With no variance less than another's.
+    fn widened(mut self, other: &Self) -> Self {
+        self.static_n2 = self.static_n2.max(other.static_n2);
+        self.dynamic_n2 = self.dynamic_n2.max(other.dynamic_n2);
+        for (variance, least) in self.unknowns.iter_mut().zip(other.unknowns) {
+            *variance = variance.max(least);
+        }
+        self
     }
 
     /// At the best fit, with the variance of the noise.
@@ -68,8 +83,9 @@ pub struct OverOnset {
 impl OverOnset {
     /// For a slip that its best fit does not resolve; `None`: the fit says it all.
     #[must_use]
-    pub fn new(best: &Fit) -> Option<Self> {
-        let is_short = best.cycle.slide_time() < RESOLVED;
+    pub fn new(best: &Fit, knows_swing: bool) -> Option<Self> {
+        let least = if knows_swing { RESOLVED } else { CLEARLY_RESOLVED };
+        let is_short = best.cycle.slide_time() < least;
         is_short.then_some(Self { sums: Sums::default(), place: 0, from: best.cycle })
     }
 
@@ -151,7 +167,14 @@ impl Sums {
         for (unknown, entry) in unknowns.iter_mut().enumerate() {
             *entry = variance(unknown + 2);
         }
-        Posterior { cycle, static_n2: variance(0), dynamic_n2: variance(1), unknowns }
+        let over = Posterior { cycle, static_n2: variance(0), dynamic_n2: variance(1), unknowns };
+        // An onset that is known better than the places are apart: one place has all the
+        // weight, and its fit knows nothing of the onset's own uncertainty.
+        if from.slide_time() < RESOLVED {
+            over
+        } else {
+            over.widened(&Posterior::at(best, noise_n2))
+        }
     }
 }
 
@@ -188,7 +211,7 @@ mod tests {
             onset: Prior { mean: 0.5 - 0.5 * slide, weight: 44.0 },
         };
         let fit = data.fit(&Cycle { onset: onset + 0.1, ..truth }, 4.0).unwrap();
-        let Some(mut places) = OverOnset::new(&fit) else {
+        let Some(mut places) = OverOnset::new(&fit, true) else {
             return (truth, Posterior::at(&fit, 4.0));
         };
         loop {
