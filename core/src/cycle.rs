@@ -232,7 +232,8 @@ impl Cycles {
     }
 
     fn end(&mut self, outcome: Outcome) -> Option<Finished> {
-        let pending = self.finishing.take()?.pending;
+        let finishing = self.finishing.take()?;
+        let pending = finishing.pending;
         let finished = match outcome {
             Outcome::Failed(reason) => self.without_coefficients(&pending, reason).into(),
             Outcome::Fitted { posterior, alone, noise_n2 } => {
@@ -242,7 +243,12 @@ impl Cycles {
                     let variance_n2 = noise_n2 * forces.dynamic_variance;
                     (mu_s, self.site.coefficient(forces.dynamic_n, variance_n2))
                 });
-                Finished { event: self.measured(&pending, &posterior), alone }
+                let mut event = self.measured(&pending, &posterior);
+                if !finishing.shows(posterior.cycle.shape().loads()) {
+                    // What the block slid on a slack cable is not seen.
+                    (event.mu, event.reason) = (None, Some(Reason::TooShort));
+                }
+                Finished { event, alone: alone.filter(|_| event.reason.is_none()) }
             }
         };
         self.count = self.count.saturating_add(1);

@@ -58,6 +58,11 @@ impl Finishing {
         Self { pending, after, stage: Stage::New }
     }
 
+    /// Is there a sample of the stick line that starts at a time?
+    pub(crate) fn shows(&self, start: f32) -> bool {
+        self.after.count > 0 || self.pending.samples().end() > start
+    }
+
     /// One iteration.
     pub(crate) fn step(&mut self, learnt: &mut Learnt) -> ControlFlow<Outcome> {
         match self.stage {

@@ -11,9 +11,10 @@ const RISE: f32 = 5.0;
 /// Most that it has to be, parts of the slip's drop: where the block never rests what
 /// is known of the noise is only a bound.
 const MOST_RISE: f32 = 0.25;
-/// A slip that ends within this part of its drop, and the rise, of zero may have ended
-/// on a slack cable; a small error of the cell's zero is allowed for.
+/// A slip that ends within so many parts of its drop and of the rise of zero may have
+/// ended on a slack cable; a small error of the cell's zero is allowed for.
 const NEAR_ZERO: f32 = 0.1;
+const NEAR: f32 = 0.4;
 /// The line starts where the force has risen by less than this part: the rest is room
 /// for noise.
 const SURE: f32 = 0.7;
@@ -36,7 +37,7 @@ impl Floor {
     pub(crate) fn under(low: Extreme, drop_n: f32, std_n: Option<f32>) -> Option<Self> {
         let most_n = MOST_RISE * drop_n;
         let rise_n = std_n.map_or(most_n, |std| most_n.min(RISE * std));
-        let is_near = low.force_n.abs() < NEAR_ZERO * drop_n + rise_n;
+        let is_near = low.force_n.abs() < NEAR_ZERO * drop_n + NEAR * rise_n;
         is_near.then_some(Self { mean_n: low.force_n, count: 1, rise_n, above: false })
     }
 
