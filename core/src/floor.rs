@@ -64,3 +64,31 @@ pub(crate) fn periods_above(risen_n: f32, rate: f32) -> u64 {
     let periods = SURE * risen_n / rate;
     if periods > 0.0 { periods as u64 } else { 0 }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn floor(low_n: f32) -> Option<Floor> {
+        Floor::under(Extreme { index: 7, force_n: low_n }, 600.0, Some(2.0))
+    }
+
+    #[test]
+    fn only_a_slip_down_to_zero_is_waited_for() {
+        for (low_n, waits) in [(-2.0, true), (0.0, true), (30.0, true), (200.0, false)] {
+            assert_eq!(floor(low_n).is_some(), waits, "{low_n}");
+        }
+        assert!(Floor::under(Extreme { index: 7, force_n: 0.0 }, 600.0, None).is_some());
+    }
+
+    #[test]
+    fn two_samples_in_a_row_are_a_rise_and_one_is_none() {
+        let mut floor = floor(-1.0).unwrap();
+        let forces_n = [1.0, 0.5, 40.0, -1.0, 2.0, 1.0, 15.0, 37.0];
+        let risen = forces_n.map(|force_n| floor.risen_n(force_n));
+        assert!(risen.iter().take(7).all(Option::is_none) && floor.is_long());
+        assert!(risen[7].is_some_and(|height_n| (height_n - 37.0).abs() < 1.0), "{risen:?}");
+        assert_eq!(periods_above(37.0, 10.0), 2);
+        assert_eq!(periods_above(37.0, -1.0), 0);
+    }
+}
