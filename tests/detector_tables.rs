@@ -2,9 +2,10 @@
 //!
 //! The block of the tables rests for 30 samples while the force rises by 20 N each,
 //! from 200 N to 780 N, and falls to 210 N within a few samples. Expected answers
-//! follow from the rules in `detector`: the first slip is told by its first sample
-//! clearly below the line, later ones by the first that has fallen by a third of the
-//! usual drop, here the second; a re-stick two samples after the lowest one.
+//! follow from the rules in `detector`: a slip from the upper half of the usual range
+//! is told by its first sample clearly below the line, one from the lower half by the
+//! first that has fallen by half the usual drop; a re-stick two samples after the
+//! lowest one.
 
 use floe_core::detector::{Detector, Transition};
 use floe_core::{
@@ -99,9 +100,9 @@ fn three_cycles(noise_n: f64) -> Script {
 const THREE: [&str; 6] = [
     "30 onset",
     "34 restick 29 32",
-    "64 onset",
+    "63 onset",
     "67 restick 62 65",
-    "97 onset",
+    "96 onset",
     "100 restick 95 98",
 ];
 
@@ -124,7 +125,7 @@ fn the_phase_follows() {
         })
         .collect();
     let slips: Vec<usize> = (0..phases.len()).filter(|&i| phases[i] == Phase::Slip).collect();
-    assert_eq!(slips, [30, 31, 32, 33, 64, 65, 66, 97, 98, 99]);
+    assert_eq!(slips, [30, 31, 32, 33, 63, 64, 65, 66, 96, 97, 98, 99]);
     assert!(!phases.contains(&Phase::Unknown));
 }
 
@@ -166,6 +167,24 @@ fn two_cycles() -> Script {
     Script::noisy(2.0).stick().slip().stick().slip().line(200.0, 20.0, 10)
 }
 
+/// Only a part of the contact slips, by a tenth of the usual drop or more: told when it
+/// starts in the upper half of the usual range. Half-way up it may be flop.
+#[test]
+fn partial_slips() {
+    for drop_n in [60.0, 170.0] {
+        let low_n = 660.0 - drop_n;
+        let first = Script::noisy(2.0).stick().slip().line(200.0, 20.0, 24);
+        let partial = first.push([660.0 - 0.6 * drop_n, low_n]).line(low_n + 20.0, 20.0, 12);
+        let second = partial.push([600.0, 350.0, 180.0]).line(200.0, 20.0, 10);
+        second.becomes(
+            &[&THREE[..2], &["57 onset", "59 restick 56 58", "71 onset", "75 restick 70 73"]]
+                .concat(),
+        );
+    }
+    let first = Script::noisy(2.0).stick().slip().line(200.0, 20.0, 10);
+    first.push([340.0, 320.0]).line(340.0, 20.0, 22).becomes(&THREE[..2]);
+}
+
 /// A re-stick needs the force to stay below the old line: what comes back was none.
 #[test]
 fn two_sample_spikes_down() {
@@ -187,7 +206,7 @@ fn two_sample_spikes_up() {
 fn two_sample_spikes_up_long_before_a_slip() {
     let first = Script::noisy(2.0).stick().slip();
     let script = first.line(200.0, 2.0, 290).push([640.0, 370.0, 180.0]).line(200.0, 20.0, 10);
-    let usual = ["30 onset", "34 restick 29 32", "324 onset", "327 restick 322 325"];
+    let usual = ["30 onset", "34 restick 29 32", "323 onset", "327 restick 322 325"];
     script.becomes(&usual);
     script.at(100, 1500.0).at(101, 1500.0).becomes(&usual);
 }
@@ -220,7 +239,7 @@ fn flop_after_a_slip() {
     let script = flop(Script::noisy(2.0).stick().slip()).slip();
     let script = flop(script).slip().line(200.0, 20.0, 10);
     // The first upswing is a rise that ends the slip at once.
-    let once = ["30 onset", "33 restick 29 32", "64 onset", "66 restick 62 65"];
+    let once = ["30 onset", "33 restick 29 32", "63 onset", "66 restick 62 65"];
     script.becomes(&[&once, &THREE[4..]].concat());
 }
 
@@ -242,7 +261,7 @@ fn gap_inside_a_slip() {
     let first = cycle().gap(1).push([370.0, 180.0]).line(200.0, 20.0, 10);
     first.becomes(&[THREE[0], THREE[1], "64 onset", "67 restick 62 65"]);
     let last = cycle().push([640.0]).gap(2).line(200.0, 20.0, 10);
-    last.becomes(&[THREE[0], THREE[1], "66 onset", "68 restick 62 66"]);
+    last.becomes(&[THREE[0], THREE[1], "63 onset", "68 restick 62 66"]);
     let whole = cycle().gap(4).line(200.0, 20.0, 10);
     whole.becomes(&[THREE[0], THREE[1], "67 onset", "70 restick 62 67"]);
 }
@@ -265,7 +284,7 @@ fn long_gap() {
     before().gap(7).line(580.0, 20.0, 10).becomes(&THREE[..2]);
     before().gap(8).line(600.0, 20.0, 10).becomes(&[THREE[0], THREE[1], "53 lost"]);
     let after = before().gap(500).stick().slip().line(200.0, 20.0, 9);
-    after.becomes(&[THREE[0], THREE[1], "545 lost", "576 onset", "579 restick 574 577"]);
+    after.becomes(&[THREE[0], THREE[1], "545 lost", "575 onset", "579 restick 574 577"]);
     // In the middle of a slip as well.
     let slipping = Script::noisy(2.0).stick().push([640.0, 370.0]).gap(20).stick();
     slipping.becomes(&["30 onset", "52 lost"]);
@@ -282,9 +301,10 @@ fn no_flat_top() {
         resticks.map(|t| t.split(' ').nth(2).unwrap().parse().unwrap()).collect();
     // The highest samples of a wave are its third and fourth.
     assert!(peaks.iter().all(|peak| [3, 4].contains(&(peak % 7))), "{peaks:?}");
-    // The first six waves (2.6 s) teach the noise; the last has not reached its end.
-    let waves: Vec<usize> = peaks.iter().map(|peak| peak / 7).filter(|&wave| wave > 0).collect();
-    assert_eq!(waves, (6..19).collect::<Vec<_>>());
+    // The noise is known after 2.6 s, and the first waves are looked at again then; the
+    // last one has not reached its end.
+    let waves: Vec<usize> = peaks.iter().map(|peak| peak / 7).collect();
+    assert_eq!(waves, (0..19).collect::<Vec<_>>());
 }
 
 /// The force falls to nothing and stays there until the winch has taken up the slack.
@@ -295,11 +315,11 @@ fn slack() {
         fallen.line(0.0, 0.0, 12).line(0.0, 20.0, 10)
     };
     let still = cycle(cycle(Script::default()));
-    still.becomes(&["30 onset", "34 restick 29 32", "86 onset", "89 restick 84 87"]);
+    still.becomes(&["30 onset", "34 restick 29 32", "85 onset", "89 restick 84 87"]);
     // With noise the lowest of the slack samples is any; the longer the fall, the
     // longer the wait for its end: half of it.
     let noisy = cycle(cycle(Script::noisy(0.5)));
-    noisy.becomes(&["30 onset", "37 restick 29 34", "86 onset", "92 restick 84 89"]);
+    noisy.becomes(&["30 onset", "37 restick 29 34", "85 onset", "92 restick 84 89"]);
 }
 
 /// The zero jumps, or the cable catches: up is no slip, down by little is none either.

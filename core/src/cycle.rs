@@ -6,11 +6,13 @@
 
 use core::ops::ControlFlow;
 
+use crate::change::{Cause, Change, Levels};
 use crate::detector::{Detector, Extreme, Stick};
 use crate::event::{Coefficient, Event, Provisional, Quality, Reason, SampleTime};
 use crate::finishing::{Finishing, HARDLY, Outcome};
-use crate::learnt::Learnt;
+use crate::learnt::{Learnt, is_clear};
 use crate::line::Line;
+use crate::mass::Verdict;
 use crate::math;
 use crate::model::{self, Cycle};
 use crate::pending::{Pending, since};
@@ -24,6 +26,8 @@ pub struct Site {
     pub weight_n: f32,
     /// Slope of the ice, rad.
     pub slope_rad: f32,
+    /// Relative standard deviation of the weight; zero for the given one.
+    pub weight_spread: f32,
     /// Samples per second.
     pub rate_hz: f32,
 }
@@ -37,6 +41,18 @@ impl Site {
             std: math::sqrt(variance_n2) / (self.weight_n * cos),
         }
     }
+
+    /// Standard deviation of a force's coefficient because of the weight's.
+    fn common_std(&self, force_n: f32) -> f32 {
+        let (_, cos) = math::sin_cos(self.slope_rad);
+        self.weight_spread * force_n.abs() / (self.weight_n * cos)
+    }
+
+    /// The same with the weight's uncertainty in the standard deviation.
+    fn whole(&self, force_n: f32, variance_n2: f32) -> Coefficient {
+        let (own, common) = (self.coefficient(force_n, variance_n2), self.common_std(force_n));
+        Coefficient { std: math::sqrt(own.std * own.std + common * common), ..own }
+    }
 }
 
 /// A complete event.
@@ -47,11 +63,16 @@ pub struct Finished {
     /// `mu_s` and `mu` without what other events told of the loading rate: for means
     /// over events, whose errors must not be the same in all of them.
     pub alone: Option<(Coefficient, Coefficient)>,
+    /// Part of their standard deviations that is common to all events from the last
+    /// change on.
+    pub common: (f32, f32),
+    /// A change that this event told.
+    pub change: Option<Change>,
 }
 
 impl From<Event> for Finished {
     fn from(event: Event) -> Self {
-        Self { event, alone: None }
+        Self { event, alone: None, common: (0.0, 0.0), change: None }
     }
 }
 
@@ -66,6 +87,9 @@ pub struct Cycles {
     finishing: Option<Finishing>,
     /// First answer on the slip that has just ended, and the index of its time zero.
     early: Option<(u64, Cycle)>,
+    levels: Levels,
+    /// The first event after what may be a change.
+    suspect: Option<(u32, SampleTime)>,
     /// Stop of the last event, and when its cable began to load.
     last_stop: Option<SampleTime>,
     last_load: Option<SampleTime>,
@@ -82,6 +106,8 @@ impl Cycles {
             pending: None,
             finishing: None,
             early: None,
+            levels: Levels::default(),
+            suspect: None,
             last_stop: None,
             last_load: None,
             count: 0,
@@ -98,7 +124,8 @@ impl Cycles {
     #[must_use]
     pub fn shared(&self) -> (Option<f32>, Option<f32>) {
         let hz = self.site.rate_hz;
-        let Learnt { rate, swing, .. } = &self.learnt;
+        let Learnt { rate, mass, .. } = &self.learnt;
+        let swing = mass.swing();
         (rate.mean().map(|r| r * hz), swing.mean().map(|swing| hz / swing))
     }
 
@@ -114,7 +141,7 @@ impl Cycles {
         const SPREAD: f32 = 0.577;
         let onset_n = SPREAD * slope;
         let variance_n2 = onset_n * onset_n + noise_n * noise_n * stick.line.leverage(time);
-        let mu_s = self.site.coefficient(stick.line.at(time, slope), variance_n2);
+        let mu_s = self.site().whole(stick.line.at(time, slope), variance_n2);
         Some(Provisional { mu_s, mu: None })
     }
 
@@ -138,10 +165,10 @@ impl Cycles {
         }
         let Posterior { cycle, static_n2, dynamic_n2, .. } = &posterior;
         Some(Provisional {
-            mu_s: self.site.coefficient(cycle.static_n, *static_n2),
+            mu_s: self.site().whole(cycle.static_n, *static_n2),
             // On a slack cable the time at zero will tell it.
             mu: (!cycle.shape().is_slack())
-                .then(|| self.site.coefficient(cycle.dynamic_n(), *dynamic_n2)),
+                .then(|| self.site().whole(cycle.dynamic_n(), *dynamic_n2)),
         })
     }
 
@@ -208,6 +235,7 @@ impl Cycles {
         let mut slip = Pending::new(stick, self.start(stick), detector.window(), now, extremes);
         let noise_n = detector.noise_n().unwrap_or(1.0);
         slip.noise_n2 = noise_n * noise_n;
+        slip.inflation = detector.inflation();
         slip
     }
 
@@ -234,32 +262,98 @@ impl Cycles {
     fn end(&mut self, outcome: Outcome) -> Option<Finished> {
         let finishing = self.finishing.take()?;
         let pending = finishing.pending;
+        let mut load = None;
         let finished = match outcome {
             Outcome::Failed(reason) => self.without_coefficients(&pending, reason).into(),
-            Outcome::Fitted { posterior, alone, noise_n2 } => {
+            Outcome::Fitted { posterior, alone, noise_n2, verdict } => {
+                let site = self.site();
                 let alone = alone.map(|forces| {
-                    let variance_n2 = noise_n2 * forces.static_variance;
-                    let mu_s = self.site.coefficient(forces.static_n, variance_n2);
-                    let variance_n2 = noise_n2 * forces.dynamic_variance;
-                    (mu_s, self.site.coefficient(forces.dynamic_n, variance_n2))
+                    let mu_s = site.whole(forces.static_n, noise_n2 * forces.static_variance);
+                    (mu_s, site.whole(forces.dynamic_n, noise_n2 * forces.dynamic_variance))
                 });
-                let mut event = self.measured(&pending, &posterior);
-                if !finishing.shows(posterior.cycle.shape().loads()) {
-                    // What the block slid on a slack cable is not seen.
-                    (event.mu, event.reason) = (None, Some(Reason::TooShort));
+                let loads = posterior.cycle.shape().loads();
+                load = Some(moment(pending.origin, loads));
+                let event = self.measured(&pending, &posterior);
+                let mut finished = self.judged(event, alone, &posterior, verdict);
+                if event.slack && !finishing.shows(loads) {
+                    // How far the block slid on a slack cable was not seen.
+                    (finished.event.mu, finished.alone) = (None, None);
+                    finished.event.reason = finished.event.reason.or(Some(Reason::TooShort));
                 }
-                Finished { event, alone: alone.filter(|_| event.reason.is_none()) }
+                finished
             }
         };
+        self.last_stop = Some(finished.event.stop);
+        self.last_load = load.or(self.last_stop);
         self.count = self.count.saturating_add(1);
         Some(finished)
     }
 
-    fn measured(&mut self, pending: &Pending, posterior: &Posterior) -> Event {
+    /// A measured event with what it tells of a change.
+    fn judged(
+        &mut self,
+        mut event: Event,
+        alone: Option<(Coefficient, Coefficient)>,
+        posterior: &Posterior,
+        verdict: Verdict,
+    ) -> Finished {
+        let change = self.change(verdict, &event, posterior);
+        if verdict == Verdict::Suspect {
+            (event.mu_s, event.mu, event.reason) = (None, None, Some(Reason::Suspect));
+            return event.into();
+        }
+        let (site, cycle) = (self.site(), &posterior.cycle);
+        let common = (site.common_std(cycle.static_n), site.common_std(cycle.dynamic_n()));
+        Finished { event, alone, common, change }
+    }
+
+    /// The site with the weight as far as it is known to have changed.
+    fn site(&self) -> Site {
+        let (ratio, weight_spread) = self.learnt.mass.weight_ratio();
+        Site { weight_n: ratio * self.site.weight_n, weight_spread, ..self.site }
+    }
+
+    /// Weight in use over the given one, and its relative standard deviation.
+    #[must_use]
+    pub fn weight_ratio(&self) -> (f32, f32) {
+        self.learnt.mass.weight_ratio()
+    }
+
+    /// What an event tells of a change.
+    fn change(&mut self, verdict: Verdict, event: &Event, posterior: &Posterior) -> Option<Change> {
+        let here = (event.index, event.onset);
+        let suspect = self.suspect.take();
+        let (cause, (first, onset)) = match verdict {
+            Verdict::Suspect => {
+                self.suspect = suspect.or(Some(here));
+                return None;
+            }
+            Verdict::Same => {
+                let Cycle { static_n, .. } = posterior.cycle;
+                let shift = self.levels.take(static_n, posterior.cycle.dynamic_n())?;
+                let first = (event.index.saturating_sub(shift.events_ago), event.onset);
+                if is_clear(&posterior.cycle) && self.learnt.mass.doubt(shift.dynamic_before_n) {
+                    self.suspect = Some(first);
+                    return None;
+                }
+                (Cause::Unknown, first)
+            }
+            Verdict::Mass => (Cause::Mass, suspect.unwrap_or(here)),
+            Verdict::SameMass => (Cause::Friction, suspect.unwrap_or(here)),
+            Verdict::Unknown => (Cause::Unknown, suspect.unwrap_or(here)),
+        };
+        self.levels.forget();
+        let (weight_ratio, relative) = self.learnt.mass.weight_ratio();
+        let weight_ratio_std = relative * weight_ratio;
+        Some(Change { event: first, onset, cause, weight_ratio, weight_ratio_std })
+    }
+
+    fn measured(&self, pending: &Pending, posterior: &Posterior) -> Event {
         let cycle = &posterior.cycle;
         let mut event = self.bare(pending, cycle);
-        event.mu_s = Some(self.site.coefficient(cycle.static_n, posterior.static_n2));
-        event.mu = Some(self.site.coefficient(cycle.dynamic_n(), posterior.dynamic_n2));
+        let site = self.site();
+        event.mu_s = Some(site.whole(cycle.static_n, posterior.static_n2));
+        event.mu = Some(site.whole(cycle.dynamic_n(), posterior.dynamic_n2));
         if !posterior.is_resolved() {
             if !event.slack {
                 event.quality = Quality::Unresolved;
@@ -270,7 +364,7 @@ impl Cycles {
     }
 
     /// Times and forces of an event.
-    fn bare(&mut self, pending: &Pending, cycle: &Cycle) -> Event {
+    fn bare(&self, pending: &Pending, cycle: &Cycle) -> Event {
         let hz = self.site.rate_hz;
         let onset = moment(pending.origin, cycle.onset);
         let shape = cycle.shape();
@@ -278,8 +372,6 @@ impl Cycles {
         let rest = self.last_stop.map(|last| {
             (since(last.index, onset.index) + onset.fraction - last.fraction).max(0.0) / hz
         });
-        self.last_stop = Some(stop);
-        self.last_load = Some(moment(pending.origin, shape.loads()));
         Event {
             index: self.count,
             onset,
@@ -301,7 +393,7 @@ impl Cycles {
     }
 
     /// An event that is only seen, from its highest and lowest sample.
-    fn without_coefficients(&mut self, pending: &Pending, reason: Reason) -> Event {
+    fn without_coefficients(&self, pending: &Pending, reason: Reason) -> Event {
         let onset = since(pending.origin, pending.peak.index);
         let fall = (pending.low.index - pending.peak.index) as f32;
         let drop = pending.peak.force_n - pending.low.force_n;

@@ -14,8 +14,13 @@
 //! scale of the innovations. No limit is in newtons: all are multiples of the noise
 //! or parts of the drops seen so far.
 //!
-//! Delay: an onset is known one or two samples after it, a re-stick two samples
-//! after the lowest one (half the slip's length for longer slips).
+//! Delay: an onset high on the line is known at the first sample that is clearly below
+//! the line, a re-stick two samples after the lowest one (half the slip's length for
+//! longer slips). The spike filter before adds a sample; [`Detector::foresees_slip`]
+//! looks at the sample that it holds, so the phase that is shown has no such delay.
+//!
+//! Before the noise is known nothing can be told: once it is, and while there was no
+//! slip, the window is looked at again, a few samples a step.
 
 use crate::floor::{self, Floor};
 use crate::line::Line;
@@ -23,6 +28,7 @@ use crate::math;
 use crate::memory::Memory;
 use crate::noise::Noise;
 use crate::sample::Phase;
+use crate::whiteness::Whiteness;
 use crate::window::{WINDOW, Window};
 
 /// Samples whose innovation exceeds this many standard deviations are not on the line.
@@ -31,11 +37,16 @@ const OFF_LINE: f32 = 6.0;
 const FIRST_DROP: f32 = 8.0;
 /// Least drop of a slip when the usual drop is known, or when there is no line.
 const LEAST_DROP: f32 = 6.0;
-/// Least drop of a slip that starts in the upper half of the last one's range,
-/// parts of the usual drop. Flop of the cable starts in the lower half.
-const LEAST_PART: f32 = 0.35;
+/// Least drop of a slip that starts in the upper half of the usual range, parts of
+/// the usual drop: a part of the contact may slip. Flop of the cable starts in the
+/// lower half.
+const LEAST_PART: f32 = 0.05;
+/// The same without a line, where one sample too high would feign a drop.
+const LEAST_PART_BRIEF: f32 = 0.35;
 /// Least drop of a slip that starts in the lower half.
 const LEAST_PART_LOW: f32 = 0.5;
+/// A larger fall in one sample, usual drops, is not taken for a slip beforehand.
+const LARGEST_DROP: f32 = 1.1;
 /// Rise that ends a slip at once, parts of its drop.
 const CLEAR_RISE: f32 = 0.12;
 /// Fewest samples that make a stick line.
@@ -47,6 +58,10 @@ const LEAST_SHIFT: f32 = 0.4;
 const NEW_LINE: u32 = 3;
 /// Weight below which a sample does not count for the start of a line.
 const LEAST_WEIGHT: f32 = 0.02;
+/// Samples looked at in a step, while catching up.
+const CATCH_UP: u32 = 3;
+/// Part of the noise thought of that makes it worth looking at all samples again.
+const LESS_NOISE: f32 = 0.4;
 /// A gap longer than this starts anew, periods.
 const LONGEST_GAP: u64 = 8;
 
@@ -139,19 +154,25 @@ pub struct Detector {
     std_n: Option<f32>,
     line_std_n: Option<f32>,
     memory: Memory,
+    whiteness: Whiteness,
     phase: Phase,
     stick: Stick,
     ended: Stick,
     /// The cable may hang slack: the stick line has yet to start.
     floor: Option<Floor>,
     lowest: Extreme,
-    /// Newest sample.
+    /// Newest sample looked at, and the index from which to look on.
     last: Extreme,
+    next: u64,
+    /// Newest index taken.
+    newest: u64,
+    /// Noise with which the samples were first looked at, N.
+    judged_with_n: f32,
     /// Usual drop of a slip, N; zero before the first.
     usual_drop_n: f32,
     /// Usual time from the highest to the lowest sample, periods.
     usual_fall: f32,
-    /// Middle of the last slip's range, N.
+    /// Half the usual drop below the last highest sample, N.
     middle_n: f32,
 }
 
@@ -165,12 +186,16 @@ impl Detector {
             std_n: None,
             line_std_n: None,
             memory: Memory::new(),
+            whiteness: Whiteness::default(),
             phase: Phase::Unknown,
             stick: Stick::default(),
             ended: Stick::default(),
             floor: None,
             lowest: Extreme::default(),
             last: Extreme::default(),
+            next: 0,
+            newest: 0,
+            judged_with_n: f32::INFINITY,
             usual_drop_n: 0.0,
             // A fifth of a second: replaced by the first slip.
             usual_fall: 0.2 * rate_hz,
@@ -193,7 +218,10 @@ impl Detector {
     /// Would the slip be over if this sample, the next one, is no spike?
     #[must_use]
     pub fn turns_with(&self, next: Extreme) -> bool {
-        self.phase == Phase::Slip && next.force_n > self.lowest.force_n && self.turns(next)
+        self.phase == Phase::Slip
+            && self.is_up_to_date()
+            && next.force_n > self.lowest.force_n
+            && self.turns(next)
     }
 
     /// Has the force stopped falling?
@@ -206,7 +234,7 @@ impl Detector {
         rises || now.index - self.lowest.index >= fall.div_ceil(2).max(2)
     }
 
-    /// The newest sample.
+    /// The newest sample looked at.
     #[must_use]
     pub fn last(&self) -> Extreme {
         self.last
@@ -236,6 +264,12 @@ impl Detector {
         self.std_n
     }
 
+    /// Samples of the stick line that tell as much as one with an error of its own.
+    #[must_use]
+    pub fn inflation(&self) -> f32 {
+        self.whiteness.inflation()
+    }
+
     /// Usual drop of a slip, N; zero before the first.
     #[must_use]
     pub fn usual_drop_n(&self) -> f32 {
@@ -249,13 +283,58 @@ impl Detector {
 
     /// Takes a good sample with an index past all earlier ones.
     pub fn step(&mut self, index: u64, force_n: f32) -> Option<Transition> {
-        let now = Extreme { index, force_n };
-        let gap = index.saturating_sub(self.last.index);
-        self.window.push(index, force_n);
-        let started = self.phase != Phase::Unknown;
         let lies = self.floor.is_some_and(|floor| floor.is_long());
-        self.noise.see(force_n, started && gap == 1 && !lies);
+        self.noise.see(force_n, index == self.newest + 1 && !lies);
+        if self.is_up_to_date() {
+            self.next = index;
+        }
+        self.newest = index;
+        self.window.push(index, force_n);
         (self.line_std_n, self.std_n) = self.noise.std_n(force_n);
+        self.judge_again();
+        self.catch_up(CATCH_UP)
+    }
+
+    /// Looks at samples that were taken and not yet looked at, as many as given, up
+    /// to the first transition. At the end of a test: until it returns `None`.
+    pub fn catch_up(&mut self, most: u32) -> Option<Transition> {
+        for _ in 0..most {
+            if self.is_up_to_date() {
+                return None;
+            }
+            let index = self.window.first_from(self.next);
+            self.next = index + 1;
+            if let Some(force_n) = self.window.get(index) {
+                let transition = self.look(Extreme { index, force_n });
+                if transition.is_some() {
+                    return transition;
+                }
+            }
+        }
+        None
+    }
+
+    fn is_up_to_date(&self) -> bool {
+        self.next > self.newest
+    }
+
+    /// Without any slip so far, and with far less noise than was thought: looks at
+    /// all samples in the window again.
+    fn judge_again(&mut self) {
+        let Some(std) = self.std_n else { return };
+        let undecided = self.phase != Phase::Slip && self.usual_drop_n <= 0.0;
+        if undecided && std < LESS_NOISE * self.judged_with_n {
+            self.judged_with_n = std;
+            self.next = 0;
+            self.phase = Phase::Unknown;
+        }
+    }
+
+    /// Follows one sample.
+    fn look(&mut self, now: Extreme) -> Option<Transition> {
+        let index = now.index;
+        let started = self.phase != Phase::Unknown;
+        let gap = index.saturating_sub(self.last.index);
         self.last = now;
         if !started || gap > LONGEST_GAP {
             self.rest_from(now, index);
@@ -271,6 +350,7 @@ impl Detector {
     fn rest_from(&mut self, highest: Extreme, next: u64) {
         self.phase = Phase::Stick;
         self.memory.decide();
+        self.whiteness.interrupt();
         self.ended = self.stick;
         if !self.line_fits() {
             self.ended.forget_line();
@@ -323,24 +403,55 @@ impl Detector {
     /// Has the force left the stick line downwards, by more than noise and flop do?
     fn slips(&self, now: Extreme) -> bool {
         let Some(std) = self.std_n else { return false };
-        let stick = &self.stick;
-        let part = if stick.highest.force_n > self.middle_n { LEAST_PART } else { LEAST_PART_LOW };
-        let usual = self.usual_drop_n;
-        let least = if usual > 0.0 {
-            (LEAST_DROP * std).max(part * usual)
-        } else if self.line_fits() {
-            FIRST_DROP * std
-        } else {
-            LEAST_DROP * std
-        };
-        if stick.highest.force_n - now.force_n < least {
-            return false;
-        }
-        match self.innovation(now) {
-            Some((innovation, spread)) => innovation < -OFF_LINE * std * spread,
+        let drop = self.stick.highest.force_n - now.force_n;
+        drop >= self.least_drop(std)
             // Rests too briefly for a line: the drop alone decides.
-            None => true,
+            && self.depth(now).is_none_or(|depth| depth > OFF_LINE * std)
+    }
+
+    /// Would this sample begin a slip, if it came next and is no spike? Tells before
+    /// the sample is judged; nothing is changed. A fall much larger than usual is more
+    /// likely a spike.
+    #[must_use]
+    pub fn foresees_slip(&self, next: Extreme) -> bool {
+        let drop = self.stick.highest.force_n - next.force_n;
+        self.phase == Phase::Stick
+            && self.is_up_to_date()
+            && drop < LARGEST_DROP * self.usual_drop_n
+            && self.slips(next)
+    }
+
+    /// Least drop of a slip, N.
+    fn least_drop(&self, std: f32) -> f32 {
+        let (stick, usual) = (&self.stick, self.usual_drop_n);
+        let has_line = stick.line.count >= LINE_POINTS;
+        if usual <= 0.0 {
+            // A record may begin in the middle of a slip: that one is not told.
+            return match self.line_fits() {
+                true if has_line => FIRST_DROP * std,
+                false if stick.highest.index > stick.origin => LEAST_DROP * std,
+                _ => f32::INFINITY,
+            };
         }
+        let part = match stick.highest.force_n > self.middle_n {
+            true if has_line => LEAST_PART,
+            true => LEAST_PART_BRIEF,
+            false => LEAST_PART_LOW,
+        };
+        (LEAST_DROP * std).max(part * usual)
+    }
+
+    /// How far a sample lies below the stick line, N, as sure as a single sample of
+    /// that depth. `None` with fewer than four samples on the line.
+    ///
+    /// A rising line goes on above its mean, however little is known of its slope.
+    fn depth(&self, now: Extreme) -> Option<f32> {
+        let (innovation, spread) = self.innovation(now)?;
+        let line = &self.stick.line;
+        let below_mean = (line.level_n - now.force_n) / math::rough_sqrt(1.0 + 1.0 / line.weight);
+        let rises = line.slope().is_some_and(|slope| slope > 0.0);
+        let below_line = -innovation / spread;
+        Some(if rises { below_line.max(below_mean) } else { below_line })
     }
 
     /// Does the stick line describe the force, or does the block never rest long
@@ -384,6 +495,7 @@ impl Detector {
             if std.is_some_and(|std| relative.abs() > OFF_LINE * std) {
                 return self.strike(sample.index, relative);
             }
+            self.whiteness.add(relative);
             if let Some(slope) = self.stick.trial.slope() {
                 self.memory.compare(innovation, sample.force_n - self.stick.trial.at(time, slope));
             }
@@ -440,7 +552,6 @@ impl Detector {
         let floor = Floor::under(self.lowest, drop, self.std_n);
         let low = if floor.is_some() { self.first_low(peak.index) } else { self.lowest };
         let fall = low.index - peak.index;
-        self.middle_n = 0.5 * (peak.force_n + low.force_n);
         if self.usual_drop_n > 0.0 {
             let change = (drop - self.usual_drop_n).clamp(-0.5 * self.usual_drop_n, drop);
             self.usual_drop_n = (self.usual_drop_n + 0.25 * change).max(0.5 * drop);
@@ -449,6 +560,7 @@ impl Detector {
             self.usual_drop_n = drop;
             self.usual_fall = fall as f32;
         }
+        self.middle_n = peak.force_n - 0.5 * drop.max(self.usual_drop_n);
         self.rest_from(now, now.index + 1);
         self.floor = floor;
         for index in low.index..=now.index {

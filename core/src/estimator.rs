@@ -11,6 +11,8 @@
 //! - mean `m = λ m_w + (1 − λ) m_1`: `m_w` weighted by `1/s_i²`, `m_1` plain,
 //!   `λ = s̄²/(s̄² + τ²)` with `s̄²` the harmonic mean of `s_i²`; either is the best
 //!   mean at its end of the scale;
+//! - errors that are common to the events, as that of a weight which was measured
+//!   after a change, stay in the mean: their mean size is added squared;
 //! - variance of `m` from the same weights, times `1 + 2 Σ ρ_k` with the correlations
 //!   `ρ_k` of the events in order: two neighbours share the stick line between them,
 //!   and real friction wanders.
@@ -33,18 +35,27 @@ pub struct Estimator {
     weight: f64,
     weight_squares: f64,
     correlation: Correlation,
+    /// Mean of the parts of the events' standard deviations that are common to them.
+    common: f64,
 }
 
 impl Estimator {
     /// Takes an event's coefficient. One without a finite value and a standard
     /// deviation above zero is left out.
     pub fn add(&mut self, event: Coefficient) {
+        self.add_with_common(event, 0.0);
+    }
+
+    /// The same, for an event that shares a part of its standard deviation with
+    /// others: however many there are, the mean keeps that part.
+    pub fn add_with_common(&mut self, event: Coefficient, common_std: f32) {
         let (value, std) = (f64::from(event.value), f64::from(event.std));
         if !(value.is_finite() && std.is_finite() && std > 0.0) {
             return;
         }
         self.correlation.add(value);
-        self.pool(&Self::single(value, std * std));
+        let common = f64::from(common_std);
+        self.pool(&Self { common, ..Self::single(value, std * std) });
     }
 
     fn single(value: f64, variance: f64) -> Self {
@@ -77,6 +88,7 @@ impl Estimator {
         self.squares += other.squares + n * share * step * step;
         self.mean += share * step;
         self.variance += share * (other.variance - self.variance);
+        self.common += share * (other.common - self.common);
         let weight = self.weight + other.weight;
         self.weighted_mean += other.weight / weight * (other.weighted_mean - self.weighted_mean);
         self.weight = weight;
@@ -108,7 +120,8 @@ impl Estimator {
         let variance = lambda * lambda * weighted
             + (1.0 - lambda) * (1.0 - lambda) * plain
             + 2.0 * lambda * (1.0 - lambda) * mixed;
-        let error = libm::sqrt(variance * self.inflation(lambda));
+        let common = self.common * self.common;
+        let error = libm::sqrt(variance * self.inflation(lambda) + common);
         Some(Estimate {
             mean: mean as f32,
             std_error: error as f32,

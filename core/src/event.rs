@@ -60,6 +60,9 @@ pub enum Reason {
     TooShort,
     /// The model does not describe the samples.
     NoFit,
+    /// Omega is not that of the events before: the mass may have changed, which the
+    /// next event tells.
+    Suspect,
 }
 
 impl fmt::Display for Quality {
@@ -79,6 +82,7 @@ impl fmt::Display for Reason {
             Self::Hidden => "a gap or saturated samples hide the slip",
             Self::TooShort => "too few samples around the slip",
             Self::NoFit => "the model does not describe the samples",
+            Self::Suspect => "omega is another than before: the block may have changed",
         })
     }
 }

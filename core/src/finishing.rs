@@ -5,8 +5,9 @@ use core::ops::ControlFlow;
 
 use crate::event::Reason;
 use crate::fit::{Data, Fit, Fitting, Forces};
-use crate::learnt::{Learnt, own_residuals};
+use crate::learnt::{Learnt, is_strained, own_residuals};
 use crate::line::Line;
+use crate::mass::Verdict;
 use crate::pending::Pending;
 use crate::posterior::{OverOnset, Posterior};
 
@@ -48,6 +49,8 @@ pub(crate) enum Outcome {
         alone: Option<Forces>,
         /// Variance of the noise, N².
         noise_n2: f32,
+        /// Whether it is still the same block.
+        verdict: Verdict,
     },
     /// Only seen.
     Failed(Reason),
@@ -150,6 +153,7 @@ fn fitted(
     noise_n2: f32,
 ) -> Outcome {
     let alone = fit.forces_alone(data.rate).filter(|_| posterior.is_resolved());
-    learnt.learn(data, &posterior, noise_n2);
-    Outcome::Fitted { posterior, alone, noise_n2 }
+    let strained = posterior.is_resolved() && is_strained(data, fit, noise_n2);
+    let verdict = learnt.learn(data, &posterior, noise_n2, strained);
+    Outcome::Fitted { posterior, alone, noise_n2, verdict }
 }

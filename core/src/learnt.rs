@@ -2,7 +2,8 @@
 
 use crate::fit::{Data, Fit, Prior};
 use crate::line::Line;
-use crate::model::UNKNOWNS;
+use crate::mass::{Mass, Told, Verdict};
+use crate::model::{Cycle, UNKNOWNS};
 use crate::pending::Pending;
 use crate::posterior::Posterior;
 use crate::residuals::Residuals;
@@ -12,18 +13,24 @@ use crate::shared::{Shared, without_prior};
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Learnt {
     pub(crate) rate: Shared,
-    pub(crate) swing: Shared,
+    pub(crate) mass: Mass,
     bend: Shared,
     pub(crate) residuals: Residuals,
 }
 
 /// Least part of a fitted precision that has to be the event's own.
-const LEAST_OWN: f32 = 0.1;
+const LEAST_OWN: f32 = 0.003;
+
+/// What rounding leaves of a force, parts of it.
+const ROUNDING: f32 = 1e-6;
 
 impl Learnt {
-    /// Variance of the noise: from the fits so far, else the detector's.
+    /// Variance of the noise, as if it were white: from the fits so far, else the
+    /// detector's. Never below what single precision leaves of a force.
     pub(crate) fn noise_n2(&self, pending: &Pending) -> f32 {
-        self.residuals.variance_n2().unwrap_or(pending.noise_n2)
+        let rounding_n = ROUNDING * pending.peak.force_n;
+        let noise_n2 = self.residuals.variance_n2().unwrap_or(pending.noise_n2);
+        pending.inflation * noise_n2.max(rounding_n * rounding_n)
     }
 
     /// An event's samples and lines with what is expected of it.
@@ -40,7 +47,7 @@ impl Learnt {
             after,
             rate: expected(&self.rate, rough.rate, 0.7 * rough.rate, noise_n2),
             swing: expected(
-                &self.swing,
+                self.mass.swing(),
                 rough.slide * core::f32::consts::FRAC_1_PI,
                 rough.slide_std * core::f32::consts::FRAC_1_PI,
                 noise_n2,
@@ -63,30 +70,72 @@ impl Learnt {
 
     /// Is the swing known from earlier events?
     pub(crate) fn knows_swing(&self) -> bool {
-        self.swing.prior(1.0).weight > 0.0
+        self.mass.swing().prior(1.0).weight > 0.0
     }
 
-    /// Carries the event's own loading rate, swing and bend to the next ones.
-    pub(crate) fn learn(&mut self, data: &Data<'_>, posterior: &Posterior, noise_n2: f32) {
+    /// Carries the event's own loading rate, swing and bend to the next ones, unless it
+    /// is a suspect. `strained` as from [`is_strained`].
+    pub(crate) fn learn(
+        &mut self,
+        data: &Data<'_>,
+        posterior: &Posterior,
+        noise_n2: f32,
+        strained: bool,
+    ) -> Verdict {
         let Posterior { cycle, unknowns: [_, rate, _, _, swing, bend], .. } = *posterior;
         let own =
-            |value, variance, prior| without_prior(value, variance, prior, noise_n2, LEAST_OWN);
+            |value, variance, prior, least| without_prior(value, variance, prior, noise_n2, least);
         // The loading rate and the swing are above zero; the bend may have any sign.
-        if let Some((value, variance)) = own(cycle.rate, rate, data.rate).filter(|own| own.0 > 0.0)
-        {
+        let positive = |own: &(f32, f32)| own.0 > 0.0;
+        // What hardly resolved slips tell of the swing is what was expected of them.
+        let own_swing = |least| {
+            let own = own(cycle.swing(), swing, data.swing, least).filter(positive);
+            own.filter(|_| posterior.is_resolved())
+        };
+        let mut told = Told {
+            // A known swing hides another one: little of its own is enough to judge. A
+            // cable cannot push.
+            swing: own_swing(LEAST_OWN).filter(|_| cycle.restick_n() > 0.0),
+            dynamic_n: cycle.dynamic_n(),
+            same_cable: self.is_usual_rate(cycle.rate),
+            strained,
+        };
+        let verdict = self.mass.judge(&told);
+        let on_trial = self.mass.is_on_trial();
+        if verdict == Verdict::Suspect && !on_trial {
+            return verdict;
+        }
+        let own_rate = own(cycle.rate, rate, data.rate, LEAST_OWN);
+        if let Some((value, variance)) = own_rate.filter(positive) {
             self.rate.add(value, variance);
         }
-        // What hardly resolved slips tell of it is what was expected of them.
-        let own_swing = own(cycle.swing(), swing, data.swing);
-        if let Some((value, variance)) =
-            own_swing.filter(|own| own.0 > 0.0 && posterior.is_resolved())
-        {
-            self.swing.add(value, variance);
-        }
-        if let Some((value, variance)) = own(cycle.bend, bend, data.bend) {
+        if let Some((value, variance)) = own(cycle.bend, bend, data.bend, LEAST_OWN) {
             self.bend.add(value, variance);
         }
+        told.swing = own_swing(LEAST_OWN).filter(|_| is_clear(&cycle) || !on_trial);
+        self.mass.learn(&told).unwrap_or(verdict)
     }
+
+    /// Is the loading rate what it was, as far as winches turn steadily?
+    fn is_usual_rate(&self, rate: f32) -> bool {
+        const STEADY: f32 = 0.1;
+        self.rate.mean().is_none_or(|usual| (rate - usual).abs() < STEADY * usual)
+    }
+}
+
+/// Does the slip have samples enough to tell a small change of the swing from what the
+/// sampling makes of it?
+pub(crate) fn is_clear(cycle: &Cycle) -> bool {
+    const CLEAR: f32 = 2.0;
+    cycle.slide_time() > CLEAR && cycle.restick_n() > 0.0
+}
+
+/// Are the samples around the slip far from the fit?
+pub(crate) fn is_strained(data: &Data<'_>, fit: &Fit, noise_n2: f32) -> bool {
+    const STRAINED: f32 = 10.0;
+    let around_n2 = own_residuals(data, fit).0 - data.after.residual();
+    // The lines are two observations each.
+    around_n2 > STRAINED * (data.samples.good().count() as f32 + 4.0) * noise_n2
 }
 
 /// What earlier events tell of a quantity, else a guess and its standard deviation.

@@ -16,6 +16,7 @@
 #![forbid(unsafe_code)]
 
 pub mod calibrate;
+pub mod change;
 pub mod config;
 pub mod correlation;
 pub mod cycle;
@@ -29,6 +30,7 @@ pub mod fit;
 mod floor;
 mod learnt;
 pub mod line;
+pub mod mass;
 pub mod math;
 pub mod memory;
 pub mod model;
@@ -44,8 +46,10 @@ mod slack;
 pub mod solve;
 pub mod spike;
 pub mod units;
+pub mod whiteness;
 pub mod window;
 
+pub use change::{Cause, Change};
 pub use config::{Calibration, Config, ConfigError};
 pub use event::{Coefficient, Event, Provisional, Quality, Reason, SampleTime};
 pub use pipeline::{Pipeline, Step};

@@ -29,6 +29,8 @@ pub(crate) struct Pending {
     rough: Rough,
     /// Rough variance of the noise, from the detector, N².
     pub(crate) noise_n2: f32,
+    /// Samples that tell as much as one with an error of its own.
+    pub(crate) inflation: f32,
     /// A saturated sample, or too many missing ones, between the lines.
     pub(crate) hidden: bool,
     /// The cycle as far as it was known before the stick line after it.
@@ -107,6 +109,7 @@ impl Pending {
             low,
             rough: Rough::new(stick, window, (peak, low)),
             noise_n2: 0.0,
+            inflation: 1.0,
             hidden: false,
             early: None,
         };

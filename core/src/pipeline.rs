@@ -1,6 +1,7 @@
 //! The one entry point: a sample in, what is known out.
 
 use crate::calibrate::Calibrator;
+use crate::change::Change;
 use crate::config::{Config, ConfigError};
 use crate::cycle::{Cycles, Finished, Site};
 use crate::decimate::Decimator;
@@ -29,12 +30,15 @@ pub struct Step {
     pub spike: Option<u64>,
     /// Rate of the force, by the paper's central difference; two samples late.
     pub rate: Option<Rate>,
-    /// What the block is doing.
+    /// What the block is doing. An onset is told by the first sample that is clearly
+    /// below the stick line; if that turns out to be a spike, for this sample only.
     pub phase: Phase,
     /// A first answer on the slip that is going on or has just ended.
     pub provisional: Option<Provisional>,
     /// An event that is now complete.
     pub event: Option<Event>,
+    /// A change of the block or of its friction that the event told.
+    pub change: Option<Change>,
 }
 
 /// The whole computation for one test.
@@ -57,6 +61,9 @@ pub struct Pipeline {
     mu_s: Estimator,
     mu: Estimator,
     events: u32,
+    /// The newest change, and the same until a step has told it.
+    change: Option<Change>,
+    told: Option<Change>,
     onsets: Option<(SampleTime, SampleTime)>,
 }
 
@@ -69,7 +76,12 @@ impl Pipeline {
         config.validate()?;
         let decimator = Decimator::new(config.rate_hz);
         let rate_hz = config.rate_hz / decimator.factor();
-        let site = Site { weight_n: config.weight_n, slope_rad: config.slope_rad, rate_hz };
+        let site = Site {
+            weight_n: config.weight_n,
+            slope_rad: config.slope_rad,
+            weight_spread: 0.0,
+            rate_hz,
+        };
         Ok(Self {
             config: *config,
             calibrator: Calibrator::new(config),
@@ -85,6 +97,8 @@ impl Pipeline {
             mu_s: Estimator::default(),
             mu: Estimator::default(),
             events: 0,
+            change: None,
+            told: None,
             onsets: None,
         })
     }
@@ -109,8 +123,18 @@ impl Pipeline {
                 }
             }
         }
-        step.phase = self.detector.phase();
+        step.change = step.event.and(self.told.take());
+        step.phase = self.phase(step.sample);
         step
+    }
+
+    /// What the block is doing, with a first look at a sample that may still be a spike.
+    fn phase(&self, ForceSample { index, force_n, .. }: ForceSample) -> Phase {
+        let each = self.block_root <= 1.0;
+        match force_n.filter(|_| each) {
+            Some(force_n) if self.detector.foresees_slip(Extreme { index, force_n }) => Phase::Slip,
+            _ => self.detector.phase(),
+        }
     }
 
     /// Ends the test: completes what is pending, one event a call, until `None`.
@@ -118,7 +142,7 @@ impl Pipeline {
         let held = self.spikes.finish().and_then(|held| self.decimator.step(held));
         let event = held.and_then(|block| self.advance(block));
         let event = event.or_else(|| self.decimator.finish().and_then(|block| self.advance(block)));
-        event.or_else(|| {
+        event.or_else(|| self.catch_up()).or_else(|| {
             let event = self.cycles.finish().or_else(|| {
                 let (stick, window) = (self.detector.stick(), self.detector.window());
                 let end = Extreme { index: self.detector.last().index + 1, ..self.detector.last() };
@@ -144,6 +168,10 @@ impl Pipeline {
             omega_rad_per_s: omega,
             stiffness_n_per_m: self.stiffness(loading_rate, omega),
             recurrence_s: self.recurrence_s(),
+            change: self.change.map(|change| {
+                let (weight_ratio, relative) = self.cycles.weight_ratio();
+                Change { weight_ratio, weight_ratio_std: relative * weight_ratio, ..change }
+            }),
         }
     }
 
@@ -175,6 +203,7 @@ impl Pipeline {
             phase: Phase::Unknown,
             provisional: None,
             event: None,
+            change: None,
         }
     }
 
@@ -203,32 +232,54 @@ impl Pipeline {
 
     /// Takes a good sample through the detector and on.
     fn advance(&mut self, sample: Extreme) -> Option<Event> {
-        let finished = match self.detector.step(sample.index, sample.force_n) {
+        let transition = self.detector.step(sample.index, sample.force_n);
+        self.follow(transition)
+    }
+
+    /// The next event of samples that the detector has yet to look at.
+    fn catch_up(&mut self) -> Option<Event> {
+        while let Some(transition) = self.detector.catch_up(u32::MAX) {
+            let event = self.follow(Some(transition));
+            if event.is_some() {
+                return event;
+            }
+        }
+        None
+    }
+
+    fn follow(&mut self, transition: Option<Transition>) -> Option<Event> {
+        let finished = match transition {
             None | Some(Transition::Onset | Transition::Cancelled) => self.cycles.work(),
             Some(Transition::Restick { peak, low }) => {
                 self.cycles.restick(&self.detector, (peak, low), self.last_hidden)
             }
             Some(Transition::Lost) => {
-                self.cycles.complete(self.detector.ended(), self.detector.window(), sample)
+                let last = self.detector.last();
+                self.cycles.complete(self.detector.ended(), self.detector.window(), last)
             }
         };
         self.count(finished)
     }
 
     fn count(&mut self, finished: Option<Finished>) -> Option<Event> {
-        let Finished { mut event, alone } = finished?;
+        let Finished { mut event, alone, common, change } = finished?;
         event.onset = self.decimator.moment(event.onset);
         event.stop = self.decimator.moment(event.stop);
         if let Some(noise_n) = self.cycles.noise_n() {
             self.detector.fitted_noise(noise_n);
         }
         self.events = self.events.saturating_add(1);
+        if let Some(change) = change {
+            let onset = self.decimator.moment(change.onset);
+            self.change = Some(Change { onset, ..change });
+            self.told = self.change;
+        }
         let (mu_s, mu) = alone.map_or((event.mu_s, event.mu), |(mu_s, mu)| (Some(mu_s), Some(mu)));
         if let Some(mu_s) = mu_s {
-            self.mu_s.add(mu_s);
+            self.mu_s.add_with_common(mu_s, common.0);
         }
         if let Some(mu) = mu {
-            self.mu.add(mu);
+            self.mu.add_with_common(mu, common.1);
         }
         self.onsets = Some((self.onsets.map_or(event.onset, |(first, _)| first), event.onset));
         Some(event)
@@ -241,7 +292,8 @@ impl Pipeline {
 
     /// `k` from `F' = k w` where the winch speed is known, else from `ω² = k / M`.
     fn stiffness(&self, loading_rate: Option<f32>, omega: Option<f32>) -> Option<f32> {
-        let mass_kg = self.config.weight_n / GRAVITY;
+        let (ratio, _) = self.cycles.weight_ratio();
+        let mass_kg = ratio * self.config.weight_n / GRAVITY;
         match self.config.winch_m_per_s {
             Some(winch) => loading_rate.map(|rate| rate / winch),
             None => omega.map(|omega| omega * omega * mass_kg),

@@ -47,6 +47,16 @@ impl Posterior {
         self.cycle.slide_time() >= RESOLVED && self.unknowns[4] < most * most
     }
 
+    /// With no variance less than another's.
+    fn widened(mut self, other: &Self) -> Self {
+        self.static_n2 = self.static_n2.max(other.static_n2);
+        self.dynamic_n2 = self.dynamic_n2.max(other.dynamic_n2);
+        for (variance, least) in self.unknowns.iter_mut().zip(other.unknowns) {
+            *variance = variance.max(least);
+        }
+        self
+    }
+
     /// At the best fit, with the variance of the noise.
     #[must_use]
     pub fn at(fit: &Fit, noise_n2: f32) -> Self {
@@ -157,7 +167,14 @@ impl Sums {
         for (unknown, entry) in unknowns.iter_mut().enumerate() {
             *entry = variance(unknown + 2);
         }
-        Posterior { cycle, static_n2: variance(0), dynamic_n2: variance(1), unknowns }
+        let over = Posterior { cycle, static_n2: variance(0), dynamic_n2: variance(1), unknowns };
+        // An onset that is known better than the places are apart: one place has all the
+        // weight, and its fit knows nothing of the onset's own uncertainty.
+        if from.slide_time() < RESOLVED {
+            over
+        } else {
+            over.widened(&Posterior::at(best, noise_n2))
+        }
     }
 }
 

@@ -1,5 +1,7 @@
 //! The result so far, for a display, a log or a host tool.
 
+use crate::change::Change;
+
 /// Mean of a coefficient over the events of a test.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -53,4 +55,6 @@ pub struct Report {
     pub stiffness_n_per_m: Option<f32>,
     /// Mean time from onset to onset, s.
     pub recurrence_s: Option<f32>,
+    /// The newest change, with the ratio of the weights as it is known now.
+    pub change: Option<Change>,
 }

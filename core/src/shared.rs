@@ -5,24 +5,31 @@
 //! shortens or a winch that tires is followed.
 
 use crate::fit::Prior;
+use crate::line::Line;
+use crate::math;
 
 /// Events over which the past is forgotten.
 const MEMORY: f32 = 40.0;
+const FADE: f32 = 1.0 - 1.0 / MEMORY;
 /// Events before which nothing is expected.
 const LEAST_EVENTS: f32 = 2.5;
+/// Standard errors beyond which a value that should be zero, or a trend, counts: the
+/// trend is looked at with every event.
+const SIGNIFICANT: f32 = 3.0;
+const TREND: f32 = 5.0;
 
-/// Running mean of a quantity that events share, and how much it varies.
+/// Running mean of a quantity that events share, its trend, and how much it varies.
 ///
-/// A weighted mean with weights `1/(s² + τ²)`: `s²` the event's own variance, `τ²`
-/// the variance between events, estimated alongside with the squared weights.
+/// A weighted line over the events with weights `1/(s² + τ²)`: `s²` the event's own
+/// variance, `τ²` the variance between events, estimated alongside with the squared
+/// weights. The trend counts once it is significant.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Shared {
+    /// Over the events so far, the newest at time −1.
+    line: Line,
     /// Number of events, at most [`MEMORY`].
     count: f32,
-    mean: f32,
-    /// Σ w: one over it is the variance of the mean.
-    weight: f32,
-    /// Σ w² ((x − mean)² − s²) and Σ w².
+    /// Σ w² (step² − s²) and Σ w²; a step without what the expectation adds to it.
     excess: f32,
     weight_squares: f32,
     between: f32,
@@ -34,34 +41,50 @@ impl Shared {
         if !(value.is_finite() && variance.is_finite() && variance > 0.0) {
             return;
         }
-        let fade = 1.0 - 1.0 / MEMORY;
-        self.count = (fade * self.count) + 1.0;
+        let (expected, expected_variance) = self.forecast();
+        self.count = (FADE * self.count) + 1.0;
         let weight = 1.0 / (variance + self.between);
-        self.weight = fade * self.weight + weight;
-        let share = weight / self.weight;
-        let step = value - self.mean;
-        self.mean += share * step;
         // The first value has nothing to differ from.
         if self.count > 1.0 {
-            let square = weight * weight;
-            self.excess = fade * self.excess + square * ((1.0 - share) * step * step - variance);
-            self.weight_squares = fade * self.weight_squares + square;
+            let (square, step) = (weight * weight, value - expected);
+            let share = 1.0 / (1.0 + weight * expected_variance);
+            self.excess = FADE * self.excess + square * (share * step * step - variance);
+            self.weight_squares = FADE * self.weight_squares + square;
+        }
+        self.line.fade(FADE);
+        self.line.add(0.0, value, weight);
+        self.line.shift(1.0);
+        if self.count > 1.0 {
             self.between = self.significant_excess();
         }
+    }
+
+    /// What comes next and the variance of that, without the variation between events.
+    fn forecast(&self) -> (f32, f32) {
+        match self.trend() {
+            Some(trend) => (self.line.at(0.0, trend), self.line.leverage(0.0)),
+            None => (self.line.level_n, 1.0 / self.line.weight),
+        }
+    }
+
+    /// Change from event to event, if there is any to be seen.
+    fn trend(&self) -> Option<f32> {
+        let limit = TREND * TREND;
+        self.line.slope().filter(|slope| slope * slope * self.line.slope_weight() > limit)
     }
 
     /// Variance between events; zero unless it is more than so few events can feign.
     fn significant_excess(&self) -> f32 {
         let between = self.excess / self.weight_squares;
-        let own = self.count / self.weight;
-        let feigned = own * crate::math::sqrt(2.0 / (self.count - 1.0));
+        let own = self.count / self.line.weight;
+        let feigned = own * math::sqrt(2.0 / (self.count - 1.0));
         if between > feigned { between } else { 0.0 }
     }
 
-    /// Mean so far; `None` before the first event.
+    /// The value now; `None` before the first event.
     #[must_use]
     pub fn mean(&self) -> Option<f32> {
-        (self.count > 0.0).then_some(self.mean)
+        (self.count > 0.0).then(|| self.forecast().0)
     }
 
     /// What the next event may expect, in units of one over `noise_n2`: its variance
@@ -71,8 +94,8 @@ impl Shared {
         if self.count < LEAST_EVENTS {
             return Prior::default();
         }
-        let variance = self.between + 1.0 / self.weight;
-        Prior { mean: self.mean, weight: noise_n2 / variance }
+        let (mean, variance) = self.forecast();
+        Prior { mean, weight: noise_n2 / (self.between + variance) }
     }
 }
 
@@ -80,9 +103,9 @@ impl Shared {
     /// The same for a quantity that is zero unless the events say otherwise.
     #[must_use]
     pub fn prior_around_zero(&self, noise_n2: f32) -> Prior {
-        const SIGNIFICANT: f32 = 3.0;
         let prior = self.prior(noise_n2);
-        if prior.weight <= 0.0 || self.mean * self.mean * self.weight > SIGNIFICANT * SIGNIFICANT {
+        let mean = self.line.level_n;
+        if prior.weight <= 0.0 || mean * mean * self.line.weight > SIGNIFICANT * SIGNIFICANT {
             return prior;
         }
         // No sign of anything: half the standard error of the mean that says so.

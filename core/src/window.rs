@@ -23,6 +23,9 @@ impl Window {
 
     /// Takes a sample with an index past all earlier ones.
     pub fn push(&mut self, index: u64, force_n: f32) {
+        if self.end == 0 {
+            self.start = index;
+        }
         let missing = index.saturating_sub(self.end).min(WINDOW as u64);
         for skipped in index - missing..index {
             self.set(skipped, f32::NAN);
@@ -38,6 +41,12 @@ impl Window {
         let inside = index >= self.start && index < self.end;
         let force_n = self.forces_n.get(slot(index)).copied().filter(|_| inside)?;
         (!force_n.is_nan()).then_some(force_n)
+    }
+
+    /// The index, or the oldest one in the window if that is later.
+    #[must_use]
+    pub fn first_from(&self, index: u64) -> u64 {
+        index.max(self.start)
     }
 
     fn set(&mut self, index: u64, force_n: f32) {

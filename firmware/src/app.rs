@@ -225,6 +225,9 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
             log::debug!("{}", event);
             self.tell(&Line::Event(event));
         }
+        if let Some(change) = step.change {
+            self.tell(&Line::Change(change));
+        }
         self.journal.counters(self.shared.overruns(), self.health.adc_faults);
         let stored = self.journal.sample(sample);
         self.check_store(stored.is_err());

@@ -2,5 +2,6 @@
 
 pub mod brute;
 pub mod feed;
+pub mod maths;
 pub mod normal;
 pub mod scenes;

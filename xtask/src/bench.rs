@@ -37,7 +37,7 @@ pub fn run(forced: Option<Route>) -> Result<()> {
     if let Some(table) = host_table() {
         println!("{table}");
     }
-    let counts = Tests::prepare(forced)?.bench()?;
+    let counts = Tests::prepare(forced)?.bench("bench")?;
     println!("board: instructions, counted by the emulator");
     println!("{:14} {:>9} {:>9}", "job", "mean", "worst");
     for (name, mean, worst) in &counts {

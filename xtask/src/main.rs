@@ -8,6 +8,7 @@ mod bench;
 mod defmt;
 mod emulate;
 mod flash;
+mod maths;
 mod qemu;
 mod shell;
 mod size;
@@ -44,6 +45,8 @@ enum Job {
     Emulate(emulate::Args),
     /// Speed on this PC and on the board, one table
     Bench,
+    /// Errors and speed of the elementary functions, into docs/maths.md
+    Maths,
     /// Write the firmware to a NUCLEO-L476RG on USB
     Flash,
     /// Decode the firmware's own log of an emulated test
@@ -59,6 +62,7 @@ fn main() -> ExitCode {
         Job::Test { firmware } => test::run(cli.arm, *firmware),
         Job::Emulate(args) => emulate::run(args, cli.arm),
         Job::Bench => bench::run(cli.arm),
+        Job::Maths => maths::run(cli.arm),
         Job::Flash => flash::run(cli.arm),
         #[cfg(feature = "defmt")]
         Job::Defmt => defmt::run(cli.arm),

@@ -3,7 +3,7 @@
 use core::fmt::{self, Display, Write};
 use core::str::{FromStr, Split};
 
-use floe_core::{Phase, Quality, Reason, SampleFlag};
+use floe_core::{Cause, Phase, Quality, Reason, SampleFlag};
 
 use super::{Decimal, LineError};
 use crate::adc::Input;
@@ -60,6 +60,14 @@ impl<'a> Reader<'a> {
         }
     }
 
+    /// The same for what lines of older boards end before.
+    pub(super) fn take_late<T: FromStr>(&mut self) -> Result<Option<T>, LineError> {
+        match self.0.next() {
+            None | Some("") => Ok(None),
+            Some(text) => text.parse().map(Some).map_err(|_| LineError::Field),
+        }
+    }
+
     pub(super) fn take_word<T: Word>(&mut self) -> Result<T, LineError> {
         word(self.text()?).ok_or(LineError::Field)
     }
@@ -110,8 +118,17 @@ impl Word for Quality {
 }
 
 impl Word for Reason {
+    const WORDS: &'static [(Self, &'static str)] = &[
+        (Self::Hidden, "hidden"),
+        (Self::TooShort, "short"),
+        (Self::NoFit, "nofit"),
+        (Self::Suspect, "suspect"),
+    ];
+}
+
+impl Word for Cause {
     const WORDS: &'static [(Self, &'static str)] =
-        &[(Self::Hidden, "hidden"), (Self::TooShort, "short"), (Self::NoFit, "nofit")];
+        &[(Self::Mass, "mass"), (Self::Friction, "friction"), (Self::Unknown, "unknown")];
 }
 
 impl Word for Input {

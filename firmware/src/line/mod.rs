@@ -14,7 +14,7 @@ mod write;
 use core::fmt;
 
 use crc::{CRC_16_XMODEM, Crc, NoTable};
-use floe_core::{Event, Phase, Report, SampleFlag};
+use floe_core::{Change, Event, Phase, Report, SampleFlag};
 use heapless::String;
 
 pub use decimal::Decimal;
@@ -44,6 +44,8 @@ pub enum Line<'a> {
     Spike(u64),
     /// `E`: an event is complete.
     Event(Event),
+    /// `C`: the block or its friction has changed.
+    Change(Change),
     /// `R`: the result so far.
     Report(Report),
     /// `Z`: the test is over; the last report and event have been sent.

@@ -1,6 +1,8 @@
 //! Text to values: the host's half.
 
-use floe_core::{Calibration, Coefficient, Config, Counters, Estimate, Event, Report, SampleTime};
+use floe_core::{
+    Calibration, Change, Coefficient, Config, Counters, Estimate, Event, Report, SampleTime,
+};
 use heapless::String;
 
 use super::fields::Reader;
@@ -25,6 +27,7 @@ impl<'a> Line<'a> {
             "S" => Line::Sample(live_sample(from)?),
             "P" => Line::Spike(from.take()?),
             "E" => Line::Event(event(from)?),
+            "C" => Line::Change(change(from)?.ok_or(LineError::Field)?),
             "R" => Line::Report(report(from)?),
             "Z" => Line::End { run: from.take()? },
             "H" => Line::Health(health(from)?),
@@ -110,7 +113,19 @@ fn report(from: &mut Reader<'_>) -> Result<Report, LineError> {
         omega_rad_per_s: from.take_some()?,
         stiffness_n_per_m: from.take_some()?,
         recurrence_s: from.take_some()?,
+        change: change(from)?,
     })
+}
+
+fn change(from: &mut Reader<'_>) -> Result<Option<Change>, LineError> {
+    let Some(event) = from.take_late()? else { return Ok(None) };
+    Ok(Some(Change {
+        event,
+        onset: time(from)?,
+        cause: from.take_word()?,
+        weight_ratio: from.take()?,
+        weight_ratio_std: from.take()?,
+    }))
 }
 
 fn estimate(from: &mut Reader<'_>) -> Result<Option<Estimate>, LineError> {

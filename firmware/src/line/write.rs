@@ -2,7 +2,7 @@
 
 use core::fmt::{self, Write};
 
-use floe_core::{Coefficient, Config, Estimate, Event, Report, SampleTime};
+use floe_core::{Change, Coefficient, Config, Estimate, Event, Report, SampleTime};
 
 use super::fields::Writer;
 use super::{Health, Line, LiveSample, Mean, Text, checksum};
@@ -28,6 +28,7 @@ impl Line<'_> {
             Line::Sample(_) => 'S',
             Line::Spike(_) => 'P',
             Line::Event(_) => 'E',
+            Line::Change(_) => 'C',
             Line::Report(_) => 'R',
             Line::End { .. } => 'Z',
             Line::Health(_) => 'H',
@@ -43,6 +44,7 @@ impl Line<'_> {
             Line::Sample(sample) => live_sample(out, sample),
             Line::Spike(index) => out.put(index),
             Line::Event(e) => event(out, e),
+            Line::Change(c) => change(out, c),
             Line::Report(r) => report(out, r),
             Line::End { run } => out.put(run),
             Line::Health(h) => health(out, h),
@@ -122,7 +124,19 @@ fn report<W: Write>(out: &mut Writer<'_, W>, report: &Report) -> fmt::Result {
     out.put_some_f32(report.loading_rate_n_per_s)?;
     out.put_some_f32(report.omega_rad_per_s)?;
     out.put_some_f32(report.stiffness_n_per_m)?;
-    out.put_some_f32(report.recurrence_s)
+    out.put_some_f32(report.recurrence_s)?;
+    match &report.change {
+        Some(it) => change(out, it),
+        None => out.put(""),
+    }
+}
+
+fn change<W: Write>(out: &mut Writer<'_, W>, change: &Change) -> fmt::Result {
+    out.put(change.event)?;
+    time(out, change.onset)?;
+    out.put_word(change.cause)?;
+    out.put_f32(change.weight_ratio)?;
+    out.put_f32(change.weight_ratio_std)
 }
 
 fn estimate<W: Write>(out: &mut Writer<'_, W>, estimate: Option<Estimate>) -> fmt::Result {

@@ -7,69 +7,42 @@
 use nalgebra::Vector3;
 
 use super::linear_fit::solve;
-use super::method::{Found, Method, Sample, Setup, Tick, Value};
-use super::phase_plane::{Loop, Loops};
+use super::loops::{Loop, LoopReading, OfLoops};
 
 /// The method.
-#[derive(Clone, Copy, Debug)]
-pub struct Ellipse {
-    setup: Setup,
-    loops: Loops,
-}
+pub type Ellipse = OfLoops<Fit>;
 
-impl Method for Ellipse {
+/// The ellipse through the loop's points off the stick line.
+#[derive(Clone, Copy, Debug)]
+pub struct Fit;
+
+impl LoopReading for Fit {
     const NAME: &'static str = "ellipse fit";
 
-    fn new(setup: &Setup) -> Self {
-        Self { setup: *setup, loops: Loops::new(setup) }
-    }
-
-    fn step(&mut self, sample: Sample) -> Tick {
-        let event = self.loops.step(sample).map(|found| self.read(&found));
-        Tick { slips: self.loops.slips(), event }
-    }
-
-    fn state_bytes(&self) -> usize {
-        size_of::<Self>()
-    }
-}
-
-impl Ellipse {
-    fn read(&self, found: &Loop) -> Found {
-        let forces = static_and_dynamic_n(found);
-        let coefficient = |force_n: f64| Value::bare(self.setup.coefficient(force_n));
-        Found {
-            onset_s: found.onset() / self.setup.rate_hz,
-            mu_s: forces.and_then(|(static_n, _)| coefficient(static_n)),
-            mu: forces.and_then(|(_, dynamic_n)| coefficient(dynamic_n)),
+    fn forces_n(found: &Loop) -> Option<(f64, f64)> {
+        let points = found.ellipse();
+        if points.len() < 3 {
+            return None;
         }
+        // Centred and scaled, so that the normal equations are well conditioned.
+        let middle_n = points.iter().map(|p| p.force_n).sum::<f64>() / points.len() as f64;
+        let largest = |f: fn(f64) -> f64, of: &dyn Fn(usize) -> f64| {
+            (0..points.len()).map(|i| f(of(i))).fold(0.0, f64::max)
+        };
+        let width_n = largest(f64::abs, &|i| points[i].force_n - middle_n);
+        let height_n = largest(f64::abs, &|i| points[i].rate_n);
+        let rows = points.iter().map(|p| {
+            let (x, y) = ((p.force_n - middle_n) / width_n, p.rate_n / height_n);
+            (Vector3::new(2.0 * x, -y * y, 1.0), x * x)
+        });
+        let fit = solve(rows)?;
+        let (centre, flatness) = (fit[0], fit[1]);
+        let level = found.level_n / height_n;
+        let half_chord2 = fit[2] + centre * centre - flatness * level * level;
+        let is_ellipse = flatness > 0.0 && half_chord2 > 0.0;
+        let force_n = |x: f64| middle_n + width_n * x;
+        is_ellipse.then(|| (force_n(centre + half_chord2.sqrt()), force_n(centre)))
     }
-}
-
-/// `Fs` and `Fp`, N.
-fn static_and_dynamic_n(found: &Loop) -> Option<(f64, f64)> {
-    let points = found.ellipse();
-    if points.len() < 3 {
-        return None;
-    }
-    // Centred and scaled, so that the normal equations are well conditioned.
-    let middle_n = points.iter().map(|p| p.force_n).sum::<f64>() / points.len() as f64;
-    let largest = |f: fn(f64) -> f64, of: &dyn Fn(usize) -> f64| {
-        (0..points.len()).map(|i| f(of(i))).fold(0.0, f64::max)
-    };
-    let width_n = largest(f64::abs, &|i| points[i].force_n - middle_n);
-    let height_n = largest(f64::abs, &|i| points[i].rate_n);
-    let rows = points.iter().map(|p| {
-        let (x, y) = ((p.force_n - middle_n) / width_n, p.rate_n / height_n);
-        (Vector3::new(2.0 * x, -y * y, 1.0), x * x)
-    });
-    let fit = solve(rows)?;
-    let (centre, flatness) = (fit[0], fit[1]);
-    let level = found.level_n / height_n;
-    let half_chord2 = fit[2] + centre * centre - flatness * level * level;
-    let is_ellipse = flatness > 0.0 && half_chord2 > 0.0;
-    let force_n = |x: f64| middle_n + width_n * x;
-    is_ellipse.then(|| (force_n(centre + half_chord2.sqrt()), force_n(centre)))
 }
 
 #[cfg(test)]
@@ -92,7 +65,7 @@ mod tests {
             }
         };
         let found = Loop { points: (0..8).map(point).collect(), bottom: 3, level_n };
-        let (fs, fp) = static_and_dynamic_n(&found).unwrap();
+        let (fs, fp) = Fit::forces_n(&found).unwrap();
         assert!((fs - static_n).abs() < 1e-6 && (fp - dynamic_n).abs() < 1e-6, "{fs} {fp}");
     }
 }

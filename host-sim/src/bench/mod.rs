@@ -16,6 +16,7 @@ pub mod history;
 pub mod kalman;
 pub mod least_squares;
 pub mod linear_fit;
+pub mod loops;
 pub mod matching;
 pub mod measure;
 pub mod method;

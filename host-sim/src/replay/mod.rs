@@ -11,7 +11,7 @@ pub mod table;
 pub mod test;
 pub mod timeline;
 
-use result::{EventSummary, LogSummary, ReplayResult, TestSummary};
+use result::{ChangeSummary, EventSummary, LogSummary, ReplayResult, TestSummary};
 use timeline::Timeline;
 
 /// Runs a whole log through the core; constant memory apart from the events.
@@ -31,12 +31,13 @@ pub fn replay(
     let refused = |error: floe_core::ConfigError| InputError::new(error.to_string());
     let mut pipeline = Pipeline::new(config).map_err(refused)?;
     let mut timeline = Timeline::new(log.rate_hz());
-    let mut events = Vec::new();
+    let (mut events, mut changes) = (Vec::new(), Vec::new());
     batches::for_each_sample(log, |sample| {
         timeline.push(sample.raw.index, sample.time_s);
         let step = pipeline.step(sample.raw);
         observe(sample.time_s, &step);
         events.extend(step.event.map(|event| summary(&event, &timeline)));
+        changes.extend(step.change.map(|it| ChangeSummary::new(&it, timeline.seconds(it.onset))));
     })?;
     while let Some(event) = pipeline.finish() {
         events.push(summary(&event, &timeline));
@@ -55,7 +56,7 @@ pub fn replay(
         weight_n: config.weight_n.into(),
         slope_rad: config.slope_rad.into(),
     };
-    Ok(ReplayResult::new(log_summary, test, &report, events))
+    Ok(ReplayResult::new(log_summary, test, &report, events, changes))
 }
 
 fn summary(event: &Event, timeline: &Timeline) -> EventSummary {

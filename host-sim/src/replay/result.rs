@@ -3,7 +3,7 @@
 //! Forces in N, times in s, angles in rad. What is unknown is `None` (`null`);
 //! every number is finite.
 
-use floe_core::{Counters, Estimate, Event, Report};
+use floe_core::{Cause, Change, Counters, Estimate, Event, Report};
 use serde::{Serialize, Serializer};
 
 /// Name and version of this format; changes when a meaning changes.
@@ -35,8 +35,27 @@ pub struct ReplayResult {
     /// Mean time from onset to onset.
     #[serde(serialize_with = "short_or_null")]
     pub recurrence_s: Option<f64>,
+    /// Where the block or its friction changed, in order.
+    pub changes: Vec<ChangeSummary>,
     /// Every event, in order.
     pub events: Vec<EventSummary>,
+}
+
+/// A change of the block or of its friction.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ChangeSummary {
+    /// Index of the first event after it.
+    pub event: u32,
+    /// Onset of that event, in the log's own time.
+    pub onset_s: f64,
+    /// `mass`, `friction` or `unknown`.
+    pub cause: &'static str,
+    /// Weight that the coefficients from there on are computed with, over the given one.
+    #[serde(serialize_with = "short")]
+    pub weight_ratio: f64,
+    /// One standard deviation; it is in the coefficients' own.
+    #[serde(serialize_with = "short")]
+    pub weight_ratio_std: f64,
 }
 
 /// The log and what happened to its samples.
@@ -164,7 +183,13 @@ impl ReplayResult {
         test: TestSummary,
         report: &Report,
         events: Vec<EventSummary>,
+        mut changes: Vec<ChangeSummary>,
     ) -> Self {
+        // The ratio is known better in the end than when it was told.
+        if let (Some(last), Some(known)) = (changes.last_mut(), &report.change) {
+            last.weight_ratio = known.weight_ratio.into();
+            last.weight_ratio_std = known.weight_ratio_std.into();
+        }
         Self {
             schema: SCHEMA,
             log,
@@ -179,6 +204,7 @@ impl ReplayResult {
             omega_rad_per_s: known(report.omega_rad_per_s),
             stiffness_n_per_m: known(report.stiffness_n_per_m),
             recurrence_s: known(report.recurrence_s),
+            changes,
             events,
         }
     }
@@ -205,6 +231,44 @@ impl From<Option<Estimate>> for CoefficientSummary {
             std_error: known(estimate.map(|e| e.std_error)),
             spread: known(estimate.and_then(|e| e.spread)),
         }
+    }
+}
+
+impl ChangeSummary {
+    /// A change with its time in the log's seconds.
+    #[must_use]
+    pub fn new(change: &Change, onset_s: f64) -> Self {
+        Self {
+            event: change.event,
+            onset_s,
+            cause: match change.cause {
+                Cause::Mass => "mass",
+                Cause::Friction => "friction",
+                Cause::Unknown => "unknown",
+            },
+            weight_ratio: change.weight_ratio.into(),
+            weight_ratio_std: change.weight_ratio_std.into(),
+        }
+    }
+
+    /// One sentence for a person; the weight is the given one.
+    #[must_use]
+    pub fn sentence(&self, weight_n: f64) -> String {
+        let weight = weight_n * self.weight_ratio;
+        let (onset_s, event) = (self.onset_s, self.event);
+        let what = match self.cause {
+            "mass" => format!(
+                "the block's weight changed to {:.3} ± {:.3} of the given one, {weight:.1} N; \
+                 the coefficients from there on use it",
+                self.weight_ratio, self.weight_ratio_std
+            ),
+            "friction" => "the friction changed; the block's weight did not".to_string(),
+            _ => format!(
+                "the forces or the cable changed; if the block did, weigh it: the coefficients \
+                 from there on use {weight:.1} N"
+            ),
+        };
+        format!("at {onset_s:.2} s (event {event}) {what}")
     }
 }
 

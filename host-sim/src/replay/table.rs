@@ -15,6 +15,7 @@ pub fn text(result: &ReplayResult) -> String {
         [] => writeln!(out, "No events: no slip was found in this log.\n"),
         events => event_lines(&mut out, events, force),
     };
+    let _ = changes(&mut out, result);
     let _ = coefficients(&mut out, result);
     let _ = quantities(&mut out, result);
     let _ = samples(&mut out, &result.log);
@@ -87,6 +88,13 @@ fn line(out: &mut String, cells: &[String; 12], last: &str) -> std::fmt::Result 
     writeln!(out, "  {last}")
 }
 
+fn changes(out: &mut String, result: &ReplayResult) -> std::fmt::Result {
+    for change in &result.changes {
+        writeln!(out, "change {}", change.sentence(result.test.weight_n))?;
+    }
+    if result.changes.is_empty() { Ok(()) } else { writeln!(out) }
+}
+
 fn coefficients(out: &mut String, result: &ReplayResult) -> std::fmt::Result {
     let estimate = &result.estimate;
     coefficient(out, "mu_s", &estimate.mu_s)?;
@@ -135,7 +143,7 @@ fn samples(out: &mut String, log: &LogSummary) -> std::fmt::Result {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::replay::result::{EstimateSummary, SCHEMA, TestSummary};
+    use crate::replay::result::{ChangeSummary, EstimateSummary, SCHEMA, TestSummary};
 
     fn result(events: Vec<EventSummary>) -> ReplayResult {
         let mean = |mean| CoefficientSummary {
@@ -162,6 +170,7 @@ mod tests {
             omega_rad_per_s: Some(18.91),
             stiffness_n_per_m: Some(23_012.3),
             recurrence_s: None,
+            changes: Vec::new(),
             events,
         }
     }
@@ -214,6 +223,21 @@ samples       1920 read, 3 missing, 0 duplicates, 0 rejected, 0 saturated
 note          line 9 is odd
 ";
         assert_eq!(text(&result(vec![event()])), expected);
+    }
+
+    #[test]
+    fn a_change_is_said() {
+        let mut result = result(vec![event()]);
+        result.changes.push(ChangeSummary {
+            event: 33,
+            onset_s: 60.271,
+            cause: "mass",
+            weight_ratio: 0.671,
+            weight_ratio_std: 0.006,
+        });
+        let line = "\nchange at 60.27 s (event 33) the block's weight changed to 0.671 ± 0.006 of \
+                    the given one, 422.7 N; the coefficients from there on use it\n\nmu_s ";
+        assert!(text(&result).contains(line), "{}", text(&result));
     }
 
     #[test]

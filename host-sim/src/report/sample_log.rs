@@ -246,6 +246,7 @@ fn result(events: Vec<EventSummary>, samples: u64, duration_s: f64) -> ReplayRes
         omega_rad_per_s: Some(omega()),
         stiffness_n_per_m: Some(STIFFNESS_N_PER_M),
         recurrence_s: Some(1.78),
+        changes: Vec::new(),
         events,
     }
 }

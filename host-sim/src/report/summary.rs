@@ -2,19 +2,27 @@
 
 use super::number::{count, decimals_for, decimals_of_error, fixed, quantity, significant};
 use super::svg::escape;
-use crate::replay::result::{CoefficientSummary, ReplayResult};
+use crate::replay::result::{ChangeSummary, CoefficientSummary, ReplayResult};
 
 /// Both coefficients, large, then everything else.
 pub(super) fn summary(result: &ReplayResult) -> String {
     let estimate = &result.estimate;
     format!(
         "<section class=\"result\">{}<div class=\"coefficients\">{}{}</div>{}{}</section>\n",
-        nothing(result),
+        notices(result),
         coefficient("static", "<i>μ</i><sub>s</sub>", &estimate.mu_s, "Static coefficient"),
         coefficient("dynamic", "<i>μ</i>", &estimate.mu, "Dynamic coefficient"),
         facts("Measured", &measured(result)),
         log_health(result),
     )
+}
+
+/// No result, or a change of the block or of its friction: said plainly.
+fn notices(result: &ReplayResult) -> String {
+    let change = |c: &ChangeSummary| {
+        format!("<p class=\"notice\">Change: {}.</p>", escape(&c.sentence(result.test.weight_n)))
+    };
+    nothing(result).to_string() + &result.changes.iter().map(change).collect::<String>()
 }
 
 /// Said plainly when there is no result.

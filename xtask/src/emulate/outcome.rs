@@ -3,9 +3,10 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
-use floe::replay::result::{EventSummary, LogSummary, ReplayResult, TestSummary};
+use floe::replay::result::{ChangeSummary, EventSummary, LogSummary, ReplayResult, TestSummary};
 use floe_core::{
-    Config, Counts, Event, Fault, Pipeline, RawSample, Reading, Report, SampleFlag, SampleTime,
+    Change, Config, Counts, Event, Fault, Pipeline, RawSample, Reading, Report, SampleFlag,
+    SampleTime,
 };
 use floe_firmware::line::{Health, Line};
 
@@ -19,6 +20,8 @@ pub struct Outcome {
     pub config: Config,
     /// Every event.
     pub events: Vec<Event>,
+    /// Every change.
+    pub changes: Vec<Change>,
     /// The last report.
     pub report: Report,
     /// The last health.
@@ -36,10 +39,12 @@ pub struct Outcome {
 pub fn decode(shown: &str) -> Result<Outcome> {
     let (mut config, mut report, mut health, mut ended) = (None, None, None, false);
     let (mut events, mut troubles, mut rejected) = (Vec::new(), Vec::new(), BTreeSet::new());
+    let mut changes = Vec::new();
     for line in shown.lines() {
         match Line::parse(line).map_err(|e| format!("the board's line '{line}': {e}"))? {
             Line::Start { settings, .. } => config = Some(settings.config),
             Line::Event(event) => events.push(event),
+            Line::Change(change) => changes.push(change),
             Line::Report(r) => report = Some(r),
             Line::Health(h) => health = Some(h),
             Line::End { .. } => ended = true,
@@ -55,7 +60,7 @@ pub fn decode(shown: &str) -> Result<Outcome> {
     }
     match (config, report, health, ended) {
         (Some(config), Some(report), Some(health), true) => {
-            Ok(Outcome { config, events, report, health, rejected, troubles })
+            Ok(Outcome { config, events, changes, report, health, rejected, troubles })
         }
         _ => Err(format!("the board did not complete a test: {troubles:?}")),
     }
@@ -119,7 +124,8 @@ impl Outcome {
         };
         let events = self.events.iter();
         let events = events.map(|e| EventSummary::new(e, seconds(e.onset), seconds(e.stop)));
-        ReplayResult::new(log, test, &self.report, events.collect())
+        let changes = self.changes.iter().map(|c| ChangeSummary::new(c, seconds(c.onset)));
+        ReplayResult::new(log, test, &self.report, events.collect(), changes.collect())
     }
 }
 

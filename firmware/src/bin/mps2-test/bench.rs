@@ -13,6 +13,7 @@ use floe_firmware::sampler::{Sampler, Tick};
 use static_cell::StaticCell;
 
 use super::fake::SawAdc;
+use super::functions::{EMPTY, FUNCTIONS};
 
 /// Instructions of a call, less those of an empty one.
 fn count<T>(job: impl FnOnce() -> T) -> u32 {
@@ -32,6 +33,16 @@ pub fn run() {
     sampler();
     lines();
     show("record", |_| (), |()| black_box(Record::default()).encode(), 4);
+}
+
+/// Every elementary function, through the same kind of call.
+#[inline(never)]
+pub fn functions() {
+    const ROUNDS: u32 = 256;
+    for function in FUNCTIONS.iter().chain([&EMPTY]) {
+        let argument = |i| function.argument(i, ROUNDS - 1);
+        show(function, argument, black_box(function.call), ROUNDS);
+    }
 }
 
 fn new_pipeline() -> Pipeline {
@@ -87,7 +98,12 @@ fn lines() {
     show("sample-line", |_| (), |()| Line::Sample(live).to_text(), 4);
 }
 
-fn show<I, T>(name: &str, input: impl Fn(u32) -> I, mut job: impl FnMut(I) -> T, rounds: u32) {
+fn show<I, T>(
+    name: impl core::fmt::Display,
+    input: impl Fn(u32) -> I,
+    mut job: impl FnMut(I) -> T,
+    rounds: u32,
+) {
     let (mut sum, mut worst) = (0_u64, 0);
     for i in 0..rounds {
         let input = input(i);

@@ -13,6 +13,10 @@ mod bench;
 #[cfg(target_os = "none")]
 mod fake;
 #[cfg(target_os = "none")]
+mod functions;
+#[cfg(target_os = "none")]
+mod hardware;
+#[cfg(target_os = "none")]
 mod paths;
 #[cfg(target_os = "none")]
 mod queue;
@@ -43,6 +47,7 @@ mod target {
             "fault" => paths::fault(),
             "overflow" => paths::overflow(),
             "bench" => bench::run(),
+            "maths-bench" => bench::functions(),
             other => panic!("no test {other}"),
         }
         mps2::finish(0)

@@ -2,32 +2,14 @@
 
 use core::hint::black_box;
 
-use floe_core::math;
+use super::functions::FUNCTIONS;
 
-/// Hashes every elementary function over its range; the PC prints the same.
+/// Hashes every elementary function over its range; the PC finds the same.
 #[inline(never)]
 pub fn maths() {
-    semihosting::println!("maths {:08x}", hash());
-}
-
-/// FNV-1a over the bits of the results, as in `xtask/src/target.rs`.
-fn hash() -> u32 {
-    let mut hash = 0x811C_9DC5_u32;
-    let mut add = |x: f32| {
-        for byte in x.to_bits().to_le_bytes() {
-            hash = (hash ^ u32::from(byte)).wrapping_mul(0x0100_0193);
-        }
-    };
-    for i in 0..4096_u16 {
-        let x = f32::from(i) / 64.0 - 32.0;
-        let (sin, cos) = math::sin_cos(x);
-        add(sin);
-        add(cos);
-        add(math::atan2(x, 0.7));
-        add(math::acos(x / 32.0));
-        add(math::sqrt(x * x * 1000.0));
+    for function in FUNCTIONS {
+        semihosting::println!("{function} {:08x}", function.hash());
     }
-    hash
 }
 
 /// Has to end with exit code 101.
