@@ -316,10 +316,10 @@ fn slack() {
     };
     let still = cycle(cycle(Script::default()));
     still.becomes(&["30 onset", "34 restick 29 32", "85 onset", "89 restick 84 87"]);
-    // With noise the lowest of the slack samples is any; the longer the fall, the
-    // longer the wait for its end: half of it.
+    // With noise the lowest of the slack samples is any, and the longer the wait for it,
+    // the longer that for the end: half of it. The first of them ends the fall.
     let noisy = cycle(cycle(Script::noisy(0.5)));
-    noisy.becomes(&["30 onset", "37 restick 29 34", "85 onset", "92 restick 84 89"]);
+    noisy.becomes(&["30 onset", "37 restick 29 32", "85 onset", "92 restick 84 87"]);
 }
 
 /// The zero jumps, or the cable catches: up is no slip, down by little is none either.
