@@ -29,7 +29,7 @@ pub enum AdcFault {
     NotReady,
     /// The answer contradicts itself, or the bus reports an error.
     Garbled,
-    /// The same code too many times in a row.
+    /// The same code again and again, whatever is converted.
     Stuck,
     /// A register does not hold what was written: a brown-out, most likely.
     Registers,
@@ -58,8 +58,8 @@ impl From<AdcFault> for Reading {
 
 /// A converter with one signed code per sampling period.
 ///
-/// Called from the sampling interrupt: bounded in time, never waits for a
-/// conversion.
+/// Called from the sampling interrupt: bounded in time, a few milliseconds at worst,
+/// and never waits for the conversion of a sample.
 pub trait BridgeAdc {
     /// Takes the code of the conversion that the previous call started, then
     /// starts the next one. `None`: nothing had been started.

@@ -322,8 +322,10 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
         }
     }
 
+    /// Only to the console: the card has it all, and a display asks often.
     fn status(&mut self) {
-        self.say_settings();
+        let settings = Line::Start { run: self.run, settings: self.settings.clone() };
+        self.console.tell(&settings);
         let view = self.view();
         if let Some(report) = view.report {
             self.console.tell(&Line::Report(report));

@@ -25,16 +25,40 @@ fn data(counter: u8, code: [u8; 3]) -> Transaction {
 
 /// Reset, four writes, four reads back, with the values for the bridge.
 fn set_up() -> Vec<Transaction> {
-    vec![
+    let writes = vec![
         write(&[0x06]),
         write(&[0x48, 0b0101_0000]),
         write(&[0x40, 0b0000_1110]),
         write(&[0x44, 0b0011_0010]),
         write(&[0x4C, 0]),
+    ];
+    [writes, registers()].concat()
+}
+
+/// Four reads back with the values for the bridge.
+fn registers() -> Vec<Transaction> {
+    vec![
         ask(0x20, &[0b0000_1110, 0b1111_0001]),
         ask(0x24, &[0b0011_0010, 0b1100_1101]),
         ask(0x28, &[0b0101_0000, 0b1010_1111]),
         ask(0x2C, &[0, 0xFF]),
+    ]
+}
+
+/// A conversion without fault, after which the next one starts.
+fn sample(counter: u8, code: [u8; 3]) -> Vec<Transaction> {
+    [vec![data(counter, code)], registers(), vec![start()]].concat()
+}
+
+/// The reference is converted at 2000 a second with gain 1, and what it gave.
+fn monitor(counter: u8, code: [u8; 3]) -> Vec<Transaction> {
+    vec![
+        write(&[0x40, 0b1100_0001]),
+        write(&[0x44, 0b1101_0010]),
+        start(),
+        data(counter, code),
+        write(&[0x40, 0b0000_1110]),
+        write(&[0x44, 0b0011_0010]),
     ]
 }
 
@@ -64,21 +88,14 @@ fn first_tick_sets_up_and_starts() {
 }
 
 #[test]
-fn each_tick_reads_checks_one_register_and_starts() {
-    let ticks = vec![
-        ready(),
-        data(1, [0x12, 0x34, 0x56]),
-        ask(0x20, &[0b0000_1110, 0b1111_0001]),
-        start(),
-        data(2, [0xFF, 0xFF, 0xFE]),
-        // The data-ready bit is not ours.
-        ask(0x24, &[0b0011_0010, 0b1100_1101]),
-        start(),
-        data(3, [0x80, 0, 0]),
-        ask(0x28, &[0b1101_0000, 0b0010_1111]),
-        start(),
-    ];
-    run(script(&[set_up(), vec![start()], ticks]), |adc| {
+fn each_tick_reads_checks_every_register_and_starts() {
+    let mut ticks =
+        vec![vec![ready()], sample(1, [0x12, 0x34, 0x56]), sample(2, [0xFF, 0xFF, 0xFE])];
+    let mut last = sample(3, [0x80, 0, 0]);
+    // The data-ready bit is not ours.
+    last[3] = ask(0x28, &[0b1101_0000, 0b0010_1111]);
+    ticks.push(last);
+    run(script(&[set_up(), vec![start()], ticks.concat()]), |adc| {
         assert_eq!(adc.tick(), Ok(None));
         assert_eq!(adc.tick(), Ok(Some(Counts(0x0012_3456))));
         assert_eq!(adc.tick(), Ok(Some(Counts(-2))));
@@ -86,9 +103,55 @@ fn each_tick_reads_checks_one_register_and_starts() {
     });
 }
 
+/// Two equal codes and the answer of the reference in between.
+fn repeated(answer: Transaction, after: Vec<Transaction>) -> Vec<Transaction> {
+    let mut monitor = monitor(3, [0, 0, 0]);
+    monitor[3] = answer;
+    let first = [vec![ready()], sample(1, [0, 1, 2])].concat();
+    let second = [vec![data(2, [0, 1, 2])], registers(), monitor].concat();
+    script(&[set_up(), vec![start()], first, second, after])
+}
+
+#[test]
+fn a_code_that_comes_twice_is_good_if_the_reference_gives_another() {
+    let third = [vec![start()], sample(4, [0, 1, 3])].concat();
+    run(repeated(data(3, [0x1F, 0xFF, 0xF7]), third), |adc| {
+        assert_eq!(adc.tick(), Ok(None));
+        assert_eq!(adc.tick(), Ok(Some(Counts(0x102))));
+        assert_eq!(adc.tick(), Ok(Some(Counts(0x102))));
+        assert_eq!(adc.tick(), Ok(Some(Counts(0x103))));
+    });
+}
+
+#[test]
+fn a_code_that_comes_of_the_reference_too_is_stuck() {
+    let again = [vec![ready(), data(1, [0, 1, 2])], registers()].concat();
+    let restart = || [set_up(), vec![start()]].concat();
+    let free = [vec![ready()], sample(1, [0, 1, 3])].concat();
+    let after = script(&[restart(), again, restart(), free]);
+    run(repeated(data(3, [0, 1, 2]), after), |adc| {
+        assert_eq!(adc.tick(), Ok(None));
+        assert_eq!(adc.tick(), Ok(Some(Counts(0x102))));
+        assert_eq!(adc.tick(), Err(AdcFault::Stuck));
+        assert_eq!(adc.tick(), Err(AdcFault::Stuck), "known to be, set up again or not");
+        assert_eq!(adc.tick(), Ok(Some(Counts(0x103))));
+    });
+}
+
+#[test]
+fn full_scale_twice_is_full_scale() {
+    let full = [0x7F, 0xFF, 0xFF];
+    let ticks = [vec![ready()], sample(1, full), sample(2, full)].concat();
+    run(script(&[set_up(), vec![start()], ticks]), |adc| {
+        assert_eq!(adc.tick(), Ok(None));
+        assert_eq!(adc.tick(), Ok(Some(Counts(0x007F_FFFF))));
+        assert_eq!(adc.tick(), Ok(Some(Counts(0x007F_FFFF))));
+    });
+}
+
 /// After a fault the chip is set up again and the next conversion started.
 fn one_fault(bad: Vec<Transaction>, fault: AdcFault) {
-    let after = vec![ready(), data(1, [0, 0, 7]), ask(0x20, &[0b0000_1110, 0b1111_0001]), start()];
+    let after = [vec![ready()], sample(1, [0, 0, 7])].concat();
     let all = script(&[set_up(), vec![start()], bad, set_up(), vec![start()], after]);
     run(all, |adc| {
         assert_eq!(adc.tick(), Ok(None));
@@ -112,8 +175,13 @@ fn registers_at_their_defaults_give_away_a_brown_out() {
 
 #[test]
 fn a_register_that_changed_by_itself_is_found() {
-    let bad = vec![ready(), data(1, [0, 0, 9]), ask(0x20, &[0b0000_1100, 0b1111_0011])];
-    one_fault(bad, AdcFault::Registers);
+    for register in 0..4 {
+        let mut reads: Vec<Transaction> = registers()[..=register].to_vec();
+        let right = [0b0000_1110, 0b0011_0010, 0b0101_0000, 0][register];
+        let (command, wrong) = (0x20 | (register as u8) << 2, right ^ 0b100);
+        reads[register] = ask(command, &[wrong, !wrong]);
+        one_fault([vec![ready(), data(1, [0, 0, 9])], reads].concat(), AdcFault::Registers);
+    }
 }
 
 #[test]
@@ -133,7 +201,7 @@ fn a_conversion_that_is_not_there_is_not_ready() {
 
 #[test]
 fn the_same_conversion_twice_is_not_ready() {
-    let once = vec![ready(), data(1, [0, 0, 7]), ask(0x20, &[0b0000_1110, 0b1111_0001]), start()];
+    let once = [vec![ready()], sample(1, [0, 0, 7])].concat();
     let all =
         script(&[set_up(), vec![start()], once, vec![data(1, [0, 0, 7])], set_up(), vec![start()]]);
     run(all, |adc| {
@@ -145,23 +213,24 @@ fn the_same_conversion_twice_is_not_ready() {
 
 #[test]
 fn another_input_is_another_set_up() {
-    let temperature = vec![
+    let registers = || {
+        vec![
+            ask(0x20, &[0b0000_1110, 0b1111_0001]),
+            ask(0x24, &[0b0011_0001, 0b1100_1110]),
+            ask(0x28, &[0b0101_0000, 0b1010_1111]),
+            ask(0x2C, &[0, 0xFF]),
+        ]
+    };
+    let writes = vec![
         write(&[0x06]),
         write(&[0x48, 0b0101_0000]),
         write(&[0x40, 0b0000_1110]),
         write(&[0x44, 0b0011_0001]),
         write(&[0x4C, 0]),
-        ask(0x20, &[0b0000_1110, 0b1111_0001]),
-        ask(0x24, &[0b0011_0001, 0b1100_1110]),
-        ask(0x28, &[0b0101_0000, 0b1010_1111]),
-        ask(0x2C, &[0, 0xFF]),
-        start(),
-        ready(),
-        // -12 °C: -384 in 14 bits at the top.
-        data(1, [0xFA, 0x00, 0x00]),
-        ask(0x20, &[0b0000_1110, 0b1111_0001]),
-        start(),
     ];
+    // -12 °C: -384 in 14 bits at the top.
+    let taken = vec![start(), ready(), data(1, [0xFA, 0x00, 0x00])];
+    let temperature = script(&[writes, registers(), taken, registers(), vec![start()]]);
     run(temperature, |adc| {
         assert!(adc.select(Input::Temperature));
         assert_eq!(adc.tick(), Ok(None));

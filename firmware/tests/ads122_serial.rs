@@ -30,7 +30,12 @@ impl Script {
             .step(&[0x55, 0x40, 0b0000_1110], &[])
             .step(&[0x55, 0x42, 0b0011_0010], &[])
             .step(&[0x55, 0x46, 0], &[])
-            .step(&[0x55, 0x20], &[0b0000_1110, 0b1111_0001])
+            .registers()
+    }
+
+    /// Four reads back with the values for the bridge.
+    fn registers(self) -> Self {
+        self.step(&[0x55, 0x20], &[0b0000_1110, 0b1111_0001])
             .step(&[0x55, 0x22], &[0b0011_0010, 0b1100_1101])
             .step(&[0x55, 0x24], &[0b0101_0000, 0b1010_1111])
             .step(&[0x55, 0x26], &[0, 0xFF])
@@ -86,16 +91,38 @@ const ANSWER: [u8; 8] = [1, 0x56, 0x34, 0x92, !1, !0x56, !0x34, !0x92];
 
 #[test]
 fn bytes_of_a_tick() {
+    let script =
+        Script::default().set_up().start().ready().step(&[0x55, 0x10], &ANSWER).registers().start();
+    let mut adc = adc(script);
+    assert_eq!(adc.tick(), Ok(None));
+    assert_eq!(adc.tick(), Ok(Some(Counts(0x0092_3456 - (1 << 24)))));
+}
+
+#[test]
+fn bytes_of_a_frozen_code() {
+    let again = [2, 0x56, 0x34, 0x92, !2, !0x56, !0x34, !0x92];
+    let monitor = [3, 0x56, 0x34, 0x92, !3, !0x56, !0x34, !0x92];
     let script = Script::default()
         .set_up()
         .start()
         .ready()
         .step(&[0x55, 0x10], &ANSWER)
-        .step(&[0x55, 0x20], &[0b0000_1110, 0b1111_0001])
+        .registers()
+        .start()
+        .step(&[0x55, 0x10], &again)
+        .registers()
+        .step(&[0x55, 0x40, 0b1100_0001], &[])
+        .step(&[0x55, 0x42, 0b1101_0010], &[])
+        .start()
+        .step(&[0x55, 0x10], &monitor)
+        .step(&[0x55, 0x40, 0b0000_1110], &[])
+        .step(&[0x55, 0x42, 0b0011_0010], &[])
+        .set_up()
         .start();
     let mut adc = adc(script);
     assert_eq!(adc.tick(), Ok(None));
     assert_eq!(adc.tick(), Ok(Some(Counts(0x0092_3456 - (1 << 24)))));
+    assert_eq!(adc.tick(), Err(AdcFault::Stuck));
 }
 
 #[test]
@@ -114,7 +141,7 @@ fn stale_bytes_are_thrown_away() {
         .step(&[0x55, 0x08], &[9, 9, 9])
         .ready()
         .step(&[0x55, 0x10], &ANSWER)
-        .step(&[0x55, 0x20], &[0b0000_1110, 0b1111_0001])
+        .registers()
         .start();
     let mut adc = adc(script);
     assert_eq!(adc.tick(), Ok(None));

@@ -7,6 +7,7 @@ pub mod card;
 pub mod chip;
 pub mod cli;
 pub mod error;
+pub mod live;
 pub mod log;
 pub mod replay;
 pub mod report;

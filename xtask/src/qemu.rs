@@ -1,6 +1,7 @@
 //! The emulator, QEMU 10 or newer: before that, `-icount` together with a
 //! sleeping processor is wrong and not repeatable.
 
+use std::path::Path;
 use std::process::Command;
 
 use crate::shell::{output, say};
@@ -26,6 +27,31 @@ pub fn find() -> Result<&'static str> {
         Some(v) if v >= OLDEST => Ok(PROGRAM),
         found => Err(format!("{PROGRAM}: got version {found:?}, need {OLDEST}")),
     }
+}
+
+/// The emulated board with a program in it, whose files are those of a directory.
+/// An instruction takes 2 to the power of `shift` ns, and a sleep no time at all.
+/// Somebody may be at its UART 0, by way of `socket`.
+///
+/// What would be recorded goes nowhere: recording keeps QEMU's two threads out of
+/// each other's way. Without it a sleep now and then begins before the instructions
+/// that led to it have been counted, and ends that much too late (seen twice in a
+/// million ticks). With it nothing that is typed would arrive.
+pub fn board(
+    program: &str,
+    shift: u32,
+    socket: Option<&str>,
+    firmware: &Path,
+    directory: &Path,
+) -> Command {
+    let recorded = if socket.is_none() { ",rr=record,rrfile=/dev/null" } else { "" };
+    let icount = format!("shift={shift},sleep=off{recorded}");
+    let mut command = Command::new(program);
+    command.args(["-M", "mps2-an386", "-display", "none", "-monitor", "none"]);
+    command.args(["-serial", socket.unwrap_or("none"), "-icount", &icount]);
+    command.args(["-semihosting-config", "enable=on,target=native"]);
+    command.arg("-kernel").arg(firmware).current_dir(directory);
+    command
 }
 
 /// Major version of the installed program.

@@ -13,8 +13,8 @@ use crate::qemu;
 use crate::shell::{root, say};
 
 /// Virtual time of an instruction is 2 to this power in ns.
-const FAST: &str = "shift=4,sleep=off";
-const COUNTING: &str = "shift=8,sleep=off";
+const FAST: u32 = 4;
+const COUNTING: u32 = 8;
 const LIMIT: Duration = Duration::from_secs(120);
 
 /// The program with the tests in it.
@@ -56,7 +56,7 @@ impl Tests {
             ("fault", FAST, End::Code(102)),
             ("overflow", FAST, End::Stopped),
         ];
-        let check = |(name, icount, end): &(&str, &str, End)| self.check(name, icount, end).err();
+        let check = |(name, shift, end): &(&str, u32, End)| self.check(name, *shift, end).err();
         let failed: Vec<String> = tests.iter().filter_map(check).collect();
         println!("on target: {} passed, {} failed", tests.len() - failed.len(), failed.len());
         if failed.is_empty() { Ok(()) } else { Err(failed.join("; ")) }
@@ -78,8 +78,8 @@ impl Tests {
         if output.status.success() { Ok(counts) } else { Err(report(name, &output)) }
     }
 
-    fn check(&self, name: &str, icount: &str, end: &End) -> Result<()> {
-        let output = self.run(name, icount)?;
+    fn check(&self, name: &str, shift: u32, end: &End) -> Result<()> {
+        let output = self.run(name, shift)?;
         let code = output.status.code();
         let as_expected = match end {
             End::Passed => code == Some(0),
@@ -96,15 +96,11 @@ impl Tests {
         Ok(())
     }
 
-    fn run(&self, name: &str, icount: &str) -> Result<Output> {
+    fn run(&self, name: &str, shift: u32) -> Result<Output> {
         let directory = root().join("target").join(format!("on-target-{}", std::process::id()));
         fs::create_dir_all(&directory).map_err(|e| e.to_string())?;
         fs::write(directory.join("test.name"), name).map_err(|e| e.to_string())?;
-        let mut command = Command::new(self.qemu);
-        command.args(["-M", "mps2-an386", "-display", "none", "-monitor", "none"]);
-        command.args(["-serial", "none", "-icount", icount]);
-        command.args(["-semihosting-config", "enable=on,target=native", "-kernel"]);
-        command.arg(&self.program).current_dir(&directory);
+        let mut command = qemu::board(self.qemu, shift, None, &self.program, &directory);
         let output = within(&mut command, LIMIT);
         let _ = fs::remove_dir_all(&directory);
         output.map_err(|e| format!("{name}: {e}"))

@@ -1,9 +1,14 @@
 //! TI ADS122C04 and ADS122U04: one 24-bit bridge converter behind two buses.
 //!
 //! Each sampling period: read the conversion that the last period started (eight
-//! bytes: a counter, the code, and all four again inverted), read back one
+//! bytes: a counter, the code, and all four again inverted), read back every
 //! register, start the next conversion. A fault costs its own sample: the chip is
 //! reset and set up again in the same call.
+//!
+//! A code that comes twice in a row is one in a hundred where the force stands
+//! still, but it may also be a converter that has hung. Then, and only then, the
+//! reference is converted too: if that gives the same code, it has. The next
+//! conversion starts 2 ms late, which matters little: the force was standing still.
 
 mod bus;
 pub mod registers;
@@ -13,14 +18,14 @@ use floe_core::Counts;
 
 pub use self::bus::{Bus, I2cBus, SerialBus};
 use crate::adc::{AdcFault, BridgeAdc, Input};
-use registers::{DATA_READY, READ_DATA, READ_REGISTER, RESET, START, WRITE_REGISTER, settings};
-
-/// How often a code may come in a row. The chip's own noise is 12 codes or more,
-/// so that five equal ones come by chance once in about 3 million samples.
-pub const EQUAL_CODES: u8 = 4;
+use registers::{
+    DATA_READY, MONITOR, READ_DATA, READ_REGISTER, RESET, START, WRITE_REGISTER, settings,
+};
 
 /// Longest time from a reset to the first command, data sheet section 6.6.
 const RESET_US: u32 = 500;
+/// Time for a conversion of the reference, nearly twice what it takes.
+const MONITOR_US: u32 = 1_000;
 
 /// The converter and what it has been told.
 #[derive(Debug)]
@@ -29,8 +34,12 @@ pub struct Ads122<B, D> {
     delay: D,
     input: Input,
     state: State,
-    last: Last,
-    next_register: u8,
+    /// Counter of the last conversion that was read; none since a reset.
+    counter: Option<u8>,
+    /// The last code, and whether it is all that comes. A reset does not change what
+    /// is known of it, only another code does.
+    code: Option<i32>,
+    frozen: bool,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -43,37 +52,31 @@ enum State {
     Converting,
 }
 
-/// The last conversion, to tell a new one from an old one.
-#[derive(Clone, Copy, Debug, Default)]
-struct Last {
-    counter: Option<u8>,
-    code: Option<i32>,
-    equal: u8,
-}
-
 impl<B: Bus, D: DelayNs> Ads122<B, D> {
     /// Touches nothing: the first [`BridgeAdc::tick`] sets the chip up.
     pub fn new(bus: B, delay: D) -> Self {
-        let last = Last::default();
-        Self { bus, delay, input: Input::Bridge, state: State::Unset, last, next_register: 0 }
+        let (input, state) = (Input::Bridge, State::Unset);
+        Self { bus, delay, input, state, counter: None, code: None, frozen: false }
     }
 
     /// Resets, writes all registers, reads them back.
     fn set_up(&mut self) -> Result<(), AdcFault> {
         self.state = State::Unset;
-        self.last.counter = None;
+        self.counter = None;
         self.bus.send(&[RESET])?;
         self.delay.delay_us(RESET_US);
         // The integrity check has to be on before anything is read back.
-        for register in [2, 0, 1, 3] {
-            let value = settings(self.input)[usize::from(register)];
-            self.bus.send(&[WRITE_REGISTER | register << B::ADDRESS_SHIFT, value])?;
-        }
-        for register in 0..4 {
-            self.check_register(register)?;
-        }
+        let [zero, one, two, three] = settings(self.input);
+        self.write_registers([(2, two), (0, zero), (1, one), (3, three)])?;
+        self.check_registers()?;
         self.state = State::Ready;
         Ok(())
+    }
+
+    fn write_registers<const N: usize>(&mut self, values: [(u8, u8); N]) -> Result<(), AdcFault> {
+        values.into_iter().try_for_each(|(register, value)| {
+            self.bus.send(&[WRITE_REGISTER | register << B::ADDRESS_SHIFT, value])
+        })
     }
 
     fn read_register(&mut self, register: u8) -> Result<u8, AdcFault> {
@@ -82,11 +85,29 @@ impl<B: Bus, D: DelayNs> Ads122<B, D> {
         if answer[0] == !answer[1] { Ok(answer[0]) } else { Err(AdcFault::Garbled) }
     }
 
-    fn check_register(&mut self, register: u8) -> Result<(), AdcFault> {
-        let read = self.read_register(register)?;
-        let value = if register == 2 { read & !DATA_READY } else { read };
-        let expected = settings(self.input).get(usize::from(register)).copied();
-        if expected == Some(value) { Ok(()) } else { Err(AdcFault::Registers) }
+    fn check_registers(&mut self) -> Result<(), AdcFault> {
+        for (register, expected) in (0..).zip(settings(self.input)) {
+            let read = self.read_register(register)?;
+            let value = if register == 2 { read & !DATA_READY } else { read };
+            if value != expected {
+                return Err(AdcFault::Registers);
+            }
+        }
+        Ok(())
+    }
+
+    /// The last conversion, which has to be a new one.
+    fn read_data(&mut self) -> Result<i32, AdcFault> {
+        let mut bytes = [0; 8];
+        self.bus.ask(READ_DATA, &mut bytes)?;
+        let [counter, a, b, c, inverse @ ..] = bytes;
+        if inverse != [!counter, !a, !b, !c] {
+            return Err(AdcFault::Garbled);
+        }
+        if self.counter.replace(counter) == Some(counter) {
+            return Err(AdcFault::NotReady);
+        }
+        Ok(B::code([a, b, c]))
     }
 
     fn start(&mut self) -> Result<(), AdcFault> {
@@ -95,41 +116,38 @@ impl<B: Bus, D: DelayNs> Ads122<B, D> {
         Ok(())
     }
 
-    /// The finished conversion, with one register checked.
+    /// The finished conversion, if everything about it is as it should be.
     fn take(&mut self) -> Result<Counts, AdcFault> {
         // After a reset there is no counter to compare with.
-        if self.last.counter.is_none() && self.read_register(2)? & DATA_READY == 0 {
+        if self.counter.is_none() && self.read_register(2)? & DATA_READY == 0 {
             return Err(AdcFault::NotReady);
         }
-        let mut bytes = [0; 8];
-        self.bus.ask(READ_DATA, &mut bytes)?;
-        if (0..4).any(|i| bytes[i] != !bytes[i + 4]) {
-            return Err(AdcFault::Garbled);
+        let code = self.read_data()?;
+        self.check_registers()?;
+        // Full scale is full scale, however often.
+        let repeated = self.code.replace(code) == Some(code) && !saturated(code);
+        self.frozen = repeated && (self.frozen || self.monitor()? == code);
+        if self.frozen {
+            return Err(AdcFault::Stuck);
         }
-        let code = B::code([bytes[1], bytes[2], bytes[3]]);
-        self.last.check(bytes[0], code, self.input)?;
-        self.check_register(self.next_register)?;
-        self.next_register = (self.next_register + 1) % 4;
         Ok(Counts(self.scaled(code)))
+    }
+
+    /// Converts the reference, which waits a millisecond. That the registers are as
+    /// before again is checked with the next sample.
+    fn monitor(&mut self) -> Result<i32, AdcFault> {
+        self.write_registers([(0, MONITOR[0]), (1, MONITOR[1])])?;
+        self.bus.send(&[START])?;
+        self.delay.delay_us(MONITOR_US);
+        let code = self.read_data()?;
+        let [zero, one, ..] = settings(self.input);
+        self.write_registers([(0, zero), (1, one)])?;
+        Ok(code)
     }
 
     /// The temperature comes as 14 bits at the top, in 1/32 °C.
     fn scaled(&self, code: i32) -> i32 {
         if self.input == Input::Temperature { (code >> 10) * 8 } else { code }
-    }
-}
-
-impl Last {
-    /// The suspicion of a stuck code outlives a reset of the chip.
-    fn check(&mut self, counter: u8, code: i32, input: Input) -> Result<(), AdcFault> {
-        if self.counter == Some(counter) {
-            return Err(AdcFault::NotReady);
-        }
-        let noisy = matches!(input, Input::Bridge | Input::Shorted) && !saturated(code);
-        let equal = noisy && self.code == Some(code);
-        self.equal = if equal { self.equal.saturating_add(1) } else { 0 };
-        (self.counter, self.code) = (Some(counter), Some(code));
-        if self.equal >= EQUAL_CODES { Err(AdcFault::Stuck) } else { Ok(()) }
     }
 }
 
@@ -153,7 +171,7 @@ impl<B: Bus, D: DelayNs> BridgeAdc for Ads122<B, D> {
     fn select(&mut self, input: Input) -> bool {
         self.input = input;
         self.state = State::Unset;
-        self.last = Last::default();
+        (self.counter, self.code, self.frozen) = (None, None, false);
         true
     }
 }

@@ -16,6 +16,11 @@ pub const WRITE_REGISTER: u8 = 0x40;
 /// Bit 7 of register 2 tells of a new conversion; it is not ours to set.
 pub const DATA_READY: u8 = 0x80;
 
+const TURBO_90: u8 = 0b001 << 5 | TURBO;
+const TURBO_2000: u8 = 0b110 << 5 | TURBO;
+const TURBO: u8 = 1 << 4;
+const EXTERNAL_REFERENCE: u8 = 0b01 << 1;
+
 /// Registers 0 to 3 for what is to be measured.
 ///
 /// Bridge: AIN0 against AIN1, gain 128, reference from REFP and REFN (which the
@@ -26,8 +31,6 @@ pub const DATA_READY: u8 = 0x80;
 pub fn settings(input: Input) -> [u8; 4] {
     const GAIN_128: u8 = 0b111 << 1;
     const SHORTED: u8 = 0b1110 << 4;
-    const TURBO_90: u8 = 0b001 << 5 | 1 << 4;
-    const EXTERNAL_REFERENCE: u8 = 0b01 << 1;
     const TEMPERATURE: u8 = 1;
     const COUNTER_AND_INVERTED: u8 = 1 << 6 | 0b01 << 4;
     const BURN_OUT: u8 = 1 << 3;
@@ -39,3 +42,8 @@ pub fn settings(input: Input) -> [u8; 4] {
         Input::BurnOut => [GAIN_128, bridge[1], bridge[2] | BURN_OUT, 0],
     }
 }
+
+/// Registers 0 and 1 for an answer that is known beforehand, and soon: a quarter of
+/// the reference with gain 1, which is a quarter of full scale, in 0.52 ms.
+pub const MONITOR: [u8; 2] = [0b1100 << 4 | PGA_BYPASS, TURBO_2000 | EXTERNAL_REFERENCE];
+const PGA_BYPASS: u8 = 1;

@@ -38,6 +38,9 @@ pub struct Device {
 /// What a chip whose modulator hangs gives, whatever happens to its registers.
 const FROZEN_CODE: i32 = 123_456;
 
+/// Supply of chip and bridge.
+const SUPPLY_V: f64 = 3.3;
+
 const RESET: u8 = 0x06;
 const START: u8 = 0x08;
 const POWER_DOWN: u8 = 0x02;
@@ -235,13 +238,21 @@ impl Device {
             return (self.load_cell.temperature_c() * 32.0).round() as i32 * 1024;
         }
         let gain = f64::from(1_u32 << (self.registers[0] >> 1 & 0b111));
-        let ratio = match self.registers[0] >> 4 {
-            0b0000 => self.load_cell.ratio(since_ns, self.registers[CONFIG_2] & 1 << 3 != 0),
-            0b0011 => -self.load_cell.ratio(since_ns, false),
+        // As shares of the reference; the monitors bypass the gain.
+        let input = match self.registers[0] >> 4 {
+            0b0000 => gain * self.load_cell.ratio(since_ns, self.registers[CONFIG_2] & 1 << 3 != 0),
+            0b0011 => -gain * self.load_cell.ratio(since_ns, false),
+            0b1100 => 0.25,
+            0b1101 => 0.25 * SUPPLY_V / self.reference_v(),
             _ => 0.0,
         };
-        let code = (ratio * gain * f64::from(1 << 23)).round() + noise.round();
+        let code = (input * f64::from(1 << 23)).round() + noise.round();
         code.clamp(-f64::from(1 << 23), f64::from((1 << 23) - 1)) as i32
+    }
+
+    /// External and supply are both what excites the bridge.
+    fn reference_v(&self) -> f64 {
+        if self.registers[1] >> 1 & 0b11 == 0 { 2.048 } else { SUPPLY_V }
     }
 
     fn measures_bridge(&self) -> bool {

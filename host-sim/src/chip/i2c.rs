@@ -3,6 +3,7 @@
 use std::cell::RefCell;
 use std::rc::Rc;
 
+use embedded_hal::delay::DelayNs;
 use embedded_hal::i2c::{Error, ErrorKind, ErrorType, I2c, NoAcknowledgeSource, Operation};
 
 use super::device::Device;
@@ -20,7 +21,7 @@ impl Error for NoAnswer {
 }
 
 /// The chip on a bus of its own, at address 0x40. The clock is shared with
-/// whoever lets time pass.
+/// whoever else lets time pass.
 #[derive(Clone, Debug)]
 pub struct I2cChip {
     device: Rc<RefCell<Device>>,
@@ -28,12 +29,19 @@ pub struct I2cChip {
 }
 
 const ADDRESS: u8 = 0x40;
+/// 400 kHz.
+const BIT_NS: u32 = 2_500;
 
 impl I2cChip {
     /// Connects a chip to a clock.
     #[must_use]
     pub fn new(device: Rc<RefCell<Device>>, clock: Clock) -> Self {
         Self { device, clock }
+    }
+
+    /// A start, the address, and bytes, each with its acknowledge.
+    fn pass(&mut self, bytes: usize) {
+        self.clock.delay_ns((1 + 9 * (1 + bytes as u32)) * BIT_NS);
     }
 
     fn write_bytes(&self, bytes: &[u8]) -> Vec<u8> {
@@ -67,13 +75,18 @@ impl I2c for I2cChip {
     ) -> Result<(), NoAnswer> {
         let trouble = self.device.borrow().trouble(self.clock.now_ns());
         if address != ADDRESS || trouble == Some(Trouble::Silent) {
+            self.pass(0);
             return Err(NoAnswer);
         }
         let mut answer = Vec::new();
         for operation in operations {
             match operation {
-                Operation::Write(bytes) => answer = self.write_bytes(bytes),
+                Operation::Write(bytes) => {
+                    self.pass(bytes.len());
+                    answer = self.write_bytes(bytes);
+                }
                 Operation::Read(buffer) => {
+                    self.pass(buffer.len());
                     // A chip that has nothing more to say leaves the line high.
                     let bytes = answer.drain(..answer.len().min(buffer.len()));
                     let bytes: Vec<u8> = bytes.collect();
@@ -82,6 +95,8 @@ impl I2c for I2cChip {
                 }
             }
         }
+        // The stop.
+        self.clock.delay_ns(BIT_NS);
         Ok(())
     }
 }

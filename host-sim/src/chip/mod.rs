@@ -3,7 +3,8 @@
 //! Written from the data sheets SBAS751B and SBAS752B alone, so that it can find
 //! what the firmware's driver gets wrong: commands, registers and their defaults,
 //! conversion times, single-shot and continuous conversion, conversion counter,
-//! inverted data, temperature sensor, shorted inputs, burn-out currents. Not
+//! inverted data, temperature sensor, shorted inputs, monitors of reference and
+//! supply, burn-out currents. Not
 //! modelled: the CRC-16 option, excitation currents, general-purpose pins,
 //! automatic data output.
 //!

@@ -11,6 +11,7 @@ use crate::error::InputError;
 
 pub mod bench;
 pub mod campaign;
+pub mod live;
 pub mod output;
 pub mod recover;
 pub mod replay;
@@ -29,6 +30,7 @@ struct Cli {
 enum Command {
     Campaign(campaign::Args),
     Bench(bench::Args),
+    Live(live::Args),
     Replay(replay::Args),
     Recover(recover::Args),
     Simulate(simulate::Args),
@@ -45,6 +47,7 @@ pub fn main() -> ExitCode {
         Ok(Cli { command: Some(Command::Stiffness(args)) }) => stiffness::run(&args),
         Ok(Cli { command: Some(Command::Campaign(args)) }) => campaign::run(&args),
         Ok(Cli { command: Some(Command::Bench(args)) }) => bench::run(&args),
+        Ok(Cli { command: Some(Command::Live(args)) }) => live::run(&args),
         Ok(Cli { command: None }) => replay::run_bundled(),
         Err(error) if error.use_stderr() => Err(one_line(&error)),
         // Help and version are asked for, not wrong.

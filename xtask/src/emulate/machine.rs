@@ -2,6 +2,7 @@
 
 use std::fs;
 use std::io::Read;
+use std::net::TcpListener;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::sync::mpsc;
@@ -11,11 +12,13 @@ use floe::chip::SerialChip;
 
 use super::link::{Link, Typist};
 use super::record::Record;
-use super::socket;
 use crate::Result;
 use crate::arm::Route;
 use crate::qemu;
-use crate::shell::root;
+use crate::shell::{root, say};
+
+/// 62.5 million instructions per second.
+const SHIFT: u32 = 4;
 
 /// A firmware that is ready to run.
 #[derive(Debug)]
@@ -29,7 +32,7 @@ pub struct Machine {
 pub struct Setup<'a> {
     /// Every sample is shown, not only what comes of them.
     pub samples: bool,
-    /// In real time, the console on this TCP port of this PC.
+    /// In real time, the board's UART 0 on this TCP port of this PC.
     pub port: Option<u16>,
     /// The SD card.
     pub card: Option<&'a Path>,
@@ -86,16 +89,18 @@ impl Machine {
         let directory = Directory::new(setup.card)?;
         let live = if setup.samples { "live on\r\n" } else { "live off\r\n" };
         directory.write("console.in", record.commands() + live + "start\r\n")?;
-        let typist = vec![(record.codes.len() as u64, "stop\r\n".to_string())];
+        // In a line of its own, whatever a person may just be typing.
+        let typist = vec![(record.codes.len() as u64, "\r\nstop\r\n".to_string())];
         let typist = Typist::new(&directory.path("console.in"), typist);
         let typist = typist.map_err(|e| e.to_string())?;
         let (load_cell, trouble) = record.load_cell();
         let chip = SerialChip::new(load_cell, trouble, 0);
         let start = Instant::now();
-        let mut child = self.spawn(&directory)?;
         if let Some(port) = setup.port {
-            socket::serve(port, &directory.0)?;
+            directory.write("uart", String::new())?;
+            invite(port)?;
         }
+        let mut child = self.spawn(&directory, setup.port)?;
         let link = Link { chip, typist, real_time: setup.port.is_some(), cut_at: setup.cut_at };
         let done = serve(&directory, link, &mut child);
         let stack = stack_of(&mut child);
@@ -114,16 +119,27 @@ impl Machine {
         Ok(self.run(&Record::stick_slip(), Setup::default())?.stack)
     }
 
-    fn spawn(&self, directory: &Directory) -> Result<Child> {
-        let mut command = Command::new(self.qemu);
-        command.args(["-M", "mps2-an386", "-display", "none", "-monitor", "none"]);
-        command.args(["-serial", "none", "-icount", "shift=4,sleep=off"]);
-        command.args(["-semihosting-config", "enable=on,target=native", "-kernel"]);
-        command.arg(&self.firmware).current_dir(&directory.0);
+    fn spawn(&self, directory: &Directory, port: Option<u16>) -> Result<Child> {
+        let socket = port.map(socket);
+        let socket = socket.as_deref();
+        let mut command = qemu::board(self.qemu, SHIFT, socket, &self.firmware, &directory.0);
         let logged = fs::File::create(directory.path("logged")).map_err(|e| e.to_string())?;
         command.stdin(Stdio::null()).stdout(logged).stderr(Stdio::piped());
         command.spawn().map_err(|e| format!("cannot start {}: {e}", self.qemu))
     }
+}
+
+/// UART 0 for whoever comes, one at a time, again and again.
+fn socket(port: u16) -> String {
+    format!("tcp:127.0.0.1:{port},server=on,wait=off,nodelay=on")
+}
+
+/// Says where the console will be, if that port is free.
+fn invite(port: u16) -> Result<()> {
+    let free = TcpListener::bind(("127.0.0.1", port));
+    free.map_err(|e| format!("port {port}: {e}; name another: --live PORT"))?;
+    say(&format!("console: floe live 127.0.0.1:{port}, or nc 127.0.0.1 {port}"));
+    Ok(())
 }
 
 /// What the board says about its stack at its end; whatever else it or the
@@ -156,7 +172,11 @@ fn serve(directory: &Directory, link: Link, child: &mut Child) -> Result<SerialC
             break done.map_err(|e| e.to_string())?;
         }
         if let Ok(Some(status)) = child.try_wait() {
-            return Err(format!("the firmware stopped ({status})"));
+            // A line that was just closed ends the board before it is told of here.
+            match receiver.recv_timeout(Duration::from_secs(1)) {
+                Ok(Ok(done)) if status.success() => return Ok(done),
+                _ => return Err(format!("the firmware stopped ({status})")),
+            }
         }
     };
     // The line is closed: the board ends by itself.

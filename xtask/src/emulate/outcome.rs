@@ -98,6 +98,25 @@ impl Outcome {
         Ok(format!("{bad}{events} events and the report as on this PC, bit for bit"))
     }
 
+    /// Whether the test ran from the record's first sample to its last.
+    #[must_use]
+    pub fn is_whole(&self, record: &Record) -> bool {
+        let counters = &self.report.counters;
+        counters.samples + counters.missing >= record.codes.len() as u64
+    }
+
+    /// In the emulator every tick comes to the clock's very count: a late one is the
+    /// emulator's mistake, and the run would not be repeatable.
+    ///
+    /// # Errors
+    /// How late one came.
+    pub fn check_ticks(&self) -> Result<()> {
+        match self.health.jitter_s {
+            Some(jitter_s) if jitter_s > 0.0 => Err(format!("a tick came {jitter_s} s late")),
+            _ => Ok(()),
+        }
+    }
+
     /// As `floe replay` would give it.
     #[must_use]
     pub fn result(&self, path: &Path, record: &Record) -> ReplayResult {

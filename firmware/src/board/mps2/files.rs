@@ -4,6 +4,7 @@
 //! |---|---|
 //! | `adc.out`, `adc.in` | FIFOs to a model of the converter |
 //! | `console.in`, `console.out` | what the user types (may grow) and sees |
+//! | `uart` | if it is there, UART 0 types and sees the same |
 //! | `card.img` | the SD card, if there is one |
 //!
 //! Emulated time stands still while the host reads or answers, so hours pass in
@@ -21,6 +22,7 @@ use semihosting::fs::File;
 use semihosting::io::{self, Read as _, Seek as _, SeekFrom, Write as _};
 
 use super::clock;
+use super::uart::Uart;
 
 /// The converter's serial line.
 #[derive(Debug)]
@@ -119,6 +121,7 @@ pub struct ConsoleFiles {
     typed: File,
     shown: File,
     bytes: Deque<u8, 128>,
+    uart: Option<Uart>,
 }
 
 impl ConsoleFiles {
@@ -127,7 +130,8 @@ impl ConsoleFiles {
     pub fn open() -> Option<Self> {
         let typed = File::open(c"console.in").ok()?;
         let shown = File::create(c"console.out").ok()?;
-        Some(Self { typed, shown, bytes: Deque::new() })
+        let uart = File::open(c"uart").ok().map(|_| Uart::start());
+        Some(Self { typed, shown, bytes: Deque::new(), uart })
     }
 }
 
@@ -141,6 +145,9 @@ impl ReadReady for ConsoleFiles {
             let mut bytes = [0; 128];
             let count = self.typed.read(&mut bytes).map_err(|_| ErrorKind::Other)?;
             self.bytes.extend(bytes.iter().take(count));
+        }
+        if self.bytes.is_empty() {
+            self.bytes.extend(self.uart.as_mut().and_then(Uart::typed));
         }
         Ok(!self.bytes.is_empty())
     }
@@ -157,7 +164,11 @@ impl Read for ConsoleFiles {
 
 impl Write for ConsoleFiles {
     fn write(&mut self, bytes: &[u8]) -> Result<usize, ErrorKind> {
-        self.shown.write(bytes).map_err(|_| ErrorKind::Other)
+        let count = self.shown.write(bytes).map_err(|_| ErrorKind::Other)?;
+        if let (Some(uart), Some(bytes)) = (&mut self.uart, bytes.get(..count)) {
+            uart.show(bytes);
+        }
+        Ok(count)
     }
 
     fn flush(&mut self) -> Result<(), ErrorKind> {

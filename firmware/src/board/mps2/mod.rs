@@ -1,9 +1,11 @@
 //! Arm MPS2 with image AN386: a Cortex-M4F that QEMU has, to test on.
 //!
 //! Timer 0 is the sampling tick, timer 1 the clock. The converter, the console and
-//! the card are files of the emulator's host, see [`files`].
+//! the card are files of the emulator's host, see [`files`]; in real time UART 0 is
+//! a console too.
 
 pub mod files;
+pub mod uart;
 
 use core::cell::RefCell;
 use core::ptr::{read_volatile, write_volatile};
@@ -30,14 +32,19 @@ const INT_CLEAR: usize = 0xC;
 const ENABLE: u32 = 1 << 0;
 const INTERRUPT: u32 = 1 << 3;
 
-/// Interrupt 8 is timer 0; nothing else is used.
+/// An interrupt.
 #[derive(Clone, Copy)]
-struct Timer0Line;
+struct Line(u16);
 
-// SAFETY: 8 is timer 0's number on this board.
-unsafe impl cortex_m::interrupt::InterruptNumber for Timer0Line {
+impl Line {
+    const UART0_RX: Self = Self(0);
+    const TIMER0: Self = Self(8);
+}
+
+// SAFETY: the two above, the only ones there are, have this board's numbers.
+unsafe impl cortex_m::interrupt::InterruptNumber for Line {
     fn number(self) -> u16 {
-        8
+        self.0
     }
 }
 
@@ -53,6 +60,7 @@ unsafe extern "C" {
 #[unsafe(no_mangle)]
 pub static __INTERRUPTS: [Vector; 32] = {
     let mut table: [Vector; 32] = [DefaultHandler; 32];
+    table[0] = uart::on_receive;
     table[8] = on_timer0;
     table
 };
@@ -95,7 +103,7 @@ pub fn start_tick(tick: &'static mut (dyn Tick + Send)) {
     write(TIMER0 + VALUE, TICK_PERIODS - 1);
     write(TIMER0 + CTRL, ENABLE | INTERRUPT);
     // SAFETY: the handler above is in the vector table.
-    unsafe { NVIC::unmask(Timer0Line) };
+    unsafe { NVIC::unmask(Line::TIMER0) };
 }
 
 /// Sleeps until an interrupt unless `busy` says that there is work. The question
@@ -130,11 +138,11 @@ pub fn finish(code: i32) -> ! {
 }
 
 fn read(register: usize) -> u32 {
-    // SAFETY: callers name registers of this board's timers only.
+    // SAFETY: callers name registers of this board's timers and UART only.
     unsafe { read_volatile(register as *const u32) }
 }
 
 fn write(register: usize, value: u32) {
-    // SAFETY: callers name registers of this board's timers only.
+    // SAFETY: callers name registers of this board's timers and UART only.
     unsafe { write_volatile(register as *mut u32, value) }
 }

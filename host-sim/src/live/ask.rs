@@ -1,0 +1,216 @@
+//! Keys to commands.
+
+use floe_firmware::command::Command;
+use ratatui::crossterm::event::{KeyCode, KeyEvent, KeyEventKind, KeyModifiers};
+
+/// Longest answer; a board takes 80.
+const LONGEST: usize = 60;
+
+/// What the user is being asked.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Question {
+    Weight,
+    Name,
+    Slope,
+    Calibrate,
+    Tare,
+    Stop,
+    Command,
+}
+
+impl Question {
+    fn text(self) -> &'static str {
+        match self {
+            Self::Weight => "weight of the block, N",
+            Self::Name => "name of the test",
+            Self::Slope => "slope of the ice, degrees, uphill positive",
+            Self::Calibrate => "force that hangs on the cell now, N",
+            Self::Tare => "does nothing hang on the cell? Enter takes this as zero",
+            Self::Stop => "stop the test? Enter stops it",
+            Self::Command => "command",
+        }
+    }
+
+    fn wants_text(self) -> bool {
+        !matches!(self, Self::Tare | Self::Stop)
+    }
+
+    fn command(self, answer: &str) -> String {
+        let answer = answer.trim();
+        match self {
+            Self::Weight => format!("set weight {answer}"),
+            Self::Name => format!("set name {answer}"),
+            Self::Slope => format!("set slope {answer}"),
+            Self::Calibrate => format!("calibrate {answer}"),
+            Self::Tare => "tare".to_string(),
+            Self::Stop => "stop".to_string(),
+            Self::Command => answer.to_string(),
+        }
+    }
+}
+
+/// What a key comes to.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Deed {
+    /// Nothing, or only on the display.
+    None,
+    /// Say this to the board.
+    Say(String),
+    /// Leave.
+    Quit,
+}
+
+/// The last row: the keys, or a question with what has been typed.
+#[derive(Clone, Debug, Default)]
+pub struct Ask {
+    question: Option<Question>,
+    typed: String,
+    refused: Option<&'static str>,
+}
+
+impl Ask {
+    /// What stands in the last row.
+    #[must_use]
+    pub fn text(&self) -> String {
+        let Some(question) = self.question else {
+            return "s start  x stop  w weight  n name  a slope  t tare  c calibrate  : more  \
+                    q quit"
+                .to_string();
+        };
+        let refused = self.refused.map(|why| format!("  ({why})")).unwrap_or_default();
+        let cursor = if question.wants_text() { "_" } else { ", Esc does not" };
+        let colon = if question.wants_text() { ": " } else { "" };
+        format!("{}{colon}{}{cursor}{refused}", question.text(), self.typed)
+    }
+
+    /// Whether something is being asked.
+    #[must_use]
+    pub fn is_open(&self) -> bool {
+        self.question.is_some()
+    }
+
+    /// Takes a key.
+    pub fn key(&mut self, key: KeyEvent) -> Deed {
+        if key.kind == KeyEventKind::Release {
+            return Deed::None;
+        }
+        if key.modifiers.contains(KeyModifiers::CONTROL) {
+            return if key.code == KeyCode::Char('c') { Deed::Quit } else { Deed::None };
+        }
+        match self.question {
+            None => self.choose(key.code),
+            Some(question) => self.answer(question, key.code),
+        }
+    }
+
+    fn choose(&mut self, code: KeyCode) -> Deed {
+        let question = match code.as_char().unwrap_or_default() {
+            'q' => return Deed::Quit,
+            's' => return Deed::Say("start".to_string()),
+            'x' => Question::Stop,
+            'w' => Question::Weight,
+            'n' => Question::Name,
+            'a' => Question::Slope,
+            't' => Question::Tare,
+            'c' => Question::Calibrate,
+            ':' => Question::Command,
+            _ => return Deed::None,
+        };
+        *self = Self { question: Some(question), ..Self::default() };
+        Deed::None
+    }
+
+    fn answer(&mut self, question: Question, code: KeyCode) -> Deed {
+        self.refused = None;
+        if code == KeyCode::Enter {
+            return self.finish(question);
+        } else if code == KeyCode::Esc {
+            *self = Self::default();
+        } else if code == KeyCode::Backspace {
+            self.typed.pop();
+        } else if let Some(letter) = code.as_char().filter(|_| question.wants_text()) {
+            let fits = self.typed.len() < LONGEST && (' '..='~').contains(&letter);
+            // A keyboard of another country has its decimal comma.
+            let letter = if letter == ',' { '.' } else { letter };
+            self.typed.extend(fits.then_some(letter));
+        }
+        Deed::None
+    }
+
+    /// The board's own parser judges before the board does.
+    fn finish(&mut self, question: Question) -> Deed {
+        let command = question.command(&self.typed);
+        match Command::parse(&command) {
+            Ok(_) => {
+                *self = Self::default();
+                Deed::Say(command)
+            }
+            Err(why) => {
+                self.refused = Some(why);
+                Deed::None
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Every key in turn; the last one's deed.
+    fn press(ask: &mut Ask, keys: &str) -> Deed {
+        let mut deed = Deed::None;
+        for letter in keys.chars() {
+            let code = match letter {
+                '\n' => KeyCode::Enter,
+                '\x1B' => KeyCode::Esc,
+                '\x08' => KeyCode::Backspace,
+                letter => KeyCode::Char(letter),
+            };
+            deed = ask.key(KeyEvent::new(code, KeyModifiers::NONE));
+        }
+        deed
+    }
+
+    #[test]
+    fn keys_become_commands() {
+        let say = |text: &str| Deed::Say(text.to_string());
+        for (keys, deed) in [
+            ("w630\n", say("set weight 630")),
+            ("w63,5\n", say("set weight 63.5")),
+            ("w64\x08\x08630\n", say("set weight 630")),
+            ("w1\x1Bs", say("start")),
+            ("a-2\n", say("set slope -2")),
+            ("nDFF8-13\n", say("set name DFF8-13")),
+            ("x\n", say("stop")),
+            ("xs", Deed::None),
+            ("x\x1B", Deed::None),
+            ("t\n", say("tare")),
+            ("c98.1\n", say("calibrate 98.1")),
+            (":set winch 0.016\n", say("set winch 0.016")),
+            ("q", Deed::Quit),
+            ("wq", Deed::None),
+            ("?", Deed::None),
+        ] {
+            assert_eq!(press(&mut Ask::default(), keys), deed, "{keys:?}");
+        }
+        let quit = KeyEvent::new(KeyCode::Char('c'), KeyModifiers::CONTROL);
+        let mut ask = Ask::default();
+        press(&mut ask, "w6");
+        assert_eq!(ask.key(quit), Deed::Quit);
+    }
+
+    #[test]
+    fn a_wrong_answer_is_refused_and_can_be_mended() {
+        let mut ask = Ask::default();
+        assert_eq!(press(&mut ask, "w6x\n"), Deed::None);
+        assert!(ask.text().contains("a number like 12.5"), "{}", ask.text());
+        assert_eq!(press(&mut ask, "\x0830\n"), Deed::Say("set weight 630".to_string()));
+        assert!(!ask.is_open());
+        assert_eq!(press(&mut ask, ":begin\n"), Deed::None);
+        assert!(ask.text().contains("unknown command"), "{}", ask.text());
+        let long = format!("\x1B:{}", "x".repeat(500));
+        press(&mut ask, &long);
+        assert!(ask.text().len() < 100);
+    }
+}

@@ -1,0 +1,67 @@
+//! Numbers three rows high, to be read from two steps away.
+
+/// Rows of a number.
+pub const ROWS: usize = 3;
+
+/// Five rows of points, upper left first; `#` is on. Two of them make a row of
+/// characters.
+const GLYPHS: [(char, [&str; 5]); 12] = [
+    ('0', ["###", "# #", "# #", "# #", "###"]),
+    ('1', [" # ", "## ", " # ", " # ", "###"]),
+    ('2', ["###", "  #", "###", "#  ", "###"]),
+    ('3', ["###", "  #", "###", "  #", "###"]),
+    ('4', ["# #", "# #", "###", "  #", "  #"]),
+    ('5', ["###", "#  ", "###", "  #", "###"]),
+    ('6', ["###", "#  ", "###", "# #", "###"]),
+    ('7', ["###", "  #", "  #", "  #", "  #"]),
+    ('8', ["###", "# #", "###", "# #", "###"]),
+    ('9', ["###", "# #", "###", "  #", "###"]),
+    ('.', [" ", " ", " ", " ", "#"]),
+    ('-', ["   ", "   ", "###", "   ", "   "]),
+];
+
+/// A text of digits, points and minus signs as rows of blocks; what else there is
+/// stays as it is, in the last row.
+#[must_use]
+pub fn big(text: &str) -> [String; ROWS] {
+    let mut rows: [String; ROWS] = Default::default();
+    for letter in text.chars() {
+        match GLYPHS.iter().find(|(known, _)| *known == letter) {
+            Some((_, points)) => add(&mut rows, points),
+            None => {
+                for (index, row) in rows.iter_mut().enumerate() {
+                    row.push(if index + 1 == ROWS { letter } else { ' ' });
+                }
+            }
+        }
+    }
+    rows
+}
+
+fn add(rows: &mut [String; ROWS], points: &[&str; 5]) {
+    for (index, row) in rows.iter_mut().enumerate() {
+        let upper = points.get(2 * index).copied().unwrap_or_default();
+        let lower = points.get(2 * index + 1).copied().unwrap_or_default();
+        let lower = lower.chars().chain(std::iter::repeat(' '));
+        row.extend(upper.chars().zip(lower).map(|pair| match pair {
+            ('#', '#') => '█',
+            ('#', _) => '▀',
+            (_, '#') => '▄',
+            _ => ' ',
+        }));
+        row.push(' ');
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_number() {
+        assert_eq!(
+            big("-1.20 N"),
+            ["    ▄█    ▀▀█ █▀█   ", "▀▀▀  █    █▀▀ █ █   ", "    ▀▀▀ ▀ ▀▀▀ ▀▀▀  N"]
+        );
+    }
+}

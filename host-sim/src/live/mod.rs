@@ -1,0 +1,33 @@
+//! The field display: what a board says, shown while it says it.
+//!
+//! ```text
+//!  port ─► lines ─► state ─► screen (a terminal), or one plain or JSON line per event
+//!   ▲                         │
+//!   └────── commands ◄── keys ┘
+//! ```
+//!
+//! Nothing is computed here: every number on the display stands in one of the
+//! board's lines, whose form is [`floe_firmware::line`].
+
+mod ask;
+mod digits;
+mod lines;
+mod place;
+mod plain;
+mod port;
+mod save;
+mod screen;
+mod state;
+mod terminal;
+#[cfg(test)]
+mod tests;
+mod trace;
+mod verdict;
+
+pub use place::Place;
+pub use plain::Form;
+pub use port::Port;
+pub use save::Save;
+
+pub use plain::run as print_events;
+pub use terminal::run as display;

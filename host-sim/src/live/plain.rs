@@ -1,0 +1,128 @@
+//! For a file or another program: one line per event.
+
+use std::io::{ErrorKind, Write};
+use std::time::{Duration, Instant};
+
+use floe_core::Event;
+
+use crate::error::InputError;
+use crate::replay::result::EventSummary;
+
+use super::lines::Lines;
+use super::place::Place;
+use super::port::{Input, Port};
+use super::save::Save;
+use super::state::State;
+
+/// How an event is written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Form {
+    /// For a person.
+    Plain,
+    /// An object with the fields of a replay's events.
+    Json,
+}
+
+/// Runs until the reader of standard output goes away.
+///
+/// # Errors
+/// Standard output or the file cannot be written.
+pub fn run(place: &Place, port: &Port, form: Form, save: Option<Save>) -> Result<(), InputError> {
+    let mut list = List { state: State::default(), form, save, told: None };
+    let (start, mut lines) = (Instant::now(), Lines::default());
+    loop {
+        let Some(input) = port.next(Duration::from_secs(1)) else { continue };
+        let now = start.elapsed();
+        match input {
+            Input::Up => {
+                list.up(place, now);
+                lines.restart();
+                // The rate and the number of the test.
+                port.say("status");
+            }
+            Input::Down(reason) => list.down(place, reason),
+            Input::Bytes(bytes) => {
+                for received in lines.take(&bytes) {
+                    if let Some(save) = &mut list.save {
+                        save.line(&received.text)?;
+                    }
+                    let event = list.state.take(&received, now);
+                    list.tell_damage();
+                    if let Some(event) = event
+                        && !list.print(&event)?
+                    {
+                        return Ok(());
+                    }
+                }
+            }
+        }
+    }
+}
+
+struct List {
+    state: State,
+    form: Form,
+    save: Option<Save>,
+    /// Damaged lines that standard error has been told of, once there were any.
+    told: Option<u64>,
+}
+
+impl List {
+    fn up(&mut self, place: &Place, now: Duration) {
+        if self.state.away.is_some() {
+            eprintln!("floe: {place}: there again");
+        }
+        self.state.up(now);
+    }
+
+    fn down(&mut self, place: &Place, reason: String) {
+        eprintln!("floe: {place}: gone ({reason}); trying again");
+        self.state.down(reason);
+    }
+
+    /// At the first, the tenth, the hundredth.
+    fn tell_damage(&mut self) {
+        let damaged = self.state.damaged;
+        if damaged >= self.told.map_or(1, |told| told.saturating_mul(10)) {
+            eprintln!("floe: {damaged} damaged lines so far");
+            self.told = Some(damaged);
+        }
+    }
+
+    /// Whether somebody still reads.
+    fn print(&self, event: &Event) -> Result<bool, InputError> {
+        let text = self.text(event)?;
+        let mut out = std::io::stdout().lock();
+        match writeln!(out, "{text}").and_then(|()| out.flush()) {
+            Ok(()) => Ok(true),
+            Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(false),
+            Err(error) => {
+                Err(InputError::new(format!("standard output cannot be written: {error}")))
+            }
+        }
+    }
+
+    fn text(&self, event: &Event) -> Result<String, InputError> {
+        let (onset_s, stop_s) = (self.state.seconds(event.onset), self.state.seconds(event.stop));
+        match self.form {
+            Form::Plain => Ok(plain(event, onset_s)),
+            Form::Json => serde_json::to_string(&EventSummary::new(event, onset_s, stop_s))
+                .map_err(|error| InputError::new(error.to_string())),
+        }
+    }
+}
+
+fn plain(event: &Event, onset_s: f64) -> String {
+    let coefficient = |value: Option<floe_core::Coefficient>| match value {
+        Some(value) => format!("{:.4} ± {:.4}", value.value, value.std),
+        None => "-".to_string(),
+    };
+    let (mu_s, mu) = (coefficient(event.mu_s), coefficient(event.mu));
+    let (fs, fp) = (event.static_force_n, event.dynamic_force_n);
+    let reason = event.reason.map(|reason| format!(": {reason}")).unwrap_or_default();
+    let (index, quality) = (event.index, event.quality);
+    format!(
+        "event {index}  onset {onset_s:.3} s  mu_s {mu_s}  mu {mu}  Fs {fs:.1} N  Fp {fp:.1} N  \
+         {quality}{reason}"
+    )
+}

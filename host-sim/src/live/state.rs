@@ -1,0 +1,201 @@
+//! What the board has said so far.
+
+use std::collections::VecDeque;
+use std::time::Duration;
+
+use floe_core::{Event, Report, SampleFlag, SampleTime};
+use floe_firmware::line::{Health, Line, LineError, LiveSample};
+use floe_firmware::settings::Settings;
+
+use super::lines::Received;
+
+/// Samples that the trace holds: 30 s of the board's 16 Hz.
+pub const TRACE_LEN: usize = 480;
+
+/// Everything that a display shows. Times are since the display was started.
+#[derive(Clone, Debug, Default)]
+pub struct State {
+    /// Whether the port is there, and if not, why.
+    pub away: Option<String>,
+    /// When the board last said a whole line, or the port came up.
+    pub heard: Duration,
+    /// Number and settings of the test.
+    pub test: Option<(u32, Settings)>,
+    /// Whether a test is running, once the board has shown it.
+    pub testing: Option<bool>,
+    /// The last samples.
+    pub trace: VecDeque<LiveSample>,
+    /// When the last sample came.
+    pub sampled: Option<Duration>,
+    /// The last event.
+    pub event: Option<Event>,
+    /// The result so far.
+    pub report: Option<Report>,
+    /// The state of the board.
+    pub health: Option<Health>,
+    /// When samples were last lost by the board, and sectors by the card.
+    pub lost: Option<Duration>,
+    /// When a sector could last not be written.
+    pub unkept: Option<Duration>,
+    /// What the user last said to it.
+    pub said: Option<(String, Duration)>,
+    /// When the board last showed settings or the end of a test: it took that.
+    pub taken: Option<Duration>,
+    /// The board's last answer.
+    pub answer: Option<(String, Duration)>,
+    /// The board's last complaint.
+    pub complaint: Option<(String, Duration)>,
+    /// Lines with a wrong checksum or bad fields, and when the last came.
+    pub damaged: u64,
+    /// When the last damaged line came.
+    pub damage: Option<Duration>,
+    /// Whole lines of a kind that this version does not know.
+    pub unknown: u64,
+    /// The line before was the settings: what follows tells whether a test runs.
+    after_settings: bool,
+}
+
+impl State {
+    /// The port is there, or again: what was known of the test may be over.
+    pub fn up(&mut self, now: Duration) {
+        self.away = None;
+        self.heard = now;
+        self.testing = None;
+    }
+
+    /// The port is away.
+    pub fn down(&mut self, reason: String) {
+        self.away = Some(reason);
+        self.testing = None;
+    }
+
+    /// Takes a line. Gives the event if it is one, for whoever lists them.
+    pub fn take(&mut self, received: &Received, now: Duration) -> Option<Event> {
+        match Line::parse(&received.text) {
+            Ok(line) => self.take_line(line, now),
+            Err(LineError::UnknownKind) => {
+                self.unknown += 1;
+                None
+            }
+            Err(LineError::NoChecksum | LineError::Checksum | LineError::Field) => {
+                self.after_settings = false;
+                if !received.cut {
+                    self.damaged += 1;
+                    self.damage = Some(now);
+                }
+                None
+            }
+        }
+    }
+
+    /// What the user said lately, and what the board said to that.
+    #[must_use]
+    pub fn reply(&self, now: Duration) -> Option<String> {
+        const READING_TIME: Duration = Duration::from_secs(8);
+        let (command, at) = self.said.as_ref()?;
+        if now.saturating_sub(*at) > READING_TIME {
+            return None;
+        }
+        let later = |words: &&(String, Duration)| words.1 >= *at;
+        let words = self.complaint.as_ref().filter(later).or(self.answer.as_ref().filter(later));
+        let taken = self.taken.is_some_and(|taken| taken >= *at);
+        let reply = match words {
+            _ if self.away.is_some() => "not said, there is no port",
+            Some((words, _)) => words,
+            None if taken => "done",
+            None => "said",
+        };
+        Some(format!("{command}: {reply}"))
+    }
+
+    /// A moment in seconds from the start of the test.
+    #[must_use]
+    pub fn seconds(&self, moment: SampleTime) -> f64 {
+        (moment.index as f64 + f64::from(moment.fraction)) / self.rate_hz()
+    }
+
+    /// Samples per second: the board's only rate until it has said it.
+    #[must_use]
+    pub fn rate_hz(&self) -> f64 {
+        let said = self.test.as_ref().map(|(_, settings)| settings.config.rate_hz);
+        f64::from(said.filter(|&rate| rate > 0.0).unwrap_or(floe_firmware::sample::RATE_HZ))
+    }
+
+    fn take_line(&mut self, line: Line<'_>, now: Duration) -> Option<Event> {
+        self.heard = now;
+        let after_settings = std::mem::take(&mut self.after_settings);
+        match line {
+            Line::Start { run, settings } => self.start(run, settings, now),
+            Line::Sample(sample) => self.sample(sample, now),
+            Line::Spike(index) => self.spike(index),
+            Line::Event(event) => {
+                self.event = Some(event);
+                return Some(event);
+            }
+            Line::Report(report) => {
+                self.report = Some(report);
+                self.testing = Some(true);
+            }
+            Line::Health(health) => {
+                if after_settings {
+                    self.testing = Some(false);
+                }
+                self.health(health, now);
+            }
+            Line::End { .. } => (self.testing, self.taken) = (Some(false), Some(now)),
+            Line::Mean(mean) => {
+                let (count, failed) = (mean.count, mean.failed);
+                let text =
+                    format!("mean code {:.0} of {count} readings, {failed} failed", mean.mean);
+                self.answer = Some((text, now));
+            }
+            Line::Info(text) => self.answer = Some((text.to_string(), now)),
+            Line::Trouble(text) => self.complaint = Some((text.to_string(), now)),
+        }
+        None
+    }
+
+    /// Settings come at every change and question; a new number is a new test.
+    fn start(&mut self, run: u32, settings: Settings, now: Duration) {
+        if self.test.as_ref().is_some_and(|(known, _)| *known != run) {
+            self.forget_test();
+        }
+        self.test = Some((run, settings));
+        (self.after_settings, self.taken) = (true, Some(now));
+    }
+
+    fn forget_test(&mut self) {
+        self.trace.clear();
+        (self.sampled, self.event, self.report) = (None, None, None);
+    }
+
+    fn sample(&mut self, sample: LiveSample, now: Duration) {
+        if self.trace.back().is_some_and(|last| last.index > sample.index) {
+            // The first line of a new test was missed.
+            self.forget_test();
+        }
+        if self.trace.len() == TRACE_LEN {
+            self.trace.pop_front();
+        }
+        self.trace.push_back(sample);
+        self.sampled = Some(now);
+        self.testing = Some(true);
+    }
+
+    fn spike(&mut self, index: u64) {
+        if let Some(sample) = self.trace.iter_mut().find(|sample| sample.index == index) {
+            sample.flag = SampleFlag::Spike;
+        }
+    }
+
+    fn health(&mut self, health: Health, now: Duration) {
+        let before = self.health.unwrap_or_default();
+        if health.overruns > before.overruns {
+            self.lost = Some(now);
+        }
+        if health.store_failures > before.store_failures {
+            self.unkept = Some(now);
+        }
+        self.health = Some(health);
+    }
+}

@@ -1,0 +1,155 @@
+//! The display's loop: port and keys in, frames out.
+
+use std::io;
+use std::time::{Duration, Instant};
+
+use ratatui::DefaultTerminal;
+use ratatui::crossterm::event::{self, Event};
+
+use crate::error::InputError;
+
+use super::ask::{Ask, Deed};
+use super::lines::Lines;
+use super::place::Place;
+use super::port::{Input, Port};
+use super::save::Save;
+use super::screen;
+use super::state::State;
+
+/// A key is noticed after this time at most, and so is a sample.
+const KEY_WAIT: Duration = Duration::from_millis(40);
+/// What changes by itself (a clock, a silence) is drawn after this time.
+const REDRAW: Duration = Duration::from_millis(500);
+/// The board is asked for its state this often at least, and at most once a second
+/// when there was an event.
+const ASK_EVERY: Duration = Duration::from_secs(5);
+const ASK_AFTER_EVENT: Duration = Duration::from_secs(1);
+
+/// Shows the board until the user leaves.
+///
+/// # Errors
+/// The terminal fails, or the file cannot be written.
+pub fn run(place: &Place, port: &Port, save: Option<Save>) -> Result<(), InputError> {
+    let failed = |error: io::Error| InputError::new(format!("this terminal: {error}"));
+    let mut terminal = ratatui::try_init().map_err(failed)?;
+    let mut display = Display::new(place, port, save);
+    let done = display.watch(&mut terminal);
+    // Before anything is said: the screen is another one until then.
+    ratatui::restore();
+    match (done, display.unsaved) {
+        (Err(error), _) => Err(failed(error)),
+        (Ok(()), Some(error)) => Err(error),
+        (Ok(()), None) => Ok(()),
+    }
+}
+
+struct Display<'a> {
+    place: String,
+    port: &'a Port,
+    save: Option<Save>,
+    /// Why the file ends early.
+    unsaved: Option<InputError>,
+    lines: Lines,
+    state: State,
+    ask: Ask,
+    start: Instant,
+    asked: Duration,
+    event_came: bool,
+}
+
+impl<'a> Display<'a> {
+    fn new(place: &Place, port: &'a Port, save: Option<Save>) -> Self {
+        Self {
+            place: place.to_string(),
+            port,
+            save,
+            unsaved: None,
+            lines: Lines::default(),
+            state: State::default(),
+            ask: Ask::default(),
+            start: Instant::now(),
+            asked: Duration::ZERO,
+            event_came: false,
+        }
+    }
+
+    fn watch(&mut self, terminal: &mut DefaultTerminal) -> io::Result<()> {
+        let mut drawn = None;
+        loop {
+            let mut changed = self.listen();
+            self.question_board();
+            if event::poll(KEY_WAIT)? {
+                changed = true;
+                if let Event::Key(key) = event::read()? {
+                    match self.ask.key(key) {
+                        Deed::None => {}
+                        Deed::Say(command) => self.say(command),
+                        Deed::Quit => return Ok(()),
+                    }
+                }
+            }
+            let now = self.start.elapsed();
+            if changed || drawn.is_none_or(|drawn| now.saturating_sub(drawn) > REDRAW) {
+                terminal.draw(|frame| {
+                    screen::draw(frame, &self.state, &self.ask, &self.place, now);
+                })?;
+                drawn = Some(now);
+            }
+        }
+    }
+
+    fn say(&mut self, command: String) {
+        self.port.say(&command);
+        self.state.said = Some((command, self.start.elapsed()));
+    }
+
+    /// Takes all that has come; whether there was anything.
+    fn listen(&mut self) -> bool {
+        let mut any = false;
+        while let Some(input) = self.port.next(Duration::ZERO) {
+            any = true;
+            let now = self.start.elapsed();
+            match input {
+                Input::Up => {
+                    self.state.up(now);
+                    self.lines.restart();
+                    self.port.say("live on");
+                    self.question(now);
+                }
+                Input::Down(reason) => self.state.down(reason),
+                Input::Bytes(bytes) => self.take(&bytes, now),
+            }
+        }
+        any
+    }
+
+    fn take(&mut self, bytes: &[u8], now: Duration) {
+        for received in self.lines.take(bytes) {
+            self.keep(&received.text, now);
+            self.event_came |= self.state.take(&received, now).is_some();
+        }
+    }
+
+    /// A file that cannot be written any more must not end the display.
+    fn keep(&mut self, text: &str, now: Duration) {
+        if let Some(Err(error)) = self.save.as_mut().map(|save| save.line(text)) {
+            self.state.complaint = Some((error.to_string(), now));
+            self.unsaved = Some(error);
+            self.save = None;
+        }
+    }
+
+    /// The result so far and the board's health come only when asked for.
+    fn question_board(&mut self) {
+        let now = self.start.elapsed();
+        let since = now.saturating_sub(self.asked);
+        if since > ASK_EVERY || self.event_came && since > ASK_AFTER_EVENT {
+            self.question(now);
+        }
+    }
+
+    fn question(&mut self, now: Duration) {
+        self.port.say("status");
+        (self.asked, self.event_came) = (now, false);
+    }
+}

@@ -1,0 +1,378 @@
+//! The display from the board's own lines, made by the firmware's writer.
+
+use std::time::Duration;
+
+use floe_core::{
+    Coefficient, Counters, Estimate, Event, Phase, Quality, Reason, Report, SampleFlag, SampleTime,
+};
+use floe_firmware::line::{Health, Line, LiveSample};
+use floe_firmware::settings::Settings;
+use ratatui::Terminal;
+use ratatui::backend::TestBackend;
+use ratatui::buffer::Buffer;
+use ratatui::crossterm::event::{KeyCode, KeyEvent, KeyModifiers};
+use ratatui::style::Color;
+
+use super::ask::Ask;
+use super::lines::Received;
+use super::screen;
+use super::state::{State, TRACE_LEN};
+use super::trace::pieces;
+use super::verdict::{Level, Verdict, verdict};
+
+fn seconds(seconds: f64) -> Duration {
+    Duration::from_secs_f64(seconds)
+}
+
+/// The board says a line at a time.
+fn say(state: &mut State, line: &Line<'_>, at_s: f64) {
+    let text = line.to_text().unwrap().to_string();
+    state.take(&Received { text, cut: false }, seconds(at_s));
+}
+
+fn settings(run: u32, weight_n: f32) -> Line<'static> {
+    let mut settings = Settings { name: "DFF8-13".try_into().unwrap(), ..Settings::default() };
+    settings.config.weight_n = weight_n;
+    Line::Start { run, settings }
+}
+
+fn sample(index: u64, force_n: f32, phase: Phase) -> LiveSample {
+    LiveSample { index, force_n: Some(force_n), flag: SampleFlag::Good, phase, gap: 0 }
+}
+
+fn flagged(index: u64, flag: SampleFlag) -> LiveSample {
+    LiveSample { index, force_n: None, flag, phase: Phase::Stick, gap: 0 }
+}
+
+fn event() -> Event {
+    let coefficient = |value| Some(Coefficient { value, std: 0.000_74 });
+    Event {
+        index: 6,
+        onset: SampleTime { index: 206, fraction: 0.4 },
+        stop: SampleTime { index: 209, fraction: 0.1 },
+        static_force_n: 781.2,
+        dynamic_force_n: 491.4,
+        peak_force_n: 781.8,
+        restick_force_n: 201.6,
+        mu_s: coefficient(1.2404),
+        mu: coefficient(0.7798),
+        stick_s: Some(1.6),
+        slip_s: 0.173,
+        loading_rate_n_per_s: 361.1,
+        omega_rad_per_s: Some(18.9),
+        slack: false,
+        quality: Quality::Good,
+        reason: None,
+    }
+}
+
+fn report() -> Report {
+    let estimate = |mean| Some(Estimate { mean, std_error: 0.0005, spread: None, events: 7 });
+    Report {
+        counters: Counters { samples: 240, missing: 3, ..Counters::default() },
+        events: 7,
+        mu_s: estimate(1.2406),
+        mu: estimate(0.7802),
+        noise_n: Some(1.9),
+        loading_rate_n_per_s: Some(360.2),
+        omega_rad_per_s: Some(18.9),
+        stiffness_n_per_m: Some(23_010.0),
+        recurrence_s: Some(1.78),
+    }
+}
+
+fn health() -> Health {
+    Health { samples: 240, sectors: 30, period_s: Some(0.0625), ..Health::default() }
+}
+
+/// A test of 15 s: sawtooth, one slip in 28 samples, one event.
+fn measuring() -> State {
+    let mut state = State::default();
+    state.up(Duration::ZERO);
+    say(&mut state, &settings(3, 630.0), 0.1);
+    for index in 0..240 {
+        let phase = if index % 28 < 25 { Phase::Stick } else { Phase::Slip };
+        let force_n = 200.0 + 21.0 * (index % 28) as f32;
+        say(&mut state, &Line::Sample(sample(index, force_n, phase)), index as f64 / 16.0);
+    }
+    say(&mut state, &Line::Event(event()), 14.0);
+    say(&mut state, &settings(3, 630.0), 14.9);
+    say(&mut state, &Line::Report(report()), 14.9);
+    say(&mut state, &Line::Health(health()), 14.9);
+    state
+}
+
+fn frame(state: &State, ask: &Ask, size: (u16, u16), now_s: f64) -> Buffer {
+    let mut terminal = Terminal::new(TestBackend::new(size.0, size.1)).unwrap();
+    terminal.draw(|frame| screen::draw(frame, state, ask, "/dev/ttyACM0", seconds(now_s))).unwrap();
+    terminal.backend().buffer().clone()
+}
+
+fn rows(buffer: &Buffer) -> Vec<String> {
+    let width = usize::from(buffer.area.width).max(1);
+    let row = |cells: &[ratatui::buffer::Cell]| {
+        cells.iter().map(|cell| cell.symbol()).collect::<String>().trim_end().to_string()
+    };
+    buffer.content.chunks(width).map(row).collect()
+}
+
+fn screen_rows(state: &State, size: (u16, u16), now_s: f64) -> Vec<String> {
+    rows(&frame(state, &Ask::default(), size, now_s))
+}
+
+fn bad(text: &str) -> Verdict {
+    Verdict { level: Level::Bad, text: text.to_string() }
+}
+
+fn note(text: &str) -> Verdict {
+    Verdict { level: Level::Note, text: text.to_string() }
+}
+
+#[test]
+fn the_whole_display() {
+    let buffer = frame(&measuring(), &Ask::default(), (80, 24), 15.0);
+    let rows = rows(&buffer);
+    let head = [
+        " floe /dev/ttyACM0   test 3 DFF8-13   630 N   0:14",
+        " measuring; all is well",
+        "force, N                   mu_s, mean                mu, mean",
+        "█▀▀ ▄█  █▀▀   █▀█          ▄█    ▀▀█ █ █ █▀█ █▀▀     █▀█   ▀▀█ █▀█ █▀█ ▀▀█",
+        "▀▀█  █  ▀▀█   █ █           █    █▀▀ ▀▀█ █ █ █▀█     █ █     █ █▀█ █ █ █▀▀",
+        "▀▀▀ ▀▀▀ ▀▀▀ ▀ ▀▀▀          ▀▀▀ ▀ ▀▀▀   ▀ ▀▀▀ ▀▀▀     ▀▀▀ ▀   ▀ ▀▀▀ ▀▀▀ ▀▀▀",
+        "sticks                     ± 0.0005 (7 events)       ± 0.0005 (7 events)",
+        "slip 7 at 12.9 s   mu_s 1.2404 ± 0.0007   mu 0.7798 ± 0.0007   good",
+        "noise 1.9 N   loading 360 N/s   a slip every 1.78 s   k 23.0 kN/m",
+        "card ok, 15 kB   lost 0   missing 3   bad 0   out of range 0   16.000 Hz",
+    ];
+    assert_eq!(rows[..head.len()], head);
+    assert!(rows[10].starts_with("800 N│"), "{}", rows[10]);
+    assert!(rows[23].starts_with("s start") && rows[23].ends_with("q quit"), "{}", rows[23]);
+    // All of the trace is in the right half of the last 30 s.
+    let dots = |row: &String| row.chars().position(|c| ('\u{2801}'..='\u{28FF}').contains(&c));
+    let first = rows[10..21].iter().filter_map(dots).min().unwrap();
+    assert!((40..=46).contains(&first), "{first}");
+    // The verdict is green, what is missing is red, a slip is yellow.
+    assert_eq!(buffer[(0, 1)].bg, Color::Green);
+    assert_eq!(buffer[(rows[9].find("missing").unwrap() as u16, 9)].fg, Color::LightRed);
+    let yellow = buffer.content.iter().filter(|cell| cell.fg == Color::LightYellow).count();
+    assert!(yellow > 10, "{yellow}");
+}
+
+#[test]
+fn small_terminals_keep_what_matters() {
+    let state = measuring();
+    let rows = screen_rows(&state, (40, 6), 15.0);
+    assert_eq!(rows[1], " measuring; all is well");
+    assert_eq!(rows[2], "force, N     515.0 sticks");
+    assert_eq!(rows[3], "mu_s, mean  1.2406 ± 0.0005 (7 events)");
+    assert_eq!(rows[4], "mu, mean    0.7802 ± 0.0005 (7 events)");
+    assert_eq!(screen_rows(&state, (24, 1), 15.0), [" measuring; all is well"]);
+}
+
+#[test]
+fn no_size_is_too_small_or_too_large() {
+    let (full, empty) = (measuring(), State::default());
+    let mut asking = Ask::default();
+    asking.key(KeyEvent::new(KeyCode::Char('w'), KeyModifiers::NONE));
+    for width in (0..12).chain((12..100).step_by(7)).chain([73, 74, 1000]) {
+        for height in (0..26).chain([40, 120]) {
+            frame(&empty, &Ask::default(), (width, height), 1.0);
+            let rows = rows(&frame(&full, &asking, (width, height), 1.0));
+            let asked = rows.iter().any(|row| row.starts_with("weight"));
+            assert_eq!(asked, width >= 6 && height >= 1, "{width} x {height}");
+        }
+    }
+}
+
+/// Forces that a cell never gives must not upset the trace.
+#[test]
+fn odd_forces_are_drawn_or_left_out() {
+    for force in [0.0, -0.0, 1e-30, -5.0, -4000.0, 3.4e38, -3.4e38, f32::INFINITY, f32::NAN] {
+        let mut state = measuring();
+        for index in 240..250 {
+            state.trace.push_back(sample(index, force, Phase::Stick));
+        }
+        frame(&state, &Ask::default(), (80, 24), 15.0);
+        state.trace.retain(|sample| sample.index >= 240);
+        frame(&state, &Ask::default(), (80, 24), 15.0);
+    }
+}
+
+#[test]
+fn a_gap_breaks_the_trace() {
+    let mut state = State::default();
+    for index in [0, 1, 2] {
+        say(&mut state, &Line::Sample(sample(index, 10.0, Phase::Stick)), 0.0);
+    }
+    let after_gap = LiveSample { gap: 2, ..sample(5, 12.0, Phase::Stick) };
+    say(&mut state, &Line::Sample(after_gap), 0.0);
+    say(&mut state, &Line::Sample(flagged(6, SampleFlag::Rejected)), 0.0);
+    say(&mut state, &Line::Sample(sample(7, 13.0, Phase::Stick)), 0.0);
+    say(&mut state, &Line::Sample(sample(8, 14.0, Phase::Slip)), 0.0);
+    let found = pieces(&state.trace, 16.0);
+    let points: Vec<usize> = found.iter().map(|piece| piece.points.len()).collect();
+    assert_eq!(points, [3, 1, 2, 1]);
+    assert_eq!(found.iter().map(|p| p.slips).collect::<Vec<_>>(), [false, false, false, true]);
+    assert_eq!(found[0].points[0], (-0.5, 10.0));
+    // A spike that is told of afterwards is taken out.
+    say(&mut state, &Line::Spike(1), 0.0);
+    let points: Vec<usize> =
+        pieces(&state.trace, 16.0).iter().map(|piece| piece.points.len()).collect();
+    assert_eq!(points, [1, 1, 1, 2, 1]);
+}
+
+#[test]
+fn the_trace_holds_half_a_minute() {
+    let mut state = State::default();
+    for index in 0..1000 {
+        say(&mut state, &Line::Sample(sample(index, 1.0, Phase::Stick)), 0.0);
+    }
+    assert_eq!(state.trace.len(), TRACE_LEN);
+    assert_eq!(state.trace.back().unwrap().index, 999);
+}
+
+#[test]
+fn a_damaged_line_is_counted_and_changes_nothing() {
+    let mut state = measuring();
+    let text = Line::Event(Event { index: 7, ..event() }).to_text().unwrap().to_string();
+    for place in 0..text.len() {
+        let mut bytes = text.clone().into_bytes();
+        bytes[place] ^= 1;
+        let text = String::from_utf8_lossy(&bytes).to_string();
+        assert_eq!(state.take(&Received { text, cut: false }, seconds(15.0)), None);
+    }
+    assert_eq!(state.damaged as usize, text.len());
+    assert_eq!(state.event, Some(event()));
+    let text_now = verdict(&state, seconds(16.0)).text;
+    assert!(text_now.contains("damaged lines: bad cable"), "{text_now}");
+    assert!(screen_rows(&state, (100, 24), 16.0)[9].contains("damaged lines"));
+    // The end of a line that began before the port was opened is no damage.
+    let damaged = state.damaged;
+    state.take(&Received { text: "0.5,good,stick,0*1234".to_string(), cut: true }, seconds(16.0));
+    assert_eq!(state.damaged, damaged);
+    // A whole line of a kind that does not exist yet is neither.
+    let unknown = "B,12.6*E02B";
+    state.take(&Received { text: unknown.to_string(), cut: false }, seconds(16.0));
+    assert_eq!((state.damaged, state.unknown), (damaged, 1));
+}
+
+#[test]
+fn what_is_wrong_is_said() {
+    let now = seconds(15.0);
+    let with = |lines: &[Line<'_>]| {
+        let mut state = measuring();
+        lines.iter().for_each(|line| say(&mut state, line, 14.95));
+        verdict(&state, now)
+    };
+    let samples = |flag| (240..244).map(move |index| Line::Sample(flagged(index, flag)));
+    let silent = Line::Trouble("converter at sample 240: silent");
+    let mut rejected: Vec<Line<'_>> = samples(SampleFlag::Rejected).collect();
+    assert_eq!(with(&rejected), bad("NO FORCE: the converter gives no readings"));
+    rejected.push(silent);
+    assert_eq!(with(&rejected), bad("NO FORCE: converter at sample 240: silent"));
+    assert_eq!(with(&rejected[..2]), note("in the last 5 s: samples 2 without a reading"));
+    let saturated: Vec<Line<'_>> = samples(SampleFlag::Saturated).collect();
+    assert_eq!(with(&saturated), bad("FORCE OUT OF RANGE: a broken wire, or too much load"));
+    let gap = Line::Sample(LiveSample { gap: 5, ..sample(245, 300.0, Phase::Stick) });
+    assert_eq!(
+        with(&[gap, Line::Spike(230)]),
+        note("in the last 5 s: samples 5 missing, 1 spikes")
+    );
+    let lost = Line::Health(Health { overruns: 65, ..health() });
+    assert_eq!(with(&[lost]), bad("SAMPLES LOST by the board: 65 since power-up"));
+    let unkept = Line::Health(Health { store_failures: 8, ..health() });
+    assert_eq!(with(&[unkept]), bad("NOT KEPT: card missing, full or broken (8 sectors)"));
+    let full = Line::Trouble("the log is full");
+    assert_eq!(with(&[full]), bad("the board says: the log is full"));
+}
+
+#[test]
+fn what_is_over_is_no_longer_said() {
+    let mut state = measuring();
+    say(&mut state, &Line::Health(Health { overruns: 65, ..health() }), 15.0);
+    for second in 16..40 {
+        let index = second * 16;
+        say(&mut state, &Line::Sample(sample(index, 1.0, Phase::Stick)), second as f64);
+        say(&mut state, &Line::Health(Health { overruns: 65, ..health() }), second as f64);
+    }
+    assert_eq!(verdict(&state, seconds(39.5)).text, "measuring; all is well");
+    assert!(screen_rows(&state, (80, 24), 39.5)[9].contains("lost 65"));
+}
+
+#[test]
+fn silence_and_a_port_that_goes_away_and_comes_back() {
+    let mut state = measuring();
+    assert_eq!(verdict(&state, seconds(19.0)), bad("NO SAMPLES come any more (live off?)"));
+    let silent = verdict(&state, seconds(30.0));
+    assert_eq!(silent, bad("THE BOARD IS SILENT for 15 s: off, or another program has it"));
+    state.down("closed".to_string());
+    let away = "NO PORT (closed): check cable and power; trying again";
+    assert_eq!(verdict(&state, seconds(31.0)), bad(away));
+    // The last result stays to be read, the force does not.
+    let rows = screen_rows(&state, (40, 6), 31.0);
+    assert_eq!(rows[2], "force, N       ---");
+    assert_eq!(rows[3], "mu_s, mean  1.2406 ± 0.0005 (7 events)");
+    state.up(seconds(40.0));
+    assert_eq!(verdict(&state, seconds(40.1)).text, "asking the board");
+    // Meanwhile the board was switched on anew: no test, nothing set.
+    say(&mut state, &settings(0, 0.0), 40.2);
+    say(&mut state, &Line::Health(Health::default()), 40.2);
+    assert_eq!(
+        verdict(&state, seconds(40.3)),
+        note("no test is running: w sets the block's weight, then s starts")
+    );
+    assert_eq!((state.event, state.report), (None, None));
+}
+
+#[test]
+fn tests_begin_and_end() {
+    let mut state = measuring();
+    assert_eq!(state.testing, Some(true));
+    for line in [Line::Report(report()), Line::Health(health()), Line::End { run: 3 }] {
+        say(&mut state, &line, 15.0);
+    }
+    assert_eq!(verdict(&state, seconds(15.1)), note("no test is running: s starts one"));
+    assert_eq!(state.event, Some(event()));
+    say(&mut state, &settings(4, 700.0), 16.0);
+    assert_eq!((state.event, state.report, state.trace.len()), (None, None, 0));
+    say(&mut state, &Line::Sample(sample(0, 1.0, Phase::Unknown)), 16.1);
+    assert_eq!(verdict(&state, seconds(16.2)).text, "measuring; waiting for the first slip");
+    assert!(screen_rows(&state, (80, 24), 16.2)[6].starts_with("learning the noise"));
+    // If the settings were not heard, the index tells.
+    let mut state = measuring();
+    say(&mut state, &Line::Sample(sample(0, 1.0, Phase::Unknown)), 16.0);
+    assert_eq!((state.event, state.trace.len()), (None, 1));
+}
+
+#[test]
+fn an_event_without_coefficients_says_why() {
+    let mut state = measuring();
+    let (quality, reason) = (Quality::Clipped, Some(Reason::Hidden));
+    say(&mut state, &Line::Event(Event { mu_s: None, mu: None, quality, reason, ..event() }), 15.0);
+    let row = &screen_rows(&state, (100, 24), 15.0)[7];
+    assert!(
+        row.ends_with("mu_s -   mu -   clipped: a gap or saturated samples hide the slip"),
+        "{row}"
+    );
+}
+
+#[test]
+fn a_command_is_followed_by_what_came_of_it() {
+    let mut state = measuring();
+    let said = |state: &mut State, command: &str| {
+        state.said = Some((command.to_string(), seconds(15.0)));
+    };
+    said(&mut state, "start");
+    let last = |state: &State, now_s| screen_rows(state, (80, 24), now_s)[23].clone();
+    assert_eq!(last(&state, 15.1), "start: said");
+    say(&mut state, &Line::Trouble("a test is running; stop ends it"), 15.2);
+    assert_eq!(last(&state, 15.3), "start: a test is running; stop ends it");
+    assert!(last(&state, 24.0).starts_with("s start"));
+    let mut state = measuring();
+    said(&mut state, "stop");
+    say(&mut state, &Line::End { run: 3 }, 15.1);
+    assert_eq!(last(&state, 15.3), "stop: done");
+    said(&mut state, "start");
+    state.down("closed".to_string());
+    assert_eq!(last(&state, 15.3), "start: not said, there is no port");
+}

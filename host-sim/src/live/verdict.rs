@@ -1,0 +1,174 @@
+//! What is wrong, or what to do next, in one plain line.
+
+use std::time::Duration;
+
+use floe_core::{Quality, SampleFlag};
+
+use super::state::State;
+
+/// How bad it is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Level {
+    /// The measurement is in danger.
+    Bad,
+    /// Something to do or to know.
+    Note,
+    /// As it should be.
+    Good,
+}
+
+/// The line.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Verdict {
+    /// How bad it is.
+    pub level: Level,
+    /// For a person.
+    pub text: String,
+}
+
+/// A board that is asked every few seconds and says nothing for this long is off.
+const SILENCE: Duration = Duration::from_secs(8);
+/// Samples come 16 times a second while a test runs.
+const NO_SAMPLES: Duration = Duration::from_secs(3);
+/// What happened once stays to be read for this long.
+const READING_TIME: Duration = Duration::from_secs(15);
+/// Unusable samples in a row that are a trouble, not an incident: a quarter of a
+/// second.
+const IN_A_ROW: usize = 4;
+/// Samples of the last seconds, for what happened in them.
+const LATELY: usize = 80;
+
+/// The worst that is so now.
+#[must_use]
+pub fn verdict(state: &State, now: Duration) -> Verdict {
+    let bad = |text| Verdict { level: Level::Bad, text };
+    let note = |text| Verdict { level: Level::Note, text };
+    let found = line(state, now)
+        .or_else(|| force(state, now))
+        .or_else(|| keeping(state, now))
+        .map(bad)
+        .or_else(|| complaint(state, now).map(bad))
+        .or_else(|| answer(state, now).map(note))
+        .or_else(|| incident(state, now).map(note))
+        .or_else(|| to_do(state).map(note));
+    found.unwrap_or_else(|| Verdict { level: Level::Good, text: well(state) })
+}
+
+fn within(at: Option<Duration>, time: Duration, now: Duration) -> bool {
+    at.is_some_and(|at| now.saturating_sub(at) < time)
+}
+
+/// The line to the board.
+fn line(state: &State, now: Duration) -> Option<String> {
+    if let Some(reason) = &state.away {
+        return Some(format!("NO PORT ({reason}): check cable and power; trying again"));
+    }
+    let silence = now.saturating_sub(state.heard);
+    if silence > SILENCE {
+        let seconds = silence.as_secs();
+        return Some(format!(
+            "THE BOARD IS SILENT for {seconds} s: off, or another program has it"
+        ));
+    }
+    None
+}
+
+/// The load cell and its converter.
+fn force(state: &State, now: Duration) -> Option<String> {
+    if state.testing == Some(true) && !within(state.sampled, NO_SAMPLES, now) {
+        return state.sampled.map(|_| "NO SAMPLES come any more (live off?)".to_string());
+    }
+    let mut last = state.trace.iter().rev().map(|sample| sample.flag);
+    if state.testing != Some(true) || state.trace.len() < IN_A_ROW {
+        return None;
+    }
+    let flag = last.next()?;
+    if !last.take(IN_A_ROW - 1).all(|other| other == flag) {
+        return None;
+    }
+    let converter = state.complaint.as_ref().filter(|(text, _)| text.starts_with("converter"));
+    match flag {
+        SampleFlag::Saturated => {
+            Some("FORCE OUT OF RANGE: a broken wire, or too much load".to_string())
+        }
+        SampleFlag::Rejected => Some(match converter {
+            Some((text, _)) => format!("NO FORCE: {text}"),
+            None => "NO FORCE: the converter gives no readings".to_string(),
+        }),
+        SampleFlag::Good | SampleFlag::Spike | SampleFlag::Duplicate => None,
+    }
+}
+
+/// Whether samples get lost on the board or on the card.
+fn keeping(state: &State, now: Duration) -> Option<String> {
+    let health = state.health.as_ref()?;
+    if within(state.lost, READING_TIME, now) {
+        return Some(format!("SAMPLES LOST by the board: {} since power-up", health.overruns));
+    }
+    if within(state.unkept, READING_TIME, now) {
+        let failures = health.store_failures;
+        return Some(format!("NOT KEPT: card missing, full or broken ({failures} sectors)"));
+    }
+    None
+}
+
+fn complaint(state: &State, now: Duration) -> Option<String> {
+    let (text, at) = state.complaint.as_ref()?;
+    within(Some(*at), READING_TIME, now).then(|| format!("the board says: {text}"))
+}
+
+fn answer(state: &State, now: Duration) -> Option<String> {
+    let (text, at) = state.answer.as_ref()?;
+    within(Some(*at), READING_TIME, now).then(|| format!("the board says: {text}"))
+}
+
+/// What happened in the last seconds and is over.
+fn incident(state: &State, now: Duration) -> Option<String> {
+    if within(state.damage, READING_TIME, now) {
+        let damaged = state.damaged;
+        return Some(format!(
+            "{damaged} damaged lines: bad cable, or another program reads this port"
+        ));
+    }
+    if state.testing != Some(true) {
+        return None;
+    }
+    let lately = || state.trace.iter().rev().take(LATELY);
+    let missing: u64 = lately().map(|sample| u64::from(sample.gap)).sum();
+    let count = |flag| lately().filter(|sample| sample.flag == flag).count();
+    let parts = [
+        (missing as usize, "missing"),
+        (count(SampleFlag::Rejected), "without a reading"),
+        (count(SampleFlag::Saturated), "out of range"),
+        (count(SampleFlag::Spike), "spikes"),
+    ];
+    let parts: Vec<String> = parts
+        .iter()
+        .filter(|(count, _)| *count > 0)
+        .map(|(count, what)| format!("{count} {what}"))
+        .collect();
+    (!parts.is_empty()).then(|| format!("in the last 5 s: samples {}", parts.join(", ")))
+}
+
+fn to_do(state: &State) -> Option<String> {
+    if state.testing != Some(false) {
+        return None;
+    }
+    let (_, settings) = state.test.as_ref()?;
+    Some(if settings.config.weight_n > 0.0 {
+        "no test is running: s starts one".to_string()
+    } else {
+        "no test is running: w sets the block's weight, then s starts".to_string()
+    })
+}
+
+fn well(state: &State) -> String {
+    match (state.testing, &state.event) {
+        (None, _) => "asking the board".to_string(),
+        (Some(true), None) => "measuring; waiting for the first slip".to_string(),
+        (Some(_), Some(event)) if event.quality == Quality::Slack => {
+            "measuring; the cable went slack in the last slip".to_string()
+        }
+        (Some(_), _) => "measuring; all is well".to_string(),
+    }
+}

@@ -1,0 +1,239 @@
+//! `floe live` as a command: ports that are none, and a board on a socket of this PC.
+
+use std::fs;
+use std::io::{BufRead, BufReader, Read, Write};
+use std::net::{TcpListener, TcpStream};
+use std::path::PathBuf;
+use std::process::{Child, Command, Output, Stdio};
+use std::time::Duration;
+
+use floe_core::{Coefficient, Event, Quality, Reason, SampleTime};
+use floe_firmware::line::Line;
+use floe_firmware::settings::Settings;
+
+fn floe(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_floe")).arg("live").args(arguments).output().unwrap()
+}
+
+/// The one line that a refusal says.
+fn refusal(arguments: &[&str]) -> String {
+    let output = floe(arguments);
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(2), "{arguments:?}: {said}");
+    assert!(output.stdout.is_empty());
+    assert_eq!(said.lines().count(), 1, "{said}");
+    said.trim_end().to_string()
+}
+
+fn event(index: u32) -> Event {
+    let onset = u64::from(index) * 28;
+    let coefficient = |value| Some(Coefficient { value, std: 0.000_74 });
+    Event {
+        index,
+        onset: SampleTime { index: onset + 25, fraction: 0.5 },
+        stop: SampleTime { index: onset + 28, fraction: 0.25 },
+        static_force_n: 781.2,
+        dynamic_force_n: 491.4,
+        peak_force_n: 781.8,
+        restick_force_n: 201.6,
+        mu_s: coefficient(1.2404),
+        mu: coefficient(0.7798),
+        stick_s: Some(1.6),
+        slip_s: 0.173,
+        loading_rate_n_per_s: 361.1,
+        omega_rad_per_s: None,
+        slack: false,
+        quality: Quality::Good,
+        reason: None,
+    }
+}
+
+fn hidden(index: u32) -> Event {
+    let (quality, reason) = (Quality::Clipped, Some(Reason::Hidden));
+    Event { mu_s: None, mu: None, quality, reason, ..event(index) }
+}
+
+fn text(line: &Line<'_>) -> String {
+    line.to_text().unwrap().to_string() + "\r\n"
+}
+
+fn settings() -> String {
+    let mut settings = Settings::default();
+    settings.config.weight_n = 630.0;
+    text(&Line::Start { run: 1, settings })
+}
+
+/// A display that reads a board which the test plays.
+struct Live {
+    listener: TcpListener,
+    child: Child,
+    lines: std::io::Lines<BufReader<std::process::ChildStdout>>,
+}
+
+impl Live {
+    fn start(more: &[&str]) -> Self {
+        let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+        let port = listener.local_addr().unwrap().to_string();
+        let mut child = Command::new(env!("CARGO_BIN_EXE_floe"))
+            .args(["live", &port])
+            .args(more)
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        let lines = BufReader::new(child.stdout.take().unwrap()).lines();
+        Self { listener, child, lines }
+    }
+
+    /// The display comes, and asks.
+    fn accept(&self) -> TcpStream {
+        let (mut board, _) = self.listener.accept().unwrap();
+        board.set_read_timeout(Some(Duration::from_secs(20))).unwrap();
+        let mut asked = [0; 8];
+        board.read_exact(&mut asked).unwrap();
+        assert_eq!(&asked, b"status\r\n");
+        board
+    }
+
+    fn line(&mut self) -> String {
+        self.lines.next().unwrap().unwrap()
+    }
+
+    /// Ends it; what it said on standard error.
+    fn end(mut self) -> String {
+        self.child.kill().unwrap();
+        let mut said = String::new();
+        self.child.stderr.take().unwrap().read_to_string(&mut said).unwrap();
+        self.child.wait().unwrap();
+        said
+    }
+}
+
+#[test]
+fn ports_that_are_none() {
+    let missing = refusal(&["/dev/floe-is-not-there"]);
+    let start = "floe: /dev/floe-is-not-there: no such port; ";
+    assert!(missing.starts_with(start), "{missing}");
+    assert!(missing.contains("there are: ") || missing.contains("plug the board in"), "{missing}");
+    let file = env!("CARGO_MANIFEST_DIR").to_string() + "/Cargo.toml";
+    assert!(refusal(&[&file]).contains("Cargo.toml: cannot be used as a serial port: "));
+    // A port that was just free, so that nobody listens.
+    let free = TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap().to_string();
+    let refused = refusal(&[&free]);
+    assert!(refused.starts_with(&format!("floe: {free}: nobody listens there")), "{refused}");
+    let socket = refusal(&["unix:/floe/is/not/there"]);
+    assert!(socket.starts_with("floe: /floe/is/not/there: no such socket"), "{socket}");
+    assert!(refusal(&[]).contains("<PORT>"));
+    refusal(&["", "--json"]);
+}
+
+#[test]
+fn no_file_is_overwritten() {
+    let kept = std::env::temp_dir().join(format!("floe-live-{}.txt", std::process::id()));
+    fs::write(&kept, "precious").unwrap();
+    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+    let port = listener.local_addr().unwrap().to_string();
+    let said = refusal(&[&port, "-o", kept.to_str().unwrap()]);
+    assert!(said.ends_with("is there already; name a new file"), "{said}");
+    assert_eq!(fs::read_to_string(&kept).unwrap(), "precious");
+    fs::remove_file(kept).unwrap();
+}
+
+/// The board is attached to in the middle of a line, a line is damaged, the port goes
+/// away in the middle of the next and comes back.
+#[test]
+fn events_as_lines() {
+    let kept = std::env::temp_dir().join(format!("floe-live-{}-kept.txt", std::process::id()));
+    let _ = fs::remove_file(&kept);
+    let mut live = Live::start(&["-o", kept.to_str().unwrap()]);
+    let mut board = live.accept();
+    let first = text(&Line::Event(event(0)));
+    let damaged = text(&Line::Event(event(1))).replace("1.2404", "1.2405");
+    board.write_all(b"good,stick,0*1234\r\n").unwrap();
+    board.write_all((settings() + &first + &damaged).as_bytes()).unwrap();
+    let second = text(&Line::Event(hidden(2)));
+    let (head, tail) = second.split_at(20);
+    board.write_all(head.as_bytes()).unwrap();
+    board.flush().unwrap();
+    std::thread::sleep(Duration::from_millis(200));
+    board.write_all(tail.as_bytes()).unwrap();
+    assert_eq!(
+        live.line(),
+        "event 0  onset 1.594 s  mu_s 1.2404 ± 0.0007  mu 0.7798 ± 0.0007  Fs 781.2 N  \
+         Fp 491.4 N  good"
+    );
+    assert_eq!(
+        live.line(),
+        "event 2  onset 5.094 s  mu_s -  mu -  Fs 781.2 N  Fp 491.4 N  \
+         clipped: a gap or saturated samples hide the slip"
+    );
+    let third = text(&Line::Event(event(3)));
+    board.write_all(&third.as_bytes()[..30]).unwrap();
+    drop(board);
+    let mut board = live.accept();
+    board.write_all(&third.as_bytes()[30..]).unwrap();
+    board.write_all(text(&Line::Event(event(4))).as_bytes()).unwrap();
+    assert!(live.line().starts_with("event 4  onset 8.594 s"));
+    let said = live.end();
+    let said: Vec<&str> = said.lines().collect();
+    assert_eq!(said.len(), 3, "{said:?}");
+    assert_eq!(said[0], "floe: 1 damaged lines so far");
+    assert!(said[1].ends_with(": gone (closed); trying again"), "{said:?}");
+    assert!(said[2].ends_with(": there again"), "{said:?}");
+    let lines = fs::read_to_string(&kept).unwrap();
+    assert_eq!(lines.lines().count(), 7, "{lines}");
+    assert!(lines.contains(first.trim_end()) && lines.contains(damaged.trim_end()));
+    fs::remove_file(kept).unwrap();
+}
+
+#[test]
+fn events_as_json_have_the_fields_of_a_replay() {
+    let mut live = Live::start(&["--json"]);
+    let mut board = live.accept();
+    board.write_all(settings().as_bytes()).unwrap();
+    board.write_all(text(&Line::Event(event(0))).as_bytes()).unwrap();
+    board.write_all(text(&Line::Event(hidden(1))).as_bytes()).unwrap();
+    assert_eq!(
+        live.line(),
+        r#"{"index":0,"onset_s":1.59375,"stop_s":1.765625,"static_force_n":781.2,"dynamic_force_n":491.4,"peak_force_n":781.8,"restick_force_n":201.6,"mu_s":1.2404,"mu_s_std":0.00074,"mu":0.7798,"mu_std":0.00074,"stick_s":1.6,"slip_s":0.173,"loading_rate_n_per_s":361.1,"omega_rad_per_s":null,"slack":false,"quality":"good","reason":null}"#
+    );
+    let event: serde_json::Value = serde_json::from_str(&live.line()).unwrap();
+    assert!(event["mu_s"].is_null() && event["mu"].is_null());
+    assert_eq!(event["reason"], "a gap or saturated samples hide the slip");
+    assert_eq!(live.end(), "");
+}
+
+#[test]
+fn it_ends_when_nobody_reads() {
+    let live = Live::start(&[]);
+    let mut board = live.accept();
+    // The reader goes away, as `head` does.
+    let Live { mut child, lines, .. } = live;
+    drop(lines);
+    board.write_all(text(&Line::Event(event(0))).as_bytes()).unwrap();
+    let status = child.wait().unwrap();
+    assert_eq!(status.code(), Some(0));
+}
+
+/// A socket in the file system does as well.
+#[cfg(unix)]
+#[test]
+fn a_unix_socket() {
+    let path: PathBuf =
+        std::env::temp_dir().join(format!("floe-live-{}.socket", std::process::id()));
+    let _ = fs::remove_file(&path);
+    let listener = std::os::unix::net::UnixListener::bind(&path).unwrap();
+    let mut child = Command::new(env!("CARGO_BIN_EXE_floe"))
+        .args(["live", &format!("unix:{}", path.display())])
+        .stdout(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let (mut board, _) = listener.accept().unwrap();
+    board.write_all((settings() + &text(&Line::Event(event(0)))).as_bytes()).unwrap();
+    let mut line = String::new();
+    BufReader::new(child.stdout.take().unwrap()).read_line(&mut line).unwrap();
+    assert!(line.starts_with("event 0  onset 1.594 s"), "{line}");
+    child.kill().unwrap();
+    child.wait().unwrap();
+    fs::remove_file(path).unwrap();
+}
