@@ -61,9 +61,10 @@ impl Finishing {
         Self { pending, after, stage: Stage::New }
     }
 
-    /// Is there a sample of the stick line that starts at a time?
+    /// Does enough of the stick line that starts at a time show to tell when it did? A
+    /// fit without it ends where the last samples would begin to contradict.
     pub(crate) fn shows(&self, start: f32) -> bool {
-        self.after.count > 0 || self.pending.samples().end() > start
+        self.after.count > 0 || self.pending.samples().end() > start + 2.0
     }
 
     /// One iteration.
