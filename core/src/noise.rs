@@ -17,6 +17,8 @@
 pub struct Quantile {
     value: f32,
     count: u32,
+    /// The first numbers, in order of size.
+    first: [f32; FEWEST as usize],
     /// Probability of the quantile.
     part: f32,
     /// Factors up and down, once settled.
@@ -36,25 +38,34 @@ impl Quantile {
     #[must_use]
     pub const fn new(part: f32) -> Self {
         let (up, down) = factors(SMALLEST_GAIN, part);
-        Self { value: 0.0, count: 0, part, up, down }
+        Self { value: 0.0, count: 0, first: [f32::MAX; FEWEST as usize], part, up, down }
     }
 
     /// Takes a number at or above zero.
     pub fn add(&mut self, size: f32) {
-        let (up, down) =
-            if self.count >= SETTLED { (self.up, self.down) } else { self.start(size) };
+        if self.count < FEWEST {
+            return self.start(size);
+        }
+        let (up, down) = if self.count >= SETTLED { (self.up, self.down) } else { self.settle() };
         let factor = if size > self.value { up } else { down };
         // Zero (a noiseless start) could not grow by a factor alone.
         self.value = (self.value * factor).max(1e-3 * size);
     }
 
-    /// Larger steps at first.
-    fn start(&mut self, size: f32) -> (f32, f32) {
-        if self.count == 0 {
-            self.value = size;
+    /// Sorts the first numbers in: their quantile is where to start from.
+    fn start(&mut self, mut size: f32) {
+        for entry in &mut self.first {
+            (*entry, size) = (entry.min(size), entry.max(size));
         }
         self.count += 1;
-        factors((4.0 / self.count as f32).clamp(SMALLEST_GAIN, 1.0), self.part)
+        let place = self.part * (self.count - 1) as f32 + 0.5;
+        self.value = self.first.get(place as usize).copied().unwrap_or(size);
+    }
+
+    /// Larger steps at first.
+    fn settle(&mut self) -> (f32, f32) {
+        self.count += 1;
+        factors((4.0 / self.count as f32).max(SMALLEST_GAIN), self.part)
     }
 
     /// The quantile so far; `None` until eight numbers were seen.
