@@ -125,9 +125,15 @@ pub struct Noise {
     filled: usize,
     /// Smallest step between samples that was seen, N: the resolution.
     resolution_n: f32,
-    /// From the residuals of fits.
+    /// From the residuals of fits, and of how many, up to [`TRUSTED`].
     fitted_n: Option<f32>,
+    fits: u8,
 }
+
+/// Events whose residuals are the noise whatever the samples themselves tell: one
+/// event of a block that never rests may fit badly, and with too large a noise there
+/// would be no other.
+const TRUSTED: u8 = 16;
 
 /// Standard deviation over the median of |x|, for a normal distribution.
 const STD_PER_MEDIAN: f32 = 1.0 / 0.674_49;
@@ -156,6 +162,7 @@ impl Noise {
             filled: 0,
             resolution_n: 0.0,
             fitted_n: None,
+            fits: 0,
         }
     }
 
@@ -167,6 +174,7 @@ impl Noise {
     /// Takes the noise that the fits of the events leave, N.
     pub fn fitted(&mut self, noise_n: f32) {
         self.fitted_n = Some(noise_n);
+        self.fits = self.fits.saturating_add(1).min(TRUSTED);
     }
 
     /// Takes a sample; `in_a_row` if it follows the one before without a gap.
@@ -181,7 +189,7 @@ impl Noise {
             self.resolution_n = step;
         }
         // What follows tells the noise until the fits do.
-        if self.fitted_n.is_some() {
+        if self.fits == TRUSTED {
             return;
         }
         if self.filled >= 3 {
@@ -205,7 +213,8 @@ impl Noise {
         let line = self.innovation.value().map(|median| (median * STD_PER_MEDIAN).max(floor));
         // The fits allow for what a line does not.
         let fitted = self.fitted_n.map(|fitted| 1.5 * fitted);
-        let bound = fitted.or_else(|| self.without_line_n()).map(|std| std.max(floor));
+        let own = if self.fits < TRUSTED { self.without_line_n() } else { None };
+        let bound = least(fitted, own).map(|std| std.max(floor));
         (line, least(line, bound))
     }
 
