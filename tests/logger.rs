@@ -111,6 +111,7 @@ fn run(cell: LoadCell, trouble: Schedule, card: &Card, script: &[(u64, &str)]) -
     let mut pipeline = None;
     let (port, store) = (terminal.clone(), card.clone());
     let mut app = App::new(consumer, &shared, &mut pipeline, port, store, 1_000_000);
+    app.power_up(None);
     let last = script.iter().map(|&(tick, _)| tick).max().unwrap_or(0);
     for tick in 0..=last {
         for (_, text) in script.iter().filter(|&&(at, _)| at == tick) {

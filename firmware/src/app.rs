@@ -67,20 +67,17 @@ pub struct View {
 }
 
 impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
-    /// Takes the settings of the last test from the card. The pipeline's place is
-    /// the caller's: it is most of the memory, and should not travel.
+    /// Touches nothing yet. The pipeline's place is the caller's: it is most of the
+    /// memory, and should not travel.
     #[inline]
     pub fn new(
         queue: SampleConsumer<'q>,
         shared: &'q Shared,
         pipeline: &'q mut Option<Pipeline>,
         port: P,
-        mut store: S,
+        store: S,
         clock_hz: u32,
     ) -> Self {
-        let last = store.last();
-        let run = last.as_ref().map_or(0, |record| record.run);
-        let settings = last.map(|record| record.settings).unwrap_or_default();
         Self {
             queue,
             shared,
@@ -88,8 +85,8 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
             journal: Journal::new(store, clock_hz),
             pipeline,
             clock_hz,
-            settings,
-            run,
+            settings: Settings::default(),
+            run: 0,
             live: true,
             job: Job::Idle,
             health: Health::default(),
@@ -112,8 +109,14 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
         any
     }
 
-    /// Says hello, and why the board started, if not by being switched on.
-    pub fn greet(&mut self, last_words: Option<&str>) {
+    /// Takes the settings of the last test from the card; says hello, and why the
+    /// board started, if not by being switched on.
+    #[inline(never)]
+    pub fn power_up(&mut self, last_words: Option<&str>) {
+        if let Some(last) = self.journal.last() {
+            self.run = last.run;
+            self.settings = last.settings;
+        }
         self.info("floe, help lists the commands");
         if let Some(words) = last_words {
             let mut text = Text::new();
@@ -244,7 +247,6 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
         }
     }
 
-    // Kept out of the main loop's frame: a new pipeline passes through here.
     #[inline(never)]
     fn execute(&mut self, command: Command) -> Result<(), &'static str> {
         match command {
@@ -280,13 +282,20 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
     }
 
     fn start(&mut self) -> Result<(), &'static str> {
-        *self.pipeline = Some(Pipeline::new(&self.settings.config).map_err(config_error)?);
+        self.make_pipeline()?;
         self.shared.want(crate::adc::Input::Bridge);
         self.run = self.run.wrapping_add(1);
         log::info!("test {} starts", self.run);
         self.journal.begin(self.run, 0, &self.settings);
         self.say_settings();
         self.job = Job::Test(Test { first_index: None, phase: Phase::Unknown });
+        Ok(())
+    }
+
+    // On its own: while it is made, a good part of it is on the stack.
+    #[inline(never)]
+    fn make_pipeline(&mut self) -> Result<(), &'static str> {
+        *self.pipeline = Some(Pipeline::new(&self.settings.config).map_err(config_error)?);
         Ok(())
     }
 

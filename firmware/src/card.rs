@@ -53,14 +53,12 @@ impl TimeSource for NoClock {
 type Error<D> = embedded_sdmmc::Error<<D as BlockDevice>::Error>;
 
 impl<D: BlockDevice> CardLog<D> {
-    /// A log of so many sectors (a half second each). A card that is not there
-    /// yet is looked for again when something is to be written.
-    #[inline(never)]
+    /// A log of so many sectors (a half second each). The card is looked for when
+    /// its last record is asked for, and again when something is to be written.
+    #[inline]
     pub fn new(device: D, sectors: u32) -> Self {
         let volumes = VolumeManager::new(device, NoClock);
-        let mut card = Self { volumes, open: None, sectors, next: 0, failed: 0 };
-        card.ensure_open();
-        card
+        Self { volumes, open: None, sectors, next: 0, failed: 0 }
     }
 
     fn ensure_open(&mut self) -> bool {
@@ -153,6 +151,7 @@ impl<D: BlockDevice> CardLog<D> {
 
 impl<D: BlockDevice> Store for CardLog<D> {
     fn last(&mut self) -> Option<Record> {
+        self.ensure_open();
         let newest = self.next.checked_sub(1)?;
         let mut near = (newest.saturating_sub(4)..=newest).rev();
         near.find_map(|sector| Record::decode(&self.read(sector)?).ok())

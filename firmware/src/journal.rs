@@ -80,6 +80,11 @@ impl<S: Store> Journal<S> {
         result.and(self.write())
     }
 
+    /// The last record of earlier times.
+    pub fn last(&mut self) -> Option<Record> {
+        self.store.last()
+    }
+
     /// The card.
     pub fn store(&self) -> &S {
         &self.store

@@ -28,7 +28,7 @@ mod target {
     fn main() -> ! {
         mps2::start();
         let (app, sampler) = build();
-        app.greet(None);
+        app.power_up(None);
         app.turn();
         mps2::start_tick(sampler);
         loop {
@@ -56,18 +56,6 @@ mod target {
         let pipeline = PIPELINE.init_with(|| None);
         let card = CardLog::new(CardFile::open(), LOG_SECTORS);
         (APP.init_with(|| App::new(consumer, &SHARED, pipeline, console, card, CLOCK_HZ)), sampler)
-    }
-
-    #[cortex_m_rt::exception]
-    #[allow(unsafe_code)] // SAFETY: it never returns and touches nothing.
-    unsafe fn HardFault(_: &cortex_m_rt::ExceptionFrame) -> ! {
-        exit(102)
-    }
-
-    #[panic_handler]
-    fn panic(info: &core::panic::PanicInfo<'_>) -> ! {
-        semihosting::eprintln!("{info}");
-        exit(101)
     }
 }
 

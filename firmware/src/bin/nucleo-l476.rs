@@ -37,7 +37,10 @@ mod target {
 
     #[cortex_m_rt::entry]
     fn main() -> ! {
-        let Parts { app, sampler, mut screen, mut watchdog } = build();
+        let words = crash::last_words();
+        let Parts { app, sampler, screen, mut watchdog } = build();
+        // Making the log file of a new card takes a minute or two.
+        app.power_up(words.as_deref());
         watchdog.unleash();
         clock::start_tick(sampler);
         let mut samples = 0;
@@ -49,7 +52,7 @@ mod target {
                 if samples >= PICTURE_SAMPLES && !late {
                     samples = 0;
                     // Without a display there is nothing to see.
-                    let _ = display::draw(&mut screen, &app.view());
+                    let _ = display::draw(screen, &app.view());
                     let _ = screen.flush();
                 }
             }
@@ -60,7 +63,7 @@ mod target {
     struct Parts {
         app: &'static mut Logger,
         sampler: &'static mut Sampler<'static, Adc>,
-        screen: Screen,
+        screen: &'static mut Screen,
         watchdog: Watchdog,
     }
 
@@ -72,20 +75,20 @@ mod target {
         static SAMPLER: StaticCell<Sampler<'static, Adc>> = StaticCell::new();
         static APP: StaticCell<Logger> = StaticCell::new();
         static PIPELINE: StaticCell<Option<Pipeline>> = StaticCell::new();
+        static SCREEN: StaticCell<Screen> = StaticCell::new();
 
-        let words = crash::last_words();
         let board = Board::init();
         let (producer, consumer) = QUEUE.init_with(SampleQueue::new).split();
         let bus = I2cBus::new(CriticalSectionDevice::new(board.i2c), CONVERTER);
         let adc = Ads122::new(bus, Delay);
         let sampler = SAMPLER.init_with(|| Sampler::new(adc, producer, &SHARED));
         let pipeline = PIPELINE.init_with(|| None);
-        // Making the log file of a new card takes a minute or two.
         let card = CardLog::new(board.card, LOG_SECTORS);
         let app =
             APP.init_with(|| App::new(consumer, &SHARED, pipeline, board.console, card, CLOCK_HZ));
-        app.greet(words.as_deref());
-        Parts { app, sampler, screen: screen(board.i2c), watchdog: board.watchdog }
+        let screen = SCREEN.init_with(|| screen(board.i2c));
+        let _ = screen.init();
+        Parts { app, sampler, screen, watchdog: board.watchdog }
     }
 
     type Screen = Ssd1306<
@@ -97,9 +100,7 @@ mod target {
     fn screen(i2c: &'static floe_firmware::board::nucleo::SharedI2c) -> Screen {
         let interface = I2CDisplayInterface::new(CriticalSectionDevice::new(i2c));
         let screen = Ssd1306::new(interface, DisplaySize128x64, DisplayRotation::Rotate0);
-        let mut screen = screen.into_buffered_graphics_mode();
-        let _ = screen.init();
-        screen
+        screen.into_buffered_graphics_mode()
     }
 
     #[cortex_m_rt::exception]

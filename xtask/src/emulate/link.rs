@@ -1,7 +1,7 @@
 //! The model of the converter at the other end of the emulator's FIFOs.
 
 use std::fs::{File, OpenOptions};
-use std::io::{Read, Write};
+use std::io::{BufReader, Read, Write};
 use std::path::Path;
 use std::time::{Duration, Instant};
 
@@ -64,7 +64,7 @@ impl Link {
         let Self { mut chip, mut typist, real_time, cut_at } = self;
         // Opened for both directions, a FIFO does not wait for its other end.
         let open = |name| OpenOptions::new().read(true).write(true).open(directory.join(name));
-        let (mut from, mut to) = (open("adc.out")?, open("adc.in")?);
+        let (mut from, mut to) = (BufReader::new(open("adc.out")?), open("adc.in")?);
         let start = Instant::now();
         let end = cut_at.unwrap_or(chip.device().samples() + LAST_PERIODS);
         loop {

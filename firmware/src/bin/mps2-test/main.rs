@@ -28,7 +28,6 @@ mod target {
     use floe_firmware::board::mps2;
     use semihosting::fs::File;
     use semihosting::io::Read;
-    use semihosting::process::exit;
 
     use super::{bench, paths, queue, timing};
 
@@ -51,18 +50,6 @@ mod target {
             other => panic!("no test {other}"),
         }
         mps2::finish(0)
-    }
-
-    #[cortex_m_rt::exception]
-    #[allow(unsafe_code)] // SAFETY: it never returns and touches nothing.
-    unsafe fn HardFault(_: &cortex_m_rt::ExceptionFrame) -> ! {
-        exit(102)
-    }
-
-    #[panic_handler]
-    fn panic(info: &core::panic::PanicInfo<'_>) -> ! {
-        semihosting::eprintln!("{info}");
-        exit(101)
     }
 }
 

@@ -4,6 +4,7 @@
 //! the card are files of the emulator's host, see [`files`]; in real time UART 0 is
 //! a console too.
 
+mod crash;
 pub mod files;
 pub mod uart;
 

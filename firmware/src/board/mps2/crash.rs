@@ -1,0 +1,15 @@
+//! How a program ends that should not: the exit code says why.
+
+use cortex_m_rt::{ExceptionFrame, exception};
+use semihosting::process::exit;
+
+#[exception]
+unsafe fn HardFault(_: &ExceptionFrame) -> ! {
+    exit(102)
+}
+
+#[panic_handler]
+fn panic(info: &core::panic::PanicInfo<'_>) -> ! {
+    semihosting::eprintln!("{info}");
+    exit(101)
+}
