@@ -259,22 +259,31 @@ impl Cycles {
     }
 
     fn end(&mut self, outcome: Outcome) -> Option<Finished> {
-        let pending = self.finishing.take()?.pending;
-        let mut loads = None;
+        let finishing = self.finishing.take()?;
+        let pending = finishing.pending;
+        let mut load = None;
         let finished = match outcome {
             Outcome::Failed(reason) => self.without_coefficients(&pending, reason).into(),
             Outcome::Fitted { posterior, alone, noise_n2, verdict } => {
                 let site = self.site();
-                loads = Some(moment(pending.origin, posterior.cycle.shape().loads()));
                 let alone = alone.map(|forces| {
                     let mu_s = site.whole(forces.static_n, noise_n2 * forces.static_variance);
                     (mu_s, site.whole(forces.dynamic_n, noise_n2 * forces.dynamic_variance))
                 });
-                self.judged(self.measured(&pending, &posterior), alone, &posterior, verdict)
+                let loads = posterior.cycle.shape().loads();
+                load = Some(moment(pending.origin, loads));
+                let event = self.measured(&pending, &posterior);
+                let mut finished = self.judged(event, alone, &posterior, verdict);
+                if event.slack && !finishing.shows(loads) {
+                    // How far the block slid on a slack cable was not seen.
+                    (finished.event.mu, finished.alone) = (None, None);
+                    finished.event.reason = finished.event.reason.or(Some(Reason::TooShort));
+                }
+                finished
             }
         };
         self.last_stop = Some(finished.event.stop);
-        self.last_load = Some(loads.unwrap_or(finished.event.stop));
+        self.last_load = load.or(self.last_stop);
         self.count = self.count.saturating_add(1);
         Some(finished)
     }

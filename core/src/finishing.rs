@@ -67,6 +67,12 @@ impl Finishing {
         Self { pending, after, stage: Stage::New }
     }
 
+    /// Does enough of the stick line that starts at a time show to tell when it did? A
+    /// fit without it ends where the last samples would begin to contradict.
+    pub(crate) fn shows(&self, start: f32) -> bool {
+        self.after.count > 0 || self.pending.samples().end() > start + 2.0
+    }
+
     /// One iteration.
     pub(crate) fn step(&mut self, learnt: &mut Learnt) -> ControlFlow<Outcome> {
         match self.stage {

@@ -31,6 +31,12 @@ pub struct Samples<'a> {
 }
 
 impl Samples<'_> {
+    /// Time of the last sample, or before the first if there is none.
+    #[must_use]
+    pub fn end(&self) -> f32 {
+        self.start + self.forces_n.len() as f32 - 1.0
+    }
+
     /// Times, periods, and forces, N, of the good samples.
     pub fn good(&self) -> impl Iterator<Item = (f32, f32)> + '_ {
         let start = self.start;

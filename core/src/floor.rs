@@ -11,9 +11,10 @@ const RISE: f32 = 5.0;
 /// Most that it has to be, parts of the slip's drop: where the block never rests what
 /// is known of the noise is only a bound.
 const MOST_RISE: f32 = 0.25;
-/// A slip that ends within this part of its drop, and the rise, of zero may have ended
-/// on a slack cable; a small error of the cell's zero is allowed for.
+/// A slip that ends within so many parts of its drop and of the rise of zero may have
+/// ended on a slack cable; a small error of the cell's zero is allowed for.
 const NEAR_ZERO: f32 = 0.1;
+const NEAR: f32 = 0.4;
 /// The line starts where the force has risen by less than this part: the rest is room
 /// for noise.
 const SURE: f32 = 0.7;
@@ -36,7 +37,7 @@ impl Floor {
     pub(crate) fn under(low: Extreme, drop_n: f32, std_n: Option<f32>) -> Option<Self> {
         let most_n = MOST_RISE * drop_n;
         let rise_n = std_n.map_or(most_n, |std| most_n.min(RISE * std));
-        let is_near = low.force_n.abs() < NEAR_ZERO * drop_n + rise_n;
+        let is_near = low.force_n.abs() < NEAR_ZERO * drop_n + NEAR * rise_n;
         is_near.then_some(Self { mean_n: low.force_n, count: 1, rise_n, above: false })
     }
 
@@ -62,4 +63,32 @@ impl Floor {
 pub(crate) fn periods_above(risen_n: f32, rate: f32) -> u64 {
     let periods = SURE * risen_n / rate;
     if periods > 0.0 { periods as u64 } else { 0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn floor(low_n: f32) -> Option<Floor> {
+        Floor::under(Extreme { index: 7, force_n: low_n }, 600.0, Some(2.0))
+    }
+
+    #[test]
+    fn only_a_slip_down_to_zero_is_waited_for() {
+        for (low_n, waits) in [(-2.0, true), (0.0, true), (30.0, true), (200.0, false)] {
+            assert_eq!(floor(low_n).is_some(), waits, "{low_n}");
+        }
+        assert!(Floor::under(Extreme { index: 7, force_n: 0.0 }, 600.0, None).is_some());
+    }
+
+    #[test]
+    fn two_samples_in_a_row_are_a_rise_and_one_is_none() {
+        let mut floor = floor(-1.0).unwrap();
+        let forces_n = [1.0, 0.5, 40.0, -1.0, 2.0, 1.0, 15.0, 37.0];
+        let risen = forces_n.map(|force_n| floor.risen_n(force_n));
+        assert!(risen.iter().take(7).all(Option::is_none) && floor.is_long());
+        assert!(risen[7].is_some_and(|height_n| (height_n - 37.0).abs() < 1.0), "{risen:?}");
+        assert_eq!(periods_above(37.0, 10.0), 2);
+        assert_eq!(periods_above(37.0, -1.0), 0);
+    }
 }

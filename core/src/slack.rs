@@ -136,3 +136,84 @@ impl Angle {
         ]
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::model::Cycle;
+
+    /// In sampling periods: at rest on a slack cable, and caught sliding.
+    fn rests() -> Cycle {
+        let (static_n, half_drop_n) = (630.0, 378.0);
+        Cycle { onset: 3.3, rate: 22.5, static_n, half_drop_n, omega: 1.18, bend: 0.5 }
+    }
+
+    fn slides() -> Cycle {
+        let (static_n, half_drop_n) = (504.0, 250.0);
+        Cycle { onset: 3.3, rate: 260.0, static_n, half_drop_n, omega: 1.18, bend: -3.0 }
+    }
+
+    fn moved(mut c: Cycle, unknown: usize, by: f32) -> Cycle {
+        let mut swing = c.swing();
+        let unknowns = [
+            &mut c.onset,
+            &mut c.rate,
+            &mut c.static_n,
+            &mut c.half_drop_n,
+            &mut swing,
+            &mut c.bend,
+        ];
+        unknowns.into_iter().skip(unknown).take(1).for_each(|value| *value += by);
+        c.omega = 1.0 / swing;
+        c
+    }
+
+    #[test]
+    fn the_gradient_is_the_difference_quotient() {
+        let steps = [1e-3, 0.02, 0.05, 0.05, 3e-4, 0.05];
+        let times = [[4.5, 5.0, 7.0, 14.0, 20.0], [4.5, 6.3, 6.9, 8.0, 12.0]];
+        for (cycle, times) in [(rests(), times[0]), (slides(), times[1])] {
+            for time in times {
+                let (_, gradient) = cycle.shape().force(time);
+                for (i, step) in steps.into_iter().enumerate() {
+                    let at = |by: f32| moved(cycle, i, by).shape().force(time).0;
+                    let quotient = (at(step) - at(-step)) / (2.0 * step);
+                    let error = (gradient[i] - quotient).abs();
+                    let largest = 0.01 * gradient[i].abs() + 0.1 * cycle.rate / 22.5;
+                    assert!(error < largest, "{time} {i}: {} {quotient}", gradient[i]);
+                }
+            }
+        }
+    }
+
+    /// From taut over just slack and caught sliding to resting on a slack cable: no
+    /// force jumps, at any time.
+    #[test]
+    fn the_force_changes_evenly_with_the_drop() {
+        let with = |half_drop_n: f32| Cycle { half_drop_n, bend: 0.0, ..slides() };
+        for time in [6.0, 6.5, 7.0, 7.5, 9.0] {
+            let mut last = with(120.0).shape().force(time);
+            for step in 1..=800 {
+                let half_drop_n = 120.0 + 0.25 * step as f32;
+                let now = with(half_drop_n).shape().force(time);
+                let slope = last.1[3].abs().max(now.1[3].abs());
+                let most = 0.25 * slope * 1.2 + 0.05;
+                assert!((now.0 - last.0).abs() < most, "{time} {half_drop_n}: {now:?} {last:?}");
+                last = now;
+            }
+        }
+        assert!(!with(120.0).shape().is_slack() && with(320.0).shape().is_slack());
+    }
+
+    #[test]
+    fn the_stick_line_starts_where_the_cable_is_taut() {
+        for cycle in [rests(), slides()] {
+            let shape = cycle.shape();
+            let at = |time: f32| shape.force(time).0;
+            let loads = shape.loads();
+            assert!((at(loads + 1.0) - at(loads) - cycle.rate - cycle.bend).abs() < 0.01);
+            assert!((at(loads) - cycle.restick_n()).abs() < 0.01);
+            assert!(shape.stop() <= loads);
+        }
+        assert!(rests().restick_n() < 1e-6 && rests().shape().stop() < rests().shape().loads());
+    }
+}

@@ -1,0 +1,199 @@
+//! Slips that end on a slack cable, against Newton's law in small steps.
+//!
+//! The force lies at zero until the winch has taken up what the block slid on; the
+//! time of that tells `mu`. Limits per event, after the first few of a test, on bias,
+//! 95th percentile and coverage of the 95 % intervals.
+
+use floe_core::{Event, Quality};
+use floe_tests::brute::{self, Pull, Truth};
+use floe_tests::{feed, scenes};
+
+/// Events of a test before anything counts.
+const SETTLING: u32 = 3;
+/// Tests of each case, each with its own moment of the first sample.
+const TESTS: u32 = 8;
+
+/// Friction that varies by a percent between events: no test always slips at the same
+/// moment between two samples.
+fn slack() -> Pull {
+    Pull { mu_s: 1.0, mu: 0.4, variation: 0.01, step_s: 2e-3, ..scenes::dff8_13() }
+}
+
+/// Errors of one coefficient, relative and in stated standard deviations.
+#[derive(Default)]
+struct Errors(Vec<(f64, f64)>);
+
+impl Errors {
+    fn add(&mut self, got: Option<floe_core::Coefficient>, truth: f64) {
+        if let Some(got) = got {
+            let error = f64::from(got.value) - truth;
+            self.0.push((error / truth, error / f64::from(got.std)));
+        }
+    }
+
+    fn bias(&self) -> f64 {
+        self.0.iter().map(|e| e.0).sum::<f64>() / self.0.len() as f64
+    }
+
+    fn percentile95(&self) -> f64 {
+        let mut sizes: Vec<f64> = self.0.iter().map(|e| e.0.abs()).collect();
+        sizes.sort_by(f64::total_cmp);
+        sizes[sizes.len() * 95 / 100]
+    }
+
+    fn coverage(&self) -> f64 {
+        self.0.iter().filter(|e| e.1.abs() < 1.96).count() as f64 / self.0.len() as f64
+    }
+}
+
+#[derive(Default)]
+struct Score {
+    mu_s: Errors,
+    mu: Errors,
+    /// True events, those found, found ones that are none, and wrong words on slack.
+    due: usize,
+    matched: usize,
+    invented: usize,
+    misnamed: usize,
+    /// Worst error of a stop, s.
+    stop_s: f64,
+}
+
+impl Score {
+    fn add(&mut self, pull: &Pull, truths: &[Truth], found: &[Event]) {
+        let time_s = |at: floe_core::SampleTime| {
+            pull.delay_s + (at.index as f64 + f64::from(at.fraction)) / pull.rate_hz
+        };
+        self.due += truths.len();
+        for event in found {
+            let onset_s = time_s(event.onset);
+            let near = |t: &&Truth| (t.onset_s - onset_s).abs() < 1.0 / pull.rate_hz;
+            let Some(truth) = truths.iter().find(near) else {
+                self.invented += 1;
+                continue;
+            };
+            self.matched += 1;
+            if event.index < SETTLING {
+                continue;
+            }
+            self.mu_s.add(event.mu_s, truth.mu_s);
+            self.mu.add(event.mu, truth.mu);
+            self.misnamed += usize::from(
+                event.slack != truth.slack || (event.quality == Quality::Slack) != truth.slack,
+            );
+            self.stop_s = self.stop_s.max((time_s(event.stop) - truth.stop_s).abs());
+        }
+    }
+}
+
+/// Feeds the tests of a case, their forces changed by `cell`.
+fn score(name: &str, pull: &Pull, cell: impl Fn(f64) -> f64) -> Score {
+    let mut score = Score::default();
+    for seed in 0..TESTS {
+        let delay_s = f64::from(seed) / f64::from(TESTS) / pull.rate_hz;
+        let pull = Pull { delay_s, ..*pull };
+        let record = brute::run(&pull, u64::from(seed) + 1);
+        let forces_n: Vec<f64> = record.forces_n.iter().map(|f| cell(*f)).collect();
+        let found = feed::replay(&scenes::config(&pull), feed::in_a_row(&forces_n)).events;
+        score.add(&pull, &record.events, &found);
+    }
+    for (coefficient, errors) in [("mu_s", &score.mu_s), ("mu", &score.mu)] {
+        println!(
+            "{name:10} {coefficient:4}: {} of {} events, bias {:+.3} %, 95th percentile {:.3} %, \
+             coverage {:.1} %",
+            errors.0.len(),
+            score.due,
+            100.0 * errors.bias(),
+            100.0 * errors.percentile95(),
+            100.0 * errors.coverage(),
+        );
+    }
+    println!("{name:10} stop: worst {:.1} ms", 1e3 * score.stop_s);
+    let (due, matched) = (score.due as f64, score.matched as f64);
+    assert!(matched >= 0.99 * due, "{name}: {matched} of {due} events");
+    assert!(score.invented as f64 <= 0.005 * due, "{name}: {} invented", score.invented);
+    score
+}
+
+/// Errors within the limits, in percent, for bias and 95th percentile.
+fn within(name: &str, score: &Score, (bias, percentile): (f64, f64)) {
+    for (coefficient, errors) in [("mu_s", &score.mu_s), ("mu", &score.mu)] {
+        let case = format!("{name} {coefficient}");
+        assert!(errors.0.len() >= 200, "{case}: {} events", errors.0.len());
+        assert!(100.0 * errors.bias().abs() < bias, "{case}: bias {}", errors.bias());
+        let got = errors.percentile95();
+        assert!(100.0 * got < percentile, "{case}: 95th percentile {got}");
+        let coverage = errors.coverage();
+        assert!((0.90..=0.99).contains(&coverage), "{case}: coverage {coverage}");
+    }
+}
+
+fn check(name: &str, pull: &Pull) -> Score {
+    let score = score(name, pull, |force_n| force_n);
+    within(name, &score, (0.5, 1.5));
+    score
+}
+
+#[test]
+fn in_every_slip() {
+    let score = check("slack", &slack());
+    assert_eq!(score.misnamed, 0);
+}
+
+/// Every event at the same moment between two samples, so all show the same little.
+#[test]
+fn always_at_the_same_moment() {
+    check("same", &Pull { variation: 0.0, ..slack() });
+}
+
+#[test]
+fn up_and_down_a_slope() {
+    for slope_rad in [-0.08, 0.105] {
+        check(&format!("{slope_rad:+} rad"), &Pull { slope_rad, ..slack() });
+    }
+}
+
+#[test]
+fn heavy_soft_stiff() {
+    check("heavy", &Pull { weight_n: 3000.0, duration_s: 400.0, ..slack() });
+    check("soft", &Pull { stiffness_n_per_m: 5e3, duration_s: 400.0, ..slack() });
+    let winch_m_per_s = 360.0 / 92e3;
+    check("stiff", &Pull { stiffness_n_per_m: 92e3, winch_m_per_s, ..slack() });
+}
+
+#[test]
+fn slow_and_fast_winch() {
+    check("slow", &Pull { winch_m_per_s: 0.001, duration_s: 1500.0, ..slack() });
+    check("fast", &Pull { winch_m_per_s: 0.04, ..slack() });
+}
+
+/// Four seconds at zero in every event, and in some events just so.
+#[test]
+fn long_and_short_slack() {
+    check("long", &Pull { mu_s: 1.5, mu: 0.3, duration_s: 300.0, ..slack() });
+    check("short", &Pull { mu_s: 0.85, mu: 0.42, ..slack() });
+    check("some", &Pull { mu_s: 0.8, variation: 0.1, ..slack() });
+    let score = check("varying", &Pull { mu_s: 0.95, mu: 0.5, variation: 0.1, ..slack() });
+    assert!(score.misnamed as f64 <= 0.01 * score.due as f64, "{} misnamed", score.misnamed);
+}
+
+/// A winch so fast that it catches the block still sliding (`d < Fp < a`).
+#[test]
+fn caught_while_sliding() {
+    let pull = Pull { mu_s: 0.8, mu: 0.41, winch_m_per_s: 0.1, rate_hz: 100.0, ..slack() };
+    check("caught", &Pull { duration_s: 60.0, ..pull });
+}
+
+/// Noise of 1 % and 5 % of the weight: wider, and said so.
+#[test]
+fn noisy_cells() {
+    check("1 %", &Pull { noise_n: 6.3, ..slack() });
+    let noisy = Pull { noise_n: 31.5, ..slack() };
+    within("5 %", &score("5 %", &noisy, |force_n| force_n), (0.5, 4.0));
+}
+
+/// A cell that reads nothing below zero.
+#[test]
+fn a_cell_without_negative_forces() {
+    within("clipped", &score("clipped", &slack(), |force_n| force_n.max(0.0)), (0.5, 1.5));
+}
