@@ -3,13 +3,13 @@
 use core::fmt::Write as _;
 
 use embedded_io::{Read, ReadReady, Write};
-use floe_core::{Event, Phase, Pipeline, Report};
+use floe_core::{Event, Phase, Pipeline, Provisional, Report, Step};
 
 use crate::average::{Average, MOST};
 use crate::command::{Command, HELP};
 use crate::console::{Console, Typed};
 use crate::journal::Journal;
-use crate::line::{Decimal, Health, Line, LiveSample, Mean, Text};
+use crate::line::{About, Decimal, Health, Line, LiveSample, Mean, Text};
 use crate::log;
 use crate::period::PeriodMeter;
 use crate::sample::{Sample, SampleConsumer, Shared};
@@ -51,6 +51,21 @@ struct Test {
     /// Index of its first sample, once that has come.
     first_index: Option<u32>,
     phase: Phase,
+    /// A first answer whose event has not come yet.
+    about: Option<About>,
+}
+
+impl Test {
+    /// Keeps what a display shows.
+    fn note(&mut self, step: &Step) {
+        self.phase = step.phase;
+        if let Some(answer) = step.provisional {
+            self.about = Some(About { index: step.sample.index, answer });
+        }
+        if let Some(event) = &step.event {
+            self.about = self.about.filter(|about| !about.is_followed_by(event));
+        }
+    }
 }
 
 /// What a display shows.
@@ -62,6 +77,8 @@ pub struct View {
     pub report: Option<Report>,
     /// What the block is doing.
     pub phase: Phase,
+    /// A first answer on the newest slip, until its event.
+    pub provisional: Option<Provisional>,
     /// The state of the board.
     pub health: Health,
 }
@@ -142,6 +159,7 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
             force_n: self.force_n,
             report: test.and(self.pipeline.as_ref()).map(Pipeline::report),
             phase: test.map_or(Phase::Unknown, |t| t.phase),
+            provisional: test.and_then(|t| t.about).map(|about| about.answer),
             health: self.health(),
         }
     }
@@ -214,12 +232,10 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
         }
         let first_index = *test.first_index.get_or_insert(sample.index);
         let step = pipeline.step(sample.raw(first_index));
-        test.phase = step.phase;
+        test.note(&step);
         self.force_n = step.sample.force_n;
         if self.live {
-            let floe_core::ForceSample { index, force_n, flag, gap } = step.sample;
-            let phase = step.phase;
-            self.console.tell(&Line::Sample(LiveSample { index, force_n, flag, phase, gap }));
+            self.show(&step);
         }
         if let Some(index) = step.spike {
             self.tell(&Line::Spike(index));
@@ -234,6 +250,16 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
         self.journal.counters(self.shared.overruns(), self.health.adc_faults);
         let stored = self.journal.sample(sample);
         self.check_store(stored.is_err());
+    }
+
+    /// What is only for a display, not for the card.
+    fn show(&mut self, step: &Step) {
+        let floe_core::ForceSample { index, force_n, flag, gap } = step.sample;
+        let phase = step.phase;
+        self.console.tell(&Line::Sample(LiveSample { index, force_n, flag, phase, gap }));
+        if let Some(answer) = step.provisional {
+            self.console.tell(&Line::About(About { index, answer }));
+        }
     }
 
     fn obey(&mut self, typed: &Typed) {
@@ -288,7 +314,7 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
         log::info!("test {} starts", self.run);
         self.journal.begin(self.run, 0, &self.settings);
         self.say_settings();
-        self.job = Job::Test(Test { first_index: None, phase: Phase::Unknown });
+        self.job = Job::Test(Test { first_index: None, phase: Phase::Unknown, about: None });
         Ok(())
     }
 

@@ -8,10 +8,11 @@ use embedded_graphics::pixelcolor::BinaryColor;
 use embedded_graphics::prelude::{DrawTarget, Point};
 use embedded_graphics::text::{Baseline, Text};
 use embedded_graphics::{Drawable, mono_font::MonoFont};
-use floe_core::{Estimate, Phase};
+use floe_core::{Cause, Change, Estimate, Phase};
 use heapless::String;
 
 use crate::app::View;
+use crate::line::Health;
 
 type Row = String<22>;
 
@@ -26,10 +27,12 @@ where
     target.clear(BinaryColor::Off)?;
     text(target, &FONT_9X15, 0, &force(view))?;
     let report = view.report;
-    text(target, &FONT_6X10, 22, &coefficient("mu_s", report.and_then(|r| r.mu_s)))?;
-    text(target, &FONT_6X10, 33, &coefficient("mu  ", report.and_then(|r| r.mu)))?;
+    text(target, &FONT_6X10, 14, &coefficient("mu_s", report.and_then(|r| r.mu_s)))?;
+    text(target, &FONT_6X10, 24, &coefficient("mu  ", report.and_then(|r| r.mu)))?;
+    text(target, &FONT_6X10, 34, &about(view))?;
     text(target, &FONT_6X10, 44, &state(view))?;
-    text(target, &FONT_6X10, 54, &health(view))
+    let change = report.and_then(|r| r.change).filter(|_| is_well(&view.health));
+    text(target, &FONT_6X10, 54, &change.map_or_else(|| health(view), |it| changed(&it)))
 }
 
 fn text<D>(target: &mut D, font: &MonoFont<'_>, y: i32, row: &str) -> Result<(), D::Error>
@@ -86,10 +89,43 @@ fn state(view: &View) -> Row {
     row
 }
 
+/// The first answer on the newest slip, mu_s and mu.
+fn about(view: &View) -> Row {
+    let mut row = Row::new();
+    let Some(answer) = view.provisional else { return row };
+    let _ = write!(row, "about {}", fixed(answer.mu_s.value, 3));
+    let _ = match answer.mu {
+        Some(mu) => write!(row, " {}", fixed(mu.value, 3)),
+        None => write!(row, " ---"),
+    };
+    row
+}
+
+/// Since which event what is another.
+fn changed(change: &Change) -> Row {
+    let mut row = Row::new();
+    let event = change.event;
+    let _ = match change.cause {
+        Cause::Mass => write!(row, "{event}: weight x {}", fixed(change.weight_ratio, 3)),
+        Cause::Friction => write!(row, "{event}: other friction"),
+        Cause::Unknown => write!(row, "{event}: weigh block"),
+    };
+    row
+}
+
+fn lost(health: &Health) -> u32 {
+    health.overruns.saturating_add(health.adc_faults)
+}
+
+/// Nothing to tell of the board but that it runs.
+fn is_well(health: &Health) -> bool {
+    lost(health) == 0 && health.store_failures == 0
+}
+
 fn health(view: &View) -> Row {
     let mut row = Row::new();
     let health = &view.health;
-    let lost = health.overruns.saturating_add(health.adc_faults);
+    let lost = lost(health).min(9_999_999);
     let card = if health.store_failures > 0 { "NO CARD" } else { "card ok" };
     let _ = write!(row, "{card} lost {lost}");
     row
@@ -98,24 +134,30 @@ fn health(view: &View) -> Row {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::line::Health;
     use embedded_graphics::mock_display::MockDisplay;
+    use floe_core::{Coefficient, Provisional, Report, SampleTime};
 
-    fn lit(view: &View) -> usize {
+    /// The lit points of the display's left half.
+    fn picture(view: &View) -> Vec<Point> {
         let mut display = MockDisplay::new();
         display.set_allow_out_of_bounds_drawing(true);
         display.set_allow_overdraw(true);
         draw(&mut display, view).unwrap();
         let points = (0..64).flat_map(|x| (0..64).map(move |y| Point::new(x, y)));
-        points.filter(|&p| display.get_pixel(p) == Some(BinaryColor::On)).count()
+        points.filter(|&p| display.get_pixel(p) == Some(BinaryColor::On)).collect()
     }
 
     #[test]
     fn what_is_known_is_drawn() {
         let health = Health::default();
-        let empty = View { force_n: None, report: None, phase: Phase::Unknown, health };
+        let (phase, provisional) = (Phase::Unknown, None);
+        let empty = View { force_n: None, report: None, phase, provisional, health };
         let force = View { force_n: Some(-8888.8), ..empty };
-        assert!(lit(&force) > lit(&empty));
+        assert!(picture(&force).len() > picture(&empty).len());
+        let mu_s = Coefficient { value: 1.24, std: 0.01 };
+        let provisional = Some(Provisional { mu_s, mu: None });
+        let about = View { provisional, ..empty };
+        assert!(picture(&about).len() > picture(&empty).len());
     }
 
     #[test]
@@ -128,12 +170,44 @@ mod tests {
     }
 
     #[test]
+    fn a_change_is_told_unless_something_is_wrong() {
+        let mut pipeline = floe_core::Pipeline::new(&floe_core::Config {
+            weight_n: 630.0,
+            ..floe_core::Config::default()
+        });
+        let report = pipeline.as_mut().unwrap().report();
+        let onset = SampleTime { index: 964, fraction: 0.4 };
+        let weight = (0.653, 0.019);
+        let told = |cause| {
+            let (weight_ratio, weight_ratio_std) = weight;
+            Change { event: 99_999, onset, cause, weight_ratio, weight_ratio_std }
+        };
+        assert_eq!(changed(&told(Cause::Mass)).as_str(), "99999: weight x 0.653");
+        assert_eq!(changed(&told(Cause::Friction)).as_str(), "99999: other friction");
+        assert_eq!(changed(&told(Cause::Unknown)).as_str(), "99999: weigh block");
+        let view = |change, overruns| View {
+            force_n: None,
+            report: Some(Report { change, ..report }),
+            phase: Phase::Stick,
+            provisional: None,
+            health: Health { overruns, ..Health::default() },
+        };
+        let change = Some(told(Cause::Mass));
+        assert_ne!(picture(&view(change, 0)), picture(&view(None, 0)));
+        assert_eq!(picture(&view(change, 3)), picture(&view(None, 3)));
+    }
+
+    #[test]
     fn rows_fit_the_display() {
         let estimate = Estimate { mean: 1.2, std_error: 0.1, spread: None, events: 4_000_000 };
         assert_eq!(coefficient("mu_s", Some(estimate)).as_str(), "mu_s 1.2000 +- 0.1000");
         let health = Health { overruns: u32::MAX, store_failures: 1, ..Health::default() };
-        let view = View { force_n: Some(-65_432.1), report: None, phase: Phase::Slip, health };
+        let (report, phase) = (None, Phase::Slip);
+        let mu = Coefficient { value: -11.234, std: 0.1 };
+        let provisional = Some(Provisional { mu_s: mu, mu: Some(mu) });
+        let view = View { force_n: Some(-65_432.1), report, phase, provisional, health };
+        assert_eq!(about(&view).as_str(), "about -11.234 -11.234");
         assert!(force(&view).len() <= 12, "9-point font: 14 characters a row");
-        assert!(super::health(&view).len() <= 21, "6-point font: 21 characters a row");
+        assert_eq!(super::health(&view).as_str(), "NO CARD lost 9999999");
     }
 }

@@ -2,7 +2,7 @@
 
 use heapless::String;
 
-use crate::record::{Record, SECTOR_SAMPLES};
+use crate::record::{Record, SECTOR_SAMPLES, TEXT_LEN};
 use crate::sample::Sample;
 use crate::settings::Settings;
 use crate::store::{Store, StoreError};
@@ -104,14 +104,23 @@ impl<S: Store> Journal<S> {
         while let Some(end) = self.waiting.find('\n') {
             let Some(line) = self.waiting.get(..=end) else { return };
             if self.record.text.push_str(line).is_err() {
-                // A line longer than a sector's room can never be stored.
-                if !self.record.text.is_empty() {
-                    return;
+                if self.record.text.is_empty() {
+                    // Longer than any sector's room: the next one has the rest.
+                    self.take_part();
                 }
-                self.lines_lost = self.lines_lost.saturating_add(1);
+                return;
             }
             self.waiting.drain(..=end);
         }
+    }
+
+    /// As much as fits into an empty sector.
+    fn take_part(&mut self) {
+        let end = self.waiting.floor_char_boundary(TEXT_LEN);
+        let part = self.waiting.get(..end).unwrap_or_default();
+        // Cannot fail: there is room for just that.
+        let _ = self.record.text.push_str(part);
+        self.waiting.drain(..end);
     }
 
     fn write(&mut self) -> Result<(), StoreError> {
@@ -122,5 +131,51 @@ impl<S: Store> Journal<S> {
             Err(_) => self.failures = self.failures.saturating_add(1),
         }
         result
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::record::Sector;
+
+    #[derive(Default)]
+    struct Sectors(Vec<Sector>);
+
+    impl Store for Sectors {
+        fn last(&mut self) -> Option<Record> {
+            None
+        }
+
+        fn next_sector(&self) -> u32 {
+            self.0.len() as u32
+        }
+
+        fn write(&mut self, sector: &Sector) -> Result<(), StoreError> {
+            self.0.push(*sector);
+            Ok(())
+        }
+    }
+
+    /// Nothing of a line is lost, however long it is.
+    #[test]
+    fn a_line_longer_than_a_sectors_room_goes_on_in_the_next() {
+        let mut journal = Journal::new(Sectors::default(), 1_000_000);
+        let lengths = [1, 100, TEXT_LEN - 1, TEXT_LEN, TEXT_LEN + 1, crate::line::LINE_LEN, 3];
+        let line = |length: usize| {
+            "0123456789".chars().cycle().take(length).collect::<std::string::String>()
+        };
+        let mut said = std::string::String::new();
+        for length in lengths {
+            journal.line(&line(length));
+            journal.flush().unwrap();
+            said += &line(length);
+            said.push('\n');
+        }
+        let sectors = &journal.store().0;
+        let kept = sectors.iter().map(|sector| Record::decode(sector).unwrap().text);
+        let kept: Vec<_> = kept.collect();
+        assert_eq!(kept.iter().map(|text| text.as_str()).collect::<std::string::String>(), said);
+        assert_eq!(journal.lines_lost, 0);
     }
 }

@@ -14,7 +14,7 @@ mod write;
 use core::fmt;
 
 use crc::{CRC_16_XMODEM, Crc, NoTable};
-use floe_core::{Change, Event, Phase, Report, SampleFlag};
+use floe_core::{Change, Event, Phase, Provisional, Report, SampleFlag};
 use heapless::String;
 
 pub use decimal::Decimal;
@@ -22,8 +22,8 @@ pub use decimal::Decimal;
 use crate::adc::Input;
 use crate::settings::Settings;
 
-/// Room for the longest line.
-pub const LINE_LEN: usize = 320;
+/// Room for the longest line, an `R` with the longest numbers.
+pub const LINE_LEN: usize = 416;
 
 /// A line as text, without its end.
 pub type Text = String<LINE_LEN>;
@@ -42,6 +42,8 @@ pub enum Line<'a> {
     Sample(LiveSample),
     /// `P`: the earlier sample with this index was a spike.
     Spike(u64),
+    /// `A`: a first answer on a slip; its `E` follows.
+    About(About),
     /// `E`: an event is complete.
     Event(Event),
     /// `C`: the block or its friction has changed.
@@ -76,6 +78,27 @@ pub struct LiveSample {
     pub phase: Phase,
     /// Missing indices right before.
     pub gap: u32,
+}
+
+/// A first answer as it is shown.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct About {
+    /// The newest sample when it was known.
+    pub index: u64,
+    /// The coefficients so far.
+    pub answer: Provisional,
+}
+
+impl About {
+    /// Is that event the slip that this was about, or a later one? The event of the
+    /// slip before comes later than the first answer on this one.
+    #[must_use]
+    pub fn is_followed_by(&self, event: &Event) -> bool {
+        // The shortest slip ends within the period before its first sample off the
+        // line, and that one is believed when the next sample is no spike.
+        const LATEST: u64 = 2;
+        event.stop.index.saturating_add(LATEST) >= self.index
+    }
 }
 
 /// The state of the board.
@@ -154,7 +177,10 @@ fn checksum(text: &str) -> u16 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use floe_core::{Cause, Config, Pipeline, SampleTime};
+    use floe_core::{
+        Calibration, Cause, Coefficient, Config, Counters, Estimate, Pipeline, Quality, Reason,
+        SampleTime,
+    };
 
     fn returns(line: &Line<'_>) {
         let text = line.to_text().unwrap();
@@ -174,5 +200,101 @@ mod tests {
             returns(&Line::Report(none));
             returns(&Line::Report(Report { change: Some(change), ..none }));
         }
+    }
+
+    #[test]
+    fn a_first_answer_returns_as_it_was() {
+        let mu_s = Coefficient { value: 1.240_391_2, std: 0.011_4 };
+        let mu = Coefficient { value: 0.780_4, std: 1.0 / 3.0 };
+        for mu in [None, Some(mu)] {
+            let answer = Provisional { mu_s, mu };
+            returns(&Line::About(About { index: 964, answer }));
+        }
+        let text = "A,964,,,0.78,0.01";
+        let text = format!("{text}*{:04X}", checksum(text));
+        assert_eq!(Line::parse(&text), Err(LineError::Field));
+    }
+
+    /// No number has more characters.
+    const LONG: f32 = f32::from_bits(0x83b2_83b2);
+
+    fn longest_report() -> Report {
+        let estimate = Estimate { mean: LONG, std_error: LONG, spread: Some(LONG), events: !0 };
+        let counters =
+            Counters { samples: !0, missing: !0, duplicates: !0, rejected: !0, saturated: !0 };
+        Report {
+            counters,
+            events: !0,
+            mu_s: Some(estimate),
+            mu: Some(estimate),
+            noise_n: Some(LONG),
+            loading_rate_n_per_s: Some(LONG),
+            omega_rad_per_s: Some(LONG),
+            stiffness_n_per_m: Some(LONG),
+            recurrence_s: Some(LONG),
+            change: Some(Change {
+                event: !0,
+                onset: SampleTime { index: !0, fraction: LONG },
+                cause: Cause::Friction,
+                weight_ratio: LONG,
+                weight_ratio_std: LONG,
+            }),
+        }
+    }
+
+    fn longest_event() -> Event {
+        let time = SampleTime { index: !0, fraction: LONG };
+        let coefficient = Some(Coefficient { value: LONG, std: LONG });
+        Event {
+            index: !0,
+            onset: time,
+            stop: time,
+            static_force_n: LONG,
+            dynamic_force_n: LONG,
+            peak_force_n: LONG,
+            restick_force_n: LONG,
+            mu_s: coefficient,
+            mu: coefficient,
+            stick_s: Some(LONG),
+            slip_s: LONG,
+            loading_rate_n_per_s: LONG,
+            omega_rad_per_s: Some(LONG),
+            slack: true,
+            quality: Quality::Unresolved,
+            reason: Some(Reason::Suspect),
+        }
+    }
+
+    fn longest_settings() -> Settings {
+        let calibration = Calibration {
+            tare_counts: i32::MIN,
+            counts_per_n: LONG,
+            range_counts: (i32::MIN, i32::MIN),
+        };
+        let config = Config {
+            rate_hz: LONG,
+            weight_n: LONG,
+            slope_rad: LONG,
+            winch_m_per_s: Some(LONG),
+            range_n: Some(LONG),
+            calibration,
+        };
+        Settings { config, name: String::try_from("sixteen characte").unwrap() }
+    }
+
+    #[test]
+    fn the_longest_lines_have_room() {
+        // Every number is as long as any.
+        let longest = Decimal(LONG).to_string().len();
+        for bits in (0..u32::MAX).step_by(65_537) {
+            assert!(Decimal(f32::from_bits(bits)).to_string().len() <= longest, "{bits:x}");
+        }
+        let report = Line::Report(longest_report());
+        returns(&report);
+        assert!(report.to_text().unwrap().len() <= LINE_LEN);
+        returns(&Line::Event(longest_event()));
+        returns(&Line::Start { run: !0, settings: longest_settings() });
+        let health = Health { period_s: Some(LONG), jitter_s: Some(LONG), ..Health::default() };
+        returns(&Line::Health(Health { samples: !0, overruns: !0, deepest: !0, ..health }));
     }
 }

@@ -1,12 +1,13 @@
 //! Text to values: the host's half.
 
 use floe_core::{
-    Calibration, Change, Coefficient, Config, Counters, Estimate, Event, Report, SampleTime,
+    Calibration, Change, Coefficient, Config, Counters, Estimate, Event, Provisional, Report,
+    SampleTime,
 };
 use heapless::String;
 
 use super::fields::Reader;
-use super::{Health, Line, LineError, LiveSample, Mean, checksum};
+use super::{About, Health, Line, LineError, LiveSample, Mean, checksum};
 use crate::settings::Settings;
 
 impl<'a> Line<'a> {
@@ -26,6 +27,7 @@ impl<'a> Line<'a> {
             "T" => Line::Start { run: from.take()?, settings: settings(from)? },
             "S" => Line::Sample(live_sample(from)?),
             "P" => Line::Spike(from.take()?),
+            "A" => Line::About(about(from)?),
             "E" => Line::Event(event(from)?),
             "C" => Line::Change(change(from)?.ok_or(LineError::Field)?),
             "R" => Line::Report(report(from)?),
@@ -64,6 +66,12 @@ fn live_sample(from: &mut Reader<'_>) -> Result<LiveSample, LineError> {
         phase: from.take_word()?,
         gap: from.take()?,
     })
+}
+
+fn about(from: &mut Reader<'_>) -> Result<About, LineError> {
+    let index = from.take()?;
+    let mu_s = coefficient(from)?.ok_or(LineError::Field)?;
+    Ok(About { index, answer: Provisional { mu_s, mu: coefficient(from)? } })
 }
 
 fn event(from: &mut Reader<'_>) -> Result<Event, LineError> {

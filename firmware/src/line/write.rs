@@ -5,7 +5,7 @@ use core::fmt::{self, Write};
 use floe_core::{Change, Coefficient, Config, Estimate, Event, Report, SampleTime};
 
 use super::fields::Writer;
-use super::{Health, Line, LiveSample, Mean, Text, checksum};
+use super::{About, Health, Line, LiveSample, Mean, Text, checksum};
 use crate::settings::Settings;
 
 impl Line<'_> {
@@ -27,6 +27,7 @@ impl Line<'_> {
             Line::Start { .. } => 'T',
             Line::Sample(_) => 'S',
             Line::Spike(_) => 'P',
+            Line::About(_) => 'A',
             Line::Event(_) => 'E',
             Line::Change(_) => 'C',
             Line::Report(_) => 'R',
@@ -43,6 +44,7 @@ impl Line<'_> {
             Line::Start { run, settings } => start(out, *run, settings),
             Line::Sample(sample) => live_sample(out, sample),
             Line::Spike(index) => out.put(index),
+            Line::About(a) => about(out, a),
             Line::Event(e) => event(out, e),
             Line::Change(c) => change(out, c),
             Line::Report(r) => report(out, r),
@@ -76,6 +78,12 @@ fn live_sample<W: Write>(out: &mut Writer<'_, W>, sample: &LiveSample) -> fmt::R
     out.put_word(sample.flag)?;
     out.put_word(sample.phase)?;
     out.put(sample.gap)
+}
+
+fn about<W: Write>(out: &mut Writer<'_, W>, about: &About) -> fmt::Result {
+    out.put(about.index)?;
+    coefficient(out, Some(about.answer.mu_s))?;
+    coefficient(out, about.answer.mu)
 }
 
 fn event<W: Write>(out: &mut Writer<'_, W>, event: &Event) -> fmt::Result {

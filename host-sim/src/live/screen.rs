@@ -5,7 +5,7 @@ use std::time::Duration;
 use floe_core::{Coefficient, Estimate, Phase};
 use ratatui::Frame;
 use ratatui::layout::{Constraint, Layout, Rect};
-use ratatui::style::{Color, Modifier, Style};
+use ratatui::style::{Color, Modifier, Style, Stylize};
 use ratatui::text::{Line, Span};
 use ratatui::widgets::Paragraph;
 
@@ -32,7 +32,8 @@ pub fn draw(frame: &mut Frame<'_>, state: &State, ask: &Ask, place: &str, now: D
     } else {
         draw_small(frame, numbers, state)
     }
-    let lines = vec![Line::from(event(state)), Line::from(quantities(state)), samples(state)];
+    let lines =
+        vec![Line::from(event(state)), about(state), quantities(state).into(), samples(state)];
     frame.render_widget(Paragraph::new(lines), words);
     if force.height >= TRACE_ROWS {
         trace::draw(frame, force, state);
@@ -67,7 +68,7 @@ fn rows(area: Rect, large: bool, asking: bool) -> [Rect; 6] {
     let numbers = grant(if large { digits::ROWS as u16 + 2 } else { 3 });
     let last = question + grant(u16::from(!asking));
     let top = grant(1);
-    let words = grant(3);
+    let words = grant(4);
     let trace = grant(area.height);
     Layout::vertical([top, wrong, numbers, words, trace, last].map(Constraint::Length)).areas(area)
 }
@@ -176,6 +177,18 @@ fn event(state: &State) -> String {
     let (number, quality) = (event.index + 1, event.quality);
     let (mu_s, mu) = (text("mu_s", event.mu_s), text("mu", event.mu));
     format!("slip {number} at {at:.1} s{mu_s}{mu}   {quality}{reason}")
+}
+
+/// The newest slip, as long as the board has no more than a first answer on it.
+fn about(state: &State) -> Line<'static> {
+    let Some(about) = &state.about else { return Line::default() };
+    let at = about.index as f64 / state.rate_hz();
+    let text = |name: &str, value: &Coefficient| {
+        format!("   {name} ~ {:.3} ± {:.3}", value.value, value.std)
+    };
+    let mu_s = text("mu_s", &about.answer.mu_s);
+    let mu = about.answer.mu.map(|mu| text("mu", &mu)).unwrap_or_default();
+    Line::from(format!("provisional at {at:.1} s{mu_s}{mu}")).dim()
 }
 
 fn quantities(state: &State) -> String {

@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 use std::time::Duration;
 
 use floe_core::{Cause, Change, Event, Report, SampleFlag, SampleTime};
-use floe_firmware::line::{Health, Line, LineError, LiveSample};
+use floe_firmware::line::{About, Health, Line, LineError, LiveSample};
 use floe_firmware::settings::Settings;
 
 use super::lines::Received;
@@ -29,6 +29,8 @@ pub struct State {
     pub sampled: Option<Duration>,
     /// The last event.
     pub event: Option<Event>,
+    /// A first answer on a slip whose event has not come yet.
+    pub about: Option<About>,
     /// The result so far.
     pub report: Option<Report>,
     /// The state of the board.
@@ -128,8 +130,10 @@ impl State {
             Line::Start { run, settings } => self.start(run, settings, now),
             Line::Sample(sample) => self.sample(sample, now),
             Line::Spike(index) => self.spike(index),
+            Line::About(about) => self.about = Some(about),
             Line::Event(event) => {
                 self.event = Some(event);
+                self.about = self.about.filter(|about| !about.is_followed_by(&event));
                 return Some(event);
             }
             Line::Change(change) => self.answer = Some((told(&change), now)),
@@ -167,7 +171,7 @@ impl State {
 
     fn forget_test(&mut self) {
         self.trace.clear();
-        (self.sampled, self.event, self.report) = (None, None, None);
+        (self.sampled, self.event, self.about, self.report) = (None, None, None, None);
     }
 
     fn sample(&mut self, sample: LiveSample, now: Duration) {

@@ -3,15 +3,16 @@
 use std::time::Duration;
 
 use floe_core::{
-    Coefficient, Counters, Estimate, Event, Phase, Quality, Reason, Report, SampleFlag, SampleTime,
+    Coefficient, Counters, Estimate, Event, Phase, Provisional, Quality, Reason, Report,
+    SampleFlag, SampleTime,
 };
-use floe_firmware::line::{Health, Line, LiveSample};
+use floe_firmware::line::{About, Health, Line, LiveSample};
 use floe_firmware::settings::Settings;
 use ratatui::Terminal;
 use ratatui::backend::TestBackend;
 use ratatui::buffer::Buffer;
 use ratatui::crossterm::event::{KeyCode, KeyEvent, KeyModifiers};
-use ratatui::style::Color;
+use ratatui::style::{Color, Modifier};
 
 use super::ask::Ask;
 use super::lines::Received;
@@ -142,19 +143,20 @@ fn the_whole_display() {
         "▀▀▀ ▀▀▀ ▀▀▀ ▀ ▀▀▀          ▀▀▀ ▀ ▀▀▀   ▀ ▀▀▀ ▀▀▀     ▀▀▀ ▀   ▀ ▀▀▀ ▀▀▀ ▀▀▀",
         "sticks                     ± 0.0005 (7 events)       ± 0.0005 (7 events)",
         "slip 7 at 12.9 s   mu_s 1.2404 ± 0.0007   mu 0.7798 ± 0.0007   good",
+        "",
         "noise 1.9 N   loading 360 N/s   a slip every 1.78 s   k 23.0 kN/m",
         "card ok, 15 kB   lost 0   missing 3   bad 0   out of range 0   16.000 Hz",
     ];
     assert_eq!(rows[..head.len()], head);
-    assert!(rows[10].starts_with("800 N│"), "{}", rows[10]);
+    assert!(rows[11].starts_with("800 N│"), "{}", rows[11]);
     assert!(rows[23].starts_with("s start") && rows[23].ends_with("q quit"), "{}", rows[23]);
     // All of the trace is in the right half of the last 30 s.
     let dots = |row: &String| row.chars().position(|c| ('\u{2801}'..='\u{28FF}').contains(&c));
-    let first = rows[10..21].iter().filter_map(dots).min().unwrap();
+    let first = rows[11..21].iter().filter_map(dots).min().unwrap();
     assert!((40..=46).contains(&first), "{first}");
     // The verdict is green, what is missing is red, a slip is yellow.
     assert_eq!(buffer[(0, 1)].bg, Color::Green);
-    assert_eq!(buffer[(rows[9].find("missing").unwrap() as u16, 9)].fg, Color::LightRed);
+    assert_eq!(buffer[(rows[10].find("missing").unwrap() as u16, 10)].fg, Color::LightRed);
     let yellow = buffer.content.iter().filter(|cell| cell.fg == Color::LightYellow).count();
     assert!(yellow > 10, "{yellow}");
 }
@@ -246,7 +248,7 @@ fn a_damaged_line_is_counted_and_changes_nothing() {
     assert_eq!(state.event, Some(event()));
     let text_now = verdict(&state, seconds(16.0)).text;
     assert!(text_now.contains("damaged lines: bad cable"), "{text_now}");
-    assert!(screen_rows(&state, (100, 24), 16.0)[9].contains("damaged lines"));
+    assert!(screen_rows(&state, (100, 24), 16.0)[10].contains("damaged lines"));
     // The end of a line that began before the port was opened is no damage.
     let damaged = state.damaged;
     state.take(&Received { text: "0.5,good,stick,0*1234".to_string(), cut: true }, seconds(16.0));
@@ -297,7 +299,7 @@ fn what_is_over_is_no_longer_said() {
         say(&mut state, &Line::Health(Health { overruns: 65, ..health() }), second as f64);
     }
     assert_eq!(verdict(&state, seconds(39.5)).text, "measuring; all is well");
-    assert!(screen_rows(&state, (80, 24), 39.5)[9].contains("lost 65"));
+    assert!(screen_rows(&state, (80, 24), 39.5)[10].contains("lost 65"));
 }
 
 #[test]
@@ -355,6 +357,38 @@ fn an_event_without_coefficients_says_why() {
         row.ends_with("mu_s -   mu -   clipped: a gap or saturated samples hide the slip"),
         "{row}"
     );
+}
+
+#[test]
+fn a_first_answer_is_shown_until_its_event_comes() {
+    let mut state = measuring();
+    let coefficient = |value| Coefficient { value, std: 0.0114 };
+    let about = |index, mu| {
+        let answer = Provisional { mu_s: coefficient(1.2391), mu };
+        Line::About(About { index, answer })
+    };
+    let row = |state: &State| screen_rows(state, (80, 24), 15.0)[8].clone();
+    say(&mut state, &about(234, None), 14.9);
+    assert_eq!(row(&state), "provisional at 14.6 s   mu_s ~ 1.239 ± 0.011");
+    say(&mut state, &about(237, Some(coefficient(0.781))), 14.9);
+    let both = "provisional at 14.8 s   mu_s ~ 1.239 ± 0.011   mu ~ 0.781 ± 0.011";
+    assert_eq!(row(&state), both);
+    let shown = frame(&state, &Ask::default(), (80, 24), 15.0);
+    assert!(shown[(0, 8)].modifier.contains(Modifier::DIM));
+    assert!(!shown[(0, 7)].modifier.contains(Modifier::DIM));
+    // The event of the slip before comes later than that; its own ends it.
+    let with_stop = |index, sample| {
+        let stop = SampleTime { index: sample, fraction: 0.1 };
+        Line::Event(Event { index, stop, ..event() })
+    };
+    say(&mut state, &with_stop(6, 209), 15.0);
+    assert_eq!(row(&state), both);
+    say(&mut state, &with_stop(7, 236), 15.0);
+    assert_eq!((row(&state).as_str(), state.about), ("", None));
+    // A new test knows nothing of it.
+    say(&mut state, &about(237, None), 15.0);
+    say(&mut state, &settings(4, 630.0), 15.0);
+    assert_eq!(state.about, None);
 }
 
 #[test]

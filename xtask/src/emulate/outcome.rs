@@ -54,8 +54,12 @@ pub fn decode(shown: &str) -> Result<Outcome> {
             Line::Sample(sample) if sample.flag == SampleFlag::Rejected => {
                 rejected.insert(sample.index);
             }
-            Line::Sample(_) | Line::Spike(_) | Line::Mean(_) | Line::Info(_) | Line::Trouble(_) => {
-            }
+            Line::Sample(_)
+            | Line::Spike(_)
+            | Line::About(_)
+            | Line::Mean(_)
+            | Line::Info(_)
+            | Line::Trouble(_) => {}
         }
     }
     match (config, report, health, ended) {
