@@ -69,6 +69,38 @@ fn rust_version() {
     assert!(named.iter().all(|named| *named == version), "README {named:?}, Cargo.toml {version}");
 }
 
+/// Every place that `docs/method.md` names, as in `fit.rs::Data::normal`: the file has such
+/// a function, or type, and the type before it.
+#[test]
+fn places_in_the_code_exist() {
+    let page = read("docs/method.md");
+    let places: Vec<&str> =
+        page.split('`').skip(1).step_by(2).filter(|code| code.contains(".rs::")).collect();
+    assert!(places.len() > 40, "{} places", places.len());
+    for place in places {
+        let mut parts = place.split("::");
+        let code = read(&format!("core/src/{}", parts.next().unwrap()));
+        for name in parts {
+            assert!(defines(&code, name), "docs/method.md: {place}: no {name}");
+        }
+    }
+}
+
+/// Does a file define a function, a type or a type's functions of this name?
+fn defines(code: &str, name: &str) -> bool {
+    let ends = |rest: &str| !rest.starts_with(|c: char| c.is_alphanumeric() || c == '_');
+    ["fn ", "struct ", "enum ", "type "].iter().any(|kind| {
+        let defined = format!("{kind}{name}");
+        code.match_indices(&defined).any(|(at, _)| ends(&code[at + defined.len()..]))
+    })
+}
+
+#[test]
+fn a_name_that_only_begins_like_another_is_not_defined() {
+    assert!(defines("impl Data<'_> {\n    fn normal(&self)", "normal"));
+    assert!(!defines("impl Data<'_> {\n    fn normal_of(&self)", "normal"));
+}
+
 #[test]
 fn versions_are_found_in_text() {
     assert_eq!(rust_versions("needs Rust 1.88 or later. Rust is fine"), ["1.88"]);

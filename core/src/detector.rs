@@ -162,8 +162,10 @@ impl Stick {
         let time = since(self.line_origin, index);
         self.line.fade(memory.fade());
         self.line.add(time, force_n, 1.0);
-        self.trial.fade(memory.trial_fade());
-        self.trial.add(time, force_n, 1.0);
+        if memory.has_trial() {
+            self.trial.fade(memory.trial_fade());
+            self.trial.add(time, force_n, 1.0);
+        }
         if !self.straight && self.first_weight > LEAST_WEIGHT {
             self.first.add(since(self.origin, index), force_n, self.first_weight);
             self.first_weight *= memory.fade();

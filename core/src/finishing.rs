@@ -130,7 +130,7 @@ impl Finishing {
         let (squares_n2, free) = own_residuals(&data, &fit);
         // Without what is left around the line after it, which fits whatever the slip does.
         let (line_n2, points) = (self.after.residual(), (self.after.weight - 2.0).max(0.0));
-        let misfit = learnt.is_misfit(squares_n2 - line_n2, free - points);
+        let misfit = learnt.is_misfit(pending, squares_n2 - line_n2, free - points);
         if free >= 1.0 && !misfit {
             learnt.residuals.add(squares_n2, free, pending.noise_n2);
         }

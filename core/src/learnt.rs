@@ -24,7 +24,9 @@ pub(crate) struct Learnt {
 const CHANGED: u8 = 3;
 /// Least part of a fitted precision that has to be the event's own: a smaller part is
 /// the difference of two numbers that the fit's last step may have left unsettled.
-const LEAST_OWN: f32 = 0.05;
+const LEAST_OWN: f32 = 0.01;
+/// The same for the bend, which is zero more often than not.
+const LEAST_OWN_BEND: f32 = 0.05;
 /// The same to judge whether it is another block, which differs by far.
 const LEAST_JUDGED: f32 = 0.003;
 
@@ -35,16 +37,16 @@ impl Learnt {
     /// Variance of the noise, as if it were white: from the fits so far, else the
     /// detector's. Never below what single precision leaves of a force.
     pub(crate) fn noise_n2(&self, pending: &Pending) -> f32 {
-        let rounding_n = ROUNDING * pending.peak.force_n;
         let noise_n2 = self.residuals.variance_n2().unwrap_or(pending.noise_n2);
-        pending.inflation * noise_n2.max(rounding_n * rounding_n)
+        pending.inflation * noise_n2.max(rounding_n2(pending))
     }
 
     /// Does an event leave far more than the others do? The winch paused or started, the
     /// block hit something; or, after several of them, all is different from now on, and
     /// nothing is expected any more.
-    pub(crate) fn is_misfit(&mut self, squares_n2: f32, free: f32) -> bool {
-        if !self.residuals.are_far_less_than(squares_n2, free) {
+    pub(crate) fn is_misfit(&mut self, pending: &Pending, squares_n2: f32, free: f32) -> bool {
+        let beyond_rounding_n2 = squares_n2 - 50.0 * free.max(1.0) * rounding_n2(pending);
+        if !self.residuals.are_far_less_than(beyond_rounding_n2, free) {
             self.misfits = 0;
             return false;
         }
@@ -138,7 +140,7 @@ impl Learnt {
         if let Some((value, variance)) = own_rate.filter(positive) {
             self.rate.add(value, variance);
         }
-        if let Some((value, variance)) = own(cycle.bend, bend, data.bend, LEAST_OWN) {
+        if let Some((value, variance)) = own(cycle.bend, bend, data.bend, LEAST_OWN_BEND) {
             self.bend.add(value, variance);
         }
         told.swing = own_swing(LEAST_OWN).filter(|_| is_clear(&cycle) || !on_trial);
@@ -150,6 +152,12 @@ impl Learnt {
         const STEADY: f32 = 0.1;
         self.rate.mean().is_none_or(|usual| (rate - usual).abs() < STEADY * usual)
     }
+}
+
+/// Variance of what rounding leaves of the forces, N².
+fn rounding_n2(pending: &Pending) -> f32 {
+    let rounding_n = ROUNDING * pending.peak.force_n;
+    rounding_n * rounding_n
 }
 
 /// Does the slip have samples enough to tell a small change of the swing from what the

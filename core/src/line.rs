@@ -39,7 +39,9 @@ impl Line {
         let off_n = force_n - self.at(time, self.slope);
         let rest = self.weight * share;
         let tt = self.tt + rest * dt * dt;
-        let (gain, kept) = if tt > 0.0 { (rest * dt / tt, self.tt / tt) } else { (0.0, 1.0) };
+        let inverse = if tt > 0.0 { 1.0 / tt } else { 0.0 };
+        let gain = rest * dt * inverse;
+        let kept = if tt > 0.0 { self.tt * inverse } else { 1.0 };
         let mean = self.time + share * dt;
         self.level_n = self.at(mean, self.slope) + share * off_n;
         self.time = mean;

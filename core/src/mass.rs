@@ -316,6 +316,7 @@ mod tests {
     }
 
     fn take(mass: &mut Mass, told: &Told) -> Verdict {
+        mass.forget();
         let verdict = mass.judge(told);
         if verdict != Verdict::Suspect {
             mass.learn(told);

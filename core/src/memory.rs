@@ -5,16 +5,30 @@
 //! ladder of lengths. Beside the line in use a trial line with another memory
 //! forecasts the same samples; the trial takes over when it is significantly
 //! better, and makes room for the next one when it is not. Steps are taken at the
-//! end of a stick line; a straight line pays nothing but the trial.
+//! end of a stick line. Once all of the ladder has been tried in vain only one stick
+//! line of eight has a trial.
 
 /// Memories, sampling periods; the longest is as good as endless.
 const LADDER: [f32; 7] = [4096.0, 64.0, 24.0, 10.0, 5.0, 3.0, 2.0];
 /// Standard errors by which a trial has to be better.
-const SIGNIFICANT: f32 = 3.0;
+const SIGNIFICANT: f32 = 4.0;
 /// Fewest and most forecasts that decide.
 const FORECASTS: (u32, u32) = (24, 200);
 /// A block that never slips: more forecasts would only cost the sums their digits.
 const ENOUGH: u32 = 4096;
+
+/// Factors by which the past fades with every sample.
+const FADES: [f32; LADDER.len()] = {
+    let mut fades = [0.0; LADDER.len()];
+    let mut step = 0;
+    while step < LADDER.len() {
+        fades[step] = 1.0 - 1.0 / LADDER[step];
+        step += 1;
+    }
+    fades
+};
+/// Stick lines to one with a trial, where none was better.
+const SELDOM: u32 = 8;
 
 /// The memory in use and the one on trial.
 #[derive(Clone, Copy, Debug)]
@@ -25,13 +39,17 @@ pub struct Memory {
     gain: f32,
     gain_squares: f32,
     count: u32,
+    /// Trials in a row that were not better, and stick lines so far.
+    in_vain: usize,
+    lines: u32,
 }
 
 impl Memory {
     /// Endless, with a shorter one on trial.
     #[must_use]
     pub const fn new() -> Self {
-        Self { step: 0, trial: 1, gain: 0.0, gain_squares: 0.0, count: 0 }
+        let (gain, gain_squares, count) = (0.0, 0.0, 0);
+        Self { step: 0, trial: 1, gain, gain_squares, count, in_vain: 0, lines: 0 }
     }
 
     /// Factor by which past weights fade with every sample of the line in use.
@@ -44,6 +62,12 @@ impl Memory {
     #[must_use]
     pub fn trial_fade(&self) -> f32 {
         fade(self.trial)
+    }
+
+    /// Does this stick line have a trial?
+    #[must_use]
+    pub fn has_trial(&self) -> bool {
+        self.in_vain < LADDER.len() || self.lines.is_multiple_of(SELDOM)
     }
 
     /// Is all of the past in use?
@@ -65,15 +89,19 @@ impl Memory {
 
     /// Decides at the end of a stick line; the lines start anew afterwards.
     pub fn decide(&mut self) {
+        self.lines = self.lines.wrapping_add(1);
         if self.count < FORECASTS.0 {
             return;
         }
         let error = crate::math::rough_sqrt(self.gain_squares);
         if self.gain > SIGNIFICANT * error {
-            self.step = self.trial;
+            (self.step, self.in_vain) = (self.trial, 0);
         } else if self.gain > error && self.count < FORECASTS.1 {
-            // Promising: wait for more.
+            // Promising: wait for more, with every line.
+            self.in_vain = 0;
             return;
+        } else {
+            self.in_vain = self.in_vain.saturating_add(1);
         }
         self.trial = (self.trial + 1) % LADDER.len();
         if self.trial == self.step {
@@ -90,7 +118,7 @@ impl Default for Memory {
 }
 
 fn fade(step: usize) -> f32 {
-    1.0 - 1.0 / LADDER.get(step).copied().unwrap_or(2.0)
+    FADES.get(step).copied().unwrap_or(0.5)
 }
 
 #[cfg(test)]

@@ -17,6 +17,8 @@
 pub struct Quantile {
     value: f32,
     count: u32,
+    /// The first numbers, in order of size.
+    first: [f32; FEWEST as usize],
     /// Probability of the quantile.
     part: f32,
     /// Factors up and down, once settled.
@@ -36,25 +38,34 @@ impl Quantile {
     #[must_use]
     pub const fn new(part: f32) -> Self {
         let (up, down) = factors(SMALLEST_GAIN, part);
-        Self { value: 0.0, count: 0, part, up, down }
+        Self { value: 0.0, count: 0, first: [f32::MAX; FEWEST as usize], part, up, down }
     }
 
     /// Takes a number at or above zero.
     pub fn add(&mut self, size: f32) {
-        let (up, down) =
-            if self.count >= SETTLED { (self.up, self.down) } else { self.start(size) };
+        if self.count < FEWEST {
+            return self.start(size);
+        }
+        let (up, down) = if self.count >= SETTLED { (self.up, self.down) } else { self.settle() };
         let factor = if size > self.value { up } else { down };
         // Zero (a noiseless start) could not grow by a factor alone.
         self.value = (self.value * factor).max(1e-3 * size);
     }
 
-    /// Larger steps at first.
-    fn start(&mut self, size: f32) -> (f32, f32) {
-        if self.count == 0 {
-            self.value = size;
+    /// Sorts the first numbers in: their quantile is where to start from.
+    fn start(&mut self, mut size: f32) {
+        for entry in &mut self.first {
+            (*entry, size) = (entry.min(size), entry.max(size));
         }
         self.count += 1;
-        factors((4.0 / self.count as f32).clamp(SMALLEST_GAIN, 1.0), self.part)
+        let place = self.part * (self.count - 1) as f32 + 0.5;
+        self.value = self.first.get(place as usize).copied().unwrap_or(size);
+    }
+
+    /// Larger steps at first.
+    fn settle(&mut self) -> (f32, f32) {
+        self.count += 1;
+        factors((4.0 / self.count as f32).max(SMALLEST_GAIN), self.part)
     }
 
     /// The quantile so far; `None` until eight numbers were seen.
@@ -114,9 +125,15 @@ pub struct Noise {
     filled: usize,
     /// Smallest step between samples that was seen, N: the resolution.
     resolution_n: f32,
-    /// From the residuals of fits.
+    /// From the residuals of fits, and of how many, up to [`TRUSTED`].
     fitted_n: Option<f32>,
+    fits: u8,
 }
+
+/// Events whose residuals are the noise whatever the samples themselves tell: one
+/// event of a block that never rests may fit badly, and with too large a noise there
+/// would be no other.
+const TRUSTED: u8 = 16;
 
 /// Standard deviation over the median of |x|, for a normal distribution.
 const STD_PER_MEDIAN: f32 = 1.0 / 0.674_49;
@@ -145,6 +162,7 @@ impl Noise {
             filled: 0,
             resolution_n: 0.0,
             fitted_n: None,
+            fits: 0,
         }
     }
 
@@ -156,6 +174,7 @@ impl Noise {
     /// Takes the noise that the fits of the events leave, N.
     pub fn fitted(&mut self, noise_n: f32) {
         self.fitted_n = Some(noise_n);
+        self.fits = self.fits.saturating_add(1).min(TRUSTED);
     }
 
     /// Takes a sample; `in_a_row` if it follows the one before without a gap.
@@ -170,7 +189,7 @@ impl Noise {
             self.resolution_n = step;
         }
         // What follows tells the noise until the fits do.
-        if self.fitted_n.is_some() {
+        if self.fits == TRUSTED {
             return;
         }
         if self.filled >= 3 {
@@ -194,7 +213,8 @@ impl Noise {
         let line = self.innovation.value().map(|median| (median * STD_PER_MEDIAN).max(floor));
         // The fits allow for what a line does not.
         let fitted = self.fitted_n.map(|fitted| 1.5 * fitted);
-        let bound = fitted.or_else(|| self.without_line_n()).map(|std| std.max(floor));
+        let own = if self.fits < TRUSTED { self.without_line_n() } else { None };
+        let bound = least(fitted, own).map(|std| std.max(floor));
         (line, least(line, bound))
     }
 

@@ -160,7 +160,8 @@ fn surely(size: f32, limit: f32) -> f32 {
 /// What an event measured by itself, without the expectation it was fitted with.
 ///
 /// `mean` and `variance` are the fitted ones; the precisions subtract. `None` when
-/// less than the given part of the fitted precision is the event's own.
+/// less than the given part of the fitted precision is the event's own; up to twice
+/// that part it counts for less.
 #[must_use]
 pub fn without_prior(
     mean: f32,
@@ -171,8 +172,9 @@ pub fn without_prior(
 ) -> Option<(f32, f32)> {
     let (fitted, expected) = (1.0 / variance, prior.weight / noise_n2);
     let own = fitted - expected;
+    let sure = surely(own, least * fitted);
     // The difference of the means keeps its digits, that of the products would not.
-    (own > least * fitted).then(|| (mean + expected / own * (mean - prior.mean), 1.0 / own))
+    (sure > 0.0).then(|| (mean + expected / own * (mean - prior.mean), 1.0 / (sure * own)))
 }
 
 #[cfg(test)]

@@ -6,4 +6,5 @@ pub mod feed;
 pub mod maths;
 pub mod normal;
 pub mod scenes;
+pub mod score;
 pub mod wide;

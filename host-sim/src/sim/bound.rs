@@ -24,14 +24,14 @@ use super::scene::{GRAVITY_M_PER_S2, Scene};
 use super::truth::TrueEvent;
 
 /// Number of unknowns.
-const UNKNOWNS: usize = 5;
+pub(super) const UNKNOWNS: usize = 5;
 /// Loading rate, `Fs`, `Fp`, `omega`: places of the unknowns after `t0`.
-const RATE: usize = 1;
+pub(super) const RATE: usize = 1;
 const STATIC: usize = 2;
 const DYNAMIC: usize = 3;
-const OMEGA: usize = 4;
+pub(super) const OMEGA: usize = 4;
 
-type Matrix = [[f64; UNKNOWNS]; UNKNOWNS];
+pub(super) type Matrix<const N: usize = UNKNOWNS> = [[f64; N]; N];
 
 /// A linear event.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -232,7 +232,7 @@ impl SlackEvent {
 }
 
 impl ForceBound {
-    fn new(covariance: &Matrix, noise_n: f64) -> Self {
+    pub(super) fn new(covariance: &Matrix, noise_n: f64) -> Self {
         Self {
             static_n: noise_n * covariance[STATIC][STATIC].sqrt(),
             dynamic_n: noise_n * covariance[DYNAMIC][DYNAMIC].sqrt(),
@@ -241,7 +241,7 @@ impl ForceBound {
 }
 
 /// Sum of the products of the gradients at the samples.
-fn fisher(gradients: impl Iterator<Item = [f64; UNKNOWNS]>) -> Matrix {
+pub(super) fn fisher(gradients: impl Iterator<Item = [f64; UNKNOWNS]>) -> Matrix {
     let mut fisher = [[0.0; UNKNOWNS]; UNKNOWNS];
     for gradient in gradients {
         for (row, g) in fisher.iter_mut().zip(gradient) {
@@ -255,8 +255,8 @@ fn fisher(gradients: impl Iterator<Item = [f64; UNKNOWNS]>) -> Matrix {
 
 /// Inverse of a symmetric positive definite matrix, by Gauss-Jordan on the
 /// matrix scaled to ones on its diagonal; `None` if it is singular.
-fn inverse(matrix: Matrix) -> Option<Matrix> {
-    let mut scale = [0.0; UNKNOWNS];
+pub(super) fn inverse<const N: usize>(matrix: Matrix<N>) -> Option<Matrix<N>> {
+    let mut scale = [0.0; N];
     for (i, s) in scale.iter_mut().enumerate() {
         if matrix[i][i] <= 0.0 {
             return None;
@@ -264,33 +264,33 @@ fn inverse(matrix: Matrix) -> Option<Matrix> {
         *s = matrix[i][i].sqrt().recip();
     }
     let mut left = matrix;
-    let mut right = [[0.0; UNKNOWNS]; UNKNOWNS];
-    for i in 0..UNKNOWNS {
-        for j in 0..UNKNOWNS {
+    let mut right = [[0.0; N]; N];
+    for i in 0..N {
+        for j in 0..N {
             left[i][j] *= scale[i] * scale[j];
         }
         right[i][i] = 1.0;
     }
-    for i in 0..UNKNOWNS {
+    for i in 0..N {
         // Pivots are what the unknowns before leave: no exchange is needed.
         let pivot = left[i][i];
         if pivot < 1e-13 {
             return None;
         }
-        for j in 0..UNKNOWNS {
+        for j in 0..N {
             left[i][j] /= pivot;
             right[i][j] /= pivot;
         }
-        for other in (0..UNKNOWNS).filter(|&other| other != i) {
+        for other in (0..N).filter(|&other| other != i) {
             let factor = left[other][i];
-            for j in 0..UNKNOWNS {
+            for j in 0..N {
                 left[other][j] -= factor * left[i][j];
                 right[other][j] -= factor * right[i][j];
             }
         }
     }
-    for i in 0..UNKNOWNS {
-        for j in 0..UNKNOWNS {
+    for i in 0..N {
+        for j in 0..N {
             right[i][j] *= scale[i] * scale[j];
         }
     }

@@ -15,6 +15,7 @@ mod converter;
 pub mod exact;
 pub mod friction;
 pub mod integrate;
+pub mod joint;
 pub mod measurement;
 pub mod motion;
 pub mod paper;

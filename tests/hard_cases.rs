@@ -1,0 +1,287 @@
+//! The hard cases: every scene in `host-sim/scenes/hard`, and the linear ones, held to
+//! limits on detection, bias, 95th percentile and coverage.
+//!
+//! `cargo test -p floe-tests --test hard_cases -- --nocapture` prints the table;
+//! `FLOE_TABLE=write` writes it into `docs/hard-cases.md`.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use floe::sim::Scene;
+use floe_tests::score::{Errors, Score, run};
+
+/// Events of a scene, at least, unless so many records have fewer.
+const EVENTS: usize = 1500;
+const RECORDS: u64 = 200;
+
+/// What a scene is held to; pairs are of `mu_s` and `mu`.
+struct Limits {
+    /// Harmonic mean of precision and recall, least.
+    f1: f64,
+    /// Size of the mean error, percent of the truth.
+    bias: [f64; 2],
+    /// Size that 95 % of the errors do not exceed, percent of the truth.
+    p95: [f64; 2],
+    /// Share of the 95 % intervals that hold the truth.
+    coverage: [(f64, f64); 2],
+    /// Root-mean-square error over the Cramér-Rao bound of the event alone.
+    over_bound: Option<[f64; 2]>,
+    /// Why it is not the aim.
+    why: &'static str,
+}
+
+const AIM: Limits = Limits {
+    f1: 0.99,
+    bias: [0.5; 2],
+    p95: [1.5; 2],
+    coverage: [HARD; 2],
+    over_bound: None,
+    why: "",
+};
+/// Coverage of a hard and of a linear scene.
+const HARD: (f64, f64) = (0.90, 0.99);
+const EXACT: (f64, f64) = (0.93, 0.97);
+/// Where an error that looks like noise makes the interval too wide, and where one that
+/// no sample shows makes it mean nothing.
+const WIDE: (f64, f64) = (0.90, 1.0);
+const NONE: (f64, f64) = (0.0, 1.0);
+const LINEAR: Limits = Limits { coverage: [EXACT; 2], over_bound: Some([1.1; 2]), ..AIM };
+
+/// `Fs` and `Fp` of most hard scenes, N.
+const FORCES_N: [f64; 2] = [781.2, 491.4];
+
+/// So many newtons in percent of the two forces, and what noise adds to it.
+fn newtons(force_n: f64, noise: f64) -> [f64; 2] {
+    FORCES_N.map(|whole_n| 100.0 * force_n / whole_n + noise)
+}
+
+fn limits(name: &str) -> Limits {
+    // 95 % of the errors by white noise of 2 N stay below this, percent.
+    const NOISE: f64 = 0.13;
+    match name {
+        "dff8-13" | "fast" | "heavy" | "snow" | "light" => LINEAR,
+        "all" => Limits {
+            bias: [0.5, 2.4],
+            p95: [1.5, 4.5],
+            coverage: [WIDE, (0.6, 0.99)],
+            why: "drift, sag, creep and ripple at once: as measured, and a quarter",
+            ..AIM
+        },
+        "aperture" => Limits {
+            coverage: [NONE, HARD],
+            why: "the mean over 50 ms rounds the onset off: mu_s reads low by more than the noise",
+            ..AIM
+        },
+        "breaking" => Limits {
+            p95: [2.0; 2],
+            why: "the new weight is known from omega only; the interval says so",
+            ..AIM
+        },
+        "creep" => Limits {
+            // The straight line goes on for as long as the force bends over: 0.5 x 30 N.
+            bias: newtons(15.0, 0.0),
+            p95: newtons(15.0, NOISE),
+            coverage: [NONE; 2],
+            why: "creep: the force bends over by 15 N, the model's line is straight",
+            ..AIM
+        },
+        "drift" => Limits {
+            // Root mean square and largest value of the zero's sine.
+            bias: newtons(20.0 / std::f64::consts::SQRT_2, 0.0),
+            p95: newtons(20.0, NOISE),
+            coverage: [NONE; 2],
+            why: "drift: an error of the zero, 20 N, cannot be told from friction",
+            ..AIM
+        },
+        "flop" => {
+            Limits { coverage: [WIDE; 2], why: "flop counts as noise: the interval is wide", ..AIM }
+        }
+        "noisy" => Limits {
+            // 1.3 bounds of 0.32 and 0.14 x 5 %, at 1.96 standard deviations.
+            p95: [1.3 * 1.96 * 1.6 / 1.24, 1.3 * 1.96 * 0.7 / 0.78],
+            over_bound: Some([1.3; 2]),
+            why: "noise of 5 %: own bound",
+            ..AIM
+        },
+        "ripple" => Limits {
+            // The winch's swing is 0.3 k w x 0.7 s / 2 pi = 12 N of force.
+            p95: [1.5, newtons(12.0, NOISE)[1] * 1.2],
+            coverage: [WIDE, (0.75, 0.99)],
+            why: "ripple: 12 N of the winch's own, as slow as the slip's surroundings",
+            ..AIM
+        },
+        "sag_flop" => Limits {
+            bias: [1.25, 0.5],
+            coverage: [WIDE; 2],
+            why: "sag bends the stick line; flop counts as noise",
+            ..AIM
+        },
+        _ => AIM,
+    }
+}
+
+/// A scene with its score.
+struct Row {
+    name: String,
+    /// The first line of its file.
+    about: String,
+    score: Score,
+}
+
+fn scene_files() -> Vec<PathBuf> {
+    let scenes = Path::new(env!("CARGO_MANIFEST_DIR")).join("../host-sim/scenes");
+    let mut files = vec![scenes.join("dff8-13.toml")];
+    for folder in ["linear", "hard"] {
+        let mut own: Vec<_> =
+            fs::read_dir(scenes.join(folder)).unwrap().map(|file| file.unwrap().path()).collect();
+        own.sort();
+        files.extend(own.into_iter().filter(|f| f.extension().is_some_and(|e| e == "toml")));
+    }
+    files
+}
+
+fn row(file: &Path) -> Row {
+    let text = fs::read_to_string(file).unwrap();
+    let scene = Scene::from_toml(&text).unwrap();
+    Row {
+        name: file.file_stem().unwrap().to_str().unwrap().to_owned(),
+        about: text.lines().next().unwrap().trim_matches(['#', ' ', ':']).to_owned(),
+        score: Score::of(&scene, EVENTS, RECORDS),
+    }
+}
+
+impl Row {
+    fn text(&self) -> String {
+        let Self { name, about, score } = self;
+        let cells = |e: &Errors| {
+            if e.count() == 0 {
+                return "- | - | - | -".to_owned();
+            }
+            let bound = e.over_bound().map_or("-".to_owned(), |x| format!("{x:.2}"));
+            format!("{:+.3} | {:.3} | {:.3} | {bound}", e.bias(), e.p95(), e.coverage())
+        };
+        let [mu_s, mu] = score.errors.each_ref().map(cells);
+        let (events, f1) = (score.events(), score.detection.f1());
+        let why = limits(name).why;
+        format!("| {name} | {about} | {events} | {f1:.3} | {mu_s} | {mu} | {why} |")
+    }
+
+    /// What is not within its limits.
+    fn faults(&self) -> Vec<String> {
+        let limits = limits(&self.name);
+        let detection = self.score.detection;
+        let mut faults = Vec::new();
+        let mut check = |what: &str, good: bool, value: f64| {
+            if !good {
+                faults.push(format!("{}: {what} is {value:.4}", self.name));
+            }
+        };
+        check("F1", detection.f1() >= limits.f1, detection.f1());
+        if ["smooth", "flop"].contains(&self.name.as_str()) {
+            let invented = detection.false_alarms;
+            check("number of invented events", invented == 0, invented as f64);
+        }
+        for (i, e) in self.score.errors.iter().enumerate().filter(|(_, e)| e.count() > 0) {
+            let of = |what: &str| format!("{what} of {}", ["mu_s", "mu"][i]);
+            check(&of("bias"), e.bias().abs() <= limits.bias[i], e.bias());
+            check(&of("95th percentile"), e.p95() <= limits.p95[i], e.p95());
+            let (least, most) = limits.coverage[i];
+            let n = e.count() as f64;
+            // Three standard errors of a share and of a root mean square.
+            let chance = 3.0 * (0.95 * 0.05 / n).sqrt();
+            let coverage = e.coverage();
+            let covers = (least - chance..=most + chance).contains(&coverage);
+            check(&of("coverage"), covers, coverage);
+            if let Some((ratio, most)) = e.over_bound().zip(limits.over_bound.map(|b| b[i])) {
+                let most = most * (1.0 + 3.0 / (2.0 * n).sqrt());
+                check(&of("error over the bound"), ratio <= most, ratio);
+            }
+        }
+        faults
+    }
+}
+
+const HEAD: &str = "\
+# The hard cases
+
+Every scene of `host-sim/scenes/hard`, and the linear ones: what the core makes of it. Seeds 1, 2, ...
+up to 1500 events or 200 records, each with another sampling phase; the first two events of a record,
+in which the core learns, and the last one are not counted. This page is written by
+`FLOE_TABLE=write cargo test -p floe-tests --test hard_cases`; the same test holds every row to its limits
+and says so when the page is no longer true.
+
+The aim of a row: F1 of detection at least 0.99, bias under 0.5 %, 95 % of the errors under 1.5 %, the 95 %
+interval true in 90 to 99 % of the events (linear scenes: 93 to 97 %, and root-mean-square error within 1.1
+of the bound), and no event invented. The last column says why a case is held to something else; the limits
+are in `tests/hard_cases.rs`. *bound*: root-mean-square error over the Cramér-Rao bound of the event by itself,
+for the white noise alone; `-`: the model does not hold. Errors in percent of the true coefficient.
+
+| scene | what it is | events | F1 | mu_s: bias % | 95 % | coverage | bound | mu: bias % | 95 % | coverage | bound | held to less because |
+|---|---|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|---|
+";
+
+fn page_file() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/hard-cases.md")
+}
+
+/// Columns of figures that are compared, and by how much they may differ: a change of
+/// the core moves them a little; this is more than chance does.
+const COMPARED: [(usize, f64); 7] =
+    [(4, 0.005), (5, 0.1), (6, 0.15), (7, 0.02), (9, 0.1), (10, 0.15), (11, 0.02)];
+
+/// Does a row of the page still say what the row says?
+fn agree(page: &str, now: &str) -> bool {
+    let cells = |row: &str| row.split('|').map(|cell| cell.trim().to_owned()).collect::<Vec<_>>();
+    let (page, now) = (cells(page), cells(now));
+    let same = |(column, most): &(usize, f64)| {
+        let (Some(a), Some(b)) = (page.get(*column), now.get(*column)) else { return false };
+        match (a.parse::<f64>(), b.parse::<f64>()) {
+            (Ok(a), Ok(b)) => (a - b).abs() <= *most,
+            _ => a == b,
+        }
+    };
+    page.len() == now.len() && COMPARED.iter().all(same)
+}
+
+#[test]
+fn every_case_keeps_its_limits() {
+    let rows: Vec<Row> = scene_files().iter().map(|file| row(file)).collect();
+    let table: Vec<String> = rows.iter().map(Row::text).collect();
+    println!("{}", table.join("\n"));
+    if std::env::var("FLOE_TABLE").is_ok_and(|what| what == "write") {
+        fs::write(page_file(), format!("{HEAD}{}\n", table.join("\n"))).unwrap();
+    }
+    let faults: Vec<String> = rows.iter().flat_map(Row::faults).collect();
+    assert!(faults.is_empty(), "{}", faults.join("\n"));
+    let page = fs::read_to_string(page_file()).unwrap();
+    let told: Vec<&str> = page.lines().skip(HEAD.lines().count()).collect();
+    assert!(
+        page.starts_with(HEAD) && told.len() == table.len(),
+        "docs/hard-cases.md: FLOE_TABLE=write"
+    );
+    for (told, now) in told.iter().zip(&table) {
+        assert!(agree(told, now), "docs/hard-cases.md (FLOE_TABLE=write) says\n{told}\nnow\n{now}");
+    }
+}
+
+/// What the first samples happen to be must not decide about a whole record.
+#[test]
+fn no_record_loses_its_events_at_the_start() {
+    for file in scene_files() {
+        let mut scene = Scene::from_toml(&fs::read_to_string(&file).unwrap()).unwrap();
+        scene.duration_s = 30.0;
+        for seed in 1..=RECORDS {
+            let detection = run(&scene, seed).detection;
+            let lost = detection.misses > 1 && detection.misses > detection.hits;
+            assert!(!lost, "{}, seed {seed}: {detection:?}", file.display());
+        }
+    }
+}
+
+#[test]
+fn a_row_that_has_moved_is_seen() {
+    let row = |bias: f64| {
+        format!("| a | b | 7 | 1.000 | {bias:+.3} | 0.1 | 0.95 | - | +0.1 | 0.1 | 0.95 | - | |")
+    };
+    assert!(agree(&row(0.1), &row(0.19)) && !agree(&row(0.1), &row(0.31)));
+}

@@ -1,0 +1,132 @@
+//! How near the newest event comes to the joint bound of all events so far.
+//!
+//! `cargo test -p floe-tests --test joint_bound -- --nocapture` prints the table that
+//! `docs/method.md` shows.
+
+use std::fs;
+use std::path::Path;
+
+use floe::sim::bound::{ForceBound, LinearEvent};
+use floe::sim::joint::Joint;
+use floe::sim::{Scene, TrueEvent};
+use floe_core::{Event, Quality};
+use floe_tests::score::{rms, run};
+
+/// Records of a scene, and events of each: room for one that is not judged.
+const RECORDS: u64 = 800;
+const EVENTS: usize = 52;
+/// Events, from 1, that are looked at.
+const NUMBERS: [usize; 3] = [3, 10, 50];
+/// Largest errors over the joint bound, for each number: the worst scene's, and three
+/// standard errors.
+const MOST: [f64; 3] = [2.0, 1.3, 1.25];
+/// Three standard errors of the difference of two root mean squares over the records,
+/// relative.
+const SCATTER: f64 = 0.11;
+
+const SCENES: [&str; 5] = ["dff8-13", "linear/heavy", "linear/fast", "linear/snow", "linear/light"];
+
+fn scene(name: &str) -> Scene {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../host-sim/scenes");
+    let text = fs::read_to_string(folder.join(name).with_extension("toml")).unwrap();
+    let mut scene = Scene::from_toml(&text).unwrap();
+    // Long enough for the events.
+    let first = &run(&scene, 1).truths[1];
+    scene.duration_s = (EVENTS as f64 + 1.0) * (first.stick_s + first.slip_s);
+    scene
+}
+
+/// Joint bounds of the events of a record.
+fn bounds(scene: &Scene, events: &[TrueEvent]) -> Vec<Option<ForceBound>> {
+    let mut joint = Joint::default();
+    let bound = |(i, event): (usize, &TrueEvent)| {
+        let from_s = if i == 0 { 0.0 } else { event.onset_s };
+        let to_s = events.get(i + 1).map_or(scene.duration_s, |next| next.onset_s);
+        let first = (from_s * scene.rate_hz).ceil() as u64;
+        let last = (to_s * scene.rate_hz).ceil() as u64;
+        let times_s = (first..last.min(scene.sample_count())).map(|n| n as f64 / scene.rate_hz);
+        let linear = LinearEvent {
+            onset_s: event.onset_s,
+            loading_rate_n_per_s: event.loading_rate_n_per_s,
+            static_force_n: event.static_force_n,
+            dynamic_force_n: event.dynamic_force_n,
+            omega_rad_per_s: event.omega_rad_per_s,
+        };
+        joint.bound(&linear, times_s, scene.measurement.white_n)
+    };
+    events.iter().enumerate().map(bound).collect()
+}
+
+/// Errors of `mu_s` and `mu` of the events of one number, in joint bounds. Events that say
+/// themselves that the samples hardly resolve them are only counted.
+#[derive(Default)]
+struct Errors {
+    joint: [Vec<f64>; 2],
+    unresolved: u32,
+}
+
+impl Errors {
+    fn add(&mut self, scene: &Scene, truth: &TrueEvent, found: &Event, bound: &ForceBound) {
+        let (Some(mu_s), Some(mu), Quality::Good) = (found.mu_s, found.mu, found.quality) else {
+            self.unresolved += 1;
+            return;
+        };
+        let newtons = scene.weight_n * scene.slope_rad().cos();
+        let error =
+            |got: f32, truth: f64, bound_n: f64| (f64::from(got) - truth) * newtons / bound_n;
+        self.joint[0].push(error(mu_s.value, truth.mu_s, bound.static_n));
+        self.joint[1].push(error(mu.value, truth.mu, bound.dynamic_n));
+    }
+
+    fn ratios(&self) -> [f64; 2] {
+        [rms(&self.joint[0]), rms(&self.joint[1])]
+    }
+}
+
+fn errors(scene: &Scene) -> [Errors; NUMBERS.len()] {
+    let mut errors: [Errors; NUMBERS.len()] = Default::default();
+    for seed in 1..=RECORDS {
+        let tried = run(scene, seed);
+        let bounds = bounds(scene, &tried.truths);
+        for (number, errors) in NUMBERS.iter().zip(&mut errors) {
+            let pair = tried.pairs.iter().find(|(t, _)| t + 1 == *number);
+            let Some((&(t, f), bound)) = pair.and_then(|p| Some((p, bounds[p.0].as_ref()?))) else {
+                continue;
+            };
+            errors.add(scene, &tried.truths[t], &tried.found[f], bound);
+        }
+    }
+    errors
+}
+
+/// The figures that the page has for a scene.
+fn told(name: &str) -> Vec<f64> {
+    let page = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/method.md");
+    let page = fs::read_to_string(page).unwrap();
+    let row = page.lines().find_map(|line| line.strip_prefix(&format!("| {name} |")));
+    let row = row.unwrap_or_else(|| panic!("docs/method.md has no row for {name}"));
+    row.split([',', '|']).filter_map(|cell| cell.trim().parse().ok()).collect()
+}
+
+#[test]
+fn the_newest_event_is_near_the_joint_bound_of_all_so_far() {
+    for name in SCENES {
+        let errors = errors(&scene(name));
+        let ratios: Vec<f64> = errors.iter().flat_map(Errors::ratios).collect();
+        let short = name.rsplit('/').next().unwrap();
+        let cells: Vec<String> =
+            ratios.chunks(2).map(|pair| format!("{:.2}, {:.2}", pair[0], pair[1])).collect();
+        let unresolved = errors.each_ref().map(|e| e.unresolved);
+        println!("| {short} | {} | unresolved {unresolved:?}", cells.join(" | "));
+        for (ratios, (number, most)) in ratios.chunks(2).zip(NUMBERS.iter().zip(MOST)) {
+            let near = ratios.iter().all(|ratio| (0.8..most).contains(ratio));
+            assert!(near, "{name}, event {number}: {ratios:?} joint bounds, at most {most}");
+        }
+        let told = told(short);
+        assert!(told.len() == ratios.len(), "docs/method.md, {short}: {told:?}");
+        let agrees = told.iter().zip(&ratios).all(|(told, now)| (told / now - 1.0).abs() < SCATTER);
+        assert!(agrees, "docs/method.md, {short}: {told:?} is now {ratios:?}");
+        let last = unresolved[NUMBERS.len() - 1];
+        assert!(u64::from(last) < RECORDS / 100, "{name}: {last} unresolved after fifty events");
+    }
+}

@@ -1,0 +1,168 @@
+//! How well the core reads a scene: events found, errors of the coefficients.
+
+use floe::bench::Found;
+use floe::bench::matching::{Detection, matched};
+use floe::bench::scenes::Truth;
+use floe::sim::{Scene, Simulation, TrueEvent, bound, simulate};
+use floe_core::{Coefficient, Event, Fault, RawSample, Reading};
+
+use crate::{both, feed};
+
+/// Events at the start of a record whose errors do not count: the core still learns.
+pub const LEARNING: usize = 2;
+
+/// One test: its events, and what was found of them.
+#[derive(Clone, Debug)]
+pub struct Tried {
+    /// The events that are judged: all but the last, whose line the record's end cuts.
+    pub truths: Vec<TrueEvent>,
+    /// What the core found.
+    pub found: Vec<Event>,
+    /// Which is which.
+    pub pairs: Vec<(usize, usize)>,
+    /// How well they were found.
+    pub detection: Detection,
+}
+
+/// Simulates a scene and reads it. Every seed has a sampling phase of its own; the
+/// golden section spreads them evenly.
+///
+/// # Panics
+/// The scene cannot be simulated.
+#[must_use]
+pub fn run(scene: &Scene, seed: u64) -> Tried {
+    let mut scene = scene.clone();
+    let phase = (seed as f64 * 0.618_033_988_749_895).fract();
+    let rate = scene.stiffness_n_per_m * scene.winch_m_per_s;
+    scene.start_force_n += phase * rate / scene.rate_hz;
+    let Simulation { samples, events: mut truths } = simulate(&scene, seed).expect("a scene");
+    bound::set_bounds(&scene, &mut truths);
+    truths.pop();
+    let raw = |index, force_n: f64| {
+        if force_n.is_finite() {
+            feed::force(index, force_n)
+        } else {
+            RawSample { index, reading: Reading::Bad(Fault::Sentinel) }
+        }
+    };
+    let samples = samples.iter().map(|s| raw(s.index, s.force_n));
+    let found = feed::replay(&both::config(&scene), samples).events;
+    let (pairs, detection) = pair(&truths, &found, scene.rate_hz);
+    Tried { truths, found, pairs, detection }
+}
+
+fn pair(truths: &[TrueEvent], found: &[Event], hz: f64) -> (Vec<(usize, usize)>, Detection) {
+    let truths = truths.iter().map(|e| Truth {
+        onset_s: e.onset_s,
+        stop_s: e.stop_s,
+        mu_s: e.mu_s,
+        mu: e.mu,
+        bound: None,
+    });
+    let onset = |e: &Event| both::periods(e) / hz;
+    let found = found.iter().map(|e| Found { onset_s: onset(e), mu_s: None, mu: None });
+    matched(&truths.collect::<Vec<_>>(), &found.collect::<Vec<_>>(), hz)
+}
+
+/// Errors of one coefficient over many events.
+#[derive(Clone, Debug, Default)]
+pub struct Errors {
+    relative: Vec<f64>,
+    /// In stated standard deviations, and in bounds.
+    stated: Vec<f64>,
+    bounds: Vec<f64>,
+}
+
+impl Errors {
+    fn add(&mut self, got: Option<Coefficient>, truth: f64, bound: Option<f64>) {
+        let Some(got) = got else { return };
+        let error = f64::from(got.value) - truth;
+        self.relative.push(error / truth);
+        self.stated.push(error / f64::from(got.std));
+        self.bounds.extend(bound.map(|bound| error / bound));
+    }
+
+    /// Number of errors.
+    #[must_use]
+    pub fn count(&self) -> usize {
+        self.relative.len()
+    }
+
+    /// Mean, percent.
+    #[must_use]
+    pub fn bias(&self) -> f64 {
+        100.0 * self.relative.iter().sum::<f64>() / self.count().max(1) as f64
+    }
+
+    /// Root mean square, percent.
+    #[must_use]
+    pub fn rms(&self) -> f64 {
+        100.0 * rms(&self.relative)
+    }
+
+    /// Size that 95 % do not exceed, percent.
+    #[must_use]
+    pub fn p95(&self) -> f64 {
+        let mut sizes: Vec<f64> = self.relative.iter().map(|e| e.abs()).collect();
+        sizes.sort_by(f64::total_cmp);
+        100.0 * sizes.get((0.95 * sizes.len() as f64) as usize).copied().unwrap_or(0.0)
+    }
+
+    /// Share within the stated 95 % interval.
+    #[must_use]
+    pub fn coverage(&self) -> f64 {
+        let inside = self.stated.iter().filter(|z| z.abs() <= 1.96).count();
+        inside as f64 / self.count().max(1) as f64
+    }
+
+    /// Root mean square over the Cramér-Rao bound of each event by itself.
+    #[must_use]
+    pub fn over_bound(&self) -> Option<f64> {
+        (!self.bounds.is_empty()).then(|| rms(&self.bounds))
+    }
+}
+
+/// Root mean square; zero of nothing.
+#[must_use]
+pub fn rms(values: &[f64]) -> f64 {
+    (values.iter().map(|x| x * x).sum::<f64>() / values.len().max(1) as f64).sqrt()
+}
+
+/// A scene's score over many tests.
+#[derive(Clone, Debug, Default)]
+pub struct Score {
+    /// How well the events were found.
+    pub detection: Detection,
+    /// Errors of `mu_s` and of `mu`.
+    pub errors: [Errors; 2],
+}
+
+impl Score {
+    /// Of records with seeds 1, 2, ... until there are so many events, or so many records.
+    #[must_use]
+    pub fn of(scene: &Scene, events: usize, records: u64) -> Self {
+        let mut score = Self::default();
+        for seed in 1..=records {
+            score.add(&run(scene, seed));
+            if score.detection.hits + score.detection.misses >= events {
+                break;
+            }
+        }
+        score
+    }
+
+    fn add(&mut self, tried: &Tried) {
+        self.detection.add(tried.detection);
+        for &(t, f) in tried.pairs.iter().filter(|(t, _)| *t >= LEARNING) {
+            let (truth, found) = (&tried.truths[t], &tried.found[f]);
+            self.errors[0].add(found.mu_s, truth.mu_s, truth.mu_s_bound);
+            self.errors[1].add(found.mu, truth.mu, truth.mu_bound);
+        }
+    }
+
+    /// True events that were judged.
+    #[must_use]
+    pub fn events(&self) -> usize {
+        self.detection.hits + self.detection.misses
+    }
+}
