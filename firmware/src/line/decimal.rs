@@ -95,10 +95,11 @@ fn plain(f: &mut fmt::Formatter<'_>, digits: u32, exponent: i32) -> fmt::Result 
     let count = digits.checked_ilog10().unwrap_or(0) as i32 + 1;
     let decimals = count - 1 - exponent;
     if decimals <= 0 {
-        return write!(f, "{}", u64::from(digits) * 10_u64.pow(decimals.unsigned_abs()));
+        return write!(f, "{}", digits * 10_u32.pow(decimals.unsigned_abs()));
     }
-    let scale = 10_u64.pow(decimals.unsigned_abs());
-    let (whole, rest) = (u64::from(digits) / scale, u64::from(digits) % scale);
+    // Ten decimals or more are more than there are digits.
+    let scale = 10_u32.checked_pow(decimals.unsigned_abs()).unwrap_or(u32::MAX);
+    let (whole, rest) = (digits / scale, digits % scale);
     write!(f, "{whole}.{rest:0width$}", width = decimals as usize)
 }
 
