@@ -130,7 +130,7 @@ impl Correlation {
             return 1.0;
         }
         let longest = (self.count as usize / 4).min(LAGS);
-        let least = 2.0 / libm::sqrt(n);
+        let least = 2.0 / f64::from(crate::math::sqrt(n as f32));
         let correlations = (1..=longest).map_while(|lag| {
             let correlation = self.covariance(lag, mean)? / variance;
             (correlation > least).then_some(correlation.min(1.0))

@@ -19,6 +19,7 @@
 
 use crate::correlation::Correlation;
 use crate::event::Coefficient;
+use crate::math;
 use crate::report::Estimate;
 
 /// Running mean of one coefficient over events.
@@ -121,11 +122,11 @@ impl Estimator {
             + (1.0 - lambda) * (1.0 - lambda) * plain
             + 2.0 * lambda * (1.0 - lambda) * mixed;
         let common = self.common * self.common;
-        let error = libm::sqrt(variance * self.inflation(lambda) + common);
+        let error = math::sqrt((variance * self.inflation(lambda) + common) as f32);
         Some(Estimate {
             mean: mean as f32,
-            std_error: error as f32,
-            spread: self.between().map(|variance| libm::sqrt(variance) as f32),
+            std_error: error,
+            spread: self.between().map(|variance| math::sqrt(variance as f32)),
             events: self.count,
         })
     }
