@@ -16,8 +16,10 @@ use core::fmt;
 #[derive(Clone, Copy, Debug)]
 pub struct Decimal(pub f32);
 
-/// With 9 digits a decimal is nearer to its `f32` than to any other.
-const DIGITS: core::ops::RangeInclusive<i32> = 6..=9;
+/// The least number of 6 digits, and the one above all of 9: with 9 digits a decimal
+/// is nearer to its `f32` than to any other.
+const FIRST: f64 = 1e5;
+const LAST: f64 = 1e9;
 
 impl fmt::Display for Decimal {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -51,23 +53,23 @@ fn shortest(number: f32) -> (u32, i32) {
     if number == 0.0 {
         return (0, 0);
     }
-    let (value, half_gap) = (f64::from(number), half_gap(number));
-    let mut exponent = 0;
-    while value >= power(exponent + 1) {
-        exponent += 1;
+    let value = f64::from(number);
+    let (mut exponent, mut unit) = (0, 1.0);
+    while value >= 10.0 * unit {
+        (exponent, unit) = (exponent + 1, 10.0 * unit);
     }
-    while value < power(exponent) {
-        exponent -= 1;
+    while value < unit {
+        (exponent, unit) = (exponent - 1, 0.1 * unit);
     }
-    let rounded = |count: i32| (value * power(count - 1 - exponent) + 0.5) as u32;
-    let near = |count: &i32| {
-        let back = f64::from(rounded(*count)) / power(count - 1 - exponent);
-        (back - value).abs() < half_gap
-    };
-    let count = DIGITS.into_iter().find(near).unwrap_or(*DIGITS.end());
-    let mut digits = rounded(count);
+    let scale = FIRST / unit;
+    let (mut scaled, mut near, mut limit) = (value * scale, half_gap(number) * scale, 10.0 * FIRST);
+    let rounded = |scaled: f64| (scaled + 0.5) as u32;
+    while limit < LAST && (f64::from(rounded(scaled)) - scaled).abs() >= near {
+        (scaled, near, limit) = (10.0 * scaled, 10.0 * near, 10.0 * limit);
+    }
+    let mut digits = rounded(scaled);
     // Rounding up can carry into a new first digit: 999 999.96.
-    if f64::from(digits) >= power(count) {
+    if f64::from(digits) >= limit {
         exponent += 1;
     }
     while digits % 10 == 0 {
@@ -82,12 +84,6 @@ fn half_gap(number: f32) -> f64 {
     let below = f64::from(number) - neighbour(number.to_bits() - 1);
     let above = neighbour(number.to_bits() + 1) - f64::from(number);
     0.4999 * below.min(above)
-}
-
-/// A power of ten, good to 40 units of the last place at worst.
-fn power(exponent: i32) -> f64 {
-    let magnitude = (0..exponent.abs()).fold(1.0, |power, _| power * 10.0);
-    if exponent < 0 { 1.0 / magnitude } else { magnitude }
 }
 
 /// Writes `digits` with the first of them at a power of ten.
