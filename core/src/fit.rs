@@ -185,12 +185,13 @@ impl Fitting {
             return ControlFlow::Break(self.fit(factor, true));
         }
         let next = data.normal(&trial);
-        // A NaN cost compares false and is a refused step.
-        if next.cost <= self.normal.cost {
+        // Rounding may make a good step look a little worse. A NaN cost compares false and
+        // is a refused step.
+        if next.cost <= self.normal.cost + SETTLED * least_n2 {
             (self.cycle, self.normal) = (trial, next);
             self.damping = if self.damping > DAMPING { 0.1 * self.damping } else { 0.0 };
-        } else if self.refuse().is_break() {
-            return ControlFlow::Break(None);
+        } else if let ControlFlow::Break(fit) = self.refuse() {
+            return ControlFlow::Break(fit);
         }
         if self.steps < MOST_STEPS {
             return ControlFlow::Continue(());
@@ -208,7 +209,10 @@ impl Fitting {
     }
 
     fn settled(&self, converged: bool) -> Option<Fit> {
-        self.fit(self.normal.factor(0.0)?, converged)
+        // What is all but singular in single precision gets the least help that it needs.
+        const LEAST_HELP: f32 = 1e-5;
+        let factor = self.normal.factor(0.0).or_else(|| self.normal.factor(LEAST_HELP));
+        self.fit(factor?, converged)
     }
 
     fn fit(&self, information: Factor, converged: bool) -> Option<Fit> {
