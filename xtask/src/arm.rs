@@ -80,9 +80,12 @@ impl Route {
         let registries = std::fs::read_dir(&sources).into_iter().flatten().flatten();
         let mut hidden: Vec<PathBuf> = registries.map(|entry| entry.path()).collect();
         hidden.push(root());
+        // The last that fits counts.
+        hidden.push(root().join("target/arm").join(TARGET).join("firmware/build"));
         let remap = |path: &PathBuf| format!("--remap-path-prefix={}/=", path.display());
         let mut flags: Vec<String> = hidden.iter().map(remap).collect();
-        flags.push("-Cllvm-args=--inline-threshold=15".into());
+        // Code that occurs again and again becomes a function.
+        flags.push("-Cllvm-args=--inline-threshold=15 --enable-machine-outliner=always".into());
         if self == Self::Debian {
             flags.extend(DEBIAN_FLAGS.map(String::from));
         }
