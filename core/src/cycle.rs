@@ -150,7 +150,8 @@ impl Cycles {
         let (stick, extremes) = (detector.stick(), detector.extremes());
         let slip = self.slip(stick, detector, extremes);
         let known_n2 = self.learnt.residuals.variance_n2();
-        let noise_n2 = known_n2.unwrap_or(HARDLY * slip.noise_n2);
+        let noise_n2 =
+            known_n2.map_or_else(|| HARDLY * slip.noise_n2, |_| self.learnt.noise_n2(&slip));
         let steps = if self.learnt.knows_swing() { 4 } else { 24 };
         let none = Line::default();
         let data = self.learnt.data(&slip, &none, noise_n2);

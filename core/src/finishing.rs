@@ -85,9 +85,9 @@ impl Finishing {
 
     fn start(&mut self, learnt: &Learnt) -> ControlFlow<Outcome> {
         let known = learnt.residuals.variance_n2();
-        let noise_n2 = known.unwrap_or(HARDLY * self.pending.noise_n2);
-        let data = learnt.data(&self.pending, &self.after, noise_n2);
-        let fitting = self.pending.begin(&data, learnt.knows_swing());
+        let noise_n2 = known
+            .map_or_else(|| HARDLY * self.pending.noise_n2, |_| learnt.noise_n2(&self.pending));
+        let fitting = self.begin(learnt, noise_n2);
         self.stage = if known.is_some() { Stage::Expected(fitting) } else { Stage::Free(fitting) };
         ControlFlow::Continue(())
     }
@@ -107,9 +107,13 @@ impl Finishing {
             }
         }
         self.pending.early = fit.map(|fit| fit.cycle);
-        let data = learnt.data(&self.pending, &self.after, self.pending.noise_n2);
-        self.stage = Stage::Expected(self.pending.begin(&data, learnt.knows_swing()));
+        self.stage = Stage::Expected(self.begin(learnt, learnt.noise_n2(&self.pending)));
         ControlFlow::Continue(())
+    }
+
+    fn begin(&self, learnt: &Learnt, noise_n2: f32) -> Fitting {
+        let data = learnt.data(&self.pending, &self.after, noise_n2);
+        self.pending.begin(&data, learnt.knows_swing())
     }
 
     fn expected(&mut self, learnt: &mut Learnt) -> ControlFlow<Outcome> {

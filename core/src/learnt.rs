@@ -30,8 +30,8 @@ const LEAST_OWN_BEND: f32 = 0.05;
 /// The same to judge whether it is another block, which differs by far.
 const LEAST_JUDGED: f32 = 0.003;
 
-/// What rounding leaves of a force, parts of it.
-const ROUNDING: f32 = 1e-6;
+/// What rounding leaves of a force, parts of it: as in the fit.
+const ROUNDING: f32 = 3e-6;
 
 impl Learnt {
     /// Variance of the noise, as if it were white: from the fits so far, else the

@@ -66,14 +66,14 @@ impl SelfTest {
     #[must_use]
     pub fn judge(mean: &Mean) -> Option<&'static str> {
         if mean.count == 0 {
-            return Some("the converter does not answer: check its wires and supply");
+            return Some("the converter does not answer: check its wires");
         }
         match mean.input {
             Input::Temperature if !(-60.0..=85.0).contains(&(mean.mean / 256.0)) => {
                 Some("the converter's temperature is impossible")
             }
             Input::Shorted if mean.deviation > NOISE_CODES => {
-                Some("the converter is noisy with its inputs shorted: check its supply")
+                Some("noisy with its inputs shorted: check the supply")
             }
             Input::BurnOut if mean.mean.abs() > OPEN_CODES => {
                 Some("a wire to the load cell is broken")
