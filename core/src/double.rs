@@ -168,7 +168,8 @@ mod tests {
     #[test]
     fn whole_numbers_are_exact() {
         for number in [0, 1, 65_535, 65_536, 16_777_217, 4_294_967_295_u32] {
-            assert_eq!(f64::from(Double::from(number)), f64::from(number));
+            let difference = f64::from(Double::from(number)) - f64::from(number);
+            assert!(difference.abs() < f64::MIN_POSITIVE, "{number}");
         }
     }
 }

@@ -50,7 +50,7 @@ impl<A: Show, B: Show> Show for (A, B) {
 
 impl<A: Show, B: Show, C: Show> Show for (A, B, C) {
     fn show(&self, out: &mut StringView) -> fmt::Result {
-        (&self.0).show(out)?;
+        self.0.show(out)?;
         self.1.show(out)?;
         self.2.show(out)
     }

@@ -69,7 +69,7 @@ fn shortest(number: f32) -> (u32, i32) {
     if digits >= limit {
         exponent += 1;
     }
-    while digits % 10 == 0 {
+    while digits.is_multiple_of(10) {
         digits /= 10;
     }
     (digits, exponent)
