@@ -135,9 +135,6 @@ const SETTLED: f32 = 1e-2;
 /// The same when the iterations are used up: a sample may sit right on an end of
 /// the slip, where the sum of squares has a kink.
 const NEARLY_SETTLED: f32 = 0.05;
-/// A residual cannot be known better than this part of the force in single precision;
-/// a quiet cell's noise may be less.
-const ROUNDING: f32 = 3e-6;
 /// Damping after the first refused step, and below which it is none.
 const DAMPING: f32 = 1e-3;
 /// Damping beyond which the data do not determine the unknowns.
@@ -174,8 +171,7 @@ impl Fitting {
         let step = factor.solve(&self.normal.right);
         // What the step is expected to gain: in units of the noise, its length squared.
         let gain = dot(&step, &self.normal.right);
-        let rounding = ROUNDING * self.cycle.static_n;
-        let least_n2 = noise_n2 + rounding * rounding;
+        let least_n2 = noise_n2 + rounding_n2(self.cycle.static_n);
         let trial = limited(moved(&self.cycle, &step));
         if gain < SETTLED * least_n2 {
             if self.damping > 0.0 {
@@ -274,6 +270,14 @@ impl Data<'_> {
             (self.bend, cycle.bend),
         ]
     }
+}
+
+/// Variance of what single precision leaves of a force, N²: a quiet cell's noise may be
+/// less.
+pub(crate) fn rounding_n2(force_n: f32) -> f32 {
+    const ROUNDING: f32 = 3e-6;
+    let rounding_n = ROUNDING * force_n;
+    rounding_n * rounding_n
 }
 
 fn forces(cycle: &Cycle, step: &Gradient, information: &Factor) -> Forces {

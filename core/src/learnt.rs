@@ -1,6 +1,6 @@
 //! What the events of a test have told so far, as expectations for the next one.
 
-use crate::fit::{Data, Fit, Prior};
+use crate::fit::{Data, Fit, Prior, rounding_n2};
 use crate::line::Line;
 use crate::mass::{Mass, Told, Verdict};
 use crate::model::{Cycle, UNKNOWNS};
@@ -30,23 +30,20 @@ const LEAST_OWN_BEND: f32 = 0.05;
 /// The same to judge whether it is another block, which differs by far.
 const LEAST_JUDGED: f32 = 0.003;
 
-/// What rounding leaves of a force, parts of it: as in the fit.
-const ROUNDING: f32 = 3e-6;
-
 impl Learnt {
     /// Variance of the noise, as if it were white: from the fits so far, else the
     /// detector's. Never below what single precision leaves of a force.
     pub(crate) fn noise_n2(&self, pending: &Pending) -> f32 {
         let noise_n2 = self.residuals.variance_n2().unwrap_or(pending.noise_n2);
-        pending.inflation * noise_n2.max(rounding_n2(pending))
+        pending.inflation * noise_n2.max(rounding_n2(pending.peak.force_n))
     }
 
     /// Does an event leave far more than the others do? The winch paused or started, the
     /// block hit something; or, after several of them, all is different from now on, and
     /// nothing is expected any more.
     pub(crate) fn is_misfit(&mut self, pending: &Pending, squares_n2: f32, free: f32) -> bool {
-        let beyond_rounding_n2 = squares_n2 - 50.0 * free.max(1.0) * rounding_n2(pending);
-        if !self.residuals.are_far_less_than(beyond_rounding_n2, free) {
+        let rounding_n2 = rounding_n2(pending.peak.force_n);
+        if !self.residuals.are_far_less_than(squares_n2, free, rounding_n2) {
             self.misfits = 0;
             return false;
         }
@@ -152,12 +149,6 @@ impl Learnt {
         const STEADY: f32 = 0.1;
         self.rate.mean().is_none_or(|usual| (rate - usual).abs() < STEADY * usual)
     }
-}
-
-/// Variance of what rounding leaves of the forces, N².
-fn rounding_n2(pending: &Pending) -> f32 {
-    let rounding_n = ROUNDING * pending.peak.force_n;
-    rounding_n * rounding_n
 }
 
 /// Does the slip have samples enough to tell a small change of the swing from what the

@@ -56,10 +56,14 @@ impl Residuals {
 
     /// Does an event leave so much more than the others that the model cannot be what
     /// its samples show? The winch paused or started, the block hit something.
+    ///
+    /// `rounding_n2` is the variance of what single precision leaves of its forces.
     #[must_use]
-    pub fn are_far_less_than(&self, squares_n2: f32, free: f32) -> bool {
+    pub fn are_far_less_than(&self, squares_n2: f32, free: f32, rounding_n2: f32) -> bool {
         let usual = self.median_n2.value().zip(self.variance_n2());
-        usual.is_some_and(|(median, mean)| squares_n2 > MISFIT * median.max(mean) * free.max(1.0))
+        usual.is_some_and(|(median, mean)| {
+            squares_n2 > MISFIT * (median.max(mean) + rounding_n2) * free.max(1.0)
+        })
     }
 
     /// Variance of the noise, N²; `None` before the first event.
