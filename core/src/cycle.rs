@@ -9,7 +9,7 @@ use core::ops::ControlFlow;
 use crate::change::{Cause, Change, Levels};
 use crate::detector::{Detector, Extreme, Stick};
 use crate::event::{Coefficient, Event, Provisional, Quality, Reason, SampleTime};
-use crate::finishing::{Finishing, HARDLY, Outcome};
+use crate::finishing::{Finishing, Outcome};
 use crate::learnt::{Learnt, is_clear};
 use crate::line::Line;
 use crate::mass::Verdict;
@@ -149,9 +149,7 @@ impl Cycles {
     pub fn turned(&mut self, detector: &Detector) -> Option<Provisional> {
         let (stick, extremes) = (detector.stick(), detector.extremes());
         let slip = self.slip(stick, detector, extremes);
-        let known_n2 = self.learnt.residuals.variance_n2();
-        let noise_n2 =
-            known_n2.map_or_else(|| HARDLY * slip.noise_n2, |_| self.learnt.noise_n2(&slip));
+        let noise_n2 = self.learnt.fitted_noise_n2(&slip);
         let steps = if self.learnt.knows_swing() { 4 } else { 24 };
         let none = Line::default();
         let data = self.learnt.data(&slip, &none, noise_n2);
@@ -161,7 +159,8 @@ impl Cycles {
         let fit = fit.filter(|fit| fit.converged && slip.holds(&fit.cycle))?;
         self.early = Some((slip.origin, fit.cycle));
         let posterior = Posterior::at(&fit, noise_n2);
-        if slip.hidden || !posterior.is_resolved() || known_n2.is_none() {
+        let known = self.learnt.residuals.variance_n2().is_some();
+        if slip.hidden || !posterior.is_resolved() || !known {
             return None;
         }
         let Posterior { cycle, static_n2, dynamic_n2, .. } = &posterior;

@@ -11,9 +11,6 @@ use crate::mass::Verdict;
 use crate::pending::Pending;
 use crate::posterior::{OverOnset, Posterior};
 
-/// Weight of rough expectations where the noise is not known yet.
-pub(crate) const HARDLY: f32 = 1e-3;
-
 /// An event being fitted.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Finishing {
@@ -84,17 +81,15 @@ impl Finishing {
     }
 
     fn start(&mut self, learnt: &Learnt) -> ControlFlow<Outcome> {
-        let known = learnt.residuals.variance_n2();
-        let noise_n2 = known
-            .map_or_else(|| HARDLY * self.pending.noise_n2, |_| learnt.noise_n2(&self.pending));
-        let fitting = self.begin(learnt, noise_n2);
-        self.stage = if known.is_some() { Stage::Expected(fitting) } else { Stage::Free(fitting) };
+        let known = learnt.residuals.variance_n2().is_some();
+        let fitting = self.begin(learnt, learnt.fitted_noise_n2(&self.pending));
+        self.stage = if known { Stage::Expected(fitting) } else { Stage::Free(fitting) };
         ControlFlow::Continue(())
     }
 
     fn free(&mut self, learnt: &Learnt) -> ControlFlow<Outcome> {
         let Stage::Free(fitting) = &mut self.stage else { return ControlFlow::Continue(()) };
-        let noise_n2 = HARDLY * self.pending.noise_n2;
+        let noise_n2 = learnt.fitted_noise_n2(&self.pending);
         let data = learnt.data(&self.pending, &self.after, noise_n2);
         let ControlFlow::Break(fit) = fitting.step(&data, noise_n2) else {
             return ControlFlow::Continue(());

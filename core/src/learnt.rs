@@ -38,6 +38,16 @@ impl Learnt {
         pending.inflation * noise_n2.max(rounding_n2(pending.peak.force_n))
     }
 
+    /// The same from the fits alone. Before the first of them next to nothing, so that
+    /// rough expectations hardly count.
+    pub(crate) fn fitted_noise_n2(&self, pending: &Pending) -> f32 {
+        const HARDLY: f32 = 1e-3;
+        match self.residuals.variance_n2() {
+            Some(_) => self.noise_n2(pending),
+            None => HARDLY * pending.noise_n2,
+        }
+    }
+
     /// Does an event leave far more than the others do? The winch paused or started, the
     /// block hit something; or, after several of them, all is different from now on, and
     /// nothing is expected any more.
