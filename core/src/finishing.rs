@@ -33,7 +33,15 @@ enum Stage {
     /// Fitted with what is expected.
     Expected(Fitting),
     /// Averaged over the onset.
-    Places(OverOnset, Fit),
+    Places(OverOnset, Settled),
+}
+
+/// A fit that has settled.
+#[derive(Clone, Copy, Debug)]
+struct Settled {
+    fit: Fit,
+    /// The samples around the slip are far from it.
+    strained: bool,
 }
 
 /// What became of an event.
@@ -129,42 +137,44 @@ impl Finishing {
         let (squares_n2, free) = own_residuals(&data, &fit);
         // Without what is left around the line after it, which fits whatever the slip does.
         let (line_n2, points) = (self.after.residual(), (self.after.weight - 2.0).max(0.0));
-        let misfit = learnt.is_misfit(pending, squares_n2 - line_n2, free - points);
+        let around_n2 = squares_n2 - line_n2;
+        let misfit = learnt.is_misfit(pending, around_n2, free - points);
         if free >= 1.0 && !misfit {
             learnt.residuals.add(squares_n2, free, pending.noise_n2);
         }
+        let now_n2 = learnt.noise_n2(pending);
+        let settled = Settled { fit, strained: is_strained(&data, around_n2, now_n2) };
         if let Some(places) = OverOnset::new(&fit, learnt.knows_swing()).filter(|_| !misfit) {
-            self.stage = Stage::Places(places, fit);
+            self.stage = Stage::Places(places, settled);
             return ControlFlow::Continue(());
         }
-        let now_n2 = learnt.noise_n2(pending);
-        let outcome = fitted(learnt, &data, &fit, Posterior::at(&fit, now_n2), now_n2);
+        let outcome = fitted(learnt, &data, &settled, Posterior::at(&fit, now_n2), now_n2);
         let nothing = misfit && !outcome.is_suspect();
         ControlFlow::Break(if nothing { Outcome::Failed(Reason::NoFit) } else { outcome })
     }
 
     fn place(&mut self, learnt: &mut Learnt) -> ControlFlow<Outcome> {
-        let Stage::Places(places, fit) = &mut self.stage else {
+        let Stage::Places(places, settled) = &mut self.stage else {
             return ControlFlow::Continue(());
         };
         let noise_n2 = learnt.noise_n2(&self.pending);
         let data = learnt.data(&self.pending, &self.after, noise_n2);
-        let ControlFlow::Break(posterior) = places.step(&data, fit, noise_n2) else {
+        let ControlFlow::Break(posterior) = places.step(&data, &settled.fit, noise_n2) else {
             return ControlFlow::Continue(());
         };
-        ControlFlow::Break(fitted(learnt, &data, fit, posterior, noise_n2))
+        ControlFlow::Break(fitted(learnt, &data, settled, posterior, noise_n2))
     }
 }
 
 fn fitted(
     learnt: &mut Learnt,
     data: &Data<'_>,
-    fit: &Fit,
+    settled: &Settled,
     posterior: Posterior,
     noise_n2: f32,
 ) -> Outcome {
-    let alone = fit.forces_alone(data.rate).filter(|_| posterior.is_resolved());
-    let strained = posterior.is_resolved() && is_strained(data, fit, noise_n2);
+    let alone = settled.fit.forces_alone(data.rate).filter(|_| posterior.is_resolved());
+    let strained = posterior.is_resolved() && settled.strained;
     let verdict = learnt.learn(data, &posterior, noise_n2, strained);
     Outcome::Fitted { posterior, alone, noise_n2, verdict }
 }

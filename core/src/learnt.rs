@@ -168,10 +168,9 @@ pub(crate) fn is_clear(cycle: &Cycle) -> bool {
     cycle.slide_time() > CLEAR && cycle.restick_n() > 0.0
 }
 
-/// Are the samples around the slip far from the fit?
-pub(crate) fn is_strained(data: &Data<'_>, fit: &Fit, noise_n2: f32) -> bool {
+/// Are the samples around the slip, with these squared residuals, far from the fit?
+pub(crate) fn is_strained(data: &Data<'_>, around_n2: f32, noise_n2: f32) -> bool {
     const STRAINED: f32 = 10.0;
-    let around_n2 = own_residuals(data, fit).0 - data.after.residual();
     // The lines are two observations each.
     let observations = data.samples.good().count() as f32 + 4.0;
     around_n2 > STRAINED * observations * noise_n2
