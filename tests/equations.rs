@@ -8,6 +8,7 @@ use floe::sim::motion::{Method, Segment, Segments};
 use floe::sim::scene::GRAVITY_M_PER_S2;
 use floe::sim::truth::{EventBuilder, TrueEvent};
 use floe::sim::{Phase, Scene};
+use floe_core::math;
 use floe_core::model::{self, Cycle};
 use floe_tests::brute::{Block, Pull, State, Truth};
 use floe_tests::scenes;
@@ -176,7 +177,7 @@ fn core_coefficients_on_a_slope() {
     for_each(false, 100, |pull, brute| {
         let event = brute.events[0];
         let read = |force_n: f64| {
-            let (weight, slope) = (pull.weight_n as f32, pull.slope_rad as f32);
+            let (weight, slope) = (pull.weight_n as f32, math::sin_cos(pull.slope_rad as f32));
             f64::from(model::coefficient(force_n as f32, weight, slope))
         };
         agree("(28) mu_s", read(event.static_n), pull.mu_s, SINGLE, pull);

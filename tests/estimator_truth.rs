@@ -8,7 +8,7 @@
 //! unknowns free. What the events share makes less of it possible.
 
 use floe::sim::{bound, simulate};
-use floe_core::{Config, Event, Quality};
+use floe_core::{Config, Event, Quality, math, model};
 use floe_tests::brute::{self, Pull};
 use floe_tests::{feed, scenes};
 
@@ -143,8 +143,8 @@ impl Score {
             self.matched += 1;
             let (largest_n, smallest_n) = extremes(test, pull, i);
             let read = |force_n: f64| {
-                let (weight_n, slope) = (config.weight_n, config.slope_rad);
-                f64::from(floe_core::model::coefficient(force_n as f32, weight_n, slope))
+                let (weight_n, slope) = (config.weight_n, math::sin_cos(config.slope_rad));
+                f64::from(model::coefficient(force_n as f32, weight_n, slope))
             };
             let resolved = event.quality == Quality::Good;
             self.unresolved += usize::from(!resolved);

@@ -24,8 +24,8 @@ use crate::window::Window;
 pub struct Site {
     /// Weight of the block, N.
     pub weight_n: f32,
-    /// Slope of the ice, rad.
-    pub slope_rad: f32,
+    /// Sine and cosine of the slope of the ice.
+    pub slope: (f32, f32),
     /// Relative standard deviation of the weight; zero for the given one.
     pub weight_spread: f32,
     /// Samples per second.
@@ -35,17 +35,15 @@ pub struct Site {
 impl Site {
     /// A force and its variance as a coefficient (26 to 28).
     fn coefficient(&self, force_n: f32, variance_n2: f32) -> Coefficient {
-        let (_, cos) = math::sin_cos(self.slope_rad);
         Coefficient {
-            value: model::coefficient(force_n, self.weight_n, self.slope_rad),
-            std: math::sqrt(variance_n2) / (self.weight_n * cos),
+            value: model::coefficient(force_n, self.weight_n, self.slope),
+            std: math::sqrt(variance_n2) / (self.weight_n * self.slope.1),
         }
     }
 
     /// Standard deviation of a force's coefficient because of the weight's.
     fn common_std(&self, force_n: f32) -> f32 {
-        let (_, cos) = math::sin_cos(self.slope_rad);
-        self.weight_spread * force_n.abs() / (self.weight_n * cos)
+        self.weight_spread * force_n.abs() / (self.weight_n * self.slope.1)
     }
 
     /// The same with the weight's uncertainty in the standard deviation.

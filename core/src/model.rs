@@ -265,10 +265,10 @@ impl Shape {
 }
 
 /// `mu` from a force at sliding, or `mu_s` from one at the onset (26 to 28):
-/// `F = W (sin α + mu cos α)`.
+/// `F = W (sin α + mu cos α)`; `slope` is the sine and cosine of α.
 #[must_use]
-pub fn coefficient(force_n: f32, weight_n: f32, slope_rad: f32) -> f32 {
-    let (sin, cos) = math::sin_cos(slope_rad);
+pub fn coefficient(force_n: f32, weight_n: f32, slope: (f32, f32)) -> f32 {
+    let (sin, cos) = slope;
     (force_n / weight_n - sin) / cos
 }
 
@@ -353,11 +353,11 @@ mod tests {
 
     #[test]
     fn leaving_out_the_slope_makes_both_coefficients_too_high() {
-        let (weight, slope) = (630.0_f32, 0.1_f32.atan());
-        let force = |mu: f32| weight * (slope.sin() + mu * slope.cos());
+        let (weight, (sin, cos)) = (630.0_f32, 0.1_f32.atan().sin_cos());
+        let force = |mu: f32| weight * (sin + mu * cos);
         for (mu, excess) in [(0.56, 0.17), (0.91, 0.10)] {
-            assert!((coefficient(force(mu), weight, slope) - mu).abs() < 1e-6);
-            let naive = coefficient(force(mu), weight, 0.0);
+            assert!((coefficient(force(mu), weight, (sin, cos)) - mu).abs() < 1e-6);
+            let naive = coefficient(force(mu), weight, (0.0, 1.0));
             assert!((naive / mu - 1.0 - excess).abs() < 0.01, "{naive}");
         }
     }

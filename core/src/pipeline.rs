@@ -78,7 +78,7 @@ impl Pipeline {
         let rate_hz = config.rate_hz / decimator.factor();
         let site = Site {
             weight_n: config.weight_n,
-            slope_rad: config.slope_rad,
+            slope: crate::math::sin_cos(config.slope_rad),
             weight_spread: 0.0,
             rate_hz,
         };
