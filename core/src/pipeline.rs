@@ -41,6 +41,22 @@ pub struct Step {
     pub change: Option<Change>,
 }
 
+impl Step {
+    /// Of a sample that led to nothing.
+    #[must_use]
+    pub fn of(sample: ForceSample) -> Self {
+        Self {
+            sample,
+            spike: None,
+            rate: None,
+            phase: Phase::Unknown,
+            provisional: None,
+            event: None,
+            change: None,
+        }
+    }
+}
+
 /// The whole computation for one test.
 #[derive(Clone, Debug)]
 pub struct Pipeline {
@@ -197,16 +213,7 @@ impl Pipeline {
             self.last_hidden = Some(self.decimator.block(raw.index));
         }
         let gap = u32::try_from(gap).unwrap_or(u32::MAX);
-        let sample = ForceSample { index: raw.index, force_n, flag, gap };
-        Step {
-            sample,
-            spike: None,
-            rate: None,
-            phase: Phase::Unknown,
-            provisional: None,
-            event: None,
-            change: None,
-        }
+        Step::of(ForceSample { index: raw.index, force_n, flag, gap })
     }
 
     /// Takes a good sample on; `newest` is the one that may yet be a spike.

@@ -72,21 +72,13 @@ impl Recorder {
 
 #[cfg(test)]
 mod tests {
-    use floe_core::{ForceSample, Phase};
+    use floe_core::ForceSample;
 
     use super::*;
 
     fn step(index: u64, force_n: f32, flag: SampleFlag, spike: Option<u64>) -> Step {
         let sample = ForceSample { index, force_n: Some(force_n), flag, gap: 0 };
-        Step {
-            sample,
-            spike,
-            rate: None,
-            phase: Phase::Unknown,
-            provisional: None,
-            event: None,
-            change: None,
-        }
+        Step { spike, ..Step::of(sample) }
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! A log for the tests of the report: the exact solution of the model, event by
 //! event, with white noise and a little variation between events.
 
-use floe_core::{ForceSample, Phase, SampleFlag, Step};
+use floe_core::{ForceSample, SampleFlag, Step};
 
 use super::Recorder;
 use crate::replay::result::{
@@ -209,16 +209,7 @@ impl SampleLog {
 }
 
 fn step(index: u64, force_n: f32) -> Step {
-    let sample = ForceSample { index, force_n: Some(force_n), flag: SampleFlag::Good, gap: 0 };
-    Step {
-        sample,
-        spike: None,
-        rate: None,
-        phase: Phase::Unknown,
-        provisional: None,
-        event: None,
-        change: None,
-    }
+    Step::of(ForceSample { index, force_n: Some(force_n), flag: SampleFlag::Good, gap: 0 })
 }
 
 fn result(events: Vec<EventSummary>, samples: u64, duration_s: f64) -> ReplayResult {
