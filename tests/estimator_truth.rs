@@ -10,6 +10,7 @@
 use floe::sim::{bound, simulate};
 use floe_core::{Config, Event, Quality, math, model};
 use floe_tests::brute::{self, Pull};
+use floe_tests::score::rms;
 use floe_tests::{feed, scenes};
 
 /// Events of a test before anything counts.
@@ -107,10 +108,6 @@ impl Errors {
 
 fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len() as f64
-}
-
-fn rms(values: &[f64]) -> f64 {
-    mean(&values.iter().map(|x| x * x).collect::<Vec<_>>()).sqrt()
 }
 
 #[derive(Default)]

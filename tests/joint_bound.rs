@@ -6,7 +6,7 @@
 use std::fs;
 use std::path::Path;
 
-use floe::sim::bound::{ForceBound, LinearEvent};
+use floe::sim::bound::ForceBound;
 use floe::sim::joint::Joint;
 use floe::sim::{Scene, TrueEvent};
 use floe_core::{Event, Quality};
@@ -45,14 +45,7 @@ fn bounds(scene: &Scene, events: &[TrueEvent]) -> Vec<Option<ForceBound>> {
         let first = (from_s * scene.rate_hz).ceil() as u64;
         let last = (to_s * scene.rate_hz).ceil() as u64;
         let times_s = (first..last.min(scene.sample_count())).map(|n| n as f64 / scene.rate_hz);
-        let linear = LinearEvent {
-            onset_s: event.onset_s,
-            loading_rate_n_per_s: event.loading_rate_n_per_s,
-            static_force_n: event.static_force_n,
-            dynamic_force_n: event.dynamic_force_n,
-            omega_rad_per_s: event.omega_rad_per_s,
-        };
-        joint.bound(&linear, times_s, scene.measurement.white_n)
+        joint.bound(&event.into(), times_s, scene.measurement.white_n)
     };
     events.iter().enumerate().map(bound).collect()
 }

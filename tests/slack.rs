@@ -6,6 +6,7 @@
 
 use floe_core::{Event, Quality};
 use floe_tests::brute::{self, Pull, Truth};
+use floe_tests::score::Errors;
 use floe_tests::{feed, scenes};
 
 /// Events of a test before anything counts.
@@ -17,33 +18,6 @@ const TESTS: u32 = 8;
 /// moment between two samples.
 fn slack() -> Pull {
     Pull { mu_s: 1.0, mu: 0.4, variation: 0.01, step_s: 2e-3, ..scenes::dff8_13() }
-}
-
-/// Errors of one coefficient, relative and in stated standard deviations.
-#[derive(Default)]
-struct Errors(Vec<(f64, f64)>);
-
-impl Errors {
-    fn add(&mut self, got: Option<floe_core::Coefficient>, truth: f64) {
-        if let Some(got) = got {
-            let error = f64::from(got.value) - truth;
-            self.0.push((error / truth, error / f64::from(got.std)));
-        }
-    }
-
-    fn bias(&self) -> f64 {
-        self.0.iter().map(|e| e.0).sum::<f64>() / self.0.len() as f64
-    }
-
-    fn percentile95(&self) -> f64 {
-        let mut sizes: Vec<f64> = self.0.iter().map(|e| e.0.abs()).collect();
-        sizes.sort_by(f64::total_cmp);
-        sizes[sizes.len() * 95 / 100]
-    }
-
-    fn coverage(&self) -> f64 {
-        self.0.iter().filter(|e| e.1.abs() < 1.96).count() as f64 / self.0.len() as f64
-    }
 }
 
 #[derive(Default)]
@@ -76,8 +50,8 @@ impl Score {
             if event.index < SETTLING {
                 continue;
             }
-            self.mu_s.add(event.mu_s, truth.mu_s);
-            self.mu.add(event.mu, truth.mu);
+            self.mu_s.add(event.mu_s, truth.mu_s, None);
+            self.mu.add(event.mu, truth.mu, None);
             self.misnamed += usize::from(
                 event.slack != truth.slack || (event.quality == Quality::Slack) != truth.slack,
             );
@@ -101,10 +75,10 @@ fn score(name: &str, pull: &Pull, cell: impl Fn(f64) -> f64) -> Score {
         println!(
             "{name:10} {coefficient:4}: {} of {} events, bias {:+.3} %, 95th percentile {:.3} %, \
              coverage {:.1} %",
-            errors.0.len(),
+            errors.count(),
             score.due,
-            100.0 * errors.bias(),
-            100.0 * errors.percentile95(),
+            errors.bias(),
+            errors.p95(),
             100.0 * errors.coverage(),
         );
     }
@@ -119,10 +93,9 @@ fn score(name: &str, pull: &Pull, cell: impl Fn(f64) -> f64) -> Score {
 fn within(name: &str, score: &Score, (bias, percentile): (f64, f64)) {
     for (coefficient, errors) in [("mu_s", &score.mu_s), ("mu", &score.mu)] {
         let case = format!("{name} {coefficient}");
-        assert!(errors.0.len() >= 200, "{case}: {} events", errors.0.len());
-        assert!(100.0 * errors.bias().abs() < bias, "{case}: bias {}", errors.bias());
-        let got = errors.percentile95();
-        assert!(100.0 * got < percentile, "{case}: 95th percentile {got}");
+        assert!(errors.count() >= 200, "{case}: {} events", errors.count());
+        assert!(errors.bias().abs() < bias, "{case}: bias {}", errors.bias());
+        assert!(errors.p95() < percentile, "{case}: 95th percentile {}", errors.p95());
         let coverage = errors.coverage();
         assert!((0.90..=0.99).contains(&coverage), "{case}: coverage {coverage}");
     }

@@ -7,9 +7,12 @@ use std::path::PathBuf;
 use std::process::{Child, Command, Output, Stdio};
 use std::time::Duration;
 
-use floe_core::{Coefficient, Event, Quality, Reason, SampleTime};
+use floe_core::{Event, Quality, Reason, SampleTime};
 use floe_firmware::line::Line;
 use floe_firmware::settings::Settings;
+
+#[path = "support/dff8_13.rs"]
+mod dff8_13;
 
 fn floe(arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_floe")).arg("live").args(arguments).output().unwrap()
@@ -27,24 +30,12 @@ fn refusal(arguments: &[&str]) -> String {
 
 fn event(index: u32) -> Event {
     let onset = u64::from(index) * 28;
-    let coefficient = |value| Some(Coefficient { value, std: 0.000_74 });
     Event {
         index,
         onset: SampleTime { index: onset + 25, fraction: 0.5 },
         stop: SampleTime { index: onset + 28, fraction: 0.25 },
-        static_force_n: 781.2,
-        dynamic_force_n: 491.4,
-        peak_force_n: 781.8,
-        restick_force_n: 201.6,
-        mu_s: coefficient(1.2404),
-        mu: coefficient(0.7798),
-        stick_s: Some(1.6),
-        slip_s: 0.173,
-        loading_rate_n_per_s: 361.1,
         omega_rad_per_s: None,
-        slack: false,
-        quality: Quality::Good,
-        reason: None,
+        ..dff8_13::event()
     }
 }
 

@@ -74,7 +74,8 @@ pub struct Errors {
 }
 
 impl Errors {
-    fn add(&mut self, got: Option<Coefficient>, truth: f64, bound: Option<f64>) {
+    /// Takes what was found, if it was, with its truth and its bound.
+    pub fn add(&mut self, got: Option<Coefficient>, truth: f64, bound: Option<f64>) {
         let Some(got) = got else { return };
         let error = f64::from(got.value) - truth;
         self.relative.push(error / truth);

@@ -243,17 +243,10 @@ impl Plan {
         if noise_n <= 0.0 || !self.scene.is_linear() || event.slack {
             return None;
         }
-        let linear = LinearEvent {
-            onset_s: event.onset_s,
-            loading_rate_n_per_s: event.loading_rate_n_per_s,
-            static_force_n: event.static_force_n,
-            dynamic_force_n: event.dynamic_force_n,
-            omega_rad_per_s: event.omega_rad_per_s,
-        };
         let from_s = event.onset_s - event.stick_s;
         let times_s = samples.iter().map(|s| s.index as f64 / self.scene.rate_hz);
         let own = times_s.filter(|t| (from_s..end_s).contains(t));
-        linear.bound(own, noise_n).map(|b| (b.static_n, b.dynamic_n))
+        LinearEvent::from(event).bound(own, noise_n).map(|b| (b.static_n, b.dynamic_n))
     }
 }
 

@@ -48,6 +48,18 @@ pub struct LinearEvent {
     pub omega_rad_per_s: f64,
 }
 
+impl From<&TrueEvent> for LinearEvent {
+    fn from(event: &TrueEvent) -> Self {
+        Self {
+            onset_s: event.onset_s,
+            loading_rate_n_per_s: event.loading_rate_n_per_s,
+            static_force_n: event.static_force_n,
+            dynamic_force_n: event.dynamic_force_n,
+            omega_rad_per_s: event.omega_rad_per_s,
+        }
+    }
+}
+
 /// An event whose block stops on a slack cable.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SlackEvent {
@@ -325,13 +337,7 @@ fn event_bound(
     event: &TrueEvent,
     times_s: impl Iterator<Item = f64>,
 ) -> Option<ForceBound> {
-    let taut = LinearEvent {
-        onset_s: event.onset_s,
-        loading_rate_n_per_s: event.loading_rate_n_per_s,
-        static_force_n: event.static_force_n,
-        dynamic_force_n: event.dynamic_force_n,
-        omega_rad_per_s: event.omega_rad_per_s,
-    };
+    let taut = LinearEvent::from(event);
     let noise_n = scene.measurement.white_n;
     if !event.slack {
         return taut.bound(times_s, noise_n);
