@@ -35,15 +35,23 @@ pub enum AdcFault {
     Registers,
 }
 
-impl fmt::Display for AdcFault {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
+impl AdcFault {
+    /// In words.
+    #[must_use]
+    pub fn words(self) -> &'static str {
+        match self {
             Self::Silent => "silent",
             Self::NotReady => "not ready",
             Self::Garbled => "garbled",
             Self::Stuck => "stuck",
             Self::Registers => "registers changed",
-        })
+        }
+    }
+}
+
+impl fmt::Display for AdcFault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.words())
     }
 }
 

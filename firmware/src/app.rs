@@ -1,7 +1,5 @@
 //! The main loop's work: samples to results, commands to deeds.
 
-use core::fmt::Write as _;
-
 use embedded_io::{Read, ReadReady, Write};
 use floe_core::{Event, Phase, Pipeline, Provisional, Report, Step};
 
@@ -16,6 +14,7 @@ use crate::sample::{Sample, SampleConsumer, Shared};
 use crate::self_test::SelfTest;
 use crate::settings::Settings;
 use crate::store::Store;
+use crate::text::Show;
 
 /// Everything but the sampling interrupt and the board.
 #[expect(missing_debug_implementations, reason = "the queue has none")]
@@ -136,9 +135,7 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
         }
         self.info("floe, help lists the commands");
         if let Some(words) = last_words {
-            let mut text = Text::new();
-            let _ = write!(text, "restarted after: {words}");
-            self.trouble(&text);
+            self.trouble(&text(("restarted after: ", words)));
         }
     }
 
@@ -213,9 +210,8 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
 
     fn adc_trouble(&mut self, sample: &Sample, fault: crate::adc::AdcFault) {
         if self.health.adc_faults % 16 == 1 {
-            let mut text = Text::new();
-            let _ = write!(text, "converter at sample {}: {fault}", sample.index);
-            self.trouble(&text);
+            let said = ("converter at sample ", sample.index, (": ", fault.words()));
+            self.trouble(&text(said));
         }
     }
 
@@ -387,10 +383,8 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
         if !counts_per_n.is_finite() || counts_per_n == 0.0 {
             return self.trouble("no calibration: tare first, then hang a known weight");
         }
-        let mut text = Text::new();
-        let span = Decimal(counts_per_n);
-        let _ = write!(text, "span {span} codes per N: accept, or abort");
-        self.info(&text);
+        let said = ("span ", Decimal(counts_per_n), " codes per N: accept, or abort");
+        self.info(&text(said));
         self.job = Job::Proposed(counts_per_n);
     }
 
@@ -473,6 +467,13 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
             self.journal.line(&text);
         }
     }
+}
+
+/// What does not fit is left out.
+fn text(content: impl Show) -> Text {
+    let mut text = Text::new();
+    let _ = content.show(&mut text);
+    text
 }
 
 fn config_error(error: floe_core::ConfigError) -> &'static str {

@@ -1,6 +1,6 @@
 //! The field display: 128 × 64 points, readable with gloves on.
 
-use core::fmt::Write;
+use core::fmt;
 
 use embedded_graphics::mono_font::MonoTextStyle;
 use embedded_graphics::mono_font::ascii::{FONT_6X10, FONT_9X15};
@@ -10,9 +10,11 @@ use embedded_graphics::text::{Baseline, Text};
 use embedded_graphics::{Drawable, mono_font::MonoFont};
 use floe_core::{Cause, Change, Estimate, Phase};
 use heapless::String;
+use heapless::string::StringView;
 
 use crate::app::View;
 use crate::line::Health;
+use crate::text::{Show, whole};
 
 type Row = String<22>;
 
@@ -43,74 +45,71 @@ where
     Text::with_baseline(row, Point::new(0, y), style, Baseline::Top).draw(target).map(drop)
 }
 
-fn force(view: &View) -> Row {
+fn row(content: impl Show) -> Row {
     let mut row = Row::new();
-    // A row that is too long is cut: there is no more room anyway.
-    let _ = match view.force_n {
-        Some(force_n) => write!(row, "{} N", fixed(force_n, 1)),
-        None => write!(row, "--- N"),
-    };
+    // What is too long is cut: there is no more room anyway.
+    let _ = content.show(&mut row);
     row
+}
+
+fn force(view: &View) -> Row {
+    match view.force_n {
+        Some(force_n) => row((Fixed(force_n, 1), " N")),
+        None => row("--- N"),
+    }
 }
 
 fn coefficient(name: &str, estimate: Option<Estimate>) -> Row {
-    let mut row = Row::new();
-    let _ = match estimate {
-        Some(e) => write!(row, "{name} {} +- {}", fixed(e.mean, 4), fixed(e.std_error, 4)),
-        None => write!(row, "{name} ---"),
-    };
-    row
+    match estimate {
+        Some(e) => row(((name, " ", Fixed(e.mean, 4)), " +- ", Fixed(e.std_error, 4))),
+        None => row((name, " ---")),
+    }
 }
 
-/// A number with so many decimals, at most 4; the standard library's way would
-/// be a tenth of the program.
-fn fixed(value: f32, decimals: usize) -> Row {
-    let mut row = Row::new();
-    let scale = [1.0, 10.0, 100.0, 1_000.0, 10_000.0].get(decimals).copied().unwrap_or(1.0);
-    let scaled = value * scale;
-    let rounded = (scaled + if scaled < 0.0 { -0.5 } else { 0.5 }) as i32;
-    let (whole, rest) = (rounded / scale as i32, (rounded % scale as i32).abs());
-    let sign = if rounded < 0 { "-" } else { "" };
-    let _ = write!(row, "{sign}{}.{rest:0decimals$}", whole.abs());
-    row
+/// A number with so many decimals, 1 to 4.
+struct Fixed(f32, u32);
+
+impl Show for Fixed {
+    fn show(&self, out: &mut StringView) -> fmt::Result {
+        let Self(value, decimals) = *self;
+        let scale = 10_u32.pow(decimals);
+        let rounded = (value.abs() * scale as f32 + 0.5) as u32;
+        let sign = if value < 0.0 && rounded > 0 { "-" } else { "" };
+        (sign, rounded / scale, ".").show(out)?;
+        whole(out, (rounded % scale).into(), decimals as usize)
+    }
 }
 
 fn state(view: &View) -> Row {
-    let mut row = Row::new();
     let phase = match view.phase {
         Phase::Unknown => "",
         Phase::Stick => "sticks",
         Phase::Slip => "SLIPS",
     };
-    let _ = match view.report {
-        Some(report) => write!(row, "{} events {phase}", report.events),
-        None => write!(row, "no test"),
-    };
-    row
+    match view.report {
+        Some(report) => row((report.events, " events ", phase)),
+        None => row("no test"),
+    }
 }
 
 /// The first answer on the newest slip, mu_s and mu.
 fn about(view: &View) -> Row {
-    let mut row = Row::new();
-    let Some(answer) = view.provisional else { return row };
-    let _ = write!(row, "about {}", fixed(answer.mu_s.value, 3));
-    let _ = match answer.mu {
-        Some(mu) => write!(row, " {}", fixed(mu.value, 3)),
-        None => write!(row, " ---"),
-    };
-    row
+    let Some(answer) = view.provisional else { return Row::new() };
+    let mu_s = ("about ", Fixed(answer.mu_s.value, 3), " ");
+    match answer.mu {
+        Some(mu) => row((mu_s, Fixed(mu.value, 3))),
+        None => row((mu_s, "---")),
+    }
 }
 
 /// Since which event what is another.
 fn changed(change: &Change) -> Row {
-    let mut row = Row::new();
     let event = change.event;
-    let _ = match change.cause {
-        Cause::Mass => write!(row, "{event}: weight x {}", fixed(change.weight_ratio, 3)),
-        Cause::Friction => write!(row, "{event}: other friction"),
-        Cause::Unknown => write!(row, "{event}: weigh block"),
-    };
-    row
+    match change.cause {
+        Cause::Mass => row((event, ": weight x ", Fixed(change.weight_ratio, 3))),
+        Cause::Friction => row((event, ": other friction")),
+        Cause::Unknown => row((event, ": weigh block")),
+    }
 }
 
 fn lost(health: &Health) -> u32 {
@@ -123,12 +122,9 @@ fn is_well(health: &Health) -> bool {
 }
 
 fn health(view: &View) -> Row {
-    let mut row = Row::new();
     let health = &view.health;
-    let lost = lost(health).min(9_999_999);
     let card = if health.store_failures > 0 { "NO CARD" } else { "card ok" };
-    let _ = write!(row, "{card} lost {lost}");
-    row
+    row((card, " lost ", lost(health).min(9_999_999)))
 }
 
 #[cfg(test)]
@@ -162,11 +158,11 @@ mod tests {
 
     #[test]
     fn numbers_are_rounded() {
-        assert_eq!(fixed(-0.04, 1).as_str(), "0.0");
-        assert_eq!(fixed(-0.06, 1).as_str(), "-0.1");
-        assert_eq!(fixed(123.456, 1).as_str(), "123.5");
-        assert_eq!(fixed(1.00004, 4).as_str(), "1.0000");
-        assert_eq!(fixed(0.00996, 4).as_str(), "0.0100");
+        assert_eq!(row(Fixed(-0.04, 1)).as_str(), "0.0");
+        assert_eq!(row(Fixed(-0.06, 1)).as_str(), "-0.1");
+        assert_eq!(row(Fixed(123.456, 1)).as_str(), "123.5");
+        assert_eq!(row(Fixed(1.00004, 4)).as_str(), "1.0000");
+        assert_eq!(row(Fixed(0.00996, 4)).as_str(), "0.0100");
     }
 
     #[test]

@@ -17,6 +17,7 @@ mod target {
     use floe_firmware::display;
     use floe_firmware::sample::{SampleQueue, Shared};
     use floe_firmware::sampler::Sampler;
+    use floe_firmware::text::Hex;
     use ssd1306::mode::DisplayConfig;
     use ssd1306::prelude::{DisplayRotation, DisplaySize128x64};
     use ssd1306::{I2CDisplayInterface, Ssd1306};
@@ -106,15 +107,15 @@ mod target {
     #[cortex_m_rt::exception]
     #[allow(unsafe_code)] // SAFETY: it never returns and touches nothing.
     unsafe fn HardFault(frame: &cortex_m_rt::ExceptionFrame) -> ! {
-        crash::die(format_args!("a fault at {:#010x}", frame.pc()))
+        crash::die(&("a fault at 0x", Hex(frame.pc(), 8)))
     }
 
     #[panic_handler]
     fn panic(info: &core::panic::PanicInfo<'_>) -> ! {
         // Only where: with the words, every format of the program would stay in it.
         match info.location() {
-            Some(place) => crash::die(format_args!("a panic at {}:{}", place.file(), place.line())),
-            None => crash::die(format_args!("a panic")),
+            Some(place) => crash::die(&("a panic at ", place.file(), (":", place.line()))),
+            None => crash::die(&"a panic"),
         }
     }
 }

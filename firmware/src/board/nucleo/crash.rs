@@ -1,10 +1,11 @@
 //! Why the board started: the last words of a panic outlive the reset.
 
-use core::fmt::Write;
 use core::mem::MaybeUninit;
 
 use embassy_stm32::pac;
 use heapless::String;
+
+use crate::text::Show;
 
 /// The first of a panic's words.
 pub type Words = String<96>;
@@ -22,10 +23,10 @@ struct Crash {
 static mut CRASH: MaybeUninit<Crash> = MaybeUninit::uninit();
 
 /// Leaves last words and starts the board again.
-pub fn die(reason: core::fmt::Arguments<'_>) -> ! {
+pub fn die(reason: &dyn Show) -> ! {
     cortex_m::interrupt::disable();
     let mut words = Words::new();
-    let _ = words.write_fmt(reason);
+    let _ = reason.show(&mut words);
     // SAFETY: interrupts are off and nobody else runs: this is the only access.
     unsafe { (&raw mut CRASH).write(MaybeUninit::new(Crash { valid: VALID, words })) };
     cortex_m::peripheral::SCB::sys_reset()
