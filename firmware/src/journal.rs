@@ -101,7 +101,7 @@ impl<S: Store> Journal<S> {
     }
 
     fn take_waiting(&mut self) {
-        while let Some(end) = self.waiting.find('\n') {
+        while let Some(end) = self.waiting.bytes().position(|byte| byte == b'\n') {
             let Some(line) = self.waiting.get(..=end) else { return };
             if self.record.text.push_str(line).is_err() {
                 if self.record.text.is_empty() {
