@@ -2,12 +2,11 @@
 
 use core::fmt;
 
-use embedded_graphics::mono_font::MonoTextStyle;
-use embedded_graphics::mono_font::ascii::{FONT_6X10, FONT_9X15};
+use embedded_graphics::Pixel;
+use embedded_graphics::image::GetPixel;
+use embedded_graphics::mono_font::ascii::FONT_6X10;
 use embedded_graphics::pixelcolor::BinaryColor;
 use embedded_graphics::prelude::{DrawTarget, Point};
-use embedded_graphics::text::{Baseline, Text};
-use embedded_graphics::{Drawable, mono_font::MonoFont};
 use floe_core::{Cause, Change, Estimate, Phase};
 use heapless::String;
 use heapless::string::StringView;
@@ -18,6 +17,10 @@ use crate::text::{Show, whole};
 
 type Row = String<22>;
 
+/// Points of a letter.
+const WIDTH: i32 = 6;
+const HEIGHT: i32 = 10;
+
 /// Draws force, state, coefficients and health; clears what was there.
 ///
 /// # Errors
@@ -27,22 +30,38 @@ where
     D: DrawTarget<Color = BinaryColor>,
 {
     target.clear(BinaryColor::Off)?;
-    text(target, &FONT_9X15, 0, &force(view))?;
+    // Its letters leave the first line of their ten free.
+    text(target, 2, -2, &force(view))?;
     let report = view.report;
-    text(target, &FONT_6X10, 14, &coefficient("mu_s", report.and_then(|r| r.mu_s)))?;
-    text(target, &FONT_6X10, 24, &coefficient("mu  ", report.and_then(|r| r.mu)))?;
-    text(target, &FONT_6X10, 34, &about(view))?;
-    text(target, &FONT_6X10, 44, &state(view))?;
+    text(target, 1, 16, &coefficient("mu_s", report.and_then(|r| r.mu_s)))?;
+    text(target, 1, 25, &coefficient("mu  ", report.and_then(|r| r.mu)))?;
+    text(target, 1, 35, &about(view))?;
+    text(target, 1, 44, &state(view))?;
     let change = report.and_then(|r| r.change).filter(|_| is_well(&view.health));
-    text(target, &FONT_6X10, 54, &change.map_or_else(|| health(view), |it| changed(&it)))
+    text(target, 1, 54, &change.map_or_else(|| health(view), |it| changed(&it)))
 }
 
-fn text<D>(target: &mut D, font: &MonoFont<'_>, y: i32, row: &str) -> Result<(), D::Error>
+/// Writes in letters so many times as large as the font's.
+fn text<D>(target: &mut D, zoom: i32, top: i32, row: &str) -> Result<(), D::Error>
 where
     D: DrawTarget<Color = BinaryColor>,
 {
-    let style = MonoTextStyle::new(font, BinaryColor::On);
-    Text::with_baseline(row, Point::new(0, y), style, Baseline::Top).draw(target).map(drop)
+    for (column, letter) in (0..).zip(row.bytes()) {
+        let left = column * WIDTH * zoom;
+        let points = (0..HEIGHT * zoom).flat_map(|y| (0..WIDTH * zoom).map(move |x| (x, y)));
+        let lit = points.filter(|(x, y)| is_lit(letter, x / zoom, y / zoom));
+        let lit = lit.map(|(x, y)| Pixel(Point::new(left + x, top + y), BinaryColor::On));
+        target.draw_iter(lit)?;
+    }
+    Ok(())
+}
+
+/// Is a point of a letter lit?
+fn is_lit(letter: u8, x: i32, y: i32) -> bool {
+    // The font's picture begins with the space and has 16 letters a line.
+    let place = i32::from(letter) - i32::from(b' ');
+    let point = Point::new(place % 16 * WIDTH + x, place / 16 * HEIGHT + y);
+    FONT_6X10.image.pixel(point) == Some(BinaryColor::On)
 }
 
 fn row(content: impl Show) -> Row {
@@ -130,7 +149,10 @@ fn health(view: &View) -> Row {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use embedded_graphics::Drawable;
     use embedded_graphics::mock_display::MockDisplay;
+    use embedded_graphics::mono_font::MonoTextStyle;
+    use embedded_graphics::text::{Baseline, Text};
     use floe_core::{Coefficient, Provisional, Report, SampleTime};
 
     /// The lit points of the display's left half.
@@ -141,6 +163,30 @@ mod tests {
         draw(&mut display, view).unwrap();
         let points = (0..64).flat_map(|x| (0..64).map(move |y| Point::new(x, y)));
         points.filter(|&p| display.get_pixel(p) == Some(BinaryColor::On)).collect()
+    }
+
+    #[test]
+    fn letters_are_the_fonts() {
+        let row: String<32> = (b' '..=b'~').step_by(3).map(char::from).collect();
+        for (place, letters) in row.as_bytes().chunks(10).enumerate() {
+            let letters = core::str::from_utf8(letters).unwrap();
+            let (mut ours, mut fonts) = (MockDisplay::new(), MockDisplay::new());
+            text(&mut ours, 1, 10 * place as i32, letters).unwrap();
+            let style = MonoTextStyle::new(&FONT_6X10, BinaryColor::On);
+            let at = Point::new(0, 10 * place as i32);
+            Text::with_baseline(letters, at, style, Baseline::Top).draw(&mut fonts).unwrap();
+            ours.assert_eq(&fonts);
+        }
+    }
+
+    #[test]
+    fn large_digits_end_above_the_next_row() {
+        let mut display = MockDisplay::new();
+        display.set_allow_out_of_bounds_drawing(true);
+        text(&mut display, 2, -2, "-0.8 N").unwrap();
+        let rows = |y| (0..64).any(|x| display.get_pixel(Point::new(x, y)).is_some());
+        let lit: Vec<i32> = (0..64).filter(|&y| rows(y)).collect();
+        assert_eq!((lit.first(), lit.last()), (Some(&0), Some(&15)));
     }
 
     #[test]
@@ -203,7 +249,7 @@ mod tests {
         let provisional = Some(Provisional { mu_s: mu, mu: Some(mu) });
         let view = View { force_n: Some(-65_432.1), report, phase, provisional, health };
         assert_eq!(about(&view).as_str(), "about -11.234 -11.234");
-        assert!(force(&view).len() <= 12, "9-point font: 14 characters a row");
+        assert!(force(&view).len() <= 10, "twice as large: 10 letters a row");
         assert_eq!(super::health(&view).as_str(), "NO CARD lost 9999999");
     }
 }
