@@ -173,8 +173,9 @@ fn fitted(
     posterior: Posterior,
     noise_n2: f32,
 ) -> Outcome {
-    let alone = settled.fit.forces_alone(data.rate).filter(|_| posterior.is_resolved());
-    let strained = posterior.is_resolved() && settled.strained;
+    let Settled { fit, strained } = settled;
+    let alone = fit.forces_alone(data.rate).filter(|_| posterior.is_resolved());
+    let strained = posterior.is_resolved() && *strained;
     let verdict = learnt.learn(data, &posterior, noise_n2, strained);
     Outcome::Fitted { posterior, alone, noise_n2, verdict }
 }

@@ -283,14 +283,6 @@ impl Data<'_> {
     }
 }
 
-/// Variance of what single precision leaves of a force, N²: a quiet cell's noise may be
-/// less.
-pub(crate) fn rounding_n2(force_n: f32) -> f32 {
-    const ROUNDING: f32 = 3e-6;
-    let rounding_n = ROUNDING * force_n;
-    rounding_n * rounding_n
-}
-
 fn forces(cycle: &Cycle, step: &Gradient, information: &Factor) -> Forces {
     Forces {
         static_n: cycle.static_n + dot(step, &STATIC),
@@ -330,6 +322,14 @@ fn moved(cycle: &Cycle, step: &Gradient) -> Cycle {
         omega: 1.0 / grown(cycle.swing(), step[4]),
         bend: cycle.bend + step[5],
     }
+}
+
+/// Variance of what single precision leaves of a force, N²: a quiet cell's noise may be
+/// less.
+pub(crate) fn rounding_n2(force_n: f32) -> f32 {
+    const ROUNDING: f32 = 3e-6;
+    let rounding_n = ROUNDING * force_n;
+    rounding_n * rounding_n
 }
 
 /// Keeps the unknowns where the formulas hold.
