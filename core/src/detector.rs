@@ -404,10 +404,11 @@ impl Detector {
     }
 
     fn stick_step(&mut self, now: Extreme) -> Option<Transition> {
-        if now.force_n > self.stick.highest.force_n && !self.jumps(now) {
-            self.stick.highest = now;
-        }
-        if self.slips(now) {
+        if now.force_n > self.stick.highest.force_n {
+            if !self.jumps(now) {
+                self.stick.highest = now;
+            }
+        } else if self.slips(now) {
             self.phase = Phase::Slip;
             self.lowest = now;
             return Some(Transition::Onset);
@@ -434,15 +435,17 @@ impl Detector {
     fn jumps(&self, now: Extreme) -> bool {
         let Some(std) = self.std_n else { return false };
         let far = OFF_LINE * std;
-        let is_above = |(innovation, spread)| innovation > far * spread;
-        now.force_n > self.stick.highest.force_n + far && self.innovation(now).is_some_and(is_above)
+        // A forecast is never surer than a sample: most are judged without its spread.
+        let is_above = |off_n| off_n > far && off_n > far * self.spread(now);
+        now.force_n > self.stick.highest.force_n + far && self.off_line_n(now).is_some_and(is_above)
     }
 
     /// Has the force left the stick line downwards, by more than noise and flop do?
     fn slips(&self, now: Extreme) -> bool {
         let Some(std) = self.std_n else { return false };
         let drop = self.stick.highest.force_n - now.force_n;
-        drop >= self.least_drop(std)
+        drop > 0.0
+            && drop >= self.least_drop(std)
             // Rests too briefly for a line: the drop alone decides.
             && self.depth(now).is_none_or(|depth| depth > OFF_LINE * std)
     }
@@ -453,7 +456,8 @@ impl Detector {
     #[must_use]
     pub fn foresees_slip(&self, next: Extreme) -> bool {
         let drop = self.stick.highest.force_n - next.force_n;
-        self.phase == Phase::Stick
+        drop > 0.0
+            && self.phase == Phase::Stick
             && self.is_up_to_date()
             && drop < LARGEST_DROP * self.usual_drop_n
             && self.slips(next)
@@ -504,11 +508,21 @@ impl Detector {
     /// Sample minus the line's forecast, N, and its standard deviation in units of
     /// the noise. `None` with fewer than four samples on the line.
     fn innovation(&self, now: Extreme) -> Option<(f32, f32)> {
+        self.off_line_n(now).map(|off_n| (off_n, self.spread(now)))
+    }
+
+    /// Sample minus the line's forecast, N. `None` with fewer than four samples on the line.
+    fn off_line_n(&self, now: Extreme) -> Option<f32> {
         let stick = &self.stick;
         let slope = stick.line.slope().filter(|_| stick.line.count >= LINE_POINTS)?;
         let time = since(stick.line_origin, now.index);
-        let spread = math::rough_sqrt(1.0 + stick.line.leverage(time));
-        Some((now.force_n - stick.line.at(time, slope), spread))
+        Some(now.force_n - stick.line.at(time, slope))
+    }
+
+    /// Standard deviation of that in units of the noise, one or more.
+    fn spread(&self, now: Extreme) -> f32 {
+        let time = since(self.stick.line_origin, now.index);
+        math::rough_sqrt(1.0 + self.stick.line.leverage(time))
     }
 
     /// Takes samples into the line, far enough behind the newest one that a slip
@@ -579,8 +593,8 @@ impl Detector {
 
     /// Is the force back on the old stick line, as after a spike?
     fn is_back(&self, now: Extreme, drop: f32) -> bool {
-        let innovation = self.innovation(now).filter(|_| self.line_fits());
-        innovation.is_some_and(|(innovation, _)| innovation > -LEAST_SHIFT * drop)
+        let off_n = self.off_line_n(now).filter(|_| self.line_fits());
+        off_n.is_some_and(|off_n| off_n > -LEAST_SHIFT * drop)
     }
 
     fn restick(&mut self, now: Extreme, drop: f32) -> Transition {
