@@ -178,6 +178,11 @@ impl Stick {
     }
 }
 
+/// How far a stick line stays behind, for a usual fall in periods.
+fn line_delay(usual_fall: f32) -> u64 {
+    (2 + (0.3 * usual_fall) as u64).min(WINDOW as u64 / 4)
+}
+
 /// A line whose time begins at one index, with times from another one on.
 fn moved(mut line: Line, from: u64, to: u64) -> Line {
     line.shift(since(from, to));
@@ -211,6 +216,8 @@ pub struct Detector {
     usual_drop_n: f32,
     /// Usual time from the highest to the lowest sample, periods.
     usual_fall: f32,
+    /// The line stays so many samples behind the newest one.
+    line_delay: u64,
     /// Half the usual drop below the last highest sample, N.
     middle_n: f32,
 }
@@ -219,6 +226,8 @@ impl Detector {
     /// Before the first sample, for a rate in hertz.
     #[must_use]
     pub fn new(rate_hz: f32) -> Self {
+        // A fifth of a second: replaced by the first slip.
+        let usual_fall = 0.2 * rate_hz;
         Self {
             window: Window::new(),
             noise: Noise::new(),
@@ -236,8 +245,8 @@ impl Detector {
             newest: 0,
             judged_with_n: f32::INFINITY,
             usual_drop_n: 0.0,
-            // A fifth of a second: replaced by the first slip.
-            usual_fall: 0.2 * rate_hz,
+            usual_fall,
+            line_delay: line_delay(usual_fall),
             middle_n: 0.0,
         }
     }
@@ -331,7 +340,11 @@ impl Detector {
         self.window.push(index, force_n);
         (self.line_std_n, self.std_n) = self.noise.std_n(force_n);
         self.judge_again();
-        self.catch_up(CATCH_UP)
+        if self.next < index {
+            return self.catch_up(CATCH_UP);
+        }
+        self.next = index + 1;
+        self.look(Extreme { index, force_n })
     }
 
     /// Looks at samples that were taken and not yet looked at, as many as given, up
@@ -360,9 +373,9 @@ impl Detector {
     /// Without any slip so far, and with far less noise than was thought: looks at
     /// all samples in the window again.
     fn judge_again(&mut self) {
-        let Some(std) = self.std_n else { return };
-        let undecided = self.phase != Phase::Slip && self.usual_drop_n <= 0.0;
-        if undecided && std < LESS_NOISE * self.judged_with_n {
+        let undecided = self.usual_drop_n <= 0.0 && self.phase != Phase::Slip;
+        let Some(std) = self.std_n.filter(|_| undecided) else { return };
+        if std < LESS_NOISE * self.judged_with_n {
             self.judged_with_n = std;
             self.next = 0;
             self.phase = Phase::Unknown;
@@ -528,8 +541,7 @@ impl Detector {
     /// Takes samples into the line, far enough behind the newest one that a slip
     /// which has just begun, unseen, does not bend it.
     fn extend_line(&mut self, newest: u64) {
-        let delay = 2 + (0.3 * self.usual_fall) as u64;
-        while self.stick.next + delay.min(WINDOW as u64 / 4) <= newest {
+        while self.stick.next + self.line_delay <= newest {
             let index = self.stick.next;
             self.stick.next += 1;
             if let Some(force_n) = self.window.get(index) {
@@ -610,6 +622,7 @@ impl Detector {
             self.usual_drop_n = drop;
             self.usual_fall = fall as f32;
         }
+        self.line_delay = line_delay(self.usual_fall);
         self.middle_n = peak.force_n - 0.5 * drop.max(self.usual_drop_n);
         self.rest_from(now, now.index + 1);
         self.floor = floor;

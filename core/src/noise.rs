@@ -43,10 +43,11 @@ impl Quantile {
 
     /// Takes a number at or above zero.
     pub fn add(&mut self, size: f32) {
-        if self.count < FEWEST {
-            return self.start(size);
-        }
-        let (up, down) = if self.count >= SETTLED { (self.up, self.down) } else { self.settle() };
+        let (up, down) = match self.count {
+            SETTLED.. => (self.up, self.down),
+            FEWEST.. => self.settle(),
+            _ => return self.start(size),
+        };
         let factor = if size > self.value { up } else { down };
         // Zero (a noiseless start) could not grow by a factor alone.
         self.value = (self.value * factor).max(1e-3 * size);

@@ -26,8 +26,7 @@ impl Window {
         if self.end == 0 {
             self.start = index;
         }
-        let missing = index.saturating_sub(self.end).min(WINDOW as u64);
-        for skipped in index - missing..index {
+        for skipped in self.end.max(index.saturating_sub(WINDOW as u64))..index {
             self.set(skipped, f32::NAN);
         }
         self.set(index, force_n);
