@@ -12,6 +12,8 @@
 //! tooth), or the fourth difference, if it is small against the second (a smooth
 //! swing). White noise shows neither.
 
+use crate::math::{larger, smaller};
+
 /// A running quantile of positive numbers.
 #[derive(Clone, Copy, Debug)]
 pub struct Quantile {
@@ -50,7 +52,7 @@ impl Quantile {
         };
         let factor = if size > self.value { up } else { down };
         // Zero (a noiseless start) could not grow by a factor alone.
-        self.value = (self.value * factor).max(1e-3 * size);
+        self.value = larger(self.value * factor, 1e-3 * size);
     }
 
     /// Sorts the first numbers in: their quantile is where to start from.
@@ -210,12 +212,12 @@ impl Noise {
     /// size. `None` until enough was seen.
     #[must_use]
     pub fn std_n(&self, force_n: f32) -> (Option<f32>, Option<f32>) {
-        let floor = (0.3 * self.resolution_n).max(4e-7 * force_n.abs());
-        let line = self.innovation.value().map(|median| (median * STD_PER_MEDIAN).max(floor));
+        let floor = larger(0.3 * self.resolution_n, 4e-7 * force_n.abs());
+        let line = self.innovation.value().map(|median| larger(median * STD_PER_MEDIAN, floor));
         // The fits allow for what a line does not.
         let fitted = self.fitted_n.map(|fitted| 1.5 * fitted);
         let own = if self.fits < TRUSTED { self.without_line_n() } else { None };
-        let bound = least(fitted, own).map(|std| std.max(floor));
+        let bound = least(fitted, own).map(|std| larger(std, floor));
         (line, least(line, bound))
     }
 
@@ -242,7 +244,7 @@ impl Default for Noise {
 
 fn least(a: Option<f32>, b: Option<f32>) -> Option<f32> {
     match (a, b) {
-        (Some(a), Some(b)) => Some(a.min(b)),
+        (Some(a), Some(b)) => Some(smaller(a, b)),
         (one, other) => one.or(other),
     }
 }
