@@ -217,7 +217,9 @@ impl Pipeline {
         if is_block {
             step.provisional = self.turned(block);
         }
-        step.event = self.advance(block);
+        if let Some(event) = self.advance(block) {
+            step.event = Some(event);
+        }
         if is_block || self.detector.phase() != Phase::Slip {
             return;
         }
