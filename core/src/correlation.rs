@@ -15,7 +15,7 @@ pub struct Correlation {
     reference: f64,
     count: u32,
     sum: f64,
-    /// The first values, and the last ones in a ring.
+    /// The first values, and the last ones, newest first; zero before they are known.
     first: [f64; LAGS],
     last: [f64; LAGS],
     /// `Σ x_i x_{i+k}` for k = 1..=LAGS.
@@ -46,7 +46,7 @@ impl Correlation {
         if let Some(slot) = self.first.get_mut(self.count as usize) {
             *slot = x;
         }
-        self.last[self.count as usize % LAGS] = x;
+        self.append(x);
         self.sum += x;
         self.count = self.count.saturating_add(1);
     }
@@ -54,15 +54,15 @@ impl Correlation {
     /// Adds the products of a value, so many places after the next one, with the
     /// values before it.
     fn pair_with_last(&mut self, x: f64, places: usize) {
-        let known = (self.count as usize).min(LAGS);
-        for back in 1..=known.min(LAGS.saturating_sub(places)) {
-            self.products[back + places - 1] += x * self.newest(back);
+        for (product, last) in self.products.iter_mut().skip(places).zip(self.last) {
+            *product += x * last;
         }
     }
 
-    /// Value so many places back, 1 for the newest.
-    fn newest(&self, back: usize) -> f64 {
-        self.last[(self.count as usize + LAGS - back) % LAGS]
+    /// Makes a value the newest one.
+    fn append(&mut self, x: f64) {
+        self.last.copy_within(..LAGS - 1, 1);
+        self.last[0] = x;
     }
 
     /// Takes the values of another one, which came after its own.
@@ -95,16 +95,13 @@ impl Correlation {
                 *slot = x + shift;
             }
         }
-        let total = self.count as usize + later.count as usize;
-        for back in (1..=heads).rev() {
-            self.last[(total - back) % LAGS] = later.newest(back) + shift;
-        }
+        later.last.iter().take(heads).rev().for_each(|x| self.append(x + shift));
     }
 
     /// `Σ x_i` over the leading ones plus the same over the lagging ones of all pairs
     /// at a lag.
     fn sums(&self, lag: usize) -> f64 {
-        let ends: f64 = (0..lag).map(|i| self.first[i] + self.newest(i + 1)).sum();
+        let ends: f64 = self.first.iter().zip(&self.last).take(lag).map(|(first, last)| first + last).sum();
         2.0 * self.sum - ends
     }
 
