@@ -177,11 +177,11 @@ impl Fitting {
         let rounding = ROUNDING * self.cycle.static_n;
         let least_n2 = noise_n2 + rounding * rounding;
         let trial = limited(moved(&self.cycle, &step));
-        if gain < SETTLED * least_n2 {
-            if self.damping > 0.0 {
-                return ControlFlow::Break(self.settled(true));
-            }
-            self.cycle = trial;
+        if self.damping > 0.0 && gain < SETTLED * least_n2 {
+            return ControlFlow::Break(self.settled(true));
+        }
+        if gain.min(data.bends_n2(&self.cycle, &step)) < SETTLED * least_n2 {
+            (self.cycle, self.normal.cost) = (trial, self.normal.cost - gain);
             return ControlFlow::Break(self.fit(factor, true));
         }
         let next = data.normal(&trial);
@@ -237,6 +237,19 @@ impl Data<'_> {
     #[must_use]
     pub fn cost(&self, cycle: &Cycle) -> f32 {
         self.normal(cycle).cost
+    }
+
+    /// Squared residuals, N², that a step may leave because the model is no straight
+    /// line: where the slide turns by an angle `φ`, `δd φ + d φ²/2` on each sample.
+    ///
+    /// Without limit where the cable goes slack: there the force has kinks.
+    fn bends_n2(&self, cycle: &Cycle, step: &Gradient) -> f32 {
+        if cycle.amplitude_n() >= cycle.dynamic_n() {
+            return f32::INFINITY;
+        }
+        let angle = cycle.omega * (step[0].abs() + core::f32::consts::PI * step[4].abs());
+        let bend_n = (step[3].abs() + 0.5 * cycle.half_drop_n * angle) * angle;
+        self.samples.forces_n.len() as f32 * bend_n * bend_n
     }
 
     /// The normal equations at a trial cycle.

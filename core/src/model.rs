@@ -91,7 +91,8 @@ impl Cycle {
     /// Half-length `a` of the ellipse's force axis (10), N.
     #[must_use]
     pub fn amplitude_n(&self) -> f32 {
-        math::sqrt(self.shape().a2)
+        let q = self.rate / self.omega;
+        math::sqrt(self.half_drop_n * self.half_drop_n + q * q)
     }
 
     /// Largest force of the cycle, `Fp + a`, N.
