@@ -101,7 +101,8 @@ impl Correlation {
     /// `Σ x_i` over the leading ones plus the same over the lagging ones of all pairs
     /// at a lag.
     fn sums(&self, lag: usize) -> f64 {
-        let ends: f64 = self.first.iter().zip(&self.last).take(lag).map(|(first, last)| first + last).sum();
+        let ends: f64 =
+            self.first.iter().zip(&self.last).take(lag).map(|(first, last)| first + last).sum();
         2.0 * self.sum - ends
     }
 

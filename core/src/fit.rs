@@ -73,6 +73,8 @@ pub struct Fit {
     normal: Normal,
     /// Factor of the information matrix: covariances in units of the noise variance.
     pub information: Factor,
+    /// Variances of the unknowns, in the same units.
+    pub variances: Gradient,
     /// Whether the iteration settled.
     pub converged: bool,
 }
@@ -118,12 +120,6 @@ impl Fit {
         right[1] = -rate.weight * (rate.mean - self.cycle.rate);
         let factor = normal.factor(0.0)?;
         Some(forces(&self.cycle, &factor.solve(&right), &factor))
-    }
-
-    /// Variance of an unknown, in units of the noise variance.
-    #[must_use]
-    pub fn variance(&self, unknown: usize) -> f32 {
-        self.information.variance(unknown)
     }
 }
 
@@ -217,7 +213,8 @@ impl Fitting {
 
     fn fit(&self, information: Factor, converged: bool) -> Option<Fit> {
         let Self { cycle, normal, .. } = *self;
-        normal.cost.is_finite().then_some(Fit { cycle, normal, information, converged })
+        let variances = information.variances();
+        normal.cost.is_finite().then_some(Fit { cycle, normal, information, variances, converged })
     }
 }
 
@@ -244,7 +241,7 @@ impl Data<'_> {
     ///
     /// Without limit where the cable goes slack: there the force has kinks.
     fn bends_n2(&self, cycle: &Cycle, step: &Gradient) -> f32 {
-        if cycle.amplitude_n() >= cycle.dynamic_n() {
+        if !cycle.is_taut() {
             return f32::INFINITY;
         }
         let angle = cycle.omega * (step[0].abs() + core::f32::consts::PI * step[4].abs());

@@ -3,7 +3,7 @@
 use crate::fit::{Data, Fit, Prior};
 use crate::line::Line;
 use crate::mass::{Mass, Told, Verdict};
-use crate::model::{Cycle, UNKNOWNS};
+use crate::model::UNKNOWNS;
 use crate::pending::Pending;
 use crate::posterior::Posterior;
 use crate::residuals::Residuals;
@@ -143,7 +143,7 @@ impl Learnt {
         if let Some((value, variance)) = own(cycle.bend, bend, data.bend, LEAST_OWN_BEND) {
             self.bend.add(value, variance);
         }
-        told.swing = own_swing(LEAST_OWN).filter(|_| is_clear(&cycle) || !on_trial);
+        told.swing = own_swing(LEAST_OWN).filter(|_| !on_trial || is_clear(posterior));
         self.mass.learn(&told).unwrap_or(verdict)
     }
 
@@ -162,15 +162,15 @@ fn rounding_n2(pending: &Pending) -> f32 {
 
 /// Does the slip have samples enough to tell a small change of the swing from what the
 /// sampling makes of it?
-pub(crate) fn is_clear(cycle: &Cycle) -> bool {
+pub(crate) fn is_clear(posterior: &Posterior) -> bool {
     const CLEAR: f32 = 2.0;
-    cycle.slide_time() > CLEAR && cycle.restick_n() > 0.0
+    posterior.slide_time > CLEAR && posterior.cycle.restick_n() > 0.0
 }
 
 /// Are the samples around the slip far from the fit?
 pub(crate) fn is_strained(data: &Data<'_>, fit: &Fit, noise_n2: f32) -> bool {
     const STRAINED: f32 = 10.0;
-    let around_n2 = own_residuals(data, fit).0 - data.after.residual();
+    let around_n2 = own_squares_n2(data, fit) - data.after.residual();
     // The lines are two observations each.
     let observations = data.samples.good().count() as f32 + 4.0;
     around_n2 > STRAINED * observations * noise_n2
@@ -185,15 +185,23 @@ fn expected(shared: &Shared, guess: f32, spread: f32, noise_n2: f32) -> Prior {
     Prior { mean: guess, weight: noise_n2 / (spread * spread) }
 }
 
-/// Squared residuals of an event that no other event counts, N², and their degrees
-/// of freedom: observations less unknowns, as far as these come from the samples
-/// and not from what was expected.
+/// Squared residuals of an event that no other event counts, N².
+fn own_squares_n2(data: &Data<'_>, fit: &Fit) -> f32 {
+    let all_n2 = fit.cost() + data.after.residual();
+    let expected = |n2: f32, (prior, value): (Prior, f32)| {
+        n2 - prior.weight * (prior.mean - value) * (prior.mean - value)
+    };
+    data.priors(&fit.cycle).into_iter().fold(all_n2, expected).max(0.0)
+}
+
+/// The same and their degrees of freedom: observations less unknowns, as far as these
+/// come from the samples and not from what was expected.
 pub(crate) fn own_residuals(data: &Data<'_>, fit: &Fit) -> (f32, f32) {
-    let (mut squares, mut unknowns) = (fit.cost() + data.after.residual(), UNKNOWNS as f32);
-    for (unknown, (prior, value)) in data.priors(&fit.cycle).into_iter().enumerate() {
-        squares -= prior.weight * (prior.mean - value) * (prior.mean - value);
-        unknowns -= prior.weight * fit.variance(unknown);
+    let mut unknowns = UNKNOWNS as f32;
+    for ((prior, _), variance) in data.priors(&fit.cycle).into_iter().zip(fit.variances) {
+        unknowns -= prior.weight * variance;
     }
     let lines = data.before.count.min(2) as f32 + data.after.weight;
-    (squares.max(0.0), data.samples.good().count() as f32 + lines - unknowns)
+    let observations = data.samples.good().count() as f32 + lines;
+    (own_squares_n2(data, fit), observations - unknowns)
 }

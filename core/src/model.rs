@@ -119,6 +119,12 @@ impl Cycle {
         self.shape().slide
     }
 
+    /// Does the cable stay taut?
+    #[must_use]
+    pub fn is_taut(&self) -> bool {
+        self.amplitude_n() <= self.dynamic_n()
+    }
+
     /// Time of rest that loads a taut cable from `Fe` to `Fs`, `T_static` (22).
     #[must_use]
     pub fn rest_time(&self) -> f32 {
@@ -144,6 +150,12 @@ impl Cycle {
 }
 
 impl Shape {
+    /// Time of sliding.
+    #[must_use]
+    pub fn slide_time(&self) -> f32 {
+        self.slide
+    }
+
     /// Time at which the block rests again.
     #[must_use]
     pub fn stop(&self) -> f32 {

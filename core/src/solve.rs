@@ -107,6 +107,12 @@ impl Factor {
         x
     }
 
+    /// Variances of all unknowns, see [`Factor::variance`].
+    #[must_use]
+    pub fn variances(&self) -> Gradient {
+        core::array::from_fn(|unknown| self.variance(unknown))
+    }
+
     /// Diagonal element of `A⁻¹`: the variance of an unknown, in units of the variance
     /// of weight one.
     #[must_use]
