@@ -71,9 +71,9 @@ pub struct Fit {
     pub cycle: Cycle,
     /// The normal equations at the fit.
     normal: Normal,
-    /// Factor of the information matrix: covariances in units of the noise variance.
-    pub information: Factor,
-    /// Variances of the unknowns, in the same units.
+    /// The forces.
+    pub forces: Forces,
+    /// Variances of the unknowns, in units of the noise variance.
     pub variances: Gradient,
     /// Whether the iteration settled.
     pub converged: bool,
@@ -92,21 +92,27 @@ pub struct Forces {
     pub dynamic_variance: f32,
 }
 
-/// `Fs` and `Fp` as combinations of the unknowns.
-const STATIC: Gradient = [0.0, 0.0, 1.0, 0.0, 0.0, 0.0];
-const DYNAMIC: Gradient = [0.0, 0.0, 1.0, -1.0, 0.0, 0.0];
+impl Forces {
+    /// Of a cycle, with the factor of its information matrix.
+    fn new(cycle: &Cycle, information: &Factor) -> Self {
+        Self {
+            static_n: cycle.static_n,
+            dynamic_n: cycle.dynamic_n(),
+            static_variance: information.variance(&STATIC.0, STATIC.1),
+            dynamic_variance: information.variance(&DYNAMIC.0, DYNAMIC.1),
+        }
+    }
+}
+
+/// `Fs` and `Fp` as combinations of the unknowns, and the first of these.
+const STATIC: (Gradient, usize) = ([0.0, 0.0, 1.0, 0.0, 0.0, 0.0], 2);
+const DYNAMIC: (Gradient, usize) = ([0.0, 0.0, 1.0, -1.0, 0.0, 0.0], 2);
 
 impl Fit {
     /// Weighted sum of squared residuals, the priors' included, N².
     #[must_use]
     pub fn cost(&self) -> f32 {
         self.normal.cost
-    }
-
-    /// The forces of the fit.
-    #[must_use]
-    pub fn forces(&self) -> Forces {
-        forces(&self.cycle, &Gradient::default(), &self.information)
     }
 
     /// The forces as the event would give them without what was expected of its
@@ -119,7 +125,11 @@ impl Fit {
         normal.matrix[1][1] -= rate.weight;
         right[1] = -rate.weight * (rate.mean - self.cycle.rate);
         let factor = normal.factor(0.0)?;
-        Some(forces(&self.cycle, &factor.solve(&right), &factor))
+        let [_, _, by_static, by_drop, ..] = factor.solve(&right);
+        let mut cycle = self.cycle;
+        cycle.static_n += by_static;
+        cycle.half_drop_n += by_drop;
+        Some(Forces::new(&cycle, &factor))
     }
 }
 
@@ -178,7 +188,7 @@ impl Fitting {
         }
         if gain.min(data.bends_n2(&self.cycle, &step)) < SETTLED * least_n2 {
             (self.cycle, self.normal.cost) = (trial, self.normal.cost - gain);
-            return ControlFlow::Break(self.fit(factor, true));
+            return ControlFlow::Break(self.fit(&factor, true));
         }
         let next = data.normal(&trial);
         // Rounding may make a good step look a little worse. A NaN cost compares false and
@@ -208,13 +218,13 @@ impl Fitting {
         // What is all but singular in single precision gets the least help that it needs.
         const LEAST_HELP: f32 = 1e-5;
         let factor = self.normal.factor(0.0).or_else(|| self.normal.factor(LEAST_HELP));
-        self.fit(factor?, converged)
+        self.fit(&factor?, converged)
     }
 
-    fn fit(&self, information: Factor, converged: bool) -> Option<Fit> {
+    fn fit(&self, information: &Factor, converged: bool) -> Option<Fit> {
         let Self { cycle, normal, .. } = *self;
-        let variances = information.variances();
-        normal.cost.is_finite().then_some(Fit { cycle, normal, information, variances, converged })
+        let (forces, variances) = (Forces::new(&cycle, information), information.variances());
+        normal.cost.is_finite().then_some(Fit { cycle, normal, forces, variances, converged })
     }
 }
 
@@ -283,15 +293,6 @@ impl Data<'_> {
             (self.swing, cycle.swing()),
             (self.bend, cycle.bend),
         ]
-    }
-}
-
-fn forces(cycle: &Cycle, step: &Gradient, information: &Factor) -> Forces {
-    Forces {
-        static_n: cycle.static_n + dot(step, &STATIC),
-        dynamic_n: cycle.dynamic_n() + dot(step, &DYNAMIC),
-        static_variance: information.covariance(&STATIC, &STATIC),
-        dynamic_variance: information.covariance(&DYNAMIC, &DYNAMIC),
     }
 }
 

@@ -96,7 +96,7 @@ impl Learnt {
 
     /// Is the swing known from earlier events?
     pub(crate) fn knows_swing(&self) -> bool {
-        self.mass.swing().prior(1.0).weight > 0.0
+        self.mass.swing().is_known()
     }
 
     /// Carries the event's own loading rate, swing and bend to the next ones, unless it

@@ -62,7 +62,7 @@ impl Posterior {
     /// At the best fit, with the variance of the noise.
     #[must_use]
     pub fn at(fit: &Fit, noise_n2: f32) -> Self {
-        let forces = fit.forces();
+        let Fit { forces, .. } = fit;
         let unknowns = fit.variances.map(|variance| noise_n2 * variance);
         let static_n2 = noise_n2 * forces.static_variance;
         let dynamic_n2 = noise_n2 * forces.dynamic_variance;
