@@ -212,6 +212,12 @@ impl Cycles {
         finished
     }
 
+    /// Is no fit under way?
+    #[must_use]
+    pub fn is_idle(&self) -> bool {
+        self.finishing.is_none()
+    }
+
     /// Does one iteration of the fit that is under way.
     pub fn work(&mut self) -> Option<Finished> {
         let outcome = self.finishing.as_mut()?.step(&mut self.learnt).break_value()?;

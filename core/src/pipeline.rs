@@ -235,6 +235,9 @@ impl Pipeline {
     /// Takes a good sample through the detector and on.
     fn advance(&mut self, sample: Extreme) -> Option<Event> {
         let transition = self.detector.step(sample.index, sample.force_n);
+        if transition.is_none() && self.cycles.is_idle() {
+            return None;
+        }
         self.follow(transition)
     }
 
