@@ -143,7 +143,7 @@ impl Fit {
     }
 }
 
-/// Most iterations before giving up; two or three are usual.
+/// Most iterations before giving up; one or two are usual.
 const MOST_STEPS: u8 = 24;
 /// Settled when the next step, which is still taken, is below this share of a standard
 /// deviation, squared: what it leaves is its square.
@@ -347,5 +347,36 @@ fn limited(cycle: Cycle) -> Cycle {
         half_drop_n: cycle.half_drop_n.max(TINY),
         omega: cycle.omega.clamp(1e-3, 60.0),
         ..cycle
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_short_step_settles_a_fit_and_a_long_one_does_not() {
+        let (static_n, half_drop_n) = (781.2, 289.8);
+        let truth =
+            Cycle { onset: 3.3, rate: 22.5, static_n, half_drop_n, omega: 1.1828, bend: 0.0 };
+        let shape = truth.shape();
+        let forces_n: [f32; 12] = core::array::from_fn(|i| shape.force(i as f32).0);
+        let (line, free) = (Line::default(), Prior::default());
+        let data = Data {
+            before: &line,
+            samples: Samples { start: 0.0, forces_n: &forces_n },
+            after: &line,
+            wander: Wander::NONE,
+            rate: free,
+            swing: free,
+            bend: Prior { mean: 0.0, weight: 1e6 },
+            onset: free,
+        };
+        let first_step = |onset, half_drop_n| {
+            Fitting::new(&data, &Cycle { onset, half_drop_n, ..truth }).step(&data, 4.0)
+        };
+        let ControlFlow::Break(Some(fit)) = first_step(3.303, 291.0) else { panic!("settles") };
+        assert!((fit.forces.static_n - static_n).abs() < 0.02 && fit.cost() < 0.04);
+        assert!(first_step(3.4, 300.0).is_continue());
     }
 }
