@@ -236,6 +236,7 @@ impl Cycles {
         let noise_n = detector.noise_n().unwrap_or(1.0);
         slip.noise_n2 = noise_n * noise_n;
         slip.inflation = detector.inflation();
+        slip.rest_weight = detector.rest_weight();
         slip
     }
 

@@ -28,6 +28,7 @@ use crate::math;
 use crate::memory::Memory;
 use crate::noise::Noise;
 use crate::pending::since;
+use crate::profile::Profile;
 use crate::sample::Phase;
 use crate::whiteness::Whiteness;
 use crate::window::{WINDOW, Window};
@@ -158,16 +159,16 @@ impl Stick {
     }
 
     /// Takes a sample into the lines.
-    fn take(&mut self, index: u64, force_n: f32, memory: &Memory) {
+    fn take(&mut self, index: u64, force_n: f32, memory: &Memory, weight: f32) {
         let time = since(self.line_origin, index);
         self.line.fade(memory.fade());
-        self.line.add(time, force_n, 1.0);
+        self.line.add(time, force_n, weight, weight);
         if memory.has_trial() {
             self.trial.fade(memory.trial_fade());
-            self.trial.add(time, force_n, 1.0);
+            self.trial.add(time, force_n, weight, weight);
         }
         if !self.straight && self.first_weight > LEAST_WEIGHT {
-            self.first.add(since(self.origin, index), force_n, self.first_weight);
+            self.first.add(since(self.origin, index), force_n, self.first_weight, 1.0);
             self.first_weight *= memory.fade();
         }
         if self.line.time >= FAR {
@@ -194,6 +195,7 @@ pub struct Detector {
     line_std_n: Option<f32>,
     memory: Memory,
     whiteness: Whiteness,
+    profile: Profile,
     phase: Phase,
     stick: Stick,
     ended: Stick,
@@ -226,6 +228,7 @@ impl Detector {
             line_std_n: None,
             memory: Memory::new(),
             whiteness: Whiteness::default(),
+            profile: Profile::new(),
             phase: Phase::Unknown,
             stick: Stick::default(),
             ended: Stick::default(),
@@ -388,6 +391,7 @@ impl Detector {
     /// A new stick line whose first sample is `next`.
     fn rest_from(&mut self, highest: Extreme, next: u64) {
         self.phase = Phase::Stick;
+        self.learn_profile();
         self.memory.decide();
         self.whiteness.interrupt();
         self.ended = self.stick;
@@ -442,7 +446,7 @@ impl Detector {
     fn slips(&self, now: Extreme) -> bool {
         let Some(std) = self.std_n else { return false };
         let drop = self.stick.highest.force_n - now.force_n;
-        drop >= self.least_drop(std)
+        drop >= self.least_drop(std / math::rough_sqrt(self.weight(now.index)))
             // Rests too briefly for a line: the drop alone decides.
             && self.depth(now).is_none_or(|depth| depth > OFF_LINE * std)
     }
@@ -486,7 +490,7 @@ impl Detector {
     fn depth(&self, now: Extreme) -> Option<f32> {
         let (innovation, spread) = self.innovation(now)?;
         let line = &self.stick.line;
-        let below_mean = (line.level_n - now.force_n) / math::rough_sqrt(1.0 + 1.0 / line.weight);
+        let below_mean = (line.level_n - now.force_n) / math::rough_sqrt(1.0 / self.weight(now.index) + 1.0 / line.weight);
         let rises = line.slope().is_some_and(|slope| slope > 0.0);
         let below_line = -innovation / spread;
         Some(if rises { below_line.max(below_mean) } else { below_line })
@@ -507,8 +511,35 @@ impl Detector {
         let stick = &self.stick;
         let slope = stick.line.slope().filter(|_| stick.line.count >= LINE_POINTS)?;
         let time = since(stick.line_origin, now.index);
-        let spread = math::rough_sqrt(1.0 + stick.line.leverage(time));
+        let own = 1.0 / self.weight(now.index);
+        let spread = math::rough_sqrt(own + stick.line.leverage(time));
         Some((now.force_n - stick.line.at(time, slope), spread))
+    }
+
+    /// Weight of a resting block's sample.
+    fn weight(&self, index: u64) -> f32 {
+        self.profile.weight(index.saturating_sub(self.stick.origin))
+    }
+
+    /// Weight of the samples right after a slip.
+    pub fn rest_weight(&self) -> f32 {
+        self.profile.weight(0)
+    }
+
+    /// Takes the stick that has ended into the profile.
+    fn learn_profile(&mut self) {
+        let (origin, window) = (self.stick.origin, &self.window);
+        if window.first_from(origin) > origin {
+            return;
+        }
+        let was_flat = self.profile.is_flat();
+        let samples = (origin..self.stick.next).filter_map(|i| Some((i - origin, window.get(i)?)));
+        self.profile.learn(samples);
+        if was_flat && !self.profile.is_flat() {
+            self.memory = Memory::new();
+        }
+        #[cfg(not(target_os = "none"))] // DEBUG
+        if std::env::var("PROF").is_ok() { std::eprintln!("{:?} {:?} {}", self.profile, self.memory, self.whiteness.inflation()); }
     }
 
     /// Takes samples into the line, far enough behind the newest one that a slip
@@ -533,13 +564,15 @@ impl Detector {
             if std.is_some_and(|std| relative.abs() > OFF_LINE * std) {
                 return self.strike(sample.index, relative);
             }
-            self.whiteness.add(relative);
+            let weight = self.weight(sample.index);
+            self.whiteness.add(relative, weight);
             if let Some(slope) = self.stick.trial.slope() {
-                self.memory.compare(innovation, sample.force_n - self.stick.trial.at(time, slope));
+                self.memory.compare(weight * innovation, weight * (sample.force_n - self.stick.trial.at(time, slope)));
             }
         }
         self.stick.strikes = 0;
-        self.stick.take(sample.index, sample.force_n, &self.memory);
+        let weight = self.weight(sample.index);
+        self.stick.take(sample.index, sample.force_n, &self.memory, weight);
     }
 
     /// A sample off the line is left out; several on one side start a new line.
@@ -556,7 +589,8 @@ impl Detector {
         stick.start_line(start);
         for past in start..=index {
             if let Some(force_n) = self.window.get(past) {
-                stick.take(past, force_n, &self.memory);
+                let weight = self.profile.weight(past.saturating_sub(stick.origin));
+                stick.take(past, force_n, &self.memory, weight);
             }
         }
     }

@@ -28,6 +28,8 @@ pub struct Samples<'a> {
     pub start: f32,
     /// Forces, N; NaN where a sample is missing or bad.
     pub forces_n: &'a [f32],
+    /// Weight of those from a time on.
+    pub rest: (f32, f32),
 }
 
 impl Samples<'_> {
@@ -245,7 +247,8 @@ impl Data<'_> {
         let mut normal = Normal::default();
         for (time, force_n) in self.samples.good() {
             let (force, gradient) = shape.force(time);
-            normal.add(force_n - force, &gradient, 1.0);
+            let weight = if time > self.samples.rest.0 { self.samples.rest.1 } else { 1.0 };
+            normal.add(force_n - force, &gradient, weight);
         }
         let (before, after) = (self.before, self.after);
         add_line(

@@ -14,6 +14,8 @@
 //! [`model`] for its equations.
 #![no_std]
 #![forbid(unsafe_code)]
+#[cfg(not(target_os = "none"))]
+extern crate std; // DEBUG
 
 pub mod calibrate;
 pub mod change;
@@ -38,6 +40,7 @@ pub mod noise;
 mod pending;
 pub mod pipeline;
 pub mod posterior;
+pub mod profile;
 pub mod report;
 pub mod residuals;
 pub mod sample;

@@ -31,6 +31,8 @@ pub(crate) struct Pending {
     pub(crate) noise_n2: f32,
     /// Samples that tell as much as one with an error of its own.
     pub(crate) inflation: f32,
+    /// Weight of the samples right after the stop.
+    pub(crate) rest_weight: f32,
     /// A saturated sample, or too many missing ones, between the lines.
     pub(crate) hidden: bool,
     /// The cycle as far as it was known before the stick line after it.
@@ -108,6 +110,7 @@ impl Pending {
             rough: Rough::new(stick, window, (peak, low)),
             noise_n2: 0.0,
             inflation: 1.0,
+            rest_weight: 1.0,
             hidden: false,
             early: None,
         };
@@ -130,7 +133,8 @@ impl Pending {
     /// The samples between the lines.
     pub(crate) fn samples(&self) -> Samples<'_> {
         let forces_n = self.forces_n.get(..self.length).unwrap_or_default();
-        Samples { start: self.start, forces_n }
+        let rest = if self.rest_weight >= 1.0 { f32::INFINITY } else { self.early.map_or_else(|| since(self.origin, self.low.index), |c| c.shape().stop()) };
+        Samples { start: self.start, forces_n, rest: (rest, self.rest_weight) }
     }
 
     /// Ends the event before the next one's slip begins, a little before its highest

@@ -81,7 +81,7 @@ impl Shared {
             return;
         }
         let (expected, expected_variance) = self.at(NEWEST);
-        self.line.add(NEWEST, value, weight);
+        self.line.add(NEWEST, value, weight, 1.0);
         self.count += 1.0;
         // The first value has nothing to differ from.
         if self.count > 1.0 {

@@ -25,13 +25,14 @@ const LARGEST: f32 = 0.9;
 
 impl Whiteness {
     /// Takes the innovation of the sample after the last one.
-    pub fn add(&mut self, innovation: f32) {
+    pub fn add(&mut self, innovation: f32, weight: f32) {
+        let innovation = weight * innovation;
         const FADE: f32 = 1.0 - 1.0 / MEMORY;
         let last = self.last.replace(innovation);
         let Some(last) = last else { return };
         self.products = FADE * self.products + last * innovation;
         self.squares = FADE * self.squares + innovation * innovation;
-        self.count = FADE * self.count + 1.0;
+        self.count = FADE * self.count + weight;
     }
 
     /// The next sample has no neighbour before it.
@@ -61,7 +62,7 @@ mod tests {
         for _ in 0..4000 {
             state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
             error = correlation * error + (state >> 8) as f32 / 16_777_216.0 - 0.5;
-            whiteness.add(error);
+            whiteness.add(error, 1.0);
         }
         whiteness.inflation()
     }
@@ -76,7 +77,7 @@ mod tests {
     #[test]
     fn nothing_is_believed_of_a_few_samples() {
         let mut whiteness = Whiteness::default();
-        (0..10).for_each(|_| whiteness.add(1.0));
+        (0..10).for_each(|_| whiteness.add(1.0, 1.0));
         assert!((whiteness.inflation() - 1.0).abs() < f32::EPSILON);
     }
 }
