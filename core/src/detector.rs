@@ -523,7 +523,7 @@ impl Detector {
 
     /// Weight of the samples right after a slip.
     pub fn rest_weight(&self) -> f32 {
-        self.profile.weight(0)
+        self.profile.weight(0) * self.profile.weight(0) / self.profile.weight(2)
     }
 
     /// Takes the stick that has ended into the profile.

@@ -9,7 +9,7 @@ use crate::line::Line;
 use crate::math;
 
 /// Bins: ages below 2, 4, 8, ..., 256 periods.
-const BINS: usize = 8;
+const BINS: usize = 16;
 /// Events after which the past has faded.
 const MEMORY: f32 = 32.0;
 /// Standard errors beyond which early samples scatter more.
@@ -98,6 +98,8 @@ impl Profile {
 }
 
 fn bin(age: u64) -> usize {
-    let doubled = u64::BITS - (age >> 1).leading_zeros();
-    (doubled as usize).min(BINS - 1)
+    if age < 2 { return age as usize; }
+    let octave = u64::BITS - (age >> 1).leading_zeros(); // 1 for 2,3
+    let half = (age >> (octave - 1)) & 1;
+    ((2 * octave + half as u32) as usize).min(BINS - 1)
 }
