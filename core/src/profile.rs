@@ -11,7 +11,7 @@ use crate::math;
 use crate::shared::surely;
 
 /// Sticks after which the past has faded.
-const MEMORY: f32 = 32.0;
+const MEMORY: f32 = 16.0;
 /// Fewest samples of a stick, and fewest sticks, that tell anything.
 const FEWEST: u32 = 8;
 const FEWEST_STICKS: f32 = 2.5;
@@ -64,7 +64,7 @@ impl Profile {
         }
         let Some(slope) = line.slope().filter(|_| line.count >= FEWEST) else { return };
         if self.taper <= 0.0 {
-            self.taper = 8.0 / line.count as f32;
+            self.taper = 2.0 / line.count as f32;
         }
         const FADE: f32 = 1.0 - 1.0 / MEMORY;
         for sum in self.squares_n2.iter_mut().chain(&mut self.sums) {
@@ -74,18 +74,22 @@ impl Profile {
         self.late *= FADE;
         self.sticks = FADE * self.sticks + 1.0;
         let usual_n2 = if self.late > 0.0 { self.late_n2 / self.late } else { f32::INFINITY };
+        let half = 0.5 * line.count as f32;
         for (age, force_n) in samples {
             let weight = self.weight(age);
             let off_n = force_n - line.at(age, slope);
             let free = (1.0 - weight * line.leverage(age)).max(0.1);
             let square_n2 = (off_n * off_n / free).min(LARGEST * usual_n2 / weight);
+            if age > half {
+                self.late_n2 += square_n2;
+                self.late += 1.0;
+                continue;
+            }
             let taper = math::exp(-self.taper * age);
             for (sum, by) in [(0, taper), (1, taper * age)] {
                 self.squares_n2[sum] += by * square_n2;
                 self.sums[sum] += by;
             }
-            self.late_n2 += weight * weight * square_n2;
-            self.late += weight;
         }
         self.solve();
     }
@@ -107,7 +111,7 @@ impl Profile {
         self.decay = (both - self.taper).max(0.25 * self.taper);
         let [both, taper] = [self.decay + self.taper, self.taper].map(|fall| 1.0 - math::exp(-fall));
         self.excess = surely(all, limit) * all / self.sums[0] * both / taper;
-        self.taper += 0.25 * (self.decay - self.taper);
+        
     }
 }
 
