@@ -63,9 +63,6 @@ impl Profile {
             line.add(age, force_n, weight, weight);
         }
         let Some(slope) = line.slope().filter(|_| line.count >= FEWEST) else { return };
-        if self.taper <= 0.0 {
-            self.taper = 2.0 / line.count as f32;
-        }
         const FADE: f32 = 1.0 - 1.0 / MEMORY;
         for sum in self.squares_n2.iter_mut().chain(&mut self.sums) {
             *sum *= FADE;
@@ -75,6 +72,7 @@ impl Profile {
         self.sticks = FADE * self.sticks + 1.0;
         let usual_n2 = if self.late > 0.0 { self.late_n2 / self.late } else { f32::INFINITY };
         let half = 0.5 * line.count as f32;
+        self.taper = self.sticks / (self.late + half);
         for (age, force_n) in samples {
             let weight = self.weight(age);
             let off_n = force_n - line.at(age, slope);
