@@ -537,6 +537,7 @@ impl Detector {
         self.profile.learn(samples);
         if was_flat && !self.profile.is_flat() {
             self.memory = Memory::new();
+            self.whiteness = Whiteness::default();
         }
         #[cfg(not(target_os = "none"))] // DEBUG
         if std::env::var("PROF").is_ok() { std::eprintln!("{:?} {:?} {}", self.profile, self.memory, self.whiteness.inflation()); }

@@ -83,7 +83,8 @@ impl Finishing {
         }
     }
 
-    fn start(&mut self, learnt: &Learnt) -> ControlFlow<Outcome> {
+    fn start(&mut self, learnt: &mut Learnt) -> ControlFlow<Outcome> {
+        learnt.weigh(&self.pending);
         let known = learnt.residuals.variance_n2();
         let noise_n2 = known
             .map_or_else(|| HARDLY * self.pending.noise_n2, |_| learnt.noise_n2(&self.pending));

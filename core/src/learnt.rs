@@ -18,6 +18,8 @@ pub(crate) struct Learnt {
     pub(crate) residuals: Residuals,
     /// Events in a row that did not fit.
     misfits: u8,
+    /// The residuals are those of weighted samples.
+    weighted: bool,
 }
 
 /// So many events in a row that do not fit: what was expected is no longer true.
@@ -39,6 +41,14 @@ impl Learnt {
     pub(crate) fn noise_n2(&self, pending: &Pending) -> f32 {
         let noise_n2 = self.residuals.variance_n2().unwrap_or(pending.noise_n2);
         pending.inflation * noise_n2.max(rounding_n2(pending))
+    }
+
+    /// What was left before the samples had their weights is no measure any more.
+    pub(crate) fn weigh(&mut self, pending: &Pending) {
+        if pending.rest_weight < 1.0 && !self.weighted {
+            self.weighted = true;
+            self.residuals = Residuals::new();
+        }
     }
 
     /// Does an event leave far more than the others do? The winch paused or started, the
