@@ -108,7 +108,8 @@ impl Profile {
         let both = 2.0 * inverse * (1.0 + inverse * inverse / 3.0);
         self.decay = (both - self.taper).max(0.25 * self.taper);
         let [both, taper] = [self.decay + self.taper, self.taper].map(|fall| 1.0 - math::exp(-fall));
-        self.excess = surely(all, limit) * all / self.sums[0] * both / taper;
+        let excess = all / self.sums[0] * both / taper;
+        self.excess = surely(all, limit) * surely(excess, 1.0) * excess;
         
     }
 }
