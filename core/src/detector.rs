@@ -69,6 +69,9 @@ const FAR: f32 = 64.0;
 /// A gap longer than this starts anew, periods.
 const LONGEST_GAP: u64 = 8;
 
+/// Samples of a longer stick that the profile looks at.
+const PROFILE: u64 = WINDOW as u64 * 3 / 4;
+
 /// A sample and where it was.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Extreme {
@@ -158,7 +161,7 @@ impl Stick {
         self.next = self.next.min(self.origin.max(self.highest.index.saturating_sub(3)));
     }
 
-    /// Takes a sample into the lines.
+    /// Takes a sample into the lines; its weight is one over its variance.
     fn take(&mut self, index: u64, force_n: f32, memory: &Memory, weight: f32) {
         let time = since(self.line_origin, index);
         self.line.fade(memory.fade());
@@ -312,6 +315,12 @@ impl Detector {
         self.whiteness.inflation()
     }
 
+    /// Weight of the samples between the lowest one and the newest, all of them together.
+    #[must_use]
+    pub fn rest_weight(&self) -> f32 {
+        1.0 / self.profile.variance(-0.5 * since(self.lowest.index, self.last.index))
+    }
+
     /// Usual drop of a slip, N; zero before the first.
     #[must_use]
     pub fn usual_drop_n(&self) -> f32 {
@@ -391,7 +400,9 @@ impl Detector {
     /// A new stick line whose first sample is `next`.
     fn rest_from(&mut self, highest: Extreme, next: u64) {
         self.phase = Phase::Stick;
-        self.learn_profile();
+        if self.stick.next < self.stick.origin + PROFILE {
+            self.learn_profile();
+        }
         self.memory.decide();
         self.whiteness.interrupt();
         self.ended = self.stick;
@@ -446,7 +457,7 @@ impl Detector {
     fn slips(&self, now: Extreme) -> bool {
         let Some(std) = self.std_n else { return false };
         let drop = self.stick.highest.force_n - now.force_n;
-        drop >= self.least_drop(std / math::rough_sqrt(self.weight(now.index)))
+        drop >= self.least_drop(std)
             // Rests too briefly for a line: the drop alone decides.
             && self.depth(now).is_none_or(|depth| depth > OFF_LINE * std)
     }
@@ -490,7 +501,8 @@ impl Detector {
     fn depth(&self, now: Extreme) -> Option<f32> {
         let (innovation, spread) = self.innovation(now)?;
         let line = &self.stick.line;
-        let below_mean = (line.level_n - now.force_n) / math::rough_sqrt(1.0 / self.weight(now.index) + 1.0 / line.weight);
+        let below_mean = (line.level_n - now.force_n)
+            / math::rough_sqrt(self.variance(now.index) + 1.0 / line.weight);
         let rises = line.slope().is_some_and(|slope| slope > 0.0);
         let below_line = -innovation / spread;
         Some(if rises { below_line.max(below_mean) } else { below_line })
@@ -511,36 +523,27 @@ impl Detector {
         let stick = &self.stick;
         let slope = stick.line.slope().filter(|_| stick.line.count >= LINE_POINTS)?;
         let time = since(stick.line_origin, now.index);
-        let own = 1.0 / self.weight(now.index);
-        let spread = math::rough_sqrt(own + stick.line.leverage(time));
+        let spread = math::rough_sqrt(self.variance(now.index) + stick.line.leverage(time));
         Some((now.force_n - stick.line.at(time, slope), spread))
     }
 
-    /// Weight of a resting block's sample.
-    fn weight(&self, index: u64) -> f32 {
-        self.profile.weight(since(self.stick.origin, index))
+    /// Variance of a resting block's sample over that of a late one.
+    fn variance(&self, index: u64) -> f32 {
+        self.profile.variance(since(self.stick.origin, index))
     }
 
-    /// Weight of the samples right after a slip.
-    pub fn rest_weight(&self) -> f32 {
-        self.profile.weight(-0.5 * since(self.lowest.index, self.last.index))
-    }
-
-    /// Takes the stick that has ended into the profile.
+    /// Takes the stick line so far into the profile.
     fn learn_profile(&mut self) {
-        let (origin, window) = (self.stick.origin, &self.window);
-        if window.first_from(origin) > origin {
+        let (Stick { origin, next, .. }, window) = (self.stick, &self.window);
+        if window.first_from(origin) != origin {
             return;
         }
         let was_flat = self.profile.is_flat();
-        let samples = (origin..self.stick.next).filter_map(|i| Some((since(origin, i), window.get(i)?)));
-        self.profile.learn(samples);
+        self.profile.learn((origin..next).map(|index| window.get(index)));
         if was_flat && !self.profile.is_flat() {
-            self.memory = Memory::new();
-            self.whiteness = Whiteness::default();
+            // What the innovations told had the swing in it.
+            (self.memory, self.whiteness) = (Memory::new(), Whiteness::default());
         }
-        #[cfg(not(target_os = "none"))] // DEBUG
-        if std::env::var("PROF").is_ok() { std::eprintln!("{:?} {:?} {}", self.profile, self.memory, self.whiteness.inflation()); }
     }
 
     /// Takes samples into the line, far enough behind the newest one that a slip
@@ -550,6 +553,9 @@ impl Detector {
         while self.stick.next + delay.min(WINDOW as u64 / 4) <= newest {
             let index = self.stick.next;
             self.stick.next += 1;
+            if self.stick.next == self.stick.origin + PROFILE {
+                self.learn_profile();
+            }
             if let Some(force_n) = self.window.get(index) {
                 self.take_into_line(Extreme { index, force_n });
             }
@@ -558,6 +564,7 @@ impl Detector {
 
     fn take_into_line(&mut self, sample: Extreme) {
         let time = since(self.stick.line_origin, sample.index);
+        let weight = 1.0 / self.variance(sample.index);
         if let Some((innovation, spread)) = self.innovation(sample) {
             let relative = innovation / spread;
             let std = self.line_std_n;
@@ -565,14 +572,13 @@ impl Detector {
             if std.is_some_and(|std| relative.abs() > OFF_LINE * std) {
                 return self.strike(sample.index, relative);
             }
-            let weight = self.weight(sample.index);
             self.whiteness.add(relative, weight);
             if let Some(slope) = self.stick.trial.slope() {
-                self.memory.compare(weight * innovation, weight * (sample.force_n - self.stick.trial.at(time, slope)));
+                let trial = sample.force_n - self.stick.trial.at(time, slope);
+                self.memory.compare(weight * innovation, weight * trial);
             }
         }
         self.stick.strikes = 0;
-        let weight = self.weight(sample.index);
         self.stick.take(sample.index, sample.force_n, &self.memory, weight);
     }
 
@@ -590,7 +596,7 @@ impl Detector {
         stick.start_line(start);
         for past in start..=index {
             if let Some(force_n) = self.window.get(past) {
-                let weight = self.profile.weight(since(stick.origin, past));
+                let weight = 1.0 / self.profile.variance(since(stick.origin, past));
                 stick.take(past, force_n, &self.memory, weight);
             }
         }

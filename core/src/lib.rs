@@ -14,8 +14,6 @@
 //! [`model`] for its equations.
 #![no_std]
 #![forbid(unsafe_code)]
-#[cfg(not(target_os = "none"))]
-extern crate std; // DEBUG
 
 pub mod calibrate;
 pub mod change;

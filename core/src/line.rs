@@ -28,7 +28,8 @@ pub struct Line {
 }
 
 impl Line {
-    /// Takes a point with a weight above zero.
+    /// Takes a point with a weight above zero. Its squared residual counts `trust` times:
+    /// with one over its own variance the residuals have a mean of one a weight.
     pub fn add(&mut self, time: f32, force_n: f32, weight: f32, trust: f32) {
         let total = self.weight + weight;
         let share = weight / total;

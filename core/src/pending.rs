@@ -31,8 +31,9 @@ pub(crate) struct Pending {
     pub(crate) noise_n2: f32,
     /// Samples that tell as much as one with an error of its own.
     pub(crate) inflation: f32,
-    /// Weight of the samples right after the stop.
+    /// Weight of the samples after the stop, and from when on they have it.
     pub(crate) rest_weight: f32,
+    rest_from: f32,
     /// A saturated sample, or too many missing ones, between the lines.
     pub(crate) hidden: bool,
     /// The cycle as far as it was known before the stick line after it.
@@ -111,6 +112,7 @@ impl Pending {
             noise_n2: 0.0,
             inflation: 1.0,
             rest_weight: 1.0,
+            rest_from: since(first, low.index),
             hidden: false,
             early: None,
         };
@@ -119,6 +121,16 @@ impl Pending {
         let missing = (first..=now).filter(|&index| window.get(index).is_none()).count();
         pending.hidden = missing > 3 || pending.length == CORE;
         pending
+    }
+
+    /// Takes the cycle of the first answer.
+    pub(crate) fn know(&mut self, cycle: Cycle) {
+        // As sure as the stop of a slip that is hardly resolved.
+        const SURE: f32 = 0.25;
+        if self.rest_weight < 1.0 {
+            self.rest_from = cycle.shape().stop() - SURE;
+        }
+        self.early = Some(cycle);
     }
 
     /// Takes the samples `from`, right after those that were taken, to `to`, as many as fit.
@@ -133,8 +145,8 @@ impl Pending {
     /// The samples between the lines.
     pub(crate) fn samples(&self) -> Samples<'_> {
         let forces_n = self.forces_n.get(..self.length).unwrap_or_default();
-        let rest = if self.rest_weight >= 1.0 { f32::INFINITY } else { self.early.map_or_else(|| since(self.origin, self.low.index), |c| c.shape().stop()) };
-        Samples { start: self.start, forces_n, rest: (rest, self.rest_weight) }
+        let (rest_weight, rest_from) = (self.rest_weight, self.rest_from);
+        Samples { start: self.start, forces_n, rest_weight, rest_from }
     }
 
     /// Ends the event before the next one's slip begins, a little before its highest

@@ -203,7 +203,7 @@ mod tests {
         let line = Line::default();
         let data = Data {
             before: &line,
-            samples: Samples { start: -6.0, forces_n: &forces_n, rest: (0.0, 1.0) },
+            samples: Samples { start: -6.0, forces_n: &forces_n, rest_weight: 1.0, rest_from: 0.0 },
             after: &line,
             rate: Prior { mean: 20.0, weight: 0.1 },
             swing: Prior { mean: 0.8 / omega, weight: 4.0 * omega * omega / 0.25 },

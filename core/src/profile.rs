@@ -1,10 +1,11 @@
 //! How much more the first samples after a re-stick scatter than later ones.
 //!
 //! After a slip the cable flops: the force swings while the block rests, and the swing
-//! dies away. What a straight line through the whole stick leaves then has the variance
-//! `sigma² (1 + excess e^(−decay age))`. Excess and decay are found from two moments of
-//! the squares over the age, with a weight that dies away as they do; what is not beyond
-//! chance is none. Samples count for `1 / (1 + excess e^(−decay age))`.
+//! dies away. What a straight line through a stick leaves has the variance
+//! `sigma² (1 + excess e^(−decay age))`. `sigma²` is that of the second halves of the
+//! sticks; excess and decay come from two moments of the first halves, the sum of
+//! `r² − sigma²` and its mean age, tapered over the length of a stick. What is within
+//! chance, or no more than `sigma²` itself, is none: then every sample counts alike.
 
 use crate::line::Line;
 use crate::math;
@@ -15,106 +16,124 @@ const MEMORY: f32 = 16.0;
 /// Fewest samples of a stick, and fewest sticks, that tell anything.
 const FEWEST: u32 = 8;
 const FEWEST_STICKS: f32 = 2.5;
-/// Standard errors beyond which early samples scatter more.
+/// Standard errors that count, and the least excess that does.
 const SIGNIFICANT: f32 = 4.0;
-/// A square counts for no more than so many of the usual ones.
+const LEAST: f32 = 1.0;
+/// A square counts for no more than so many usual ones.
 const LARGEST: f32 = 10.0;
 
-/// Scatter by age since the re-stick.
+/// Scatter of a resting block's samples by their age since the re-stick, periods.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Profile {
-    /// Variance of the first sample over that of late ones, less one; zero: all alike.
+    /// Variance at age zero over that of late samples, less one; zero: all alike.
     excess: f32,
-    /// Part by which the excess falls in a period.
+    /// Rate at which the excess dies away, per period.
     decay: f32,
-    /// The same of the moments' weight.
-    taper: f32,
-    /// Σ v r² and Σ v age r² with v = e^(−taper age), N², and the same without r².
-    squares_n2: [f32; 2],
-    sums: [f32; 2],
-    /// Weighted squares, N², and weights of all samples.
+    early: Early,
+    /// Σ r² of the second halves, N², and their number of samples.
     late_n2: f32,
     late: f32,
     sticks: f32,
 }
 
-impl Profile {
-    /// Weight of a sample so many periods after the re-stick, 1 for a late one.
-    #[must_use]
-    pub fn weight(&self, age: f32) -> f32 {
-        if let Some((a, l)) = oracle() { return 1.0/(1.0+a*crate::math::exp(-l*age as f32)); }
-        if self.is_flat() {
-            return 1.0;
-        }
-        1.0 / (1.0 + self.excess * math::exp(-self.decay * age))
-    }
+/// Sums over the first halves: `v`, `v age`, `v r²` and `v age r²` with a taper `v`.
+#[derive(Clone, Copy, Debug, Default)]
+struct Early {
+    sums: [f32; 2],
+    squares_n2: [f32; 2],
+}
 
+impl Profile {
     /// Do all samples scatter alike?
     #[must_use]
     pub fn is_flat(&self) -> bool {
         self.excess <= 0.0
     }
 
-    /// Takes the samples of a stick, with their ages.
-    pub fn learn(&mut self, samples: impl Iterator<Item = (f32, f32)> + Clone) {
+    /// Variance of a sample over that of a late one.
+    #[must_use]
+    pub fn variance(&self, age: f32) -> f32 {
+        if self.is_flat() { 1.0 } else { 1.0 + self.excess * math::exp(-self.decay * age) }
+    }
+
+    /// Takes a stick: its forces, N, one a period; `None` is missing.
+    pub fn learn(&mut self, forces_n: impl Iterator<Item = Option<f32>> + Clone) {
+        let samples = || (0_u16..).map(f32::from).zip(forces_n.clone());
         let mut line = Line::default();
-        for (age, force_n) in samples.clone() {
-            let weight = self.weight(age);
-            line.add(age, force_n, weight, weight);
+        for (age, force_n) in samples() {
+            let weight = 1.0 / self.variance(age);
+            if let Some(force_n) = force_n {
+                line.add(age, force_n, weight, weight);
+            }
         }
         let Some(slope) = line.slope().filter(|_| line.count >= FEWEST) else { return };
+        let usual_n2 = if self.late > 0.0 { self.late_n2 / self.late } else { f32::INFINITY };
+        self.fade();
+        let half = 0.5 * line.count as f32;
+        let taper = self.taper(half);
+        let (mut v, step) = (1.0, math::exp(-taper));
+        for (age, force_n) in samples() {
+            if let Some(force_n) = force_n {
+                let variance = self.variance(age);
+                let off_n = force_n - line.at(age, slope);
+                let free = (1.0 - line.leverage(age) / variance).max(0.1);
+                let square_n2 = (off_n * off_n / free).min(LARGEST * usual_n2 * variance);
+                if age > half {
+                    self.late_n2 += square_n2;
+                    self.late += 1.0;
+                } else {
+                    self.early.add(v, age, square_n2);
+                }
+            }
+            v *= step;
+        }
+        self.solve(taper);
+    }
+
+    fn fade(&mut self) {
         const FADE: f32 = 1.0 - 1.0 / MEMORY;
-        for sum in self.squares_n2.iter_mut().chain(&mut self.sums) {
+        let Early { sums: [a, b], squares_n2: [c, d] } = &mut self.early;
+        for sum in [a, b, c, d, &mut self.late_n2, &mut self.late, &mut self.sticks] {
             *sum *= FADE;
         }
-        self.late_n2 *= FADE;
-        self.late *= FADE;
-        self.sticks = FADE * self.sticks + 1.0;
-        let usual_n2 = if self.late > 0.0 { self.late_n2 / self.late } else { f32::INFINITY };
-        let half = 0.5 * line.count as f32;
-        self.taper = self.sticks / (self.late + half);
-        for (age, force_n) in samples {
-            let weight = self.weight(age);
-            let off_n = force_n - line.at(age, slope);
-            let free = (1.0 - weight * line.leverage(age)).max(0.1);
-            let square_n2 = (off_n * off_n / free).min(LARGEST * usual_n2 / weight);
-            if age > half {
-                self.late_n2 += square_n2;
-                self.late += 1.0;
-                continue;
-            }
-            let taper = math::exp(-self.taper * age);
-            for (sum, by) in [(0, taper), (1, taper * age)] {
-                self.squares_n2[sum] += by * square_n2;
-                self.sums[sum] += by;
-            }
-        }
-        self.solve();
+        self.sticks += 1.0;
+    }
+
+    /// One over half the usual length of a stick, when the newest one has this half.
+    fn taper(&self, half: f32) -> f32 {
+        self.sticks / (self.late + half)
     }
 
     /// Excess and decay from the moments.
-    fn solve(&mut self) {
+    fn solve(&mut self, taper: f32) {
         let usual_n2 = self.late_n2 / self.late;
-        let [all, by_age] = [0, 1].map(|i| self.squares_n2[i] / usual_n2 - self.sums[i]);
-        // Its variance by chance; Σ v² is half of Σ v.
-        let chance = self.sums[0] + 2.0 * self.sums[0] * self.sums[0] / self.late;
+        let Early { sums, squares_n2 } = self.early;
+        let [all, by_age] = [0, 1].map(|i| squares_n2[i] / usual_n2 - sums[i]);
+        // Variance of `all` by chance; Σ v² is about half of Σ v.
+        let chance = sums[0] + 2.0 * sums[0] * sums[0] / self.late;
         let limit = SIGNIFICANT * math::sqrt(chance);
+        let is_new = self.is_flat() && self.sticks < FEWEST_STICKS;
         self.excess = 0.0;
-        if !(all > limit && self.sticks > FEWEST_STICKS) {
+        // Also false for NaN.
+        if !(all > limit) || is_new {
             return;
         }
-        // The mean age R is that of two falls at once: their sum is ln(1 + 1/R).
+        // Decay and taper together make the mean age R: their sum is ln(1 + 1/R), as the
+        // first two terms of 2 artanh(1/(2 R + 1)).
         let inverse = all / (2.0 * by_age.max(0.0) + all);
         let both = 2.0 * inverse * (1.0 + inverse * inverse / 3.0);
-        self.decay = (both - self.taper).max(0.25 * self.taper);
-        let [both, taper] = [self.decay + self.taper, self.taper].map(|fall| 1.0 - math::exp(-fall));
-        let excess = all / self.sums[0] * both / taper;
-        self.excess = surely(all, limit) * surely(excess, 1.0) * excess;
-        
+        self.decay = (both - taper).max(0.25 * taper);
+        let [both, taper] = [self.decay + taper, taper].map(|rate| 1.0 - math::exp(-rate));
+        let excess = all / sums[0] * both / taper;
+        self.excess = surely(all, limit) * surely(excess, LEAST) * excess;
     }
 }
 
-fn oracle() -> Option<(f32, f32)> {
-    static O: std::sync::OnceLock<Option<(f32,f32)>> = std::sync::OnceLock::new();
-    *O.get_or_init(|| { let v = std::env::var("FLOP").ok()?; let mut i = v.split(',').map(|x| x.parse().unwrap()); Some((i.next()?, i.next()?)) })
+impl Early {
+    fn add(&mut self, v: f32, age: f32, square_n2: f32) {
+        for (i, by) in [v, v * age].into_iter().enumerate() {
+            self.sums[i] += by;
+            self.squares_n2[i] += by * square_n2;
+        }
+    }
 }

@@ -24,7 +24,7 @@ const SIGNIFICANT: f32 = 4.0;
 const LARGEST: f32 = 0.9;
 
 impl Whiteness {
-    /// Takes the innovation of the sample after the last one.
+    /// Takes the innovation of the sample after the last one, with its weight.
     pub fn add(&mut self, innovation: f32, weight: f32) {
         let innovation = weight * innovation;
         const FADE: f32 = 1.0 - 1.0 / MEMORY;
