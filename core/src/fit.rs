@@ -11,6 +11,7 @@ use core::ops::ControlFlow;
 use crate::line::Line;
 use crate::model::{Cycle, Gradient, UNKNOWNS};
 use crate::solve::{Factor, Normal, dot};
+use crate::whiteness::Wander;
 
 /// What is known of a quantity beforehand.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -19,6 +20,13 @@ pub struct Prior {
     pub mean: f32,
     /// One over its variance, in units of one over the noise variance; zero: unknown.
     pub weight: f32,
+}
+
+impl Prior {
+    /// With more variance, in units of the noise variance.
+    pub(crate) fn loosened(self, variance: f32) -> Self {
+        Self { weight: self.weight / (1.0 + variance * self.weight), ..self }
+    }
 }
 
 /// The samples of the slip and its surroundings, one a period.
@@ -63,6 +71,8 @@ pub struct Data<'a> {
     pub samples: Samples<'a>,
     /// Stick line after the last point.
     pub after: &'a Line,
+    /// How far the force wanders about both lines.
+    pub wander: Wander,
     /// Loading rate from earlier events, N per period.
     pub rate: Prior,
     /// Swing `1/ω` from earlier events, periods.
@@ -260,10 +270,11 @@ impl Data<'_> {
         add_line(
             &mut normal,
             before,
-            shape.before(before.time - cycle.onset),
-            shape.slope_before(),
+            &self.wander,
+            [shape.before(before.time - cycle.onset), shape.slope_before()],
         );
-        add_line(&mut normal, after, shape.after(after.time - cycle.onset), shape.slope_after());
+        let after_at = shape.after(after.time - cycle.onset);
+        add_line(&mut normal, after, &self.wander, [after_at, shape.slope_after()]);
         for (unknown, (prior, value)) in self.priors(cycle).into_iter().enumerate() {
             normal.add_one(prior.mean - value, unknown, prior.weight);
         }
@@ -294,14 +305,22 @@ fn forces(cycle: &Cycle, step: &Gradient, information: &Factor) -> Forces {
     }
 }
 
-/// A line as two observations: its level at its mean time, and its slope.
-fn add_line(normal: &mut Normal, line: &Line, level: (f32, Gradient), slope: (f32, Gradient)) {
+/// A line as two observations, its level and its slope, each as far off as the force
+/// wanders.
+fn add_line(
+    normal: &mut Normal,
+    line: &Line,
+    wander: &Wander,
+    [level, slope]: [(f32, Gradient); 2],
+) {
     if line.weight <= 0.0 {
         return;
     }
-    normal.add(line.level_n - level.0, &level.1, line.weight);
+    let loosened = |weight: f32, variance: f32| weight / (1.0 + variance * weight);
+    normal.add(line.level_n - level.0, &level.1, loosened(line.weight, wander.level));
     if let Some(measured) = line.slope() {
-        normal.add(measured - slope.0, &slope.1, line.slope_weight());
+        let weight = loosened(line.slope_weight(), wander.slope);
+        normal.add(measured - slope.0, &slope.1, weight);
     }
 }
 

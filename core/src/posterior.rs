@@ -188,6 +188,7 @@ mod tests {
     use super::*;
     use crate::fit::Samples;
     use crate::line::Line;
+    use crate::whiteness::Wander;
 
     /// A stiff cable's event sampled at whole periods, without noise.
     fn forces_n(cycle: &Cycle) -> [f32; 12] {
@@ -205,6 +206,7 @@ mod tests {
             before: &line,
             samples: Samples { start: -6.0, forces_n: &forces_n, rest_weight: 1.0, rest_from: 0.0 },
             after: &line,
+            wander: Wander::NONE,
             rate: Prior { mean: 20.0, weight: 0.1 },
             swing: Prior { mean: 0.8 / omega, weight: 4.0 * omega * omega / 0.25 },
             bend: Prior { mean: 0.0, weight: 1e6 },
