@@ -536,10 +536,10 @@ impl Detector {
     /// Takes the stick line so far into the profile.
     fn learn_profile(&mut self) {
         let (Stick { origin, next, .. }, window) = (self.stick, &self.window);
-        if window.first_from(origin) != origin {
+        let was_flat = self.profile.is_flat();
+        if window.first_from(origin) != origin || !self.profile.is_due() {
             return;
         }
-        let was_flat = self.profile.is_flat();
         self.profile.learn((origin..next).map(|index| window.get(index)));
         if was_flat && !self.profile.is_flat() {
             // What the innovations told had the swing in it.

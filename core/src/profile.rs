@@ -19,6 +19,9 @@ const FEWEST_STICKS: f32 = 2.5;
 /// Standard errors that count, and the least excess that does.
 const SIGNIFICANT: f32 = 4.0;
 const LEAST: f32 = 1.0;
+/// After so many sticks that scatter alike only one of eight is looked at.
+const SETTLED: f32 = 8.0;
+const SELDOM: u8 = 8;
 /// A square counts for no more than so many usual ones.
 const LARGEST: f32 = 10.0;
 
@@ -34,6 +37,8 @@ pub struct Profile {
     late_n2: f32,
     late: f32,
     sticks: f32,
+    /// Sticks in all, looked at or not.
+    seen: u8,
 }
 
 /// Sums over the first halves: `v`, `v age`, `v r²` and `v age r²` with a taper `v`.
@@ -54,6 +59,13 @@ impl Profile {
     #[must_use]
     pub fn variance(&self, age: f32) -> f32 {
         if self.is_flat() { 1.0 } else { 1.0 + self.excess * math::exp(-self.decay * age) }
+    }
+
+    /// Shall the stick that has ended be looked at?
+    #[must_use]
+    pub fn is_due(&mut self) -> bool {
+        self.seen = self.seen.wrapping_add(1);
+        !self.is_flat() || self.sticks < SETTLED || self.seen.is_multiple_of(SELDOM)
     }
 
     /// Takes a stick: its forces, N, one a period; `None` is missing.
@@ -135,5 +147,60 @@ impl Early {
             self.sums[i] += by;
             self.squares_n2[i] += by * square_n2;
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// After sticks of white noise and a swing that dies away.
+    fn seen(amplitude_n: f32, decay: f32, length: usize, sticks: u32) -> Profile {
+        let (mut profile, mut state) = (Profile::default(), 1_u32);
+        let mut noise_n = || {
+            (0..12).fold(-6.0, |sum, _| {
+                state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+                sum + (state >> 8) as f32 / 16_777_216.0
+            })
+        };
+        for _ in 0..sticks {
+            let forces_n: [Option<f32>; 192] = core::array::from_fn(|i| {
+                let age = i as f32;
+                let swing = (-decay * age).exp() * (1.3 * age + 3.0).sin();
+                (i % 11 != 5).then(|| 200.0 + 22.0 * age + amplitude_n * swing + noise_n())
+            });
+            profile.learn(forces_n.into_iter().take(length));
+        }
+        profile
+    }
+
+    #[test]
+    fn white_noise_counts_alike() {
+        for sticks in 1..200 {
+            assert!(seen(0.0, 1.0, 25, sticks).is_flat(), "{sticks}");
+        }
+        assert!((Profile::default().variance(0.0) - 1.0).abs() < f32::EPSILON);
+    }
+
+    #[test]
+    fn a_dying_swing_counts_for_little_at_first_and_in_full_at_last() {
+        for (amplitude_n, decay, length) in [(8.0, 0.2, 26), (30.0, 0.1, 100), (20.0, 0.05, 192)] {
+            let profile = seen(amplitude_n, decay, length, 30);
+            for age in [0.0, 4.0, 8.0, 12.0] {
+                let truth = 1.0 + 0.5 * amplitude_n * amplitude_n * (-2.0 * decay * age).exp();
+                let ratio = profile.variance(age) / truth;
+                assert!((0.4..2.5).contains(&ratio), "{age} {ratio} {profile:?}");
+            }
+            assert!(profile.variance(length as f32) < 1.2, "{profile:?}");
+        }
+    }
+
+    #[test]
+    fn one_odd_stick_and_short_ones_tell_nothing() {
+        assert!(seen(30.0, 0.2, 26, 1).is_flat());
+        assert!(seen(30.0, 0.2, 7, 50).is_flat());
+        let mut profile = Profile::default();
+        (0..20).for_each(|_| profile.learn((0..20).map(|_| Some(5.0))));
+        assert!(profile.is_flat(), "a force without noise");
     }
 }
