@@ -126,8 +126,9 @@ impl Profile {
         let limit = SIGNIFICANT * math::sqrt(chance);
         let is_new = self.is_flat() && self.sticks < FEWEST_STICKS;
         self.excess = 0.0;
-        // Also false for NaN.
-        if !(all > limit) || is_new {
+        // Also not for NaN.
+        let is_sure = all > limit;
+        if !is_sure || is_new {
             return;
         }
         // Decay and taper together make the mean age R: their sum is ln(1 + 1/R), as the
