@@ -93,9 +93,7 @@ fn limits(name: &str) -> Limits {
             why: "drift: an error of the zero, 20 N, cannot be told from friction",
             ..AIM
         },
-        "flop" => {
-            Limits { coverage: [WIDE; 2], why: "flop counts as noise: the interval is wide", ..AIM }
-        }
+        "flop" => Limits { bias: [0.1; 2], p95: [0.3; 2], ..AIM },
         "noisy" => Limits {
             // 1.3 bounds of 0.32 and 0.14 x 5 %, at 1.96 standard deviations.
             p95: [1.3 * 1.96 * 1.6 / 1.24, 1.3 * 1.96 * 0.7 / 0.78],
@@ -110,12 +108,9 @@ fn limits(name: &str) -> Limits {
             why: "ripple: 12 N of the winch's own, as slow as the slip's surroundings",
             ..AIM
         },
-        "sag_flop" => Limits {
-            bias: [1.25, 0.5],
-            coverage: [WIDE; 2],
-            why: "sag bends the stick line; flop counts as noise",
-            ..AIM
-        },
+        "sag_flop" => {
+            Limits { bias: [0.5; 2], coverage: [HARD; 2], why: "sag bends the stick line", ..AIM }
+        }
         _ => AIM,
     }
 }
@@ -284,4 +279,33 @@ fn a_row_that_has_moved_is_seen() {
         format!("| a | b | 7 | 1.000 | {bias:+.3} | 0.1 | 0.95 | - | +0.1 | 0.1 | 0.95 | - | |")
     };
     assert!(agree(&row(0.1), &row(0.19)) && !agree(&row(0.1), &row(0.31)));
+}
+
+/// Flop of other sizes, frequencies and decays, on other blocks and at other rates, counts
+/// for what it is: no slips of its own, no bias, and intervals that hold.
+#[test]
+fn flop_of_any_kind_is_no_slip_and_no_bias() {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../host-sim/scenes/hard/flop.toml");
+    let base = Scene::from_toml(&fs::read_to_string(file).unwrap()).unwrap();
+    // Amplitude, N; frequency, Hz; decay, 1/s; rate, Hz; weight, N.
+    for kind in [
+        [10.0, 3.3, 3.0, 16.0, 630.0],
+        [30.0, 6.0, 3.0, 16.0, 630.0],
+        [30.0, 3.3, 5.0, 16.0, 630.0],
+        [30.0, 3.3, 3.0, 32.0, 630.0],
+        [30.0, 3.3, 3.0, 64.0, 630.0],
+        [30.0, 3.3, 3.0, 128.0, 630.0],
+        [30.0, 3.3, 3.0, 16.0, 3000.0],
+    ] {
+        let [amplitude_n, hz, decay_per_s, rate_hz, weight_n] = kind;
+        let mut scene = Scene { rate_hz, weight_n, ..base.clone() };
+        let flop = scene.measurement.flop.as_mut().unwrap();
+        (flop.amplitude_n, flop.hz, flop.decay_per_s) = (amplitude_n, hz, decay_per_s);
+        let score = Score::of(&scene, 400, RECORDS);
+        assert!((score.detection.f1() - 1.0).abs() < 1e-9, "{kind:?} {:?}", score.detection);
+        for e in &score.errors {
+            assert!(e.bias().abs() < 0.1, "{kind:?}: bias {}", e.bias());
+            assert!(e.coverage() > 0.93, "{kind:?}: coverage {}", e.coverage());
+        }
+    }
 }

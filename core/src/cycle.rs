@@ -187,10 +187,9 @@ impl Cycles {
         let finished = self.complete(stick, window, peak);
         let mut next = self.slip(stick, detector, (peak, low));
         next.hidden |= last_hidden.is_some_and(|index| index + 4 >= stick.next);
-        next.early = self.early.take().map(|(origin, cycle)| Cycle {
-            onset: cycle.onset + since(next.origin, origin),
-            ..cycle
-        });
+        if let Some((origin, cycle)) = self.early.take() {
+            next.know(Cycle { onset: cycle.onset + since(next.origin, origin), ..cycle });
+        }
         self.pending = Some(next);
         finished
     }
@@ -242,6 +241,7 @@ impl Cycles {
         let noise_n = detector.noise_n().unwrap_or(1.0);
         slip.noise_n2 = noise_n * noise_n;
         slip.wander = detector.wander();
+        slip.rest_weight = detector.rest_weight();
         slip
     }
 

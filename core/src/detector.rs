@@ -28,6 +28,7 @@ use crate::math;
 use crate::memory::Memory;
 use crate::noise::Noise;
 use crate::pending::since;
+use crate::profile::Profile;
 use crate::sample::Phase;
 use crate::whiteness::{Wander, Whiteness};
 use crate::window::{WINDOW, Window};
@@ -67,6 +68,9 @@ const LESS_NOISE: f32 = 0.4;
 const FAR: f32 = 64.0;
 /// A gap longer than this starts anew, periods.
 const LONGEST_GAP: u64 = 8;
+
+/// Samples of a longer stick that the profile looks at.
+const PROFILE: u64 = WINDOW as u64 * 3 / 4;
 
 /// A sample and where it was.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -157,17 +161,17 @@ impl Stick {
         self.next = self.next.min(self.origin.max(self.highest.index.saturating_sub(3)));
     }
 
-    /// Takes a sample into the lines.
-    fn take(&mut self, index: u64, force_n: f32, memory: &Memory) {
+    /// Takes a sample into the lines; its weight is one over its variance.
+    fn take(&mut self, index: u64, force_n: f32, memory: &Memory, weight: f32) {
         let time = since(self.line_origin, index);
         self.line.fade(memory.fade());
-        self.line.add(time, force_n, 1.0);
+        self.line.add(time, force_n, weight, weight);
         if memory.has_trial() {
             self.trial.fade(memory.trial_fade());
-            self.trial.add(time, force_n, 1.0);
+            self.trial.add(time, force_n, weight, weight);
         }
         if !self.straight && self.first_weight > LEAST_WEIGHT {
-            self.first.add(since(self.origin, index), force_n, self.first_weight);
+            self.first.add(since(self.origin, index), force_n, self.first_weight, 1.0);
             self.first_weight *= memory.fade();
         }
         if self.line.time >= FAR {
@@ -199,6 +203,7 @@ pub struct Detector {
     line_std_n: Option<f32>,
     memory: Memory,
     whiteness: Whiteness,
+    profile: Profile,
     phase: Phase,
     stick: Stick,
     ended: Stick,
@@ -235,6 +240,7 @@ impl Detector {
             line_std_n: None,
             memory: Memory::new(),
             whiteness: Whiteness::default(),
+            profile: Profile::default(),
             phase: Phase::Unknown,
             stick: Stick::default(),
             ended: Stick::default(),
@@ -316,6 +322,12 @@ impl Detector {
     #[must_use]
     pub fn wander(&self) -> Wander {
         self.whiteness.wander()
+    }
+
+    /// Weight of the samples between the lowest one and the newest, all of them together.
+    #[must_use]
+    pub fn rest_weight(&self) -> f32 {
+        1.0 / self.profile.variance(-0.5 * since(self.lowest.index, self.last.index))
     }
 
     /// Usual drop of a slip, N; zero before the first.
@@ -402,6 +414,9 @@ impl Detector {
     /// A new stick line whose first sample is `next`.
     fn rest_from(&mut self, highest: Extreme, next: u64) {
         self.phase = Phase::Stick;
+        if self.stick.next < self.stick.origin + PROFILE {
+            self.learn_profile();
+        }
         self.memory.decide();
         self.whiteness.interrupt();
         self.ended = self.stick;
@@ -504,7 +519,8 @@ impl Detector {
     fn depth(&self, now: Extreme) -> Option<f32> {
         let (innovation, spread) = self.innovation(now)?;
         let line = &self.stick.line;
-        let below_mean = (line.level_n - now.force_n) / math::rough_sqrt(1.0 + 1.0 / line.weight);
+        let below_mean = (line.level_n - now.force_n)
+            / math::rough_sqrt(self.variance(now.index) + 1.0 / line.weight);
         let rises = line.slope().is_some_and(|slope| slope > 0.0);
         let below_line = -innovation / spread;
         Some(if rises { below_line.max(below_mean) } else { below_line })
@@ -533,10 +549,29 @@ impl Detector {
         Some(now.force_n - stick.line.at(time, slope))
     }
 
-    /// Standard deviation of that in units of the noise, one or more.
+    /// Standard deviation of that in units of a late sample's noise, one or more.
     fn spread(&self, now: Extreme) -> f32 {
         let time = since(self.stick.line_origin, now.index);
-        math::rough_sqrt(1.0 + self.stick.line.leverage(time))
+        math::rough_sqrt(self.variance(now.index) + self.stick.line.leverage(time))
+    }
+
+    /// Variance of a resting block's sample over that of a late one.
+    fn variance(&self, index: u64) -> f32 {
+        self.profile.variance(since(self.stick.origin, index))
+    }
+
+    /// Takes the stick line so far into the profile.
+    fn learn_profile(&mut self) {
+        let (Stick { origin, next, .. }, window) = (self.stick, &self.window);
+        let was_flat = self.profile.is_flat();
+        if window.first_from(origin) != origin || !self.profile.is_due() {
+            return;
+        }
+        self.profile.learn((origin..next).map(|index| window.get(index)));
+        if was_flat && !self.profile.is_flat() {
+            // What the innovations told had the swing in it.
+            (self.memory, self.whiteness) = (Memory::new(), Whiteness::default());
+        }
     }
 
     /// Takes samples into the line, far enough behind the newest one that a slip
@@ -545,6 +580,9 @@ impl Detector {
         while self.stick.next + self.line_delay <= newest {
             let index = self.stick.next;
             self.stick.next += 1;
+            if self.stick.next == self.stick.origin + PROFILE {
+                self.learn_profile();
+            }
             if let Some(force_n) = self.window.get(index) {
                 self.take_into_line(Extreme { index, force_n });
             }
@@ -553,6 +591,7 @@ impl Detector {
 
     fn take_into_line(&mut self, sample: Extreme) {
         let time = since(self.stick.line_origin, sample.index);
+        let weight = 1.0 / self.variance(sample.index);
         if let Some((innovation, spread)) = self.innovation(sample) {
             let relative = innovation / spread;
             let std = self.line_std_n;
@@ -560,13 +599,14 @@ impl Detector {
             if std.is_some_and(|std| relative.abs() > OFF_LINE * std) {
                 return self.strike(sample.index, relative);
             }
-            self.whiteness.add(relative);
+            self.whiteness.add(relative, weight);
             if let Some(slope) = self.stick.trial.slope() {
-                self.memory.compare(innovation, sample.force_n - self.stick.trial.at(time, slope));
+                let trial = sample.force_n - self.stick.trial.at(time, slope);
+                self.memory.compare(weight * innovation, weight * trial);
             }
         }
         self.stick.strikes = 0;
-        self.stick.take(sample.index, sample.force_n, &self.memory);
+        self.stick.take(sample.index, sample.force_n, &self.memory, weight);
     }
 
     /// A sample off the line is left out; several on one side start a new line.
@@ -583,7 +623,8 @@ impl Detector {
         stick.start_line(start);
         for past in start..=index {
             if let Some(force_n) = self.window.get(past) {
-                stick.take(past, force_n, &self.memory);
+                let weight = 1.0 / self.profile.variance(since(stick.origin, past));
+                stick.take(past, force_n, &self.memory, weight);
             }
         }
     }

@@ -88,7 +88,8 @@ impl Finishing {
         }
     }
 
-    fn start(&mut self, learnt: &Learnt) -> ControlFlow<Outcome> {
+    fn start(&mut self, learnt: &mut Learnt) -> ControlFlow<Outcome> {
+        learnt.weigh(&self.pending);
         let known = learnt.residuals.variance_n2().is_some();
         let fitting = self.begin(learnt, learnt.fitted_noise_n2(&self.pending));
         self.stage = if known { Stage::Expected(fitting) } else { Stage::Free(fitting) };

@@ -36,6 +36,10 @@ pub struct Samples<'a> {
     pub start: f32,
     /// Forces, N; NaN where a sample is missing or bad.
     pub forces_n: &'a [f32],
+    /// Weight of those later than a time, one over their variance; 1 for the others.
+    pub rest_weight: f32,
+    /// That time, periods.
+    pub rest_from: f32,
 }
 
 impl Samples<'_> {
@@ -43,6 +47,11 @@ impl Samples<'_> {
     #[must_use]
     pub fn end(&self) -> f32 {
         self.start + self.forces_n.len() as f32 - 1.0
+    }
+
+    /// Weight of a sample at a time.
+    fn weight(&self, time: f32) -> f32 {
+        if time > self.rest_from { self.rest_weight } else { 1.0 }
     }
 
     /// Times, periods, and forces, N, of the good samples.
@@ -271,7 +280,7 @@ impl Data<'_> {
         let mut normal = Normal::default();
         for (time, force_n) in self.samples.good() {
             let (force, gradient) = shape.force(time);
-            normal.add(force_n - force, &gradient, 1.0);
+            normal.add(force_n - force, &gradient, self.samples.weight(time));
         }
         let (before, after) = (self.before, self.after);
         add_line(

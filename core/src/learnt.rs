@@ -22,6 +22,8 @@ pub(crate) struct Learnt {
     pub(crate) residuals: Residuals,
     /// Events in a row that did not fit.
     misfits: u8,
+    /// The residuals are those of weighted samples.
+    weighted: bool,
 }
 
 /// So many events in a row that do not fit: what was expected is no longer true.
@@ -49,6 +51,14 @@ impl Learnt {
         match self.residuals.variance_n2() {
             Some(_) => self.noise_n2(pending),
             None => HARDLY * pending.noise_n2,
+        }
+    }
+
+    /// What was left before the samples had their weights is no measure any more.
+    pub(crate) fn weigh(&mut self, pending: &Pending) {
+        if pending.rest_weight < 1.0 && !self.weighted {
+            self.weighted = true;
+            self.residuals = Residuals::new();
         }
     }
 

@@ -40,6 +40,7 @@ pub mod noise;
 mod pending;
 pub mod pipeline;
 pub mod posterior;
+pub mod profile;
 pub mod report;
 pub mod residuals;
 mod sag;

@@ -28,8 +28,9 @@ pub struct Line {
 }
 
 impl Line {
-    /// Takes a point with a weight above zero.
-    pub fn add(&mut self, time: f32, force_n: f32, weight: f32) {
+    /// Takes a point with a weight above zero. Its squared residual counts `trust` times:
+    /// with one over its own variance the residuals have a mean of one a weight.
+    pub fn add(&mut self, time: f32, force_n: f32, weight: f32, trust: f32) {
         let total = self.weight + weight;
         let share = weight / total;
         let dt = time - self.time;
@@ -45,7 +46,7 @@ impl Line {
         let mean = self.time + share * dt;
         self.level_n = self.at(mean, self.slope) + share * off_n;
         self.time = mean;
-        self.residual_n2 += rest * off_n * off_n * kept;
+        self.residual_n2 += trust * rest * off_n * off_n * kept;
         self.slope += gain * off_n;
         self.tt = tt;
         self.weight = total;
@@ -125,14 +126,14 @@ mod tests {
     #[test]
     fn follows_the_textbook_formulas() {
         let mut line = Line::default();
-        points().iter().for_each(|&(t, y)| line.add(t, y, 1.0));
+        points().iter().for_each(|&(t, y)| line.add(t, y, 1.0, 1.0));
         let (slope, at20, rss) = reference();
         let got = line.slope().unwrap();
         assert!((f64::from(got) - slope).abs() < 1e-3);
         assert!((f64::from(line.at(20.0, got)) - at20).abs() < 4e-3);
         assert!((f64::from(line.residual()) - rss).abs() < 2e-3, "{} {rss}", line.residual());
         let mut half = Line::default();
-        points().iter().for_each(|&(t, y)| half.add(t, y, 0.5));
+        points().iter().for_each(|&(t, y)| half.add(t, y, 0.5, 1.0));
         assert!((f64::from(half.residual()) - 0.5 * rss).abs() < 1e-3, "{}", half.residual());
     }
 
@@ -141,7 +142,7 @@ mod tests {
     fn the_residual_of_a_long_steep_line_keeps_its_digits() {
         let mut line = Line::default();
         let noise = |i: i32| f32::from((i * 7919 % 257 - 128) as i16) / 128.0;
-        (0..1000).for_each(|i| line.add(i as f32, 16.0 * i as f32 + noise(i), 1.0));
+        (0..1000).for_each(|i| line.add(i as f32, 16.0 * i as f32 + noise(i), 1.0, 1.0));
         let direct: f32 = (0..1000).map(|i| noise(i) * noise(i)).sum();
         assert!((line.residual() / direct - 1.0).abs() < 0.02, "{} {direct}", line.residual());
     }
@@ -150,7 +151,7 @@ mod tests {
     fn degenerate_lines_have_no_slope() {
         let mut line = Line::default();
         assert!(line.slope().is_none() && line.leverage(0.0).is_infinite());
-        line.add(3.0, 5.0, 1.0);
+        line.add(3.0, 5.0, 1.0, 1.0);
         assert!(line.slope().is_none());
         assert!((line.at(100.0, 0.0) - 5.0).abs() < 1e-6);
         assert!((line.leverage(9.0) - 1.0).abs() < 1e-6);

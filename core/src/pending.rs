@@ -32,6 +32,9 @@ pub(crate) struct Pending {
     pub(crate) noise_n2: f32,
     /// How far the force wanders about its stick lines.
     pub(crate) wander: Wander,
+    /// Weight of the samples after the stop, and from when on they have it.
+    pub(crate) rest_weight: f32,
+    rest_from: f32,
     /// A saturated sample, or too many missing ones, between the lines.
     pub(crate) hidden: bool,
     /// The cycle as far as it was known before the stick line after it.
@@ -109,6 +112,8 @@ impl Pending {
             rough: Rough::new(stick, window, (peak, low)),
             noise_n2: 0.0,
             wander: Wander::NONE,
+            rest_weight: 1.0,
+            rest_from: since(first, low.index),
             hidden: false,
             early: None,
         };
@@ -117,6 +122,16 @@ impl Pending {
         let missing = (first..=now).filter(|&index| window.get(index).is_none()).count();
         pending.hidden = missing > 3 || pending.length == CORE;
         pending
+    }
+
+    /// Takes the cycle of the first answer.
+    pub(crate) fn know(&mut self, cycle: Cycle) {
+        // As sure as the stop of a slip that is hardly resolved.
+        const SURE: f32 = 0.25;
+        if self.rest_weight < 1.0 {
+            self.rest_from = cycle.shape().stop() - SURE;
+        }
+        self.early = Some(cycle);
     }
 
     /// Takes the samples `from`, right after those that were taken, to `to`, as many as fit.
@@ -131,7 +146,8 @@ impl Pending {
     /// The samples between the lines.
     pub(crate) fn samples(&self) -> Samples<'_> {
         let forces_n = self.forces_n.get(..self.length).unwrap_or_default();
-        Samples { start: self.start, forces_n }
+        let (rest_weight, rest_from) = (self.rest_weight, self.rest_from);
+        Samples { start: self.start, forces_n, rest_weight, rest_from }
     }
 
     /// Ends the event before the next one's slip begins, a little before its highest

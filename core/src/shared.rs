@@ -81,7 +81,7 @@ impl Shared {
             return;
         }
         let (expected, expected_variance) = self.at(NEWEST);
-        self.line.add(NEWEST, value, weight);
+        self.line.add(NEWEST, value, weight, 1.0);
         self.count += 1.0;
         // The first value has nothing to differ from.
         if self.count > 1.0 {
@@ -159,7 +159,7 @@ const NEWEST: f32 = -1.0;
 const NEXT: f32 = 0.0;
 
 /// From 0 where a size is within a limit to 1 where it is twice that.
-fn surely(size: f32, limit: f32) -> f32 {
+pub(crate) fn surely(size: f32, limit: f32) -> f32 {
     if size > limit { (size / limit - 1.0).min(1.0) } else { 0.0 }
 }
 

@@ -44,8 +44,9 @@ const SIGNIFICANT: f32 = 4.0;
 const FEWEST: f32 = 24.0;
 
 impl Whiteness {
-    /// Takes the innovation of the sample after the last one.
-    pub fn add(&mut self, innovation: f32) {
+    /// Takes the innovation of the sample after the last one, with its weight.
+    pub fn add(&mut self, innovation: f32, weight: f32) {
+        let innovation = weight * innovation;
         const FADE: f32 = 1.0 - 1.0 / MEMORY;
         let last = self.last.replace(innovation);
         let before = core::mem::replace(&mut self.before, last);
@@ -55,7 +56,7 @@ impl Whiteness {
         self.squares = FADE * self.squares + innovation * innovation;
         self.steps = FADE * self.steps + step * step;
         self.bends = FADE * self.bends + bend * bend;
-        self.count = FADE * self.count + 1.0;
+        self.count = FADE * self.count + weight;
     }
 
     /// The next sample has no neighbour before it.
@@ -89,7 +90,7 @@ mod tests {
             state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
             let noise = (state >> 8) as f32 / 16_777_216.0 - 0.5;
             let angle = core::f32::consts::TAU * (i as f32 / period).fract();
-            whiteness.add(noise + amplitude * angle.sin());
+            whiteness.add(noise + amplitude * angle.sin(), 1.0);
         }
         whiteness.wander()
     }
