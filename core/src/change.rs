@@ -56,6 +56,8 @@ struct Level {
     recent: [f32; RECENT],
     /// Mean of those before, N.
     before: f32,
+    /// Mean of the middle half of the recent values, less the mean before, N.
+    off: f32,
     /// Mean square of a value's distance from it, and of the recent level's, N².
     scatter: f32,
     difference: f32,
@@ -75,9 +77,10 @@ impl Level {
         self.before += share * off;
         self.scatter += share * (off * off * (1.0 - share) - self.scatter);
         if left >= FEWEST {
+            self.off = middle_half(self.recent) - self.before;
             let share = 1.0 / (compared + 1.0).min(MEMORY);
             // A change is not usual: what exceeds the usual by far counts for less.
-            let square = (self.off() * self.off()).min(MOST_USUAL * self.usual());
+            let square = (self.off * self.off).min(MOST_USUAL * self.usual());
             self.difference += share * (square - self.difference);
         }
     }
@@ -94,30 +97,29 @@ impl Level {
         *self = Self { difference: self.difference, ..Self::default() };
     }
 
-    /// Mean of the middle half of the recent values, less the mean before, N.
-    fn off(&self) -> f32 {
-        let mut sorted = self.recent;
-        sorted.sort_unstable_by(f32::total_cmp);
-        let middle = sorted.iter().skip(RECENT / 4).take(RECENT / 2);
-        middle.sum::<f32>() / (RECENT / 2) as f32 - self.before
-    }
-
     /// Squared difference in units of the usual one.
     fn score(&self) -> f32 {
         let usual = self.usual();
-        if usual > 0.0 { self.off() * self.off() / usual } else { 0.0 }
+        if usual > 0.0 { self.off * self.off / usual } else { 0.0 }
     }
 
     /// How many of the recent events in a row lie nearer to the new level.
     fn since(&self) -> u32 {
-        let off = self.off();
+        let off = self.off;
         let is_new = |value: &&f32| (**value - self.before) * off > 0.5 * off * off;
         self.recent.iter().rev().take_while(is_new).count() as u32
     }
 
     fn is_worth_telling(&self) -> bool {
-        self.off().abs() > LEAST * self.before.abs()
+        self.off.abs() > LEAST * self.before.abs()
     }
+}
+
+/// Mean of the middle half.
+fn middle_half(mut values: [f32; RECENT]) -> f32 {
+    values.sort_unstable_by(f32::total_cmp);
+    let middle = values.iter().skip(RECENT / 4).take(RECENT / 2);
+    middle.sum::<f32>() / (RECENT / 2) as f32
 }
 
 /// Follows the levels of `Fs` and `Fp`.

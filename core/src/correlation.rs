@@ -18,9 +18,9 @@ pub struct Correlation {
     reference: Double,
     count: u32,
     sum: Double,
-    /// The first values, and the last ones in a ring.
-    first: [Double; LAGS],
-    last: [Double; LAGS],
+    /// The first values, and the last ones, newest first; zero before they are known.
+    first: [f32; LAGS],
+    last: [f32; LAGS],
     /// `Σ x_i x_{i+k}` for k = 1..=LAGS.
     products: [Double; LAGS],
 }
@@ -33,8 +33,8 @@ impl Correlation {
             reference: Double::ZERO,
             count: 0,
             sum: Double::ZERO,
-            first: [Double::ZERO; LAGS],
-            last: [Double::ZERO; LAGS],
+            first: [0.0; LAGS],
+            last: [0.0; LAGS],
             products: [Double::ZERO; LAGS],
         }
     }
@@ -44,28 +44,28 @@ impl Correlation {
         if self.count == 0 {
             self.reference = value;
         }
-        let x = value - self.reference;
+        let x = (value - self.reference).rounded();
         self.pair_with_last(x, 0);
         if let Some(slot) = self.first.get_mut(self.count as usize) {
             *slot = x;
         }
-        self.last[self.count as usize % LAGS] = x;
+        self.append(x);
         self.sum += x;
         self.count = self.count.saturating_add(1);
     }
 
     /// Adds the products of a value, so many places after the next one, with the
     /// values before it.
-    fn pair_with_last(&mut self, x: Double, places: usize) {
-        let known = (self.count as usize).min(LAGS);
-        for back in 1..=known.min(LAGS.saturating_sub(places)) {
-            self.products[back + places - 1] += x * self.newest(back);
+    fn pair_with_last(&mut self, x: f32, places: usize) {
+        for (product, last) in self.products.iter_mut().skip(places).zip(self.last) {
+            *product += x * last;
         }
     }
 
-    /// Value so many places back, 1 for the newest.
-    fn newest(&self, back: usize) -> Double {
-        self.last[(self.count as usize + LAGS - back) % LAGS]
+    /// Makes a value the newest one.
+    fn append(&mut self, x: f32) {
+        self.last.copy_within(..LAGS - 1, 1);
+        self.last[0] = x;
     }
 
     /// Takes the values of another one, which came after its own.
@@ -77,7 +77,7 @@ impl Correlation {
         let shift = later.reference - self.reference;
         let heads = (later.count as usize).min(LAGS);
         for (place, &x) in later.first.iter().enumerate().take(heads) {
-            self.pair_with_last(x + shift, place);
+            self.pair_with_last(x + shift.rounded(), place);
         }
         for lag in 1..=heads {
             let pairs = later.count.saturating_sub(lag as u32);
@@ -95,20 +95,17 @@ impl Correlation {
     fn append_ends(&mut self, later: &Self, heads: usize, shift: Double) {
         for (place, &x) in later.first.iter().enumerate().take(heads) {
             if let Some(slot) = self.first.get_mut(self.count as usize + place) {
-                *slot = x + shift;
+                *slot = x + shift.rounded();
             }
         }
-        let total = self.count as usize + later.count as usize;
-        for back in (1..=heads).rev() {
-            self.last[(total - back) % LAGS] = later.newest(back) + shift;
-        }
+        later.last.iter().take(heads).rev().for_each(|x| self.append(x + shift.rounded()));
     }
 
     /// `Σ x_i` over the leading ones plus the same over the lagging ones of all pairs
     /// at a lag.
     fn sums(&self, lag: usize) -> Double {
-        let inner = |sum, i| sum - self.first[i] - self.newest(i + 1);
-        (0..lag).fold(self.sum + self.sum, inner)
+        let ends = self.first.iter().zip(&self.last).take(lag);
+        ends.fold(self.sum + self.sum, |sum, (first, last)| sum - Double::from(first + last))
     }
 
     /// Mean of `(x_i − mean)(x_{i+k} − mean)`; `None` beyond the lags or the values.

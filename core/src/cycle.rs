@@ -14,7 +14,7 @@ use crate::learnt::{Learnt, is_clear};
 use crate::line::Line;
 use crate::mass::Verdict;
 use crate::math;
-use crate::model::{self, Cycle};
+use crate::model::{self, Cycle, Shape};
 use crate::pending::{Pending, since};
 use crate::posterior::Posterior;
 use crate::sag::Rest;
@@ -169,8 +169,7 @@ impl Cycles {
         Some(Provisional {
             mu_s: self.site().whole(cycle.static_n, *static_n2),
             // On a slack cable the time at zero will tell it.
-            mu: (!cycle.shape().is_slack())
-                .then(|| self.site().whole(cycle.dynamic_n(), *dynamic_n2)),
+            mu: cycle.is_taut().then(|| self.site().whole(cycle.dynamic_n(), *dynamic_n2)),
         })
     }
 
@@ -214,6 +213,12 @@ impl Cycles {
         finished
     }
 
+    /// Is no fit under way?
+    #[must_use]
+    pub fn is_idle(&self) -> bool {
+        self.finishing.is_none()
+    }
+
     /// Does one iteration of the fit that is under way.
     pub fn work(&mut self) -> Option<Finished> {
         let outcome = self.finishing.as_mut()?.step(&mut self.learnt).break_value()?;
@@ -243,12 +248,10 @@ impl Cycles {
     /// First index of an event's samples: where the stick line ends, or right after
     /// the cable began to load when the block rested too briefly for a line.
     fn start(&self, stick: &Stick) -> u64 {
-        match self.newest_load() {
-            Some(load) if stick.line.count < 3 => {
-                stick.next.min((load.index + 1).max(stick.next.saturating_sub(4)))
-            }
-            _ => stick.next,
-        }
+        let load = if stick.line.count < 3 { self.newest_load() } else { None };
+        load.map_or(stick.next, |load| {
+            stick.next.min((load.index + 1).max(stick.next.saturating_sub(4)))
+        })
     }
 
     /// When the cable of a resting block last began to load, as far as is known yet.
@@ -277,9 +280,10 @@ impl Cycles {
                     )
                 });
                 self.learn_sag(&pending, &posterior);
-                let loads = posterior.cycle.shape().loads();
+                let shape = posterior.cycle.shape();
+                let loads = shape.loads();
                 load = Some(moment(pending.origin, loads));
-                let event = self.measured(&pending, &posterior);
+                let event = self.measured(&pending, &posterior, &shape);
                 let mut finished = self.judged(event, alone, &posterior, verdict);
                 if event.slack && !finishing.shows(loads) {
                     // How far the block slid on a slack cable was not seen.
@@ -362,7 +366,7 @@ impl Cycles {
                 let Cycle { static_n, .. } = posterior.cycle;
                 let shift = self.levels.take(static_n, posterior.cycle.dynamic_n())?;
                 let first = (event.index.saturating_sub(shift.events_ago), event.onset);
-                if is_clear(&posterior.cycle) && self.learnt.mass.doubt(shift.dynamic_before_n) {
+                if is_clear(posterior) && self.learnt.mass.doubt(shift.dynamic_before_n) {
                     self.suspect = Some(first);
                     return None;
                 }
@@ -378,9 +382,9 @@ impl Cycles {
         Some(Change { event: first, onset, cause, weight_ratio, weight_ratio_std })
     }
 
-    fn measured(&self, pending: &Pending, posterior: &Posterior) -> Event {
+    fn measured(&self, pending: &Pending, posterior: &Posterior, shape: &Shape) -> Event {
         let cycle = &posterior.cycle;
-        let mut event = self.bare(pending, cycle);
+        let mut event = self.bare(pending, cycle, shape);
         let site = self.site();
         event.mu_s = Some(site.whole(cycle.static_n, posterior.static_n2));
         let (shift_n, shift_n2) = self.learnt.sag.shift(cycle);
@@ -395,10 +399,9 @@ impl Cycles {
     }
 
     /// Times and forces of an event.
-    fn bare(&self, pending: &Pending, cycle: &Cycle) -> Event {
+    fn bare(&self, pending: &Pending, cycle: &Cycle, shape: &Shape) -> Event {
         let hz = self.site.rate_hz;
         let onset = moment(pending.origin, cycle.onset);
-        let shape = cycle.shape();
         let stop = moment(pending.origin, shape.stop());
         let rest = self.last_stop.map(|last| {
             (since(last.index, onset.index) + onset.fraction - last.fraction).max(0.0) / hz
@@ -414,7 +417,7 @@ impl Cycles {
             mu_s: None,
             mu: None,
             stick_s: rest,
-            slip_s: cycle.slide_time() / hz,
+            slip_s: shape.slide_time() / hz,
             loading_rate_n_per_s: cycle.rate * hz,
             omega_rad_per_s: Some(cycle.omega * hz),
             slack: shape.is_slack(),
@@ -442,7 +445,7 @@ impl Cycles {
             omega: core::f32::consts::PI / fall.max(1.0),
             bend: 0.0,
         };
-        let mut event = self.bare(pending, &cycle);
+        let mut event = self.bare(pending, &cycle, &cycle.shape());
         event.quality =
             if reason == Reason::Hidden { Quality::Clipped } else { Quality::Unresolved };
         event.omega_rad_per_s = None;

@@ -178,6 +178,11 @@ impl Stick {
     }
 }
 
+/// How far a stick line stays behind, for a usual fall in periods.
+fn line_delay(usual_fall: f32) -> u64 {
+    (2 + (0.3 * usual_fall) as u64).min(WINDOW as u64 / 4)
+}
+
 /// A line whose time begins at one index, with times from another one on.
 fn moved(mut line: Line, from: u64, to: u64) -> Line {
     line.shift(since(from, to));
@@ -211,6 +216,8 @@ pub struct Detector {
     usual_drop_n: f32,
     /// Usual time from the highest to the lowest sample, periods.
     usual_fall: f32,
+    /// The line stays so many samples behind the newest one.
+    line_delay: u64,
     /// Half the usual drop below the last highest sample, N.
     middle_n: f32,
 }
@@ -219,6 +226,8 @@ impl Detector {
     /// Before the first sample, for a rate in hertz.
     #[must_use]
     pub fn new(rate_hz: f32) -> Self {
+        // A fifth of a second: replaced by the first slip.
+        let usual_fall = 0.2 * rate_hz;
         Self {
             window: Window::new(),
             noise: Noise::new(),
@@ -236,8 +245,8 @@ impl Detector {
             newest: 0,
             judged_with_n: f32::INFINITY,
             usual_drop_n: 0.0,
-            // A fifth of a second: replaced by the first slip.
-            usual_fall: 0.2 * rate_hz,
+            usual_fall,
+            line_delay: line_delay(usual_fall),
             middle_n: 0.0,
         }
     }
@@ -331,7 +340,11 @@ impl Detector {
         self.window.push(index, force_n);
         (self.line_std_n, self.std_n) = self.noise.std_n(force_n);
         self.judge_again();
-        self.catch_up(CATCH_UP)
+        if self.next < index {
+            return self.catch_up(CATCH_UP);
+        }
+        self.next = index + 1;
+        self.look(Extreme { index, force_n })
     }
 
     /// Looks at samples that were taken and not yet looked at, as many as given, up
@@ -360,9 +373,9 @@ impl Detector {
     /// Without any slip so far, and with far less noise than was thought: looks at
     /// all samples in the window again.
     fn judge_again(&mut self) {
-        let Some(std) = self.std_n else { return };
-        let undecided = self.phase != Phase::Slip && self.usual_drop_n <= 0.0;
-        if undecided && std < LESS_NOISE * self.judged_with_n {
+        let undecided = self.usual_drop_n <= 0.0 && self.phase != Phase::Slip;
+        let Some(std) = self.std_n.filter(|_| undecided) else { return };
+        if std < LESS_NOISE * self.judged_with_n {
             self.judged_with_n = std;
             self.whiteness = Whiteness::default();
             self.next = 0;
@@ -405,10 +418,11 @@ impl Detector {
     }
 
     fn stick_step(&mut self, now: Extreme) -> Option<Transition> {
-        if now.force_n > self.stick.highest.force_n && !self.jumps(now) {
-            self.stick.highest = now;
-        }
-        if self.slips(now) {
+        if now.force_n > self.stick.highest.force_n {
+            if !self.jumps(now) {
+                self.stick.highest = now;
+            }
+        } else if self.slips(now) {
             self.phase = Phase::Slip;
             self.lowest = now;
             return Some(Transition::Onset);
@@ -435,15 +449,17 @@ impl Detector {
     fn jumps(&self, now: Extreme) -> bool {
         let Some(std) = self.std_n else { return false };
         let far = OFF_LINE * std;
-        let is_above = |(innovation, spread)| innovation > far * spread;
-        now.force_n > self.stick.highest.force_n + far && self.innovation(now).is_some_and(is_above)
+        // A forecast is never surer than a sample: most are judged without its spread.
+        let is_above = |off_n| off_n > far && off_n > far * self.spread(now);
+        now.force_n > self.stick.highest.force_n + far && self.off_line_n(now).is_some_and(is_above)
     }
 
     /// Has the force left the stick line downwards, by more than noise and flop do?
     fn slips(&self, now: Extreme) -> bool {
         let Some(std) = self.std_n else { return false };
         let drop = self.stick.highest.force_n - now.force_n;
-        drop >= self.least_drop(std)
+        drop > 0.0
+            && drop >= self.least_drop(std)
             // Rests too briefly for a line: the drop alone decides.
             && self.depth(now).is_none_or(|depth| depth > OFF_LINE * std)
     }
@@ -454,7 +470,8 @@ impl Detector {
     #[must_use]
     pub fn foresees_slip(&self, next: Extreme) -> bool {
         let drop = self.stick.highest.force_n - next.force_n;
-        self.phase == Phase::Stick
+        drop > 0.0
+            && self.phase == Phase::Stick
             && self.is_up_to_date()
             && drop < LARGEST_DROP * self.usual_drop_n
             && self.slips(next)
@@ -505,18 +522,27 @@ impl Detector {
     /// Sample minus the line's forecast, N, and its standard deviation in units of
     /// the noise. `None` with fewer than four samples on the line.
     fn innovation(&self, now: Extreme) -> Option<(f32, f32)> {
+        self.off_line_n(now).map(|off_n| (off_n, self.spread(now)))
+    }
+
+    /// Sample minus the line's forecast, N. `None` with fewer than four samples on the line.
+    fn off_line_n(&self, now: Extreme) -> Option<f32> {
         let stick = &self.stick;
         let slope = stick.line.slope().filter(|_| stick.line.count >= LINE_POINTS)?;
         let time = since(stick.line_origin, now.index);
-        let spread = math::rough_sqrt(1.0 + stick.line.leverage(time));
-        Some((now.force_n - stick.line.at(time, slope), spread))
+        Some(now.force_n - stick.line.at(time, slope))
+    }
+
+    /// Standard deviation of that in units of the noise, one or more.
+    fn spread(&self, now: Extreme) -> f32 {
+        let time = since(self.stick.line_origin, now.index);
+        math::rough_sqrt(1.0 + self.stick.line.leverage(time))
     }
 
     /// Takes samples into the line, far enough behind the newest one that a slip
     /// which has just begun, unseen, does not bend it.
     fn extend_line(&mut self, newest: u64) {
-        let delay = 2 + (0.3 * self.usual_fall) as u64;
-        while self.stick.next + delay.min(WINDOW as u64 / 4) <= newest {
+        while self.stick.next + self.line_delay <= newest {
             let index = self.stick.next;
             self.stick.next += 1;
             if let Some(force_n) = self.window.get(index) {
@@ -580,8 +606,8 @@ impl Detector {
 
     /// Is the force back on the old stick line, as after a spike?
     fn is_back(&self, now: Extreme, drop: f32) -> bool {
-        let innovation = self.innovation(now).filter(|_| self.line_fits());
-        innovation.is_some_and(|(innovation, _)| innovation > -LEAST_SHIFT * drop)
+        let off_n = self.off_line_n(now).filter(|_| self.line_fits());
+        off_n.is_some_and(|off_n| off_n > -LEAST_SHIFT * drop)
     }
 
     fn restick(&mut self, now: Extreme, drop: f32) -> Transition {
@@ -597,6 +623,7 @@ impl Detector {
             self.usual_drop_n = drop;
             self.usual_fall = fall as f32;
         }
+        self.line_delay = line_delay(self.usual_fall);
         self.middle_n = peak.force_n - 0.5 * drop.max(self.usual_drop_n);
         self.rest_from(now, now.index + 1);
         self.floor = floor;

@@ -85,6 +85,15 @@ impl AddAssign for Double {
     }
 }
 
+impl AddAssign<f32> for Double {
+    fn add_assign(&mut self, number: f32) {
+        let sum = self.high + number;
+        let part = sum - self.high;
+        let lost = (self.high - (sum - part)) + (number - part);
+        *self = Self::renormed(sum, lost + self.low);
+    }
+}
+
 impl Sub for Double {
     type Output = Self;
 

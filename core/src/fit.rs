@@ -81,8 +81,10 @@ pub struct Fit {
     pub cycle: Cycle,
     /// The normal equations at the fit.
     normal: Normal,
-    /// Factor of the information matrix: covariances in units of the noise variance.
-    pub information: Factor,
+    /// The forces.
+    pub forces: Forces,
+    /// Variances of the unknowns, in units of the noise variance.
+    pub variances: Gradient,
     /// Whether the iteration settled.
     pub converged: bool,
 }
@@ -100,21 +102,27 @@ pub struct Forces {
     pub dynamic_variance: f32,
 }
 
-/// `Fs` and `Fp` as combinations of the unknowns.
-const STATIC: Gradient = [0.0, 0.0, 1.0, 0.0, 0.0, 0.0];
-const DYNAMIC: Gradient = [0.0, 0.0, 1.0, -1.0, 0.0, 0.0];
+impl Forces {
+    /// Of a cycle, with the factor of its information matrix.
+    fn new(cycle: &Cycle, information: &Factor) -> Self {
+        Self {
+            static_n: cycle.static_n,
+            dynamic_n: cycle.dynamic_n(),
+            static_variance: information.variance(&STATIC.0, STATIC.1),
+            dynamic_variance: information.variance(&DYNAMIC.0, DYNAMIC.1),
+        }
+    }
+}
+
+/// `Fs` and `Fp` as combinations of the unknowns, and the first of these.
+const STATIC: (Gradient, usize) = ([0.0, 0.0, 1.0, 0.0, 0.0, 0.0], 2);
+const DYNAMIC: (Gradient, usize) = ([0.0, 0.0, 1.0, -1.0, 0.0, 0.0], 2);
 
 impl Fit {
     /// Weighted sum of squared residuals, the priors' included, N².
     #[must_use]
     pub fn cost(&self) -> f32 {
         self.normal.cost
-    }
-
-    /// The forces of the fit.
-    #[must_use]
-    pub fn forces(&self) -> Forces {
-        forces(&self.cycle, &Gradient::default(), &self.information)
     }
 
     /// The forces as the event would give them without what was expected of its
@@ -127,17 +135,15 @@ impl Fit {
         normal.matrix[1][1] -= rate.weight;
         right[1] = -rate.weight * (rate.mean - self.cycle.rate);
         let factor = normal.factor(0.0)?;
-        Some(forces(&self.cycle, &factor.solve(&right), &factor))
-    }
-
-    /// Variance of an unknown, in units of the noise variance.
-    #[must_use]
-    pub fn variance(&self, unknown: usize) -> f32 {
-        self.information.variance(unknown)
+        let [_, _, by_static, by_drop, ..] = factor.solve(&right);
+        let mut cycle = self.cycle;
+        cycle.static_n += by_static;
+        cycle.half_drop_n += by_drop;
+        Some(Forces::new(&cycle, &factor))
     }
 }
 
-/// Most iterations before giving up; two or three are usual.
+/// Most iterations before giving up; one or two are usual.
 const MOST_STEPS: u8 = 24;
 /// Settled when the next step, which is still taken, is below this share of a standard
 /// deviation, squared: what it leaves is its square.
@@ -183,12 +189,12 @@ impl Fitting {
         let gain = dot(&step, &self.normal.right);
         let least_n2 = noise_n2 + rounding_n2(self.cycle.static_n);
         let trial = limited(moved(&self.cycle, &step));
-        if gain < SETTLED * least_n2 {
-            if self.damping > 0.0 {
-                return ControlFlow::Break(self.settled(true));
-            }
-            self.cycle = trial;
-            return ControlFlow::Break(self.fit(factor, true));
+        if self.damping > 0.0 && gain < SETTLED * least_n2 {
+            return ControlFlow::Break(self.settled(true));
+        }
+        if gain.min(data.bends_n2(&self.cycle, &step)) < SETTLED * least_n2 {
+            (self.cycle, self.normal.cost) = (trial, self.normal.cost - gain);
+            return ControlFlow::Break(self.fit(&factor, true));
         }
         let next = data.normal(&trial);
         // Rounding may make a good step look a little worse. A NaN cost compares false and
@@ -218,12 +224,13 @@ impl Fitting {
         // What is all but singular in single precision gets the least help that it needs.
         const LEAST_HELP: f32 = 1e-5;
         let factor = self.normal.factor(0.0).or_else(|| self.normal.factor(LEAST_HELP));
-        self.fit(factor?, converged)
+        self.fit(&factor?, converged)
     }
 
-    fn fit(&self, information: Factor, converged: bool) -> Option<Fit> {
+    fn fit(&self, information: &Factor, converged: bool) -> Option<Fit> {
         let Self { cycle, normal, .. } = *self;
-        normal.cost.is_finite().then_some(Fit { cycle, normal, information, converged })
+        let (forces, variances) = (Forces::new(&cycle, information), information.variances());
+        normal.cost.is_finite().then_some(Fit { cycle, normal, forces, variances, converged })
     }
 }
 
@@ -243,6 +250,19 @@ impl Data<'_> {
     #[must_use]
     pub fn cost(&self, cycle: &Cycle) -> f32 {
         self.normal(cycle).cost
+    }
+
+    /// Squared residuals, N², that a step may leave because the model is no straight
+    /// line: where the slide turns by an angle `φ`, `δd φ + d φ²/2` on each sample.
+    ///
+    /// Without limit where the cable goes slack: there the force has kinks.
+    fn bends_n2(&self, cycle: &Cycle, step: &Gradient) -> f32 {
+        if !cycle.is_taut() {
+            return f32::INFINITY;
+        }
+        let angle = cycle.omega * (step[0].abs() + core::f32::consts::PI * step[4].abs());
+        let bend_n = (step[3].abs() + 0.5 * cycle.half_drop_n * angle) * angle;
+        self.samples.forces_n.len() as f32 * bend_n * bend_n
     }
 
     /// The normal equations at a trial cycle.
@@ -280,15 +300,6 @@ impl Data<'_> {
             (self.swing, cycle.swing()),
             (self.bend, cycle.bend),
         ]
-    }
-}
-
-fn forces(cycle: &Cycle, step: &Gradient, information: &Factor) -> Forces {
-    Forces {
-        static_n: cycle.static_n + dot(step, &STATIC),
-        dynamic_n: cycle.dynamic_n() + dot(step, &DYNAMIC),
-        static_variance: information.covariance(&STATIC, &STATIC),
-        dynamic_variance: information.covariance(&DYNAMIC, &DYNAMIC),
     }
 }
 
@@ -340,5 +351,36 @@ fn limited(cycle: Cycle) -> Cycle {
         half_drop_n: cycle.half_drop_n.max(TINY),
         omega: cycle.omega.clamp(1e-3, 60.0),
         ..cycle
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_short_step_settles_a_fit_and_a_long_one_does_not() {
+        let (static_n, half_drop_n) = (781.2, 289.8);
+        let truth =
+            Cycle { onset: 3.3, rate: 22.5, static_n, half_drop_n, omega: 1.1828, bend: 0.0 };
+        let shape = truth.shape();
+        let forces_n: [f32; 12] = core::array::from_fn(|i| shape.force(i as f32).0);
+        let (line, free) = (Line::default(), Prior::default());
+        let data = Data {
+            before: &line,
+            samples: Samples { start: 0.0, forces_n: &forces_n },
+            after: &line,
+            wander: Wander::NONE,
+            rate: free,
+            swing: free,
+            bend: Prior { mean: 0.0, weight: 1e6 },
+            onset: free,
+        };
+        let first_step = |onset, half_drop_n| {
+            Fitting::new(&data, &Cycle { onset, half_drop_n, ..truth }).step(&data, 4.0)
+        };
+        let ControlFlow::Break(Some(fit)) = first_step(3.303, 291.0) else { panic!("settles") };
+        assert!((fit.forces.static_n - static_n).abs() < 0.02 && fit.cost() < 0.04);
+        assert!(first_step(3.4, 300.0).is_continue());
     }
 }

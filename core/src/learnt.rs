@@ -3,7 +3,7 @@
 use crate::fit::{Data, Fit, Prior, rounding_n2};
 use crate::line::Line;
 use crate::mass::{Mass, Told, Verdict};
-use crate::model::{Cycle, UNKNOWNS};
+use crate::model::UNKNOWNS;
 use crate::pending::Pending;
 use crate::posterior::Posterior;
 use crate::residuals::Residuals;
@@ -109,7 +109,7 @@ impl Learnt {
 
     /// Is the swing known from earlier events?
     pub(crate) fn knows_swing(&self) -> bool {
-        self.mass.swing().prior(1.0).weight > 0.0
+        self.mass.swing().is_known()
     }
 
     /// Carries the event's own loading rate, swing and bend to the next ones, unless it
@@ -158,7 +158,7 @@ impl Learnt {
         if let Some((value, variance)) = own(cycle.bend, bend, data.bend, LEAST_OWN_BEND) {
             self.bend.add(value, variance);
         }
-        told.swing = own_swing(LEAST_OWN).filter(|_| is_clear(&cycle) || !on_trial);
+        told.swing = own_swing(LEAST_OWN).filter(|_| !on_trial || is_clear(posterior));
         self.mass.learn(&told).unwrap_or(verdict)
     }
 
@@ -171,9 +171,9 @@ impl Learnt {
 
 /// Does the slip have samples enough to tell a small change of the swing from what the
 /// sampling makes of it?
-pub(crate) fn is_clear(cycle: &Cycle) -> bool {
+pub(crate) fn is_clear(posterior: &Posterior) -> bool {
     const CLEAR: f32 = 2.0;
-    cycle.slide_time() > CLEAR && cycle.restick_n() > 0.0
+    posterior.slide_time > CLEAR && posterior.cycle.restick_n() > 0.0
 }
 
 /// Are the samples around the slip, with these squared residuals, far from the fit?
@@ -193,14 +193,14 @@ fn expected(shared: &Shared, guess: f32, spread: f32, noise_n2: f32) -> Prior {
     Prior { mean: guess, weight: noise_n2 / (spread * spread) }
 }
 
-/// Squared residuals of an event that no other event counts, N², and their degrees
-/// of freedom: observations less unknowns, as far as these come from the samples
-/// and not from what was expected.
+/// Squared residuals of an event that no other event counts, N², and their degrees of
+/// freedom: observations less unknowns, as far as these come from the samples and not
+/// from what was expected.
 pub(crate) fn own_residuals(data: &Data<'_>, fit: &Fit) -> (f32, f32) {
     let (mut squares, mut unknowns) = (fit.cost() + data.after.residual(), UNKNOWNS as f32);
-    for (unknown, (prior, value)) in data.priors(&fit.cycle).into_iter().enumerate() {
+    for ((prior, value), variance) in data.priors(&fit.cycle).into_iter().zip(fit.variances) {
         squares -= prior.weight * (prior.mean - value) * (prior.mean - value);
-        unknowns -= prior.weight * fit.variance(unknown);
+        unknowns -= prior.weight * variance;
     }
     let lines = data.before.count.min(2) as f32 + data.after.weight;
     (squares.max(0.0), data.samples.good().count() as f32 + lines - unknowns)

@@ -94,7 +94,8 @@ impl Cycle {
     /// Half-length `a` of the ellipse's force axis (10), N.
     #[must_use]
     pub fn amplitude_n(&self) -> f32 {
-        math::sqrt(self.shape().a2)
+        let q = self.rate / self.omega;
+        math::sqrt(self.half_drop_n * self.half_drop_n + q * q)
     }
 
     /// Largest force of the cycle, `Fp + a`, N.
@@ -119,6 +120,12 @@ impl Cycle {
     #[must_use]
     pub fn slide_time(&self) -> f32 {
         self.shape().slide
+    }
+
+    /// Does the cable stay taut?
+    #[must_use]
+    pub fn is_taut(&self) -> bool {
+        self.amplitude_n() <= self.dynamic_n()
     }
 
     /// Time of rest that loads a taut cable from `Fe` to `Fs`, `T_static` (22).
@@ -147,6 +154,12 @@ impl Cycle {
 }
 
 impl Shape {
+    /// Time of sliding.
+    #[must_use]
+    pub fn slide_time(&self) -> f32 {
+        self.slide
+    }
+
     /// Time at which the block rests again.
     #[must_use]
     pub fn stop(&self) -> f32 {

@@ -12,6 +12,8 @@
 //! tooth), or the fourth difference, if it is small against the second (a smooth
 //! swing). White noise shows neither.
 
+use crate::math::{larger, smaller};
+
 /// A running quantile of positive numbers.
 #[derive(Clone, Copy, Debug)]
 pub struct Quantile {
@@ -43,13 +45,14 @@ impl Quantile {
 
     /// Takes a number at or above zero.
     pub fn add(&mut self, size: f32) {
-        if self.count < FEWEST {
-            return self.start(size);
-        }
-        let (up, down) = if self.count >= SETTLED { (self.up, self.down) } else { self.settle() };
+        let (up, down) = match self.count {
+            SETTLED.. => (self.up, self.down),
+            FEWEST.. => self.settle(),
+            _ => return self.start(size),
+        };
         let factor = if size > self.value { up } else { down };
         // Zero (a noiseless start) could not grow by a factor alone.
-        self.value = (self.value * factor).max(1e-3 * size);
+        self.value = larger(self.value * factor, 1e-3 * size);
     }
 
     /// Sorts the first numbers in: their quantile is where to start from.
@@ -209,12 +212,12 @@ impl Noise {
     /// size. `None` until enough was seen.
     #[must_use]
     pub fn std_n(&self, force_n: f32) -> (Option<f32>, Option<f32>) {
-        let floor = (0.3 * self.resolution_n).max(4e-7 * force_n.abs());
-        let line = self.innovation.value().map(|median| (median * STD_PER_MEDIAN).max(floor));
+        let floor = larger(0.3 * self.resolution_n, 4e-7 * force_n.abs());
+        let line = self.innovation.value().map(|median| larger(median * STD_PER_MEDIAN, floor));
         // The fits allow for what a line does not.
         let fitted = self.fitted_n.map(|fitted| 1.5 * fitted);
         let own = if self.fits < TRUSTED { self.without_line_n() } else { None };
-        let bound = least(fitted, own).map(|std| std.max(floor));
+        let bound = least(fitted, own).map(|std| larger(std, floor));
         (line, least(line, bound))
     }
 
@@ -241,7 +244,7 @@ impl Default for Noise {
 
 fn least(a: Option<f32>, b: Option<f32>) -> Option<f32> {
     match (a, b) {
-        (Some(a), Some(b)) => Some(a.min(b)),
+        (Some(a), Some(b)) => Some(smaller(a, b)),
         (one, other) => one.or(other),
     }
 }

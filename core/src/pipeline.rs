@@ -134,8 +134,7 @@ impl Pipeline {
                 }
                 Judged::Good(good) => {
                     step.rate = self.derivative.step(good.index, good.force_n);
-                    let newest = Extreme { index: raw.index, force_n };
-                    (step.event, step.provisional) = self.good(good, newest);
+                    self.good(good, Extreme { index: raw.index, force_n }, &mut step);
                 }
             }
         }
@@ -167,7 +166,7 @@ impl Pipeline {
                 self.cycles.complete(stick, window, end);
                 self.cycles.finish()
             });
-            self.count(event)
+            event.map(|finished| self.count(finished))
         })
     }
 
@@ -217,21 +216,22 @@ impl Pipeline {
     }
 
     /// Takes a good sample on; `newest` is the one that may yet be a spike.
-    fn good(&mut self, good: Extreme, newest: Extreme) -> (Option<Event>, Option<Provisional>) {
-        let Some(block) = self.decimator.step(good) else { return (None, None) };
+    fn good(&mut self, good: Extreme, newest: Extreme, step: &mut Step) {
+        let Some(block) = self.decimator.step(good) else { return };
         let slips = self.detector.phase() == Phase::Slip;
         // A sample of a block is no block: there the answer comes with the block itself.
         let is_block = self.block_root > 1.0;
-        let turned = is_block.then(|| self.turned(block)).flatten();
-        let event = self.advance(block);
-        let provisional = if is_block {
-            turned
-        } else if self.detector.phase() == Phase::Slip && !slips {
-            self.cycles.onset(&self.detector)
-        } else {
-            self.turned(newest)
-        };
-        (event, provisional)
+        if is_block {
+            step.provisional = self.turned(block);
+        }
+        if let Some(event) = self.advance(block) {
+            step.event = Some(event);
+        }
+        if is_block || self.detector.phase() != Phase::Slip {
+            return;
+        }
+        step.provisional =
+            if slips { self.turned(newest) } else { self.cycles.onset(&self.detector) };
     }
 
     /// A first answer if the slip is over with the next sample.
@@ -242,6 +242,9 @@ impl Pipeline {
     /// Takes a good sample through the detector and on.
     fn advance(&mut self, sample: Extreme) -> Option<Event> {
         let transition = self.detector.step(sample.index, sample.force_n);
+        if transition.is_none() && self.cycles.is_idle() {
+            return None;
+        }
         self.follow(transition)
     }
 
@@ -267,11 +270,11 @@ impl Pipeline {
                 self.cycles.complete(self.detector.ended(), self.detector.window(), last)
             }
         };
-        self.count(finished)
+        finished.map(|finished| self.count(finished))
     }
 
-    fn count(&mut self, finished: Option<Finished>) -> Option<Event> {
-        let Finished { mut event, alone, common, change } = finished?;
+    fn count(&mut self, finished: Finished) -> Event {
+        let Finished { mut event, alone, common, change } = finished;
         event.onset = self.decimator.moment(event.onset);
         event.stop = self.decimator.moment(event.stop);
         if let Some(noise_n) = self.cycles.noise_n() {
@@ -291,7 +294,7 @@ impl Pipeline {
             self.mu.add_with_common(mu, common.1);
         }
         self.onsets = Some((self.onsets.map_or(event.onset, |(first, _)| first), event.onset));
-        Some(event)
+        event
     }
 
     fn usual(&self) -> Usual {

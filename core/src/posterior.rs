@@ -31,6 +31,8 @@ const HELD: f32 = 1e4;
 pub struct Posterior {
     /// The cycle of the means.
     pub cycle: Cycle,
+    /// Its time of sliding, periods.
+    pub slide_time: f32,
     /// Variance of `Fs`, N².
     pub static_n2: f32,
     /// Variance of `Fp`, N².
@@ -44,7 +46,7 @@ impl Posterior {
     #[must_use]
     pub fn is_resolved(&self) -> bool {
         let most = SWING_KNOWN * self.cycle.swing();
-        self.cycle.slide_time() >= RESOLVED && self.unknowns[4] < most * most
+        self.slide_time >= RESOLVED && self.unknowns[4] < most * most
     }
 
     /// With no variance less than another's.
@@ -60,14 +62,12 @@ impl Posterior {
     /// At the best fit, with the variance of the noise.
     #[must_use]
     pub fn at(fit: &Fit, noise_n2: f32) -> Self {
-        let forces = fit.forces();
-        let mut unknowns = Gradient::default();
-        for (unknown, entry) in unknowns.iter_mut().enumerate() {
-            *entry = noise_n2 * fit.variance(unknown);
-        }
+        let Fit { forces, .. } = fit;
+        let unknowns = fit.variances.map(|variance| noise_n2 * variance);
         let static_n2 = noise_n2 * forces.static_variance;
         let dynamic_n2 = noise_n2 * forces.dynamic_variance;
-        Self { cycle: fit.cycle, static_n2, dynamic_n2, unknowns }
+        let slide_time = fit.cycle.slide_time();
+        Self { cycle: fit.cycle, slide_time, static_n2, dynamic_n2, unknowns }
     }
 }
 
@@ -167,7 +167,9 @@ impl Sums {
         for (unknown, entry) in unknowns.iter_mut().enumerate() {
             *entry = variance(unknown + 2);
         }
-        let over = Posterior { cycle, static_n2: variance(0), dynamic_n2: variance(1), unknowns };
+        let (static_n2, dynamic_n2) = (variance(0), variance(1));
+        let slide_time = cycle.slide_time();
+        let over = Posterior { cycle, slide_time, static_n2, dynamic_n2, unknowns };
         // An onset that is known better than the places are apart: one place has all the
         // weight, and its fit knows nothing of the onset's own uncertainty.
         if from.slide_time() < RESOLVED {

@@ -98,7 +98,7 @@ impl Shared {
         let (expected, expected_variance) = self.at(NEWEST);
         let step = value - expected;
         let usual = variance + self.between + expected_variance;
-        self.count >= LEAST_EVENTS && step * step > FAR_OFF * FAR_OFF * usual
+        self.is_known() && step * step > FAR_OFF * FAR_OFF * usual
     }
 
     /// The value at a time and its variance, without the variation between events: on
@@ -125,11 +125,17 @@ impl Shared {
         (self.count > 0.0).then(|| self.at(NEXT).0)
     }
 
+    /// Is there anything to expect?
+    #[must_use]
+    pub fn is_known(&self) -> bool {
+        self.count >= LEAST_EVENTS
+    }
+
     /// What the next event may expect, in units of one over `noise_n2`: its variance
     /// is that between events plus that of the mean.
     #[must_use]
     pub fn prior(&self, noise_n2: f32) -> Prior {
-        if self.count < LEAST_EVENTS {
+        if !self.is_known() {
             return Prior::default();
         }
         let (mean, variance) = self.at(NEXT);

@@ -107,26 +107,30 @@ impl Factor {
         x
     }
 
-    /// Diagonal element of `A⁻¹`: the variance of an unknown, in units of the variance
-    /// of weight one.
+    /// Variances of the unknowns, the diagonal of `A⁻¹`, in units of the variance of
+    /// weight one.
     #[must_use]
-    pub fn variance(&self, unknown: usize) -> f32 {
-        // Σ (L⁻¹ e)² / D: forward substitution is enough, and starts at the unknown.
-        let (mut x, mut sum_of_squares) = (Gradient::default(), 0.0);
-        for i in unknown..UNKNOWNS {
-            x[i] = if i == unknown { 1.0 } else { 0.0 };
-            for k in unknown..i {
+    pub fn variances(&self) -> Gradient {
+        core::array::from_fn(|unknown| {
+            let mut unit = Gradient::default();
+            unit[unknown] = 1.0;
+            self.variance(&unit, unknown)
+        })
+    }
+
+    /// `uᵀ A⁻¹ u`, the variance of a combination of unknowns, none of them before the
+    /// first one.
+    #[must_use]
+    pub fn variance(&self, u: &Gradient, first: usize) -> f32 {
+        // Σ (L⁻¹ u)² / D: forward substitution is enough.
+        let (mut x, mut sum_of_squares) = (*u, 0.0);
+        for i in first..UNKNOWNS {
+            for k in first..i {
                 x[i] -= self.lower[i][k] * x[k];
             }
             sum_of_squares += x[i] * x[i] * self.inverse[i];
         }
         sum_of_squares
-    }
-
-    /// `uᵀ A⁻¹ v`: a covariance, in units of the variance of weight one.
-    #[must_use]
-    pub fn covariance(&self, u: &Gradient, v: &Gradient) -> f32 {
-        dot(u, &self.solve(v))
     }
 }
 
@@ -174,10 +178,10 @@ mod tests {
     #[test]
     fn the_variances_are_the_diagonal_of_the_inverse() {
         let factor = example().factor(0.0).unwrap();
-        for unknown in 0..UNKNOWNS {
+        for (unknown, direct) in factor.variances().into_iter().enumerate() {
             let mut unit = Gradient::default();
             unit[unknown] = 1.0;
-            let (direct, solved) = (factor.variance(unknown), factor.covariance(&unit, &unit));
+            let solved = dot(&unit, &factor.solve(&unit));
             assert!((direct / solved - 1.0).abs() < 1e-4, "{unknown}: {direct} {solved}");
         }
     }

@@ -72,15 +72,18 @@ impl SpikeFilter {
     }
 
     fn stands_out(&self, before: Extreme, held: Extreme, after: Extreme, usual: &Usual) -> bool {
+        let (left, right) = (held.force_n - before.force_n, held.force_n - after.force_n);
+        // Neighbours further away say less: only within a few periods.
+        let span = after.index - before.index;
+        if left * right <= 0.0 || span > 4 {
+            return false;
+        }
         let (Some(noise_n), Some(rise_n)) = (usual.noise_n, self.rises.value()) else {
             return false;
         };
-        // Neighbours further away say less: only within a few periods.
-        let span = after.index - before.index;
         let rises = RISES * rise_n * span as f32 / 2.0;
         let least = (NOISES * noise_n).max(PART_OF_DROP * usual.drop_n).max(rises);
-        let (left, right) = (held.force_n - before.force_n, held.force_n - after.force_n);
-        span <= 4 && left * right > 0.0 && left.abs().min(right.abs()) > least
+        left.abs().min(right.abs()) > least
     }
 }
 

@@ -10,35 +10,40 @@ pub struct Window {
     forces_n: [f32; WINDOW],
     /// One past the newest index.
     end: u64,
-    /// Oldest index that may be asked for.
-    start: u64,
+    /// The first index of all.
+    first: u64,
 }
 
 impl Window {
     /// An empty window.
     #[must_use]
     pub fn new() -> Self {
-        Self { forces_n: [f32::NAN; WINDOW], end: 0, start: 0 }
+        Self { forces_n: [f32::NAN; WINDOW], end: 0, first: 0 }
     }
 
     /// Takes a sample with an index past all earlier ones.
     pub fn push(&mut self, index: u64, force_n: f32) {
-        if self.end == 0 {
-            self.start = index;
-        }
-        let missing = index.saturating_sub(self.end).min(WINDOW as u64);
-        for skipped in index - missing..index {
-            self.set(skipped, f32::NAN);
+        if index != self.end {
+            self.skip_to(index);
         }
         self.set(index, force_n);
         self.end = index + 1;
-        self.start = self.start.max(self.end.saturating_sub(WINDOW as u64));
+    }
+
+    /// Leaves out what was missed.
+    fn skip_to(&mut self, index: u64) {
+        if self.end == 0 {
+            self.first = index;
+        }
+        for skipped in self.end.max(index.saturating_sub(WINDOW as u64))..index {
+            self.set(skipped, f32::NAN);
+        }
     }
 
     /// Force at an index, if it is in the window and was good.
     #[must_use]
     pub fn get(&self, index: u64) -> Option<f32> {
-        let inside = index >= self.start && index < self.end;
+        let inside = index < self.end && self.end - index <= WINDOW as u64;
         let force_n = self.forces_n.get(slot(index)).copied().filter(|_| inside)?;
         (!force_n.is_nan()).then_some(force_n)
     }
@@ -46,7 +51,7 @@ impl Window {
     /// The index, or the oldest one in the window if that is later.
     #[must_use]
     pub fn first_from(&self, index: u64) -> u64 {
-        index.max(self.start)
+        index.max(self.first).max(self.end.saturating_sub(WINDOW as u64))
     }
 
     fn set(&mut self, index: u64, force_n: f32) {
