@@ -1,4 +1,4 @@
-//! Values to text, small: with `core::fmt` they would be 3 kB more.
+//! Values to text, small: with `core::fmt` they would be 5 kB more.
 
 use core::fmt;
 
