@@ -120,6 +120,16 @@ impl Cycles {
         self.learnt.residuals.variance_n2().map(math::sqrt)
     }
 
+    /// Periods before the onset in which creep bends the line.
+    pub fn creeps_periods(&self) -> f32 {
+        self.learnt.creeps_periods()
+    }
+
+    #[allow(missing_docs)]
+    pub fn debug(&self) -> [(f32, f32, f32); 3] {
+        self.learnt.corners.debug()
+    }
+
     /// Loading rate, N/s, and omega, rad/s, of the recent events.
     #[must_use]
     pub fn shared(&self) -> (Option<f32>, Option<f32>) {

@@ -211,6 +211,7 @@ pub struct Detector {
     usual_drop_n: f32,
     /// Usual time from the highest to the lowest sample, periods.
     usual_fall: f32,
+    creep: f32,
     /// Half the usual drop below the last highest sample, N.
     middle_n: f32,
 }
@@ -238,6 +239,7 @@ impl Detector {
             usual_drop_n: 0.0,
             // A fifth of a second: replaced by the first slip.
             usual_fall: 0.2 * rate_hz,
+            creep: 0.0,
             middle_n: 0.0,
         }
     }
@@ -318,6 +320,11 @@ impl Detector {
     /// Takes the noise that the fits of the events leave, N.
     pub fn fitted_noise(&mut self, noise_n: f32) {
         self.noise.fitted(noise_n);
+    }
+
+    /// So many periods before the onset the line is bent.
+    pub fn creeps(&mut self, periods: f32) {
+        self.creep = periods;
     }
 
     /// Takes a good sample with an index past all earlier ones.
@@ -514,7 +521,7 @@ impl Detector {
     /// Takes samples into the line, far enough behind the newest one that a slip
     /// which has just begun, unseen, does not bend it.
     fn extend_line(&mut self, newest: u64) {
-        let delay = 2 + (0.3 * self.usual_fall) as u64;
+        let delay = 2 + (0.3 * self.usual_fall + self.creep) as u64;
         while self.stick.next + delay.min(WINDOW as u64 / 4) <= newest {
             let index = self.stick.next;
             self.stick.next += 1;

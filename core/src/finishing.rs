@@ -165,11 +165,19 @@ fn fitted(
     learnt: &mut Learnt,
     data: &Data<'_>,
     fit: &Fit,
-    posterior: Posterior,
+    mut posterior: Posterior,
     noise_n2: f32,
 ) -> Outcome {
-    let alone = fit.forces_alone(data.rate).filter(|_| posterior.is_resolved());
+    let mut alone = fit.forces_alone(data.rate).filter(|_| posterior.is_resolved());
     let strained = posterior.is_resolved() && is_strained(data, fit, noise_n2);
     let verdict = learnt.learn(data, &posterior, noise_n2, strained);
+    let is_usual = verdict == Verdict::Same && !strained && posterior.cycle.restick_n() > 0.0;
+    if is_usual && posterior.is_resolved() {
+        let effect = learnt.learn_corners(data, fit, noise_n2);
+        posterior.take(&effect);
+        if let Some(alone) = &mut alone {
+            alone.take(&effect, noise_n2);
+        }
+    }
     Outcome::Fitted { posterior, alone, noise_n2, verdict }
 }

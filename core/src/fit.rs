@@ -8,6 +8,8 @@
 
 use core::ops::ControlFlow;
 
+use crate::corner::{Corner, Shift};
+use crate::corners::Effect;
 use crate::line::Line;
 use crate::model::{Cycle, Gradient, UNKNOWNS};
 use crate::solve::{Factor, Normal, dot};
@@ -60,6 +62,8 @@ pub struct Data<'a> {
     pub swing: Prior,
     /// Change of the loading rate over the slip, N per period.
     pub bend: Prior,
+    /// What rounds off the corners.
+    pub corner: Corner,
     /// Held onset, for events whose onset the samples cannot tell.
     pub onset: Prior,
 }
@@ -90,9 +94,18 @@ pub struct Forces {
     pub dynamic_variance: f32,
 }
 
+impl Forces {
+    pub(crate) fn take(&mut self, effect: &Effect, noise_n2: f32) {
+        self.static_n += dot(&effect.moved, &STATIC);
+        self.dynamic_n += dot(&effect.moved, &DYNAMIC);
+        self.static_variance += effect.static_n2 / noise_n2;
+        self.dynamic_variance += effect.dynamic_n2 / noise_n2;
+    }
+}
+
 /// `Fs` and `Fp` as combinations of the unknowns.
-const STATIC: Gradient = [0.0, 0.0, 1.0, 0.0, 0.0, 0.0];
-const DYNAMIC: Gradient = [0.0, 0.0, 1.0, -1.0, 0.0, 0.0];
+pub(crate) const STATIC: Gradient = [0.0, 0.0, 1.0, 0.0, 0.0, 0.0];
+pub(crate) const DYNAMIC: Gradient = [0.0, 0.0, 1.0, -1.0, 0.0, 0.0];
 
 impl Fit {
     /// Weighted sum of squared residuals, the priors' included, N².
@@ -118,6 +131,21 @@ impl Fit {
         right[1] = -rate.weight * (rate.mean - self.cycle.rate);
         let factor = normal.factor(0.0)?;
         Some(forces(&self.cycle, &factor.solve(&right), &factor))
+    }
+
+    /// The normal equations without what is expected of rate, swing and onset.
+    #[must_use]
+    pub fn alone(&self, data: &Data<'_>) -> (Normal, Gradient) {
+        let mut normal = self.normal;
+        let mut right = Gradient::default();
+        for (unknown, (prior, value)) in data.priors(&self.cycle).into_iter().enumerate() {
+            if unknown == 5 {
+                continue;
+            }
+            normal.matrix[unknown][unknown] -= prior.weight;
+            right[unknown] = -prior.weight * (prior.mean - value);
+        }
+        (normal, right)
     }
 
     /// Variance of an unknown, in units of the noise variance.
@@ -242,23 +270,38 @@ impl Data<'_> {
     /// The normal equations at a trial cycle.
     fn normal(&self, cycle: &Cycle) -> Normal {
         let shape = cycle.shape();
+        let shift = |since_onset| match self.corner.is_sharp() {
+            true => Shift::default(),
+            false => self.corner.shift(&shape, since_onset),
+        };
         let mut normal = Normal::default();
         for (time, force_n) in self.samples.good() {
-            let (force, gradient) = shape.force(time);
-            normal.add(force_n - force, &gradient, 1.0);
+            let (force, mut gradient) = shape.force(time);
+            let shift = shift(time - cycle.onset);
+            gradient[0] -= shift.rate;
+            normal.add(force_n - force - shift.force_n, &gradient, 1.0);
         }
         let (before, after) = (self.before, self.after);
-        add_line(
-            &mut normal,
-            before,
-            shape.before(before.time - cycle.onset),
-            shape.slope_before(),
-        );
-        add_line(&mut normal, after, shape.after(after.time - cycle.onset), shape.slope_after());
+        let shifted = |since_onset, (level_n, by): (f32, Gradient)| {
+            (level_n + shift(since_onset).force_n, by)
+        };
+        let since_onset = before.time - cycle.onset;
+        let level = shifted(since_onset, shape.before(since_onset));
+        add_line(&mut normal, before, level, shape.slope_before());
+        let since_onset = after.time - cycle.onset;
+        let level = shifted(since_onset, shape.after(since_onset));
+        add_line(&mut normal, after, level, shape.slope_after());
         for (unknown, (prior, value)) in self.priors(cycle).into_iter().enumerate() {
             normal.add_one(prior.mean - value, unknown, prior.weight);
         }
         normal
+    }
+
+    /// Times, periods, forces, N, and weights of samples and lines.
+    pub fn levels(&self) -> impl Iterator<Item = (f32, f32, f32)> + '_ {
+        let line = |line: &Line| (line.time, line.level_n, line.weight);
+        let samples = self.samples.good().map(|(time, force_n)| (time, force_n, 1.0));
+        samples.chain([line(self.before), line(self.after)])
     }
 
     /// What is expected of each unknown, and its value.

@@ -1,5 +1,6 @@
 //! What the events of a test have told so far, as expectations for the next one.
 
+use crate::corners::{Corners, Effect};
 use crate::fit::{Data, Fit, Prior};
 use crate::line::Line;
 use crate::mass::{Mass, Told, Verdict};
@@ -15,6 +16,7 @@ pub(crate) struct Learnt {
     pub(crate) rate: Shared,
     pub(crate) mass: Mass,
     bend: Shared,
+    pub(crate) corners: Corners,
     pub(crate) residuals: Residuals,
     /// Events in a row that did not fit.
     misfits: u8,
@@ -80,6 +82,7 @@ impl Learnt {
             ),
             bend: self.bend_prior(rough.rate, noise_n2),
             onset: rough.onset(noise_n2),
+            corner: self.corners.expected(pending.peak.force_n - pending.low.force_n),
         }
     }
 
@@ -145,6 +148,23 @@ impl Learnt {
         }
         told.swing = own_swing(LEAST_OWN).filter(|_| is_clear(&cycle) || !on_trial);
         self.mass.learn(&told).unwrap_or(verdict)
+    }
+
+    pub(crate) fn learn_corners(&mut self, data: &Data<'_>, fit: &Fit, noise_n2: f32) -> Effect {
+        let effect = self.corners.learn(data, fit, noise_n2);
+        let [_, rate, _, _, swing, bend] = effect.moved;
+        self.rate.translate(rate);
+        self.mass.translate(swing);
+        self.bend.translate(bend);
+        effect
+    }
+
+    /// Samples before the onset that creep bends.
+    pub(crate) fn creeps_periods(&self) -> f32 {
+        let Some((rate, noise_n2)) = self.rate.mean().zip(self.residuals.variance_n2()) else { return 0.0 };
+        let corner = self.corners.expected(1.0);
+        if corner.missing_n <= 0.0 { return 0.0; }
+        corner.range_n / rate * crate::math::ln(5.0 * corner.missing_n / crate::math::sqrt(noise_n2)).max(0.0)
     }
 
     /// Is the loading rate what it was, as far as winches turn steadily?

@@ -18,6 +18,8 @@
 pub mod calibrate;
 pub mod change;
 pub mod config;
+pub mod corner;
+mod corners;
 pub mod correlation;
 pub mod cycle;
 pub mod decimate;

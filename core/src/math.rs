@@ -70,6 +70,12 @@ pub fn exp(x: f32) -> f32 {
     libm::expf(x)
 }
 
+/// Natural logarithm.
+#[must_use]
+pub fn ln(x: f32) -> f32 {
+    libm::logf(x)
+}
+
 /// Square root up to 6 % too large: a bit trick in a tenth of the time.
 ///
 /// For limits that are themselves rough ('six sigma'), never for a result.

@@ -9,6 +9,7 @@
 
 use core::ops::ControlFlow;
 
+use crate::corners::Effect;
 use crate::fit::{Data, Fit, Prior};
 use crate::math;
 use crate::model::{Cycle, Gradient, UNKNOWNS};
@@ -45,6 +46,20 @@ impl Posterior {
     pub fn is_resolved(&self) -> bool {
         let most = SWING_KNOWN * self.cycle.swing();
         self.cycle.slide_time() >= RESOLVED && self.unknowns[4] < most * most
+    }
+
+    /// Takes what the corners do.
+    pub(crate) fn take(&mut self, effect: &Effect) {
+        let Effect { moved: [onset, rate, static_n, half_drop_n, swing, bend], .. } = effect;
+        let c = &mut self.cycle;
+        c.onset += onset;
+        c.rate += rate;
+        c.static_n += static_n;
+        c.half_drop_n += half_drop_n;
+        c.omega = 1.0 / (c.swing() + swing);
+        c.bend += bend;
+        self.static_n2 += effect.static_n2;
+        self.dynamic_n2 += effect.dynamic_n2;
     }
 
     /// With no variance less than another's.
@@ -186,6 +201,7 @@ fn values(c: &Cycle) -> [f32; 2 + UNKNOWNS] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::corner::Corner;
     use crate::fit::Samples;
     use crate::line::Line;
 
@@ -209,6 +225,7 @@ mod tests {
             swing: Prior { mean: 0.8 / omega, weight: 4.0 * omega * omega / 0.25 },
             bend: Prior { mean: 0.0, weight: 1e6 },
             onset: Prior { mean: 0.5 - 0.5 * slide, weight: 44.0 },
+            corner: Corner::default(),
         };
         let fit = data.fit(&Cycle { onset: onset + 0.1, ..truth }, 4.0).unwrap();
         let Some(mut places) = OverOnset::new(&fit, true) else {
