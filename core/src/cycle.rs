@@ -126,8 +126,13 @@ impl Cycles {
     }
 
     #[allow(missing_docs)]
+    pub fn debug2(&self) -> [f32; 10] {
+        self.learnt.corner.debug2()
+    }
+
+    #[allow(missing_docs)]
     pub fn debug(&self) -> [(f32, f32, f32); 3] {
-        self.learnt.corners.debug()
+        self.learnt.corner.debug()
     }
 
     /// Loading rate, N/s, and omega, rad/s, of the recent events.

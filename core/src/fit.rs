@@ -9,7 +9,7 @@
 use core::ops::ControlFlow;
 
 use crate::corner::{Corner, Shift};
-use crate::corners::Effect;
+use crate::learnt_corner::Effect;
 use crate::line::Line;
 use crate::model::{Cycle, Gradient, UNKNOWNS};
 use crate::solve::{Factor, Normal, dot};

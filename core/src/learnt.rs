@@ -1,7 +1,7 @@
 //! What the events of a test have told so far, as expectations for the next one.
 
-use crate::corners::{Corners, Effect};
 use crate::fit::{Data, Fit, Prior};
+use crate::learnt_corner::{Effect, LearntCorner};
 use crate::line::Line;
 use crate::mass::{Mass, Told, Verdict};
 use crate::model::{Cycle, UNKNOWNS};
@@ -16,7 +16,7 @@ pub(crate) struct Learnt {
     pub(crate) rate: Shared,
     pub(crate) mass: Mass,
     bend: Shared,
-    pub(crate) corners: Corners,
+    pub(crate) corner: LearntCorner,
     pub(crate) residuals: Residuals,
     /// Events in a row that did not fit.
     misfits: u8,
@@ -82,7 +82,7 @@ impl Learnt {
             ),
             bend: self.bend_prior(rough.rate, noise_n2),
             onset: rough.onset(noise_n2),
-            corner: self.corners.expected(pending.peak.force_n - pending.low.force_n),
+            corner: self.corner.expected(pending.peak.force_n - pending.low.force_n),
         }
     }
 
@@ -151,7 +151,7 @@ impl Learnt {
     }
 
     pub(crate) fn learn_corners(&mut self, data: &Data<'_>, fit: &Fit, noise_n2: f32) -> Effect {
-        let effect = self.corners.learn(data, fit, noise_n2);
+        let effect = self.corner.learn(data, fit, noise_n2);
         let [_, rate, _, _, swing, bend] = effect.moved;
         self.rate.translate(rate);
         self.mass.translate(swing);
@@ -162,7 +162,7 @@ impl Learnt {
     /// Samples before the onset that creep bends.
     pub(crate) fn creeps_periods(&self) -> f32 {
         let Some((rate, noise_n2)) = self.rate.mean().zip(self.residuals.variance_n2()) else { return 0.0 };
-        let corner = self.corners.expected(1.0);
+        let corner = self.corner.expected(1.0);
         if corner.missing_n <= 0.0 { return 0.0; }
         corner.range_n / rate * crate::math::ln(5.0 * corner.missing_n / crate::math::sqrt(noise_n2)).max(0.0)
     }

@@ -140,6 +140,11 @@ impl Pipeline {
     }
 
     #[allow(missing_docs)]
+    pub fn debug2(&self) -> [f32; 10] {
+        self.cycles.debug2()
+    }
+
+    #[allow(missing_docs)]
     pub fn debug(&self) -> [(f32, f32, f32); 3] {
         self.cycles.debug()
     }

@@ -9,8 +9,8 @@
 
 use core::ops::ControlFlow;
 
-use crate::corners::Effect;
 use crate::fit::{Data, Fit, Prior};
+use crate::learnt_corner::Effect;
 use crate::math;
 use crate::model::{Cycle, Gradient, UNKNOWNS};
 

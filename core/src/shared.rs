@@ -136,34 +136,9 @@ impl Shared {
         Prior { mean, weight: noise_n2 / (self.between + variance) }
     }
 
-    #[allow(missing_docs)]
-    pub fn debug(&self) -> (f32, f32, f32) {
-        (self.line.level_n, math::sqrt(self.unit / self.line.weight), math::sqrt(self.between))
-    }
-
-    /// Variance of the value now.
-    #[must_use]
-    pub fn mean_variance(&self) -> f32 {
-        if self.count > 0.0 { self.at(NEXT).1 } else { 0.0 }
-    }
-
     /// All events would have told so much more.
     pub fn translate(&mut self, by: f32) {
         self.line.level_n += by;
-    }
-
-    /// Value to use and its variance, of a quantity that is zero unless the events say
-    /// that it is above.
-    #[must_use]
-    pub fn above_zero(&self) -> (f32, f32) {
-        if self.count < LEAST_EVENTS || self.line.level_n <= 0.0 {
-            return (0.0, 0.0);
-        }
-        let (mean, variance) = (self.line.level_n, self.unit / self.line.weight);
-        let square = mean * mean;
-        let (sure, perhaps) = (surely(square, 9.0 * variance), surely(square, 4.0 * variance));
-        let variance = variance + self.between;
-        (sure * mean, sure * variance + (1.0 - sure) * perhaps * square)
     }
 
     /// The same for a quantity that is zero unless the events say otherwise.
@@ -183,7 +158,7 @@ const NEWEST: f32 = -1.0;
 const NEXT: f32 = 0.0;
 
 /// From 0 where a size is within a limit to 1 where it is twice that.
-fn surely(size: f32, limit: f32) -> f32 {
+pub(crate) fn surely(size: f32, limit: f32) -> f32 {
     if size > limit { (size / limit - 1.0).min(1.0) } else { 0.0 }
 }
 
