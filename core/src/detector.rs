@@ -324,7 +324,9 @@ impl Detector {
 
     /// So many periods before the onset the line is bent.
     pub fn creeps(&mut self, periods: f32) {
-        self.creep = periods;
+        // The samples in between are kept one by one: room for them and for the slip.
+        const ROOM: f32 = 48.0;
+        self.creep = periods.min(ROOM - self.usual_fall).max(0.0);
     }
 
     /// Takes a good sample with an index past all earlier ones.

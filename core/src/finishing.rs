@@ -5,7 +5,8 @@ use core::ops::ControlFlow;
 
 use crate::event::Reason;
 use crate::fit::{Data, Fit, Fitting, Forces};
-use crate::learnt::{Learnt, is_strained, own_residuals};
+use crate::learnt::{Learnt, is_clear, is_strained, own_residuals};
+use crate::learnt_corner::LearntCorner;
 use crate::line::Line;
 use crate::mass::Verdict;
 use crate::pending::Pending;
@@ -126,6 +127,7 @@ impl Finishing {
         };
         let holds = |fit: &Fit| fit.converged && pending.holds(&fit.cycle);
         let Some(fit) = fit.filter(holds) else {
+            learnt.corner = LearntCorner::default();
             return ControlFlow::Break(Outcome::Failed(Reason::NoFit));
         };
         if pending.hidden {
@@ -171,8 +173,8 @@ fn fitted(
     let mut alone = fit.forces_alone(data.rate).filter(|_| posterior.is_resolved());
     let strained = posterior.is_resolved() && is_strained(data, fit, noise_n2);
     let verdict = learnt.learn(data, &posterior, noise_n2, strained);
-    let is_usual = verdict == Verdict::Same && !strained && posterior.cycle.restick_n() > 0.0;
-    if is_usual && posterior.is_resolved() {
+    // A slip of two samples shows nothing of its corners.
+    if verdict == Verdict::Same && !strained && posterior.is_resolved() && is_clear(&fit.cycle) {
         let effect = learnt.learn_corners(data, fit, noise_n2);
         posterior.take(&effect);
         if let Some(alone) = &mut alone {

@@ -57,6 +57,7 @@ impl Learnt {
             self.misfits = 0;
             [self.rate, self.bend] = [Shared::default(); 2];
             self.mass.forget_all();
+            self.corner = LearntCorner::default();
         }
         true
     }

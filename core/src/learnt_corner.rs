@@ -62,6 +62,10 @@ const MOST_SMOOTHING: f32 = 0.1;
 const MOST_STEP: f32 = 0.7;
 const LEAST_RANGE: f32 = 0.125;
 
+/// Most that an event moves the onset, periods, and the swing, parts of it.
+const MOST_ONSET: f32 = 0.3;
+const MOST_SWING: f32 = 0.1;
+
 impl LearntCorner {
     /// What the next event's corners are expected to be.
     pub(crate) fn expected(&self, drop_n: f32) -> Corner {
@@ -120,7 +124,23 @@ impl LearntCorner {
         }
         let excess = (self.surprise / (self.count - 1.0).max(1.0)).max(1.0);
         let factor = self.decide(&free, excess, &used)?;
-        Some(self.effect(own, &numbers(&self.corner), &used, &factor, excess))
+        let mut steps = numbers(&self.corner);
+        for (step, used) in steps.iter_mut().zip(used) {
+            *step -= used;
+        }
+        let [onset, .., swing, _] = own.moved(&steps);
+        let far = (onset / MOST_ONSET).abs().max((swing / (MOST_SWING * own.swing)).abs());
+        if far > 1.0 {
+            for step in &mut steps {
+                *step /= far;
+            }
+            self.corner = Corner {
+                smoothing: used[0] + steps[0],
+                missing_n: used[1] + steps[1],
+                range_n: math::exp(used[2] + steps[2]),
+            };
+        }
+        Some(self.effect(own, &steps, &factor, excess))
     }
 
     /// Which numbers count.
@@ -153,13 +173,7 @@ impl LearntCorner {
         Some(factor)
     }
 
-    fn effect(&self, own: &Own, now: &Gradient, used: &Gradient, factor: &Factor, excess: f32) -> Effect {
-        let mut moved = Gradient::default();
-        for (k, response) in own.response.iter().enumerate() {
-            for (moved, by) in moved.iter_mut().zip(response) {
-                *moved -= (now[k] - used[k]) * by;
-            }
-        }
+    fn effect(&self, own: &Own, steps: &Gradient, factor: &Factor, excess: f32) -> Effect {
         let variance_of = |force: &Gradient| {
             let mut by = Gradient::default();
             for (by, response) in by.iter_mut().zip(&own.response) {
@@ -168,7 +182,7 @@ impl LearntCorner {
             let possible = by.iter().zip(self.possible).fold(0.0, |sum, (by, v)| sum + v * by * by);
             excess * factor.covariance(&by, &by) + possible
         };
-        Effect { moved, static_n2: variance_of(&STATIC), dynamic_n2: variance_of(&DYNAMIC) }
+        Effect { moved: own.moved(steps), static_n2: variance_of(&STATIC), dynamic_n2: variance_of(&DYNAMIC) }
     }
 
     pub(crate) fn debug(&self) -> [(f32, f32, f32); 3] {
@@ -193,6 +207,7 @@ struct Own {
     normal: Normal,
     /// By how much the unknowns fall when a number grows by one.
     response: [Gradient; NUMBERS],
+    swing: f32,
 }
 
 /// A number of which less than this part of the information is left when the unknowns are
@@ -232,7 +247,18 @@ impl Own {
                 return None;
             }
         }
-        Some(Self { normal, response })
+        Some(Self { normal, response, swing: cycle.swing() })
+    }
+
+    /// By how much the unknowns move when the numbers do.
+    fn moved(&self, steps: &Gradient) -> Gradient {
+        let mut moved = Gradient::default();
+        for (response, step) in self.response.iter().zip(steps) {
+            for (moved, by) in moved.iter_mut().zip(response) {
+                *moved -= step * by;
+            }
+        }
+        moved
     }
 
     /// The information times a vector.
