@@ -42,15 +42,17 @@ impl Site {
         }
     }
 
-    /// Standard deviation of a force's coefficient because of the weight's.
-    fn common_std(&self, force_n: f32) -> f32 {
+    /// Standard deviation of a force's coefficient because of the weight's, and of a
+    /// variance that the events share.
+    fn common_std(&self, force_n: f32, shared_n2: f32) -> f32 {
         let (_, cos) = math::sin_cos(self.slope_rad);
-        self.weight_spread * force_n.abs() / (self.weight_n * cos)
+        let weight_n = self.weight_spread * force_n;
+        math::sqrt(weight_n * weight_n + shared_n2) / (self.weight_n * cos)
     }
 
     /// The same with the weight's uncertainty in the standard deviation.
     fn whole(&self, force_n: f32, variance_n2: f32) -> Coefficient {
-        let (own, common) = (self.coefficient(force_n, variance_n2), self.common_std(force_n));
+        let (own, common) = (self.coefficient(force_n, variance_n2), self.common_std(force_n, 0.0));
         Coefficient { std: math::sqrt(own.std * own.std + common * common), ..own }
     }
 }
@@ -120,19 +122,10 @@ impl Cycles {
         self.learnt.residuals.variance_n2().map(math::sqrt)
     }
 
-    /// Periods before the onset in which creep bends the line.
-    pub fn creeps_periods(&self) -> f32 {
-        self.learnt.creeps_periods()
-    }
-
-    #[allow(missing_docs)]
-    pub fn debug2(&self) -> [f32; 10] {
-        self.learnt.corner.debug2()
-    }
-
-    #[allow(missing_docs)]
-    pub fn debug(&self) -> [(f32, f32, f32); 3] {
-        self.learnt.corner.debug()
+    /// Periods before the onset in which creep bends the stick line.
+    #[must_use]
+    pub fn creep_periods(&self) -> f32 {
+        self.learnt.creep_periods()
     }
 
     /// Loading rate, N/s, and omega, rad/s, of the recent events.
@@ -318,7 +311,11 @@ impl Cycles {
             return event.into();
         }
         let (site, cycle) = (self.site(), &posterior.cycle);
-        let common = (site.common_std(cycle.static_n), site.common_std(cycle.dynamic_n()));
+        let (static_n2, dynamic_n2) = posterior.common_n2;
+        let common = (
+            site.common_std(cycle.static_n, static_n2),
+            site.common_std(cycle.dynamic_n(), dynamic_n2),
+        );
         Finished { event, alone, common, change }
     }
 

@@ -211,7 +211,8 @@ pub struct Detector {
     usual_drop_n: f32,
     /// Usual time from the highest to the lowest sample, periods.
     usual_fall: f32,
-    creep: f32,
+    /// Time before an onset in which creep bends the line, periods.
+    creep_periods: f32,
     /// Half the usual drop below the last highest sample, N.
     middle_n: f32,
 }
@@ -239,7 +240,7 @@ impl Detector {
             usual_drop_n: 0.0,
             // A fifth of a second: replaced by the first slip.
             usual_fall: 0.2 * rate_hz,
-            creep: 0.0,
+            creep_periods: 0.0,
             middle_n: 0.0,
         }
     }
@@ -322,11 +323,11 @@ impl Detector {
         self.noise.fitted(noise_n);
     }
 
-    /// So many periods before the onset the line is bent.
+    /// So many periods before the onset creep bends the line: they are not taken into it.
     pub fn creeps(&mut self, periods: f32) {
-        // The samples in between are kept one by one: room for them and for the slip.
+        // They are kept one by one, as the slip is.
         const ROOM: f32 = 48.0;
-        self.creep = periods.min(ROOM - self.usual_fall).max(0.0);
+        self.creep_periods = periods.min(ROOM - self.usual_fall).max(0.0);
     }
 
     /// Takes a good sample with an index past all earlier ones.
@@ -521,9 +522,9 @@ impl Detector {
     }
 
     /// Takes samples into the line, far enough behind the newest one that a slip
-    /// which has just begun, unseen, does not bend it.
+    /// which has just begun, unseen, does not bend it, nor creep before it.
     fn extend_line(&mut self, newest: u64) {
-        let delay = 2 + (0.3 * self.usual_fall + self.creep) as u64;
+        let delay = 2 + (0.3 * self.usual_fall + self.creep_periods) as u64;
         while self.stick.next + delay.min(WINDOW as u64 / 4) <= newest {
             let index = self.stick.next;
             self.stick.next += 1;

@@ -175,7 +175,7 @@ fn fitted(
     let verdict = learnt.learn(data, &posterior, noise_n2, strained);
     // A slip of two samples shows nothing of its corners.
     if verdict == Verdict::Same && !strained && posterior.is_resolved() && is_clear(&fit.cycle) {
-        let effect = learnt.learn_corners(data, fit, noise_n2);
+        let effect = learnt.learn_corner(data, fit, noise_n2);
         posterior.take(&effect);
         if let Some(alone) = &mut alone {
             alone.take(&effect, noise_n2);

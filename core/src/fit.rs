@@ -95,6 +95,7 @@ pub struct Forces {
 }
 
 impl Forces {
+    /// Takes what is known of the corners since the fit.
     pub(crate) fn take(&mut self, effect: &Effect, noise_n2: f32) {
         self.static_n += dot(&effect.moved, &STATIC);
         self.dynamic_n += dot(&effect.moved, &DYNAMIC);

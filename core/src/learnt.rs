@@ -4,6 +4,7 @@ use crate::fit::{Data, Fit, Prior};
 use crate::learnt_corner::{Effect, LearntCorner};
 use crate::line::Line;
 use crate::mass::{Mass, Told, Verdict};
+use crate::math;
 use crate::model::{Cycle, UNKNOWNS};
 use crate::pending::Pending;
 use crate::posterior::Posterior;
@@ -70,20 +71,22 @@ impl Learnt {
         noise_n2: f32,
     ) -> Data<'a> {
         let rough = pending.rough(after);
+        let rate = expected(&self.rate, rough.rate, 0.7 * rough.rate, noise_n2);
+        let swing = expected(
+            self.mass.swing(),
+            rough.slide * core::f32::consts::FRAC_1_PI,
+            rough.slide_std * core::f32::consts::FRAC_1_PI,
+            noise_n2,
+        );
         Data {
             before: &pending.before,
             samples: pending.samples(),
             after,
-            rate: expected(&self.rate, rough.rate, 0.7 * rough.rate, noise_n2),
-            swing: expected(
-                self.mass.swing(),
-                rough.slide * core::f32::consts::FRAC_1_PI,
-                rough.slide_std * core::f32::consts::FRAC_1_PI,
-                noise_n2,
-            ),
+            rate,
+            swing,
             bend: self.bend_prior(rough.rate, noise_n2),
             onset: rough.onset(noise_n2),
-            corner: self.corner.expected(pending.peak.force_n - pending.low.force_n),
+            corner: self.corner.expected(rate.mean, swing.mean),
         }
     }
 
@@ -151,7 +154,9 @@ impl Learnt {
         self.mass.learn(&told).unwrap_or(verdict)
     }
 
-    pub(crate) fn learn_corners(&mut self, data: &Data<'_>, fit: &Fit, noise_n2: f32) -> Effect {
+    /// Carries what the event's residuals tell of the corners to the next ones. All that
+    /// was learnt moves along.
+    pub(crate) fn learn_corner(&mut self, data: &Data<'_>, fit: &Fit, noise_n2: f32) -> Effect {
         let effect = self.corner.learn(data, fit, noise_n2);
         let [_, rate, _, _, swing, bend] = effect.moved;
         self.rate.translate(rate);
@@ -160,12 +165,12 @@ impl Learnt {
         effect
     }
 
-    /// Samples before the onset that creep bends.
-    pub(crate) fn creeps_periods(&self) -> f32 {
-        let Some((rate, noise_n2)) = self.rate.mean().zip(self.residuals.variance_n2()) else { return 0.0 };
-        let corner = self.corner.expected(1.0);
-        if corner.missing_n <= 0.0 { return 0.0; }
-        corner.range_n / rate * crate::math::ln(5.0 * corner.missing_n / crate::math::sqrt(noise_n2)).max(0.0)
+    /// Periods before an onset in which the force lacks more than a fifth of the noise.
+    pub(crate) fn creep_periods(&self) -> f32 {
+        const PART: f32 = 0.2;
+        let known = self.rate.mean().zip(self.residuals.variance_n2());
+        known
+            .map_or(0.0, |(rate, noise_n2)| self.corner.creep_n(PART * math::sqrt(noise_n2)) / rate)
     }
 
     /// Is the loading rate what it was, as far as winches turn steadily?

@@ -1,13 +1,14 @@
 //! How much the corners of a test's events are rounded off, from what the fits leave over.
 //!
-//! The score of a fitted event tells its own `κ`, `h` and `ln c`, all six unknowns free;
-//! the scores of the events add up. `κ` and `h` are zero until they are significantly above
-//! it; a little before that they widen the intervals.
+//! The score of a fitted event, all six unknowns free, tells its own `κ`, `h` and `ln c`;
+//! the scores of the events add up. `κ` and `h` are zero until they are significantly
+//! above it; a little before that they widen the intervals. What the events told of rate,
+//! swing and bend, and the event's own fit, move along with them, to first order.
 
 use crate::corner::{Corner, NUMBERS};
 use crate::fit::{DYNAMIC, Data, Fit, STATIC};
 use crate::math;
-use crate::model::{Gradient};
+use crate::model::Gradient;
 use crate::shared::surely;
 use crate::solve::{Factor, Normal, dot};
 
@@ -20,15 +21,14 @@ pub(crate) struct LearntCorner {
     /// Number of these events, and Σ of the squared surprises of their scores.
     count: f32,
     surprise: f32,
-    /// The numbers that are most likely by all that was told.
+    /// The most likely numbers.
     best: Gradient,
     /// What the next event is expected to have.
     corner: Corner,
     /// Variances of `κ` and `h` while they are only possible.
-    possible: Gradient,
+    possible: [f32; 2],
+    /// Events that could tell, also those that were not asked.
     events: u32,
-    /// So many events were asked.
-    debug: [f32; 10],
 }
 
 /// What is known of the corners after an event, for this event.
@@ -36,164 +36,155 @@ pub(crate) struct LearntCorner {
 pub(crate) struct Effect {
     /// By how much its unknowns move.
     pub(crate) moved: Gradient,
-    /// Variances that are left of this, of `Fs` and `Fp`, N².
+    /// Variances of `Fs` and `Fp` because of the corners, N².
     pub(crate) static_n2: f32,
     pub(crate) dynamic_n2: f32,
 }
 
-/// Where there is no sign of a round corner, so many events are asked, and then one of so
-/// many.
+/// Without any sign of a round corner so many events are asked, and then one of so many.
 const FIRST: u32 = 12;
 const SELDOM: u32 = 8;
-/// Part by which the past fades with every event that is asked.
+/// Part that is left of the past with every event that is asked.
 const FADE: f32 = 1.0 - 1.0 / 40.0;
 /// Events before which nothing counts.
 const LEAST_EVENTS: f32 = 2.5;
 /// Standard errors beyond which a number counts, and beyond which it is possible.
 const SIGNIFICANT: f32 = 3.0;
 const POSSIBLE: f32 = 2.0;
-/// The range that is thought of before the events tell it, parts of the drop, and one over
-/// the variance of its logarithm.
-const RANGE: f32 = 0.05;
+/// What a number that does not count is held at zero with, times its own information.
+const HELD: f32 = 1e12;
+/// The creep is thought to last so many swings before the events tell it, and one over the
+/// variance of its logarithm.
+const RANGE: f32 = 1.5;
 const RANGE_KNOWN: f32 = 2.0;
 /// Largest `κ`, periods²: a mean over more than a period.
 const MOST_SMOOTHING: f32 = 0.1;
-/// Most that the range changes with an event, in its logarithm, and its least part of `h`.
-const MOST_STEP: f32 = 0.7;
+/// Least range, parts of `h`.
 const LEAST_RANGE: f32 = 0.125;
-
-/// Most that an event moves the onset, periods, and the swing, parts of it.
-const MOST_ONSET: f32 = 0.3;
+/// Most that an event changes `ln c`, and that it moves its onset and its swing, swings:
+/// beyond that first order is not enough.
+const MOST_STEP: f32 = 0.7;
+const MOST_ONSET: f32 = 0.4;
 const MOST_SWING: f32 = 0.1;
 
 impl LearntCorner {
-    /// What the next event's corners are expected to be.
-    pub(crate) fn expected(&self, drop_n: f32) -> Corner {
+    /// What the next event's corners are expected to be, where its rate and swing are so.
+    pub(crate) fn expected(&self, rate: f32, swing: f32) -> Corner {
         if self.count > 0.0 {
             return self.corner;
         }
-        Corner { range_n: RANGE * drop_n, ..Corner::default() }
+        Corner { range_n: RANGE * rate * swing, ..Corner::default() }
+    }
+
+    /// How far below `Fs` the force of the creeping block lacks so many newtons, N.
+    pub(crate) fn creep_n(&self, lacking_n: f32) -> f32 {
+        let Corner { missing_n, range_n, .. } = self.corner;
+        if missing_n > lacking_n { range_n * math::ln(missing_n / lacking_n) } else { 0.0 }
     }
 
     /// Takes what an event's residuals tell.
     pub(crate) fn learn(&mut self, data: &Data<'_>, fit: &Fit, noise_n2: f32) -> Effect {
         self.events = self.events.wrapping_add(1);
-        let is_sharp = data.corner.is_sharp() && self.possible.iter().all(|v| *v <= 0.0);
+        let is_sharp = data.corner.is_sharp() && self.possible.iter().all(|&v| v <= 0.0);
         if is_sharp && self.events > FIRST && !self.events.is_multiple_of(SELDOM) {
             return Effect::default();
         }
-        let effect = Own::of(data, fit).and_then(|own| self.take(&own, &data.corner, noise_n2));
+        let effect = Score::of(data, fit).and_then(|score| self.take(&score, noise_n2));
         effect.unwrap_or_default()
     }
 
-    fn take(&mut self, own: &Own, was: &Corner, noise_n2: f32) -> Option<Effect> {
-        let used = numbers(was);
+    fn take(&mut self, score: &Score, noise_n2: f32) -> Option<Effect> {
+        let used = numbers(&score.corner);
         if self.count <= 0.0 {
-            (self.best, self.corner) = (used, *was);
-            for (unknown, row) in self.told.matrix.iter_mut().enumerate() {
-                row[unknown] = 1.0;
+            (self.corner, self.best) = (score.corner, used);
+            let diagonal = [0.0, 0.0, RANGE_KNOWN, 1.0, 1.0, 1.0];
+            for (i, entry) in diagonal.into_iter().enumerate() {
+                self.told.matrix[i][i] = entry;
             }
-            self.told.matrix[0][0] = 0.0;
-            self.told.matrix[1][1] = 0.0;
-            self.told.matrix[2][2] = RANGE_KNOWN;
             self.told.right[2] = RANGE_KNOWN * used[2];
         }
+        self.add(score, &used, noise_n2);
+        let free = self.told.factor(0.0)?;
+        let best = free.solve(&self.told.right);
+        self.surprise = FADE * self.surprise + score.surprise(&self.best, &best) / noise_n2;
+        self.best = best;
+        // More than the noise explains: so much less is known.
+        let excess = (self.surprise / (self.count - 1.0).max(1.0)).max(1.0);
+        let factor = self.decide(&free, excess, &used)?;
+        let steps = self.limited(score, &used);
+        let variance = |force: &Gradient| {
+            let by = score.response.map(|response| dot(&response, force));
+            let possible = self.possible.iter().zip(by).fold(0.0, |sum, (v, by)| sum + v * by * by);
+            let by = [by[0], by[1], by[2], 0.0, 0.0, 0.0];
+            excess * factor.covariance(&by, &by) + possible
+        };
+        let (static_n2, dynamic_n2) = (variance(&STATIC), variance(&DYNAMIC));
+        Some(Effect { moved: score.moved(&steps), static_n2, dynamic_n2 })
+    }
+
+    /// Adds what an event tells.
+    fn add(&mut self, score: &Score, used: &Gradient, noise_n2: f32) {
         self.count = FADE * self.count + 1.0;
-        let score = own.normal.right;
-        let (to_used, to_best) = (own.times(&used), own.times(&self.best));
+        let right = score.right_around(used);
         for i in 0..NUMBERS {
             for j in 0..=i {
                 let sum = &mut self.told.matrix[i][j];
-                *sum = FADE * *sum + own.normal.matrix[i][j] / noise_n2;
+                *sum = FADE * *sum + score.normal.matrix[i][j] / noise_n2;
             }
-            let right = &mut self.told.right[i];
-            *right = FADE * *right + (score[i] + to_used[i]) / noise_n2;
+            self.told.right[i] = FADE * self.told.right[i] + right[i] / noise_n2;
         }
-        // The range does not get lost while nothing tells it.
+        // While nothing tells the range it stays what it was thought to be.
         self.told.matrix[2][2] += (1.0 - FADE) * RANGE_KNOWN;
         self.told.right[2] += (1.0 - FADE) * RANGE_KNOWN * used[2];
-
-        let free = self.told.factor(0.0)?;
-        self.best = free.solve(&self.told.right);
-        let to_new = own.times(&self.best);
-        self.surprise *= FADE;
-        for k in 0..2 {
-            // Before the event times after it: its expectation is the variance.
-            let surprise = (score[k] + to_used[k] - to_best[k]) * (score[k] + to_used[k] - to_new[k]);
-            self.surprise += 0.5 * surprise / (own.normal.matrix[k][k] * noise_n2);
-        }
-        let excess = (self.surprise / (self.count - 1.0).max(1.0)).max(1.0);
-        let factor = self.decide(&free, excess, &used)?;
-        let mut steps = numbers(&self.corner);
-        for (step, used) in steps.iter_mut().zip(used) {
-            *step -= used;
-        }
-        let [onset, .., swing, _] = own.moved(&steps);
-        let far = (onset / MOST_ONSET).abs().max((swing / (MOST_SWING * own.swing)).abs());
-        if far > 1.0 {
-            for step in &mut steps {
-                *step /= far;
-            }
-            self.corner = Corner {
-                smoothing: used[0] + steps[0],
-                missing_n: used[1] + steps[1],
-                range_n: math::exp(used[2] + steps[2]),
-            };
-        }
-        Some(self.effect(own, &steps, &factor, excess))
     }
 
-    /// Which numbers count.
+    /// Which numbers count, and what they then are.
     fn decide(&mut self, free: &Factor, excess: f32, used: &Gradient) -> Option<Factor> {
         let mut likely = self.told;
         let mut counts = [false; 2];
         for k in 0..2 {
             let square = self.best[k] * self.best[k];
             let variance = excess * free.variance(k);
-            let enough = self.count > LEAST_EVENTS && self.best[k] > 0.0;
-            let beyond = |limit: f32| if enough { surely(square, limit * limit * variance) } else { 0.0 };
+            let may_count = self.count > LEAST_EVENTS && self.best[k] > 0.0;
+            let beyond = |errors: f32| {
+                if may_count { surely(square, errors * errors * variance) } else { 0.0 }
+            };
             let sure = beyond(SIGNIFICANT);
             counts[k] = sure > 0.0;
             self.possible[k] = (1.0 - sure) * beyond(POSSIBLE) * square;
-            // Around zero, within its own size; or nothing but zero.
-            const ZERO: f32 = 1e12;
-            let diagonal = &mut likely.matrix[k][k];
-            *diagonal += if counts[k] { 1.0 / (sure * square) } else { ZERO * *diagonal };
+            // Around zero, within its own size as far as it counts.
+            let own = &mut likely.matrix[k][k];
+            *own += if counts[k] { 1.0 / (sure * square) } else { HELD * *own };
         }
         let factor = likely.factor(0.0)?;
         let numbers = factor.solve(&likely.right);
-        let value = |k: usize| if counts[k] { numbers[k].max(0.0) } else { 0.0 };
-        let missing_n = value(1);
+        let counted = |k: usize| if counts[k] { numbers[k].max(0.0) } else { 0.0 };
+        let missing_n = counted(1);
         let range = used[2] + (numbers[2] - used[2]).clamp(-MOST_STEP, MOST_STEP);
         self.corner = Corner {
-            smoothing: value(0).min(MOST_SMOOTHING),
+            smoothing: counted(0).min(MOST_SMOOTHING),
             missing_n,
             range_n: math::exp(range).max(LEAST_RANGE * missing_n),
         };
         Some(factor)
     }
 
-    fn effect(&self, own: &Own, steps: &Gradient, factor: &Factor, excess: f32) -> Effect {
-        let variance_of = |force: &Gradient| {
-            let mut by = Gradient::default();
-            for (by, response) in by.iter_mut().zip(&own.response) {
-                *by = dot(response, force);
-            }
-            let possible = by.iter().zip(self.possible).fold(0.0, |sum, (by, v)| sum + v * by * by);
-            excess * factor.covariance(&by, &by) + possible
-        };
-        Effect { moved: own.moved(steps), static_n2: variance_of(&STATIC), dynamic_n2: variance_of(&DYNAMIC) }
-    }
-
-    pub(crate) fn debug(&self) -> [(f32, f32, f32); 3] {
-        let Some(f) = self.told.factor(0.0) else { return Default::default() };
-        let e = (self.surprise / (self.count - 1.0).max(1.0)).max(1.0);
-        [(self.best[0], math::sqrt(f.variance(0)), self.corner.smoothing),
-        (self.best[1], math::sqrt(f.variance(1)), self.corner.missing_n),
-        (self.best[2], e, self.corner.range_n)]
-    }
-    pub(crate) fn debug2(&self) -> [f32; 10] {
-        self.debug
+    /// From the numbers that were used to those that count now, no farther than first order
+    /// holds.
+    fn limited(&mut self, score: &Score, used: &Gradient) -> Gradient {
+        let mut steps = numbers(&self.corner);
+        steps.iter_mut().zip(used).for_each(|(step, used)| *step -= used);
+        let [onset, _, _, _, swing, _] = score.moved(&steps);
+        let far = (onset / MOST_ONSET).abs().max((swing / MOST_SWING).abs()) / score.swing;
+        if far > 1.0 {
+            steps.iter_mut().for_each(|step| *step /= far);
+            self.corner = Corner {
+                smoothing: used[0] + steps[0],
+                missing_n: used[1] + steps[1],
+                range_n: math::exp(used[2] + steps[2]),
+            };
+        }
+        steps
     }
 }
 
@@ -202,21 +193,23 @@ fn numbers(corner: &Corner) -> Gradient {
 }
 
 /// What an event tells of the corners by itself.
-struct Own {
-    /// Normal equations of the three numbers, the unknowns free.
+struct Score {
+    /// The corners that it was fitted with, and its swing.
+    corner: Corner,
+    swing: f32,
+    /// Normal equations of the three numbers' steps from there, the unknowns free.
     normal: Normal,
     /// By how much the unknowns fall when a number grows by one.
     response: [Gradient; NUMBERS],
-    swing: f32,
 }
 
 /// A number of which less than this part of the information is left when the unknowns are
 /// free is lost in rounding.
 const LEAST_OWN: f32 = 1e-3;
 
-impl Own {
+impl Score {
     fn of(data: &Data<'_>, fit: &Fit) -> Option<Self> {
-        let (corner, cycle) = (&data.corner, &fit.cycle);
+        let (corner, cycle) = (data.corner, &fit.cycle);
         let shape = cycle.shape();
         let mut products = [Gradient::default(); NUMBERS];
         let mut normal = Normal::default();
@@ -225,14 +218,15 @@ impl Own {
             let (force, mut gradient) = shape.force(time);
             let shift = corner.shift(&shape, since_onset);
             gradient[0] -= shift.rate;
-            let mut by = Gradient::default();
-            for (k, product) in products.iter_mut().enumerate() {
-                by[k] = shift.by[k];
-                for (sum, g) in product.iter_mut().zip(gradient) {
-                    *sum += weight * by[k] * g;
-                }
+            let [smoothing, missing, range] = shift.by;
+            normal.add(
+                force_n - force - shift.force_n,
+                &[smoothing, missing, range, 0.0, 0.0, 0.0],
+                weight,
+            );
+            for (product, by) in products.iter_mut().zip(shift.by) {
+                product.iter_mut().zip(gradient).for_each(|(sum, g)| *sum += weight * by * g);
             }
-            normal.add(force_n - force - shift.force_n, &by, weight);
         }
         let (alone, right) = fit.alone(data);
         let alone = alone.factor(0.0)?;
@@ -243,32 +237,44 @@ impl Own {
                 normal.matrix[i][j] -= dot(&products[i], &response[j]);
             }
             normal.right[i] -= dot(&response[i], &right);
+            // Without creep its range is not known at all. Also true for NaN.
             if i < 2 && !(normal.matrix[i][i] > LEAST_OWN * whole) {
                 return None;
             }
         }
-        Some(Self { normal, response, swing: cycle.swing() })
+        Some(Self { corner, swing: cycle.swing(), normal, response })
     }
 
     /// By how much the unknowns move when the numbers do.
     fn moved(&self, steps: &Gradient) -> Gradient {
         let mut moved = Gradient::default();
         for (response, step) in self.response.iter().zip(steps) {
-            for (moved, by) in moved.iter_mut().zip(response) {
-                *moved -= step * by;
-            }
+            moved.iter_mut().zip(response).for_each(|(moved, by)| *moved -= step * by);
         }
         moved
     }
 
-    /// The information times a vector.
-    fn times(&self, numbers: &Gradient) -> Gradient {
-        let mut product = Gradient::default();
-        for i in 0..NUMBERS {
-            for j in 0..NUMBERS {
-                product[i] += self.normal.matrix[i.max(j)][i.min(j)] * numbers[j];
+    /// The score as if the fit had used nothing, or, with the sign changed, other numbers.
+    fn right_around(&self, numbers: &Gradient) -> Gradient {
+        let mut right = self.normal.right;
+        for (i, right) in right.iter_mut().enumerate().take(NUMBERS) {
+            for (j, number) in numbers.iter().enumerate().take(NUMBERS) {
+                *right += self.normal.matrix[i.max(j)][i.min(j)] * number;
             }
         }
-        product
+        right
+    }
+
+    /// How far the event is from what was expected before it, times how far it is after
+    /// it, for `κ` and `h`: its expectation is the variance of the noise.
+    fn surprise(&self, before: &Gradient, after: &Gradient) -> f32 {
+        let used = numbers(&self.corner);
+        let score = |expected: &Gradient| {
+            let mut steps = used;
+            steps.iter_mut().zip(expected).for_each(|(step, number)| *step -= number);
+            self.right_around(&steps)
+        };
+        let (before, after) = (score(before), score(after));
+        (0..2).fold(0.0, |sum, k| sum + 0.5 * before[k] * after[k] / self.normal.matrix[k][k])
     }
 }

@@ -133,7 +133,7 @@ impl Mass {
         &self.swing
     }
 
-    /// All swings would have been so much longer.
+    /// Every event since the last change would have told a swing longer by so much.
     pub fn translate(&mut self, by: f32) {
         self.swing.translate(by);
     }

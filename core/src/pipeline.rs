@@ -139,16 +139,6 @@ impl Pipeline {
         }
     }
 
-    #[allow(missing_docs)]
-    pub fn debug2(&self) -> [f32; 10] {
-        self.cycles.debug2()
-    }
-
-    #[allow(missing_docs)]
-    pub fn debug(&self) -> [(f32, f32, f32); 3] {
-        self.cycles.debug()
-    }
-
     /// Ends the test: completes what is pending, one event a call, until `None`.
     pub fn finish(&mut self) -> Option<Event> {
         let held = self.spikes.finish().and_then(|held| self.decimator.step(held));
@@ -279,7 +269,7 @@ impl Pipeline {
         event.stop = self.decimator.moment(event.stop);
         if let Some(noise_n) = self.cycles.noise_n() {
             self.detector.fitted_noise(noise_n);
-            self.detector.creeps(self.cycles.creeps_periods());
+            self.detector.creeps(self.cycles.creep_periods());
         }
         self.events = self.events.saturating_add(1);
         if let Some(change) = change {

@@ -36,6 +36,8 @@ pub struct Posterior {
     pub static_n2: f32,
     /// Variance of `Fp`, N².
     pub dynamic_n2: f32,
+    /// What of these two is common to the events: how the corners are rounded off, N².
+    pub common_n2: (f32, f32),
     /// Variances of the onset, rate, ., ., swing and bend.
     pub unknowns: Gradient,
 }
@@ -48,7 +50,7 @@ impl Posterior {
         self.cycle.slide_time() >= RESOLVED && self.unknowns[4] < most * most
     }
 
-    /// Takes what the corners do.
+    /// Takes what is known of the corners since the fit.
     pub(crate) fn take(&mut self, effect: &Effect) {
         let Effect { moved: [onset, rate, static_n, half_drop_n, swing, bend], .. } = effect;
         let c = &mut self.cycle;
@@ -60,6 +62,7 @@ impl Posterior {
         c.bend += bend;
         self.static_n2 += effect.static_n2;
         self.dynamic_n2 += effect.dynamic_n2;
+        self.common_n2 = (effect.static_n2, effect.dynamic_n2);
     }
 
     /// With no variance less than another's.
@@ -82,7 +85,7 @@ impl Posterior {
         }
         let static_n2 = noise_n2 * forces.static_variance;
         let dynamic_n2 = noise_n2 * forces.dynamic_variance;
-        Self { cycle: fit.cycle, static_n2, dynamic_n2, unknowns }
+        Self { cycle: fit.cycle, static_n2, dynamic_n2, common_n2: (0.0, 0.0), unknowns }
     }
 }
 
@@ -182,7 +185,8 @@ impl Sums {
         for (unknown, entry) in unknowns.iter_mut().enumerate() {
             *entry = variance(unknown + 2);
         }
-        let over = Posterior { cycle, static_n2: variance(0), dynamic_n2: variance(1), unknowns };
+        let (static_n2, dynamic_n2) = (variance(0), variance(1));
+        let over = Posterior { cycle, static_n2, dynamic_n2, common_n2: (0.0, 0.0), unknowns };
         // An onset that is known better than the places are apart: one place has all the
         // weight, and its fit knows nothing of the onset's own uncertainty.
         if from.slide_time() < RESOLVED {

@@ -136,7 +136,7 @@ impl Shared {
         Prior { mean, weight: noise_n2 / (self.between + variance) }
     }
 
-    /// All events would have told so much more.
+    /// Every event would have told so much more.
     pub fn translate(&mut self, by: f32) {
         self.line.level_n += by;
     }
