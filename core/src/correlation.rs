@@ -5,6 +5,9 @@
 //! of the last [`LAGS`] lags are kept as running sums, so that they can be had for
 //! any mean and merged at any split.
 
+use crate::double::Double;
+use crate::math;
+
 /// Largest distance between two events whose correlation is followed.
 pub const LAGS: usize = 24;
 
@@ -12,14 +15,14 @@ pub const LAGS: usize = 24;
 #[derive(Clone, Copy, Debug)]
 pub struct Correlation {
     /// The first value: all others are kept relative to it.
-    reference: f64,
+    reference: Double,
     count: u32,
-    sum: f64,
+    sum: Double,
     /// The first values, and the last ones in a ring.
-    first: [f64; LAGS],
-    last: [f64; LAGS],
+    first: [Double; LAGS],
+    last: [Double; LAGS],
     /// `Σ x_i x_{i+k}` for k = 1..=LAGS.
-    products: [f64; LAGS],
+    products: [Double; LAGS],
 }
 
 impl Correlation {
@@ -27,17 +30,17 @@ impl Correlation {
     #[must_use]
     pub const fn new() -> Self {
         Self {
-            reference: 0.0,
+            reference: Double::ZERO,
             count: 0,
-            sum: 0.0,
-            first: [0.0; LAGS],
-            last: [0.0; LAGS],
-            products: [0.0; LAGS],
+            sum: Double::ZERO,
+            first: [Double::ZERO; LAGS],
+            last: [Double::ZERO; LAGS],
+            products: [Double::ZERO; LAGS],
         }
     }
 
     /// Takes the next value.
-    pub fn add(&mut self, value: f64) {
+    pub fn add(&mut self, value: Double) {
         if self.count == 0 {
             self.reference = value;
         }
@@ -53,7 +56,7 @@ impl Correlation {
 
     /// Adds the products of a value, so many places after the next one, with the
     /// values before it.
-    fn pair_with_last(&mut self, x: f64, places: usize) {
+    fn pair_with_last(&mut self, x: Double, places: usize) {
         let known = (self.count as usize).min(LAGS);
         for back in 1..=known.min(LAGS.saturating_sub(places)) {
             self.products[back + places - 1] += x * self.newest(back);
@@ -61,7 +64,7 @@ impl Correlation {
     }
 
     /// Value so many places back, 1 for the newest.
-    fn newest(&self, back: usize) -> f64 {
+    fn newest(&self, back: usize) -> Double {
         self.last[(self.count as usize + LAGS - back) % LAGS]
     }
 
@@ -77,19 +80,19 @@ impl Correlation {
             self.pair_with_last(x + shift, place);
         }
         for lag in 1..=heads {
-            let pairs = f64::from(later.count) - lag as f64;
-            if pairs > 0.0 {
-                let sums = later.sums(lag);
+            let pairs = later.count.saturating_sub(lag as u32);
+            if pairs > 0 {
+                let (sums, pairs) = (later.sums(lag), Double::from(pairs));
                 self.products[lag - 1] += later.products[lag - 1] + shift * (sums + shift * pairs);
             }
         }
         self.append_ends(later, heads, shift);
-        self.sum += later.sum + shift * f64::from(later.count);
+        self.sum += later.sum + shift * Double::from(later.count);
         self.count = self.count.saturating_add(later.count);
     }
 
     /// The first and last values of both.
-    fn append_ends(&mut self, later: &Self, heads: usize, shift: f64) {
+    fn append_ends(&mut self, later: &Self, heads: usize, shift: Double) {
         for (place, &x) in later.first.iter().enumerate().take(heads) {
             if let Some(slot) = self.first.get_mut(self.count as usize + place) {
                 *slot = x + shift;
@@ -103,20 +106,20 @@ impl Correlation {
 
     /// `Σ x_i` over the leading ones plus the same over the lagging ones of all pairs
     /// at a lag.
-    fn sums(&self, lag: usize) -> f64 {
-        let ends: f64 = (0..lag).map(|i| self.first[i] + self.newest(i + 1)).sum();
-        2.0 * self.sum - ends
+    fn sums(&self, lag: usize) -> Double {
+        let inner = |sum, i| sum - self.first[i] - self.newest(i + 1);
+        (0..lag).fold(self.sum + self.sum, inner)
     }
 
     /// Mean of `(x_i − mean)(x_{i+k} − mean)`; `None` beyond the lags or the values.
     #[must_use]
-    pub fn covariance(&self, lag: usize, mean: f64) -> Option<f64> {
-        let pairs = f64::from(self.count) - lag as f64;
-        if lag == 0 || lag > LAGS || pairs < 1.0 {
+    pub fn covariance(&self, lag: usize, mean: Double) -> Option<Double> {
+        let pairs = self.count.saturating_sub(lag as u32);
+        if lag == 0 || lag > LAGS || pairs == 0 {
             return None;
         }
         let m = mean - self.reference;
-        Some((self.products[lag - 1] - m * self.sums(lag)) / pairs + m * m)
+        Some((self.products[lag - 1] - m * self.sums(lag)) / Double::from(pairs) + m * m)
     }
 
     /// By how much the variance of the mean exceeds that of independent values, 1 or
@@ -124,18 +127,17 @@ impl Correlation {
     /// be told from none (Geyer's initial positive sequence, cut at two standard
     /// errors), tapered as a quarter of the values is reached.
     #[must_use]
-    pub fn inflation(&self, mean: f64, variance: f64) -> f64 {
-        let n = f64::from(self.count);
-        if variance <= 0.0 {
+    pub fn inflation(&self, mean: Double, variance: Double) -> f32 {
+        if variance <= Double::ZERO {
             return 1.0;
         }
         let longest = (self.count as usize / 4).min(LAGS);
-        let least = 2.0 / f64::from(crate::math::sqrt(n as f32));
+        let least = 2.0 / math::sqrt(self.count as f32);
         let correlations = (1..=longest).map_while(|lag| {
-            let correlation = self.covariance(lag, mean)? / variance;
+            let correlation = (self.covariance(lag, mean)? / variance).rounded();
             (correlation > least).then_some(correlation.min(1.0))
         });
-        1.0 + 2.0 * correlations.sum::<f64>()
+        1.0 + 2.0 * correlations.sum::<f32>()
     }
 }
 
@@ -157,8 +159,12 @@ mod tests {
 
     fn all(from: usize, to: usize) -> Correlation {
         let mut c = Correlation::new();
-        (from..to).for_each(|i| c.add(value(i)));
+        (from..to).for_each(|i| c.add(value(i).into()));
         c
+    }
+
+    fn covariance(c: &Correlation, lag: usize, mean: f64) -> Option<f64> {
+        c.covariance(lag, mean.into()).map(f64::from)
     }
 
     fn direct(n: usize, lag: usize, mean: f64) -> f64 {
@@ -170,7 +176,7 @@ mod tests {
     fn covariances_are_those_of_the_definition() {
         for n in [2, 3, LAGS - 1, LAGS, LAGS + 1, 64, 200] {
             for lag in [1, 2, 7, LAGS - 1, LAGS] {
-                let got = all(0, n).covariance(lag, 0.81);
+                let got = covariance(&all(0, n), lag, 0.81);
                 if lag >= n {
                     assert_eq!(got, None);
                 } else {
@@ -188,11 +194,11 @@ mod tests {
                 let mut merged = all(0, split);
                 merged.merge(&all(split, n));
                 for lag in 1..=LAGS.min(n - 1) {
-                    let error = merged.covariance(lag, 0.8).unwrap() - direct(n, lag, 0.8);
+                    let error = covariance(&merged, lag, 0.8).unwrap() - direct(n, lag, 0.8);
                     assert!(error.abs() < 1e-9, "{n} {split} {lag} {error}");
                 }
-                merged.add(value(n));
-                let error = merged.covariance(1, 0.8).unwrap() - direct(n + 1, 1, 0.8);
+                merged.add(value(n).into());
+                let error = covariance(&merged, 1, 0.8).unwrap() - direct(n + 1, 1, 0.8);
                 assert!(error.abs() < 1e-9);
             }
         }
@@ -203,10 +209,10 @@ mod tests {
         let c = all(0, 200);
         let mean = (0..200).map(value).sum::<f64>() / 200.0;
         let variance = (0..200).map(|i| (value(i) - mean).powi(2)).sum::<f64>() / 199.0;
-        let inflation = c.inflation(mean, variance);
+        let inflation = c.inflation(mean.into(), variance.into());
         assert!(inflation > 10.0, "{inflation}");
         let mut alternating = Correlation::new();
-        (0..200).for_each(|i| alternating.add(f64::from(i % 2)));
-        assert!((alternating.inflation(0.5, 0.25) - 1.0).abs() < 1e-9);
+        (0..200).for_each(|i| alternating.add(Double::from(i % 2)));
+        assert!((alternating.inflation(0.5_f32.into(), 0.25_f32.into()) - 1.0).abs() < 1e-9);
     }
 }

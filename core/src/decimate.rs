@@ -7,6 +7,7 @@
 //! nothing is computed. Delay: one block.
 
 use crate::detector::Extreme;
+use crate::division::divide;
 use crate::event::SampleTime;
 
 /// Fastest rate at which samples are taken as they come, Hz.
@@ -15,7 +16,7 @@ pub const FASTEST_HZ: f32 = 128.0;
 /// Averages blocks of samples.
 #[derive(Clone, Copy, Debug)]
 pub struct Decimator {
-    factor: u64,
+    factor: u16,
     block: u64,
     mean_n: f32,
     count: u16,
@@ -25,20 +26,20 @@ impl Decimator {
     /// For a rate of 1 to 2000 Hz.
     #[must_use]
     pub fn new(rate_hz: f32) -> Self {
-        let factor = libm::ceilf(rate_hz / FASTEST_HZ).max(1.0) as u64;
+        let factor = libm::ceilf(rate_hz / FASTEST_HZ).max(1.0) as u16;
         Self { factor, block: 0, mean_n: 0.0, count: 0 }
     }
 
     /// Samples per block.
     #[must_use]
     pub fn factor(&self) -> f32 {
-        self.factor as f32
+        f32::from(self.factor)
     }
 
     /// Block of an index.
     #[must_use]
     pub fn block(&self, index: u64) -> u64 {
-        index / self.factor
+        divide(index, self.factor).0
     }
 
     /// Takes a good sample with an index past all earlier ones; gives a block, with
@@ -47,18 +48,18 @@ impl Decimator {
         if self.factor == 1 {
             return Some(sample);
         }
-        let block = self.block(sample.index);
+        let (block, place) = divide(sample.index, self.factor);
         let complete = if block == self.block { None } else { self.finish() };
         self.block = block;
         self.count += 1;
         self.mean_n += (sample.force_n - self.mean_n) / f32::from(self.count);
-        if sample.index % self.factor == self.factor - 1 { self.finish() } else { complete }
+        if place == self.factor - 1 { self.finish() } else { complete }
     }
 
     /// Ends the block begun, if it holds enough samples.
     pub fn finish(&mut self) -> Option<Extreme> {
         let block = Extreme { index: self.block, force_n: self.mean_n };
-        let enough = u64::from(self.count) * 2 >= self.factor && self.count > 0;
+        let enough = self.count * 2 >= self.factor && self.count > 0;
         (self.count, self.mean_n) = (0, 0.0);
         enough.then_some(block)
     }
@@ -73,7 +74,7 @@ impl Decimator {
         let after = blocks.fraction * self.factor() + 0.5 * (self.factor() - 1.0);
         let whole = libm::floorf(after);
         SampleTime {
-            index: blocks.index.saturating_mul(self.factor).saturating_add(whole as u64),
+            index: blocks.index.saturating_mul(self.factor.into()).saturating_add(whole as u64),
             fraction: after - whole,
         }
     }

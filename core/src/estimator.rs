@@ -1,9 +1,9 @@
 //! From events to a coefficient: a mean with an honest error.
 //!
 //! The events differ by their own noise, which each states, and by real variation
-//! of the friction, which has to be found out: random effects. All sums are kept in
-//! double precision (one update an event, not a sample), relative to the running
-//! mean, so a million events lose nothing, and two estimators can be merged.
+//! of the friction, which has to be found out: random effects. All sums are kept to
+//! 48 bits ([`Double`]), relative to the running mean, so a million events lose
+//! nothing, and two estimators can be merged.
 //!
 //! With `s_i` an event's standard deviation, `τ²` the variance between events:
 //!
@@ -18,31 +18,34 @@
 //!   and real friction wanders.
 
 use crate::correlation::Correlation;
+use crate::double::Double;
 use crate::event::Coefficient;
 use crate::math;
 use crate::report::Estimate;
+
+const ONE: Double = Double::ONE;
 
 /// Running mean of one coefficient over events.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Estimator {
     count: u32,
     /// Plain mean and Σ (x − mean)².
-    mean: f64,
-    squares: f64,
+    mean: Double,
+    squares: Double,
     /// Mean of the events' variances.
-    variance: f64,
+    variance: Double,
     /// Weighted mean, Σ w, Σ w².
-    weighted_mean: f64,
-    weight: f64,
-    weight_squares: f64,
+    weighted_mean: Double,
+    weight: Double,
+    weight_squares: Double,
     correlation: Correlation,
     /// Mean of the parts of the events' standard deviations that are common to them.
-    common: f64,
+    common: Double,
 }
 
 impl Estimator {
-    /// Takes an event's coefficient. One without a finite value and a standard
-    /// deviation above zero is left out.
+    /// Takes an event's coefficient. One without a finite value, or with a standard
+    /// deviation that is nothing (below 1e-9) or all (above 1e9), is left out.
     pub fn add(&mut self, event: Coefficient) {
         self.add_with_common(event, 0.0);
     }
@@ -50,17 +53,16 @@ impl Estimator {
     /// The same, for an event that shares a part of its standard deviation with
     /// others: however many there are, the mean keeps that part.
     pub fn add_with_common(&mut self, event: Coefficient, common_std: f32) {
-        let (value, std) = (f64::from(event.value), f64::from(event.std));
-        if !(value.is_finite() && std.is_finite() && std > 0.0) {
+        if !(event.value.is_finite() && (1e-9..=1e9).contains(&event.std)) {
             return;
         }
+        let (value, std) = (Double::from(event.value), Double::from(event.std));
         self.correlation.add(value);
-        let common = f64::from(common_std);
-        self.pool(&Self { common, ..Self::single(value, std * std) });
+        self.pool(&Self { common: common_std.into(), ..Self::single(value, std * std) });
     }
 
-    fn single(value: f64, variance: f64) -> Self {
-        let weight = 1.0 / variance;
+    fn single(value: Double, variance: Double) -> Self {
+        let weight = ONE / variance;
         Self {
             count: 1,
             mean: value,
@@ -83,7 +85,7 @@ impl Estimator {
         if other.count == 0 {
             return;
         }
-        let (n, m) = (f64::from(self.count), f64::from(other.count));
+        let (n, m) = (Double::from(self.count), Double::from(other.count));
         let share = m / (n + m);
         let step = other.mean - self.mean;
         self.squares += other.squares + n * share * step * step;
@@ -109,46 +111,43 @@ impl Estimator {
         if self.count == 0 {
             return None;
         }
-        let n = f64::from(self.count);
-        let between = self.between().unwrap_or(0.0);
+        let n = Double::from(self.count);
+        let between = self.between().unwrap_or_default();
         let typical = n / self.weight;
         let lambda = typical / (typical + between);
-        let mean = lambda * self.weighted_mean + (1.0 - lambda) * self.mean;
-        let weighted =
-            1.0 / self.weight + between * self.weight_squares / (self.weight * self.weight);
-        let plain = (self.variance + between) / n;
-        let mixed = 1.0 / self.weight + between / n;
-        let variance = lambda * lambda * weighted
-            + (1.0 - lambda) * (1.0 - lambda) * plain
-            + 2.0 * lambda * (1.0 - lambda) * mixed;
-        let common = self.common * self.common;
-        let error = math::sqrt((variance * self.inflation(lambda) + common) as f32);
+        let mean = self.mean + lambda * (self.weighted_mean - self.mean);
+        let (rest, square) = (ONE - lambda, lambda * lambda);
+        let uneven = typical * typical * self.weight_squares / n - ONE;
+        let noise = typical + rest * rest * (self.variance - typical);
+        let independent = (noise + between + between * square * uneven) / n;
+        let variance = independent * self.inflation(lambda.rounded()).into();
+        let squared = variance + self.common * self.common;
         Some(Estimate {
-            mean: mean as f32,
-            std_error: error,
-            spread: self.between().map(|variance| math::sqrt(variance as f32)),
+            mean: mean.rounded(),
+            std_error: math::sqrt(squared.rounded()),
+            spread: self.between().map(|variance| math::sqrt(variance.rounded())),
             events: self.count,
         })
     }
 
     /// Variance between events, noise removed; needs two events.
-    fn between(&self) -> Option<f64> {
-        let free = f64::from(self.count) - 1.0;
-        (free > 0.0).then(|| (self.squares / free - self.variance).max(0.0))
+    fn between(&self) -> Option<Double> {
+        let free = self.count.checked_sub(2)? + 1;
+        Some((self.squares / Double::from(free) - self.variance).or_zero())
     }
 
     /// Factor on the variance of the mean because the events are correlated: what is
     /// seen, once there are enough, and at least neighbours by a third of the share of
     /// the noise: they share one of two stick lines, which makes a half at most
     /// (measured: `means_of_whole_tests`).
-    fn inflation(&self, noise_share: f64) -> f64 {
+    fn inflation(&self, noise_share: f32) -> f32 {
         const ENOUGH: u32 = 30;
-        const NEIGHBOURS: f64 = 0.35;
+        const NEIGHBOURS: f32 = 0.35;
         let shared_line = if self.count > 1 { 1.0 + 2.0 * NEIGHBOURS * noise_share } else { 1.0 };
-        if self.count < ENOUGH || self.squares <= 0.0 {
+        if self.count < ENOUGH {
             return shared_line;
         }
-        let variance = self.squares / f64::from(self.count);
+        let variance = self.squares / Double::from(self.count);
         self.correlation.inflation(self.mean, variance).max(shared_line)
     }
 }

@@ -24,6 +24,8 @@ pub mod cycle;
 pub mod decimate;
 pub mod derivative;
 pub mod detector;
+pub mod division;
+pub mod double;
 pub mod estimator;
 pub mod event;
 mod finishing;

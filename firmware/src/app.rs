@@ -433,7 +433,7 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
         Health {
             overruns: self.shared.overruns(),
             deepest: self.shared.deepest(),
-            period_s: self.period.mean_s(self.clock_hz).map(|s| s as f32),
+            period_s: self.period.mean_s(self.clock_hz),
             jitter_s: self.period.extremes().map(|(low, high)| seconds(high - low)),
             sectors: self.journal.sectors(),
             store_failures: self.journal.failures(),

@@ -119,10 +119,37 @@ fn number(text: &str) -> Result<f32, &'static str> {
     if count == 0 || count > MOST_DIGITS || !all.clone().all(|c| c.is_ascii_digit()) {
         return Err(MISSING);
     }
-    // Both are exact in f64, and so is their ratio to half a unit of its last place.
-    let value = all.fold(0.0_f64, |value, digit| value * 10.0 + f64::from(digit - b'0'));
-    let scale = (0..fraction.len()).fold(1.0_f64, |scale, _| scale * 10.0);
-    Ok((sign * value / scale) as f32)
+    let number = all.fold(0, |number, digit| number * 10 + u64::from(digit - b'0'));
+    let scale = fraction.bytes().fold(1, |scale, _| scale * 10);
+    Ok(sign * ratio(number, scale))
+}
+
+/// The `f32` nearest to a ratio of two numbers below 2⁵³, the second above zero; the even
+/// one of two.
+fn ratio(mut number: u64, mut scale: u64) -> f32 {
+    if number == 0 {
+        return 0.0;
+    }
+    let mut exponent = 0;
+    while number < scale {
+        (number, exponent) = (2 * number, exponent - 1);
+    }
+    while number >= 2 * scale {
+        (scale, exponent) = (2 * scale, exponent + 1);
+    }
+    // 24 binary digits, the first of them 1.
+    let mut digits = 0;
+    for _ in 0..24 {
+        let digit = u32::from(number >= scale);
+        digits = 2 * digits + digit;
+        number = 2 * (number - u64::from(digit) * scale);
+    }
+    let up = number > scale || (number == scale && digits % 2 == 1);
+    (digits + u32::from(up)) as f32 * power_of_two(exponent - 23)
+}
+
+fn power_of_two(exponent: i32) -> f32 {
+    f32::from_bits(((127 + exponent) as u32) << 23)
 }
 
 /// Only what can stand in a line's field.

@@ -30,3 +30,4 @@ pub mod sampler;
 pub mod self_test;
 pub mod settings;
 pub mod store;
+pub mod text;

@@ -28,9 +28,12 @@ impl PeriodMeter {
 
     /// Mean period, s; `None` before two samples.
     #[must_use]
-    pub fn mean_s(&self, clock_hz: u32) -> Option<f64> {
-        let mean = self.ticks as f64 / f64::from(self.periods);
-        (self.periods > 0).then(|| mean / f64::from(clock_hz))
+    pub fn mean_s(&self, clock_hz: u32) -> Option<f32> {
+        let shortest = self.shortest?;
+        // A small difference: single precision will do.
+        let beyond = self.ticks - u64::from(self.periods) * u64::from(shortest);
+        let mean = shortest as f32 + beyond as f32 / self.periods as f32;
+        Some(mean / clock_hz as f32)
     }
 
     /// Shortest and longest period in clock ticks; `None` before two samples.

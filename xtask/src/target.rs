@@ -52,6 +52,7 @@ impl Tests {
             ("wake", COUNTING, End::Passed),
             ("queue", FAST, End::Passed),
             ("maths", FAST, End::Passed),
+            ("bytes", FAST, End::Passed),
             ("panic", FAST, End::Code(101)),
             ("fault", FAST, End::Code(102)),
             ("overflow", FAST, End::Stopped),

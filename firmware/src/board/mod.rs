@@ -1,6 +1,8 @@
 //! The boards: pins, clocks, peripherals. All `unsafe` code is here.
 #![allow(unsafe_code)]
 
+mod bytes;
+
 #[cfg(any(feature = "mps2-an386", feature = "nucleo-l476"))]
 pub mod stack;
 

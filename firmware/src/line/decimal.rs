@@ -3,6 +3,12 @@
 
 use core::fmt;
 
+use floe_core::division::divide;
+use heapless::String;
+use heapless::string::StringView;
+
+use crate::text::{Show, whole};
+
 /// Writes at least 6 significant digits, more if needed, without closing zeros;
 /// with an exponent outside 0.0001 to 1e9. Reading the text as `f32` gives the same
 /// bits (not for NaN).
@@ -16,87 +22,132 @@ use core::fmt;
 #[derive(Clone, Copy, Debug)]
 pub struct Decimal(pub f32);
 
-/// The least number of 6 digits, and the one above all of 9: with 9 digits a decimal
-/// is nearer to its `f32` than to any other.
-const FIRST: f64 = 1e5;
-const LAST: f64 = 1e9;
-
-impl fmt::Display for Decimal {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let value = f64::from(self.0);
-        if value.is_nan() || value.is_infinite() {
-            return f.write_str(if value.is_nan() {
-                "NaN"
-            } else if value > 0.0 {
-                "inf"
-            } else {
-                "-inf"
-            });
+impl Show for Decimal {
+    fn show(&self, out: &mut StringView) -> fmt::Result {
+        if self.0.is_nan() {
+            return "NaN".show(out);
         }
         if self.0.is_sign_negative() {
-            f.write_str("-")?;
+            "-".show(out)?;
+        }
+        if self.0.is_infinite() {
+            return "inf".show(out);
         }
         let (digits, exponent) = shortest(self.0.abs());
         match exponent {
-            -4..9 => plain(f, digits, exponent),
+            -4..9 => plain(out, digits, exponent),
             _ => {
-                plain(f, digits, 0)?;
-                write!(f, "e{exponent}")
+                plain(out, digits, 0)?;
+                ("e", exponent).show(out)
             }
         }
     }
 }
 
+impl fmt::Display for Decimal {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mut text = String::<16>::new();
+        self.show(&mut text)?;
+        f.write_str(&text)
+    }
+}
+
 /// Significant digits as a whole number without closing zeros, and the power of
-/// ten of the first of them.
+/// ten of the first of them. 6 digits or more, 9 at most: with 9 a decimal is nearer
+/// to its `f32` than to any other.
 fn shortest(number: f32) -> (u32, i32) {
     if number == 0.0 {
         return (0, 0);
     }
-    let value = f64::from(number);
-    let (mut exponent, mut unit) = (0, 1.0);
-    while value >= 10.0 * unit {
-        (exponent, unit) = (exponent + 1, 10.0 * unit);
-    }
-    while value < unit {
-        (exponent, unit) = (exponent - 1, 0.1 * unit);
-    }
-    let scale = FIRST / unit;
-    let (mut scaled, mut near, mut limit) = (value * scale, half_gap(number) * scale, 10.0 * FIRST);
-    let rounded = |scaled: f64| (scaled + 0.5) as u32;
-    while limit < LAST && (f64::from(rounded(scaled)) - scaled).abs() >= near {
-        (scaled, near, limit) = (10.0 * scaled, 10.0 * near, 10.0 * limit);
+    let (mut scaled, mut exponent) = six_digits(number);
+    let mut limit = 1_000_000;
+    while limit < 1_000_000_000 && !is_near(scaled, number) {
+        (scaled, limit) = (10 * scaled, 10 * limit);
     }
     let mut digits = rounded(scaled);
     // Rounding up can carry into a new first digit: 999 999.96.
-    if f64::from(digits) >= limit {
+    if digits >= limit {
         exponent += 1;
     }
-    while digits % 10 == 0 {
+    while digits.is_multiple_of(10) {
         digits /= 10;
     }
     (digits, exponent)
 }
 
-/// Nearly half the distance to the nearer neighbour of a number above zero.
-fn half_gap(number: f32) -> f64 {
-    let neighbour = |bits: u32| f64::from(f32::from_bits(bits));
-    let below = f64::from(number) - neighbour(number.to_bits() - 1);
-    let above = neighbour(number.to_bits() + 1) - f64::from(number);
-    0.4999 * below.min(above)
+/// Binary digits behind the point of a scaled number.
+const POINT: u32 = 30;
+
+/// A number above zero in 6 decimal digits before the point, and the power of ten of
+/// the first of them.
+fn six_digits(number: f32) -> (u64, i32) {
+    let (mantissa, power) = parts(number);
+    // The number is `scaled * 2^binary * 10^decimal`, `scaled` as large as can be.
+    let normal = |scaled: u64, binary: i32| {
+        let room = scaled.leading_zeros();
+        (scaled << room, binary - room as i32)
+    };
+    let (mut scaled, mut binary) = normal(mantissa.into(), power);
+    let mut decimal = 0;
+    // Below 2^20.
+    while binary > -44 {
+        (scaled, binary) = normal(tenth(scaled), binary);
+        decimal += 1;
+    }
+    // At least 2^16.
+    while binary < -47 {
+        (scaled, binary) = normal((scaled >> 4) * 10, binary + 4);
+        decimal -= 1;
+    }
+    scaled >>= -(binary + POINT as i32);
+    if scaled >= 1_000_000 << POINT {
+        (scaled, decimal) = (tenth(scaled), decimal + 1);
+    }
+    if scaled < 100_000 << POINT {
+        (scaled, decimal) = (10 * scaled, decimal - 1);
+    }
+    (scaled, decimal + 5)
+}
+
+/// A number above zero as mantissa and power of two.
+fn parts(number: f32) -> (u32, i32) {
+    let bits = number.to_bits();
+    match bits >> 23 {
+        0 => (bits, -149),
+        power => (bits & 0x7F_FFFF | 0x80_0000, power as i32 - 150),
+    }
+}
+
+fn tenth(scaled: u64) -> u64 {
+    divide(scaled, 10).0
+}
+
+/// The nearest whole number; of two the upper one, though tenths were cut off.
+fn rounded(scaled: u64) -> u32 {
+    const CUT: u64 = 1 << 13;
+    ((scaled + (1 << (POINT - 1)) + CUT) >> POINT) as u32
+}
+
+/// Is its rounding nearer to it than nearly half the distance to its neighbour?
+fn is_near(scaled: u64, number: f32) -> bool {
+    let off = (u64::from(rounded(scaled)) << POINT).abs_diff(scaled);
+    let (mantissa, _) = parts(number);
+    // The neighbour below a power of two is half as far as the one above.
+    let distances = if mantissa == 0x80_0000 { 4 } else { 2 };
+    off * distances * u64::from(mantissa) < scaled - (scaled >> 12)
 }
 
 /// Writes `digits` with the first of them at a power of ten.
-fn plain(f: &mut fmt::Formatter<'_>, digits: u32, exponent: i32) -> fmt::Result {
+fn plain(out: &mut StringView, digits: u32, exponent: i32) -> fmt::Result {
     let count = digits.checked_ilog10().unwrap_or(0) as i32 + 1;
     let decimals = count - 1 - exponent;
     if decimals <= 0 {
-        return write!(f, "{}", digits * 10_u32.pow(decimals.unsigned_abs()));
+        return (digits * 10_u32.pow(decimals.unsigned_abs())).show(out);
     }
     // Ten decimals or more are more than there are digits.
     let scale = 10_u32.checked_pow(decimals.unsigned_abs()).unwrap_or(u32::MAX);
-    let (whole, rest) = (digits / scale, digits % scale);
-    write!(f, "{whole}.{rest:0width$}", width = decimals as usize)
+    (digits / scale, ".").show(out)?;
+    whole(out, (digits % scale).into(), decimals as usize)
 }
 
 #[cfg(test)]

@@ -1,19 +1,22 @@
 //! Single fields, there and back.
 
-use core::fmt::{self, Display, Write};
+use core::fmt;
 use core::str::{FromStr, Split};
 
 use floe_core::{Cause, Phase, Quality, Reason, SampleFlag};
+use heapless::string::StringView;
 
 use super::{Decimal, LineError};
 use crate::adc::Input;
+use crate::text::Show;
 
 /// Writes a field per call.
-pub(super) struct Writer<'w, W>(pub &'w mut W);
+pub(super) struct Writer<'w>(pub &'w mut StringView);
 
-impl<W: Write> Writer<'_, W> {
-    pub(super) fn put(&mut self, value: impl Display) -> fmt::Result {
-        write!(self.0, ",{value}")
+impl Writer<'_> {
+    pub(super) fn put(&mut self, value: impl Show) -> fmt::Result {
+        ",".show(self.0)?;
+        value.show(self.0)
     }
 
     /// The fewest digits that give the same `f32` back.
@@ -28,10 +31,10 @@ impl<W: Write> Writer<'_, W> {
         }
     }
 
-    pub(super) fn put_some(&mut self, value: Option<impl Display>) -> fmt::Result {
+    pub(super) fn put_some(&mut self, value: Option<impl Show>) -> fmt::Result {
         match value {
             Some(value) => self.put(value),
-            None => self.0.write_char(','),
+            None => self.put(""),
         }
     }
 

@@ -1,12 +1,13 @@
 //! Values to text.
 
-use core::fmt::{self, Write};
+use core::fmt;
 
 use floe_core::{Change, Coefficient, Config, Estimate, Event, Report, SampleTime};
 
 use super::fields::Writer;
 use super::{About, Health, Line, LiveSample, Mean, Text, checksum};
 use crate::settings::Settings;
+use crate::text::{Hex, Show};
 
 impl Line<'_> {
     /// The line without its end, checksum included.
@@ -15,50 +16,50 @@ impl Line<'_> {
     /// The line is too long, which only a long text can be.
     pub fn to_text(&self) -> Result<Text, fmt::Error> {
         let mut text = Text::new();
-        text.write_char(self.kind())?;
+        self.kind().show(&mut text)?;
         self.put_fields(&mut Writer(&mut text))?;
         let sum = checksum(&text);
-        write!(text, "*{sum:04X}")?;
+        ("*", Hex(sum.into(), 4)).show(&mut text)?;
         Ok(text)
     }
 
-    fn kind(&self) -> char {
+    fn kind(&self) -> &'static str {
         match self {
-            Line::Start { .. } => 'T',
-            Line::Sample(_) => 'S',
-            Line::Spike(_) => 'P',
-            Line::About(_) => 'A',
-            Line::Event(_) => 'E',
-            Line::Change(_) => 'C',
-            Line::Report(_) => 'R',
-            Line::End { .. } => 'Z',
-            Line::Health(_) => 'H',
-            Line::Mean(_) => 'M',
-            Line::Info(_) => 'I',
-            Line::Trouble(_) => '!',
+            Line::Start { .. } => "T",
+            Line::Sample(_) => "S",
+            Line::Spike(_) => "P",
+            Line::About(_) => "A",
+            Line::Event(_) => "E",
+            Line::Change(_) => "C",
+            Line::Report(_) => "R",
+            Line::End { .. } => "Z",
+            Line::Health(_) => "H",
+            Line::Mean(_) => "M",
+            Line::Info(_) => "I",
+            Line::Trouble(_) => "!",
         }
     }
 
-    fn put_fields<W: Write>(&self, out: &mut Writer<'_, W>) -> fmt::Result {
+    fn put_fields(&self, out: &mut Writer<'_>) -> fmt::Result {
         match self {
             Line::Start { run, settings } => start(out, *run, settings),
             Line::Sample(sample) => live_sample(out, sample),
-            Line::Spike(index) => out.put(index),
+            Line::Spike(index) => out.put(*index),
             Line::About(a) => about(out, a),
             Line::Event(e) => event(out, e),
             Line::Change(c) => change(out, c),
             Line::Report(r) => report(out, r),
-            Line::End { run } => out.put(run),
+            Line::End { run } => out.put(*run),
             Line::Health(h) => health(out, h),
             Line::Mean(m) => mean(out, m),
-            Line::Info(text) | Line::Trouble(text) => out.put(text),
+            Line::Info(text) | Line::Trouble(text) => out.put(*text),
         }
     }
 }
 
-fn start<W: Write>(out: &mut Writer<'_, W>, run: u32, settings: &Settings) -> fmt::Result {
+fn start(out: &mut Writer<'_>, run: u32, settings: &Settings) -> fmt::Result {
     out.put(run)?;
-    out.put(&settings.name)?;
+    out.put(settings.name.as_str())?;
     let Config { rate_hz, weight_n, slope_rad, winch_m_per_s, range_n, calibration } =
         settings.config;
     out.put_f32(rate_hz)?;
@@ -72,7 +73,7 @@ fn start<W: Write>(out: &mut Writer<'_, W>, run: u32, settings: &Settings) -> fm
     out.put(calibration.range_counts.1)
 }
 
-fn live_sample<W: Write>(out: &mut Writer<'_, W>, sample: &LiveSample) -> fmt::Result {
+fn live_sample(out: &mut Writer<'_>, sample: &LiveSample) -> fmt::Result {
     out.put(sample.index)?;
     out.put_some_f32(sample.force_n)?;
     out.put_word(sample.flag)?;
@@ -80,13 +81,13 @@ fn live_sample<W: Write>(out: &mut Writer<'_, W>, sample: &LiveSample) -> fmt::R
     out.put(sample.gap)
 }
 
-fn about<W: Write>(out: &mut Writer<'_, W>, about: &About) -> fmt::Result {
+fn about(out: &mut Writer<'_>, about: &About) -> fmt::Result {
     out.put(about.index)?;
     coefficient(out, Some(about.answer.mu_s))?;
     coefficient(out, about.answer.mu)
 }
 
-fn event<W: Write>(out: &mut Writer<'_, W>, event: &Event) -> fmt::Result {
+fn event(out: &mut Writer<'_>, event: &Event) -> fmt::Result {
     out.put(event.index)?;
     time(out, event.onset)?;
     time(out, event.stop)?;
@@ -108,17 +109,17 @@ fn event<W: Write>(out: &mut Writer<'_, W>, event: &Event) -> fmt::Result {
     }
 }
 
-fn time<W: Write>(out: &mut Writer<'_, W>, time: SampleTime) -> fmt::Result {
+fn time(out: &mut Writer<'_>, time: SampleTime) -> fmt::Result {
     out.put(time.index)?;
     out.put_f32(time.fraction)
 }
 
-fn coefficient<W: Write>(out: &mut Writer<'_, W>, value: Option<Coefficient>) -> fmt::Result {
+fn coefficient(out: &mut Writer<'_>, value: Option<Coefficient>) -> fmt::Result {
     out.put_some_f32(value.map(|c| c.value))?;
     out.put_some_f32(value.map(|c| c.std))
 }
 
-fn report<W: Write>(out: &mut Writer<'_, W>, report: &Report) -> fmt::Result {
+fn report(out: &mut Writer<'_>, report: &Report) -> fmt::Result {
     let counters = &report.counters;
     out.put(counters.samples)?;
     out.put(counters.missing)?;
@@ -139,7 +140,7 @@ fn report<W: Write>(out: &mut Writer<'_, W>, report: &Report) -> fmt::Result {
     }
 }
 
-fn change<W: Write>(out: &mut Writer<'_, W>, change: &Change) -> fmt::Result {
+fn change(out: &mut Writer<'_>, change: &Change) -> fmt::Result {
     out.put(change.event)?;
     time(out, change.onset)?;
     out.put_word(change.cause)?;
@@ -147,14 +148,14 @@ fn change<W: Write>(out: &mut Writer<'_, W>, change: &Change) -> fmt::Result {
     out.put_f32(change.weight_ratio_std)
 }
 
-fn estimate<W: Write>(out: &mut Writer<'_, W>, estimate: Option<Estimate>) -> fmt::Result {
+fn estimate(out: &mut Writer<'_>, estimate: Option<Estimate>) -> fmt::Result {
     out.put_some_f32(estimate.map(|e| e.mean))?;
     out.put_some_f32(estimate.map(|e| e.std_error))?;
     out.put_some_f32(estimate.and_then(|e| e.spread))?;
     out.put_some(estimate.map(|e| e.events))
 }
 
-fn health<W: Write>(out: &mut Writer<'_, W>, health: &Health) -> fmt::Result {
+fn health(out: &mut Writer<'_>, health: &Health) -> fmt::Result {
     out.put(health.samples)?;
     out.put(health.overruns)?;
     out.put(health.deepest)?;
@@ -166,7 +167,7 @@ fn health<W: Write>(out: &mut Writer<'_, W>, health: &Health) -> fmt::Result {
     out.put(health.store_failures)
 }
 
-fn mean<W: Write>(out: &mut Writer<'_, W>, mean: &Mean) -> fmt::Result {
+fn mean(out: &mut Writer<'_>, mean: &Mean) -> fmt::Result {
     out.put_word(mean.input)?;
     out.put(mean.count)?;
     out.put(mean.failed)?;

@@ -42,6 +42,7 @@ mod target {
             "wake" => timing::no_wake_up_is_lost(),
             "queue" => queue::stalls(),
             "maths" => paths::maths(),
+            "bytes" => paths::bytes(),
             "panic" => paths::panic(),
             "fault" => paths::fault(),
             "overflow" => paths::overflow(),

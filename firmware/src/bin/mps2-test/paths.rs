@@ -1,5 +1,6 @@
 //! The same numbers as on a PC, and the ends that should never come.
 
+use core::cmp::Ordering;
 use core::hint::black_box;
 
 use super::functions::FUNCTIONS;
@@ -9,6 +10,29 @@ use super::functions::FUNCTIONS;
 pub fn maths() {
     for function in FUNCTIONS {
         semihosting::println!("{function} {:08x}", function.hash());
+    }
+}
+
+/// Moves, copies, fills and compares bytes of every length and at every place in a
+/// word, and finds the bytes where they belong.
+pub fn bytes() {
+    for length in 0..24 {
+        for (from, to) in (0..64).map(|i| (i / 8, i % 8)) {
+            let (from, to, length) = black_box((from, to, length));
+            let start: [u8; 64] = core::array::from_fn(|i| i as u8 + 1);
+            let (mut moved, mut copied, mut filled) = (start, start, start);
+            moved.copy_within(from..from + length, to);
+            copied[32 + to..][..length].copy_from_slice(&start[from..][..length]);
+            filled[to..][..length].fill(0);
+            for i in 0..64 {
+                let came = |to: usize| (to..to + length).contains(&i).then(|| start[from + i - to]);
+                assert_eq!(moved[i], came(to).unwrap_or(start[i]));
+                assert_eq!(copied[i], came(32 + to).unwrap_or(start[i]));
+                assert_eq!(filled[i], came(to).map_or(start[i], |_| 0));
+            }
+            let order = if length == 0 { Ordering::Equal } else { from.cmp(&to) };
+            assert_eq!(start[from..][..length].cmp(&start[to..][..length]), order);
+        }
     }
 }
 

@@ -1,0 +1,90 @@
+//! Values to text, small: with `core::fmt` they would be 3 kB more.
+
+use core::fmt;
+
+use floe_core::division::divide;
+use heapless::string::StringView;
+
+/// Something that can be written out.
+pub trait Show {
+    /// Adds it to the end of a text.
+    ///
+    /// # Errors
+    /// There is no room for all of it.
+    fn show(&self, out: &mut StringView) -> fmt::Result;
+}
+
+impl Show for &str {
+    fn show(&self, out: &mut StringView) -> fmt::Result {
+        out.push_str(self).map_err(|_| fmt::Error)
+    }
+}
+
+impl Show for u64 {
+    fn show(&self, out: &mut StringView) -> fmt::Result {
+        whole(out, *self, 1)
+    }
+}
+
+impl Show for u32 {
+    fn show(&self, out: &mut StringView) -> fmt::Result {
+        u64::from(*self).show(out)
+    }
+}
+
+impl Show for i32 {
+    fn show(&self, out: &mut StringView) -> fmt::Result {
+        if *self < 0 {
+            "-".show(out)?;
+        }
+        self.unsigned_abs().show(out)
+    }
+}
+
+impl<A: Show, B: Show> Show for (A, B) {
+    fn show(&self, out: &mut StringView) -> fmt::Result {
+        self.0.show(out)?;
+        self.1.show(out)
+    }
+}
+
+impl<A: Show, B: Show, C: Show> Show for (A, B, C) {
+    fn show(&self, out: &mut StringView) -> fmt::Result {
+        self.0.show(out)?;
+        self.1.show(out)?;
+        self.2.show(out)
+    }
+}
+
+/// A whole number of at least so many digits.
+#[inline(never)]
+pub(crate) fn whole(out: &mut StringView, number: u64, least: usize) -> fmt::Result {
+    let mut digits = [0; 20];
+    let (mut rest, mut count) = (number, 0);
+    for place in digits.iter_mut().rev() {
+        if count >= least && rest == 0 {
+            break;
+        }
+        let (quotient, digit) = divide(rest, 10);
+        (rest, count) = (quotient, count + 1);
+        *place = digit as u8;
+    }
+    digits.iter().skip(20 - count).try_for_each(|digit| put(out, b'0' + digit))
+}
+
+/// The last hexadecimal digits of a number.
+#[derive(Clone, Copy, Debug)]
+pub struct Hex(pub u32, pub u8);
+
+impl Show for Hex {
+    fn show(&self, out: &mut StringView) -> fmt::Result {
+        (0..self.1).rev().try_for_each(|place| {
+            let digit = (self.0 >> (4 * place)) as u8 & 0xF;
+            put(out, if digit < 10 { b'0' + digit } else { b'A' - 10 + digit })
+        })
+    }
+}
+
+fn put(out: &mut StringView, letter: u8) -> fmt::Result {
+    out.push(char::from(letter)).map_err(|_| fmt::Error)
+}
