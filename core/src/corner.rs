@@ -89,3 +89,36 @@ impl Corner {
         0.5 * (1.0 + z) * (1.0 + z) * (1.0 + z) - 3.0 * inside * inside
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::Cycle;
+
+    #[test]
+    fn the_derivatives_are_difference_quotients() {
+        let (static_n, half_drop_n) = (781.2, 289.8);
+        let cycle = Cycle { onset: 0.0, rate: 22.5, static_n, half_drop_n, omega: 1.18, bend: 0.0 };
+        let shape = cycle.shape();
+        let corner = Corner { smoothing: 0.02, missing_n: 20.0, range_n: 30.0 };
+        let more = [
+            Corner { smoothing: 0.0202, ..corner },
+            Corner { missing_n: 20.2, ..corner },
+            Corner { range_n: 30.3, ..corner },
+        ];
+        // Away from the corners, where kappa changes how much of it is seen.
+        for time in [-4.0, -2.0, -0.8, 1.0, 1.4, 4.0] {
+            let shift = corner.shift(&shape, time);
+            for (k, (more, step)) in more.iter().zip([2e-4, 0.2, 0.01]).enumerate() {
+                let quotient = (more.shift(&shape, time).force_n - shift.force_n) / step;
+                let error = (quotient - shift.by[k]).abs();
+                assert!(error < 0.02 * quotient.abs() + 0.02, "{time} {k} {quotient} {shift:?}");
+            }
+            let later = corner.shift(&shape, time + 1e-2).force_n;
+            let rate = (later - shift.force_n) / 1e-2;
+            let blurred = 22.5 * corner.smoothing * 1.18 * 1.18 * 15.0;
+            assert!((rate - shift.rate).abs() < 0.3 + blurred, "{time} {rate} {shift:?}");
+        }
+        assert!(Corner::default().is_sharp() && !corner.is_sharp());
+    }
+}

@@ -43,7 +43,7 @@ pub(crate) struct Effect {
 
 /// Without any sign of a round corner so many events are asked, and then one of so many.
 const FIRST: u32 = 12;
-const SELDOM: u32 = 8;
+const SELDOM: u32 = 16;
 /// Part that is left of the past with every event that is asked.
 const FADE: f32 = 1.0 - 1.0 / 40.0;
 /// Events before which nothing counts.
@@ -103,15 +103,23 @@ impl LearntCorner {
             }
             self.told.right[2] = RANGE_KNOWN * used[2];
         }
-        self.add(score, &used, noise_n2);
+        let told = score.told(&used);
+        self.add(score, &told, &used, noise_n2);
         let free = self.told.factor(0.0)?;
         let best = free.solve(&self.told.right);
-        self.surprise = FADE * self.surprise + score.surprise(&self.best, &best) / noise_n2;
+        let (before, after) = (score.times(&self.best), score.times(&best));
+        self.surprise *= FADE;
+        for k in 0..2 {
+            // How far off the event was before times how far it is after it: on average
+            // the variance of the noise.
+            let squared = (told[k] - before[k]) * (told[k] - after[k]);
+            self.surprise += 0.5 * squared / (score.normal.matrix[k][k] * noise_n2);
+        }
         self.best = best;
         // More than the noise explains: so much less is known.
         let excess = (self.surprise / (self.count - 1.0).max(1.0)).max(1.0);
         let factor = self.decide(&free, excess, &used)?;
-        let steps = self.limited(score, &used);
+        let moved = self.limited(score, &used);
         let variance = |force: &Gradient| {
             let by = score.response.map(|response| dot(&response, force));
             let possible = self.possible.iter().zip(by).fold(0.0, |sum, (v, by)| sum + v * by * by);
@@ -119,19 +127,18 @@ impl LearntCorner {
             excess * factor.covariance(&by, &by) + possible
         };
         let (static_n2, dynamic_n2) = (variance(&STATIC), variance(&DYNAMIC));
-        Some(Effect { moved: score.moved(&steps), static_n2, dynamic_n2 })
+        Some(Effect { moved, static_n2, dynamic_n2 })
     }
 
     /// Adds what an event tells.
-    fn add(&mut self, score: &Score, used: &Gradient, noise_n2: f32) {
+    fn add(&mut self, score: &Score, told: &Gradient, used: &Gradient, noise_n2: f32) {
         self.count = FADE * self.count + 1.0;
-        let right = score.right_around(used);
         for i in 0..NUMBERS {
             for j in 0..=i {
                 let sum = &mut self.told.matrix[i][j];
                 *sum = FADE * *sum + score.normal.matrix[i][j] / noise_n2;
             }
-            self.told.right[i] = FADE * self.told.right[i] + right[i] / noise_n2;
+            self.told.right[i] = FADE * self.told.right[i] + told[i] / noise_n2;
         }
         // While nothing tells the range it stays what it was thought to be.
         self.told.matrix[2][2] += (1.0 - FADE) * RANGE_KNOWN;
@@ -169,22 +176,24 @@ impl LearntCorner {
         Some(factor)
     }
 
-    /// From the numbers that were used to those that count now, no farther than first order
-    /// holds.
+    /// Goes from the numbers that were used to those that count now, no farther than first
+    /// order holds. Gives by how much the event's unknowns move.
     fn limited(&mut self, score: &Score, used: &Gradient) -> Gradient {
         let mut steps = numbers(&self.corner);
         steps.iter_mut().zip(used).for_each(|(step, used)| *step -= used);
-        let [onset, _, _, _, swing, _] = score.moved(&steps);
+        let mut moved = score.moved(&steps);
+        let [onset, _, _, _, swing, _] = moved;
         let far = (onset / MOST_ONSET).abs().max((swing / MOST_SWING).abs()) / score.swing;
         if far > 1.0 {
-            steps.iter_mut().for_each(|step| *step /= far);
+            let part = 1.0 / far;
+            moved.iter_mut().for_each(|moved| *moved *= part);
             self.corner = Corner {
-                smoothing: used[0] + steps[0],
-                missing_n: used[1] + steps[1],
-                range_n: math::exp(used[2] + steps[2]),
+                smoothing: used[0] + part * steps[0],
+                missing_n: used[1] + part * steps[1],
+                range_n: math::exp(used[2] + part * steps[2]),
             };
         }
-        steps
+        moved
     }
 }
 
@@ -254,27 +263,107 @@ impl Score {
         moved
     }
 
-    /// The score as if the fit had used nothing, or, with the sign changed, other numbers.
-    fn right_around(&self, numbers: &Gradient) -> Gradient {
-        let mut right = self.normal.right;
-        for (i, right) in right.iter_mut().enumerate().take(NUMBERS) {
-            for (j, number) in numbers.iter().enumerate().take(NUMBERS) {
-                *right += self.normal.matrix[i.max(j)][i.min(j)] * number;
-            }
-        }
-        right
+    /// The score as if the fit had used sharp corners.
+    fn told(&self, used: &Gradient) -> Gradient {
+        let mut told = self.times(used);
+        told.iter_mut().zip(self.normal.right).for_each(|(told, right)| *told += right);
+        told
     }
 
-    /// How far the event is from what was expected before it, times how far it is after
-    /// it, for `κ` and `h`: its expectation is the variance of the noise.
-    fn surprise(&self, before: &Gradient, after: &Gradient) -> f32 {
-        let used = numbers(&self.corner);
-        let score = |expected: &Gradient| {
-            let mut steps = used;
-            steps.iter_mut().zip(expected).for_each(|(step, number)| *step -= number);
-            self.right_around(&steps)
-        };
-        let (before, after) = (score(before), score(after));
-        (0..2).fold(0.0, |sum, k| sum + 0.5 * before[k] * after[k] / self.normal.matrix[k][k])
+    /// The information times the numbers.
+    #[inline(never)]
+    fn times(&self, numbers: &Gradient) -> Gradient {
+        let mut product = Gradient::default();
+        for (i, sum) in product.iter_mut().enumerate().take(NUMBERS) {
+            for (j, number) in numbers.iter().enumerate().take(NUMBERS) {
+                *sum += self.normal.matrix[i.max(j)][i.min(j)] * number;
+            }
+        }
+        product
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fit::{Prior, Samples};
+    use crate::line::Line;
+    use crate::model::Cycle;
+
+    const NOISE_N: f32 = 2.0;
+
+    /// Nearly normal: the sum of twelve even numbers.
+    struct Noise(u32);
+
+    impl Noise {
+        fn next_n(&mut self) -> f32 {
+            let even = (0..12).fold(0.0, |sum, _| {
+                self.0 = self.0.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+                sum + (self.0 >> 8) as f32 / 16_777_216.0
+            });
+            NOISE_N * (even - 6.0)
+        }
+    }
+
+    /// So many events with these corners: how many were taken for round, and what is
+    /// learnt in the end.
+    fn learnt(events: u16, truth: &Corner) -> (u16, LearntCorner) {
+        let (mut learnt, mut noise) = (LearntCorner::default(), Noise(1));
+        let mut round = 0;
+        for event in 0..events {
+            let onset = (0.618_034 * f32::from(event)).fract() - 1.0;
+            let (static_n, half_drop_n) = (781.2, 289.8);
+            let cycle =
+                Cycle { onset, rate: 22.5, static_n, half_drop_n, omega: 1.1828, bend: 0.0 };
+            let shape = cycle.shape();
+            let mut sample_n = |time: f32| {
+                let shift_n = truth.shift(&shape, time - onset).force_n;
+                shape.force(time).0 + shift_n + noise.next_n()
+            };
+            let mut line = |from: i16, to: i16| {
+                let mut line = Line::default();
+                (from..to).for_each(|t| line.add(t.into(), sample_n(t.into()), 1.0));
+                line
+            };
+            let (before, after) = (line(-30, -8), line(6, 24));
+            let forces_n: [f32; 14] = core::array::from_fn(|i| sample_n(i as f32 - 8.0));
+            let free = Prior::default();
+            let data = Data {
+                before: &before,
+                samples: Samples { start: -8.0, forces_n: &forces_n },
+                after: &after,
+                rate: free,
+                swing: free,
+                bend: Prior { mean: 0.0, weight: 1e3 },
+                onset: free,
+                corner: learnt.expected(22.5, cycle.swing()),
+            };
+            let noise_n2 = NOISE_N * NOISE_N;
+            let Some(fit) = data.fit(&cycle, noise_n2) else { continue };
+            learnt.learn(&data, &fit, noise_n2);
+            round += u16::from(!learnt.corner.is_sharp());
+        }
+        (round, learnt)
+    }
+
+    #[test]
+    fn white_noise_rounds_no_corner() {
+        let sharp = Corner { range_n: 30.0, ..Corner::default() };
+        let (round, _) = learnt(4000, &sharp);
+        assert!(round < 40, "{round}");
+    }
+
+    #[test]
+    fn creep_and_aperture_are_told_apart() {
+        let near = |got: f32, truth: f32, within: f32| (got - truth).abs() < within;
+        let creep = Corner { smoothing: 0.0, missing_n: 20.8, range_n: 30.0 };
+        let (round, LearntCorner { corner, .. }) = learnt(60, &creep);
+        assert!(round > 55 && corner.smoothing < 0.01, "{round} {corner:?}");
+        assert!(near(corner.missing_n, 20.8, 2.0) && near(corner.range_n, 30.0, 8.0), "{corner:?}");
+
+        let aperture = Corner { smoothing: 0.0267, missing_n: 0.0, range_n: 30.0 };
+        let (round, LearntCorner { corner, .. }) = learnt(60, &aperture);
+        assert!(round > 45 && corner.missing_n < 2.0, "{round} {corner:?}");
+        assert!(near(corner.smoothing, 0.0267, 0.008), "{corner:?}");
     }
 }

@@ -12,6 +12,7 @@
 //! | [`atan2`] | libm | 1.5 ulp |
 //! | [`acos`] | libm | 2 ulp |
 //! | [`exp`] | libm | 1 ulp |
+//! | [`ln`] | libm | 1 ulp |
 //! | [`rough_sqrt`] | micromath | 6.1 % relative: for detection limits only |
 #![allow(
     clippy::disallowed_methods,
