@@ -367,12 +367,12 @@ fn core_force_of_a_creeping_block() {
             rate += STEP * omega * omega * (fp - force_n - 0.5 * STEP * rate);
             force_n += STEP * rate;
             time += STEP;
-            // The stop is followed to first order.
+            // The stop is followed to first order: f² q² / 2 d is left.
             let error = model(time) - force_n;
-            assert!(error.abs() < 0.3, "f {f}, c {c}: {error} N at {time}");
+            assert!(error.abs() < 0.45, "f {f}, c {c}: {error} N at {time}");
         }
         let error = model(time + 3.0) - (force_n + 3.0 * r);
-        assert!(error.abs() < 0.3, "f {f}, c {c}: {error} N after the stop");
+        assert!(error.abs() < 0.45, "f {f}, c {c}: {error} N after the stop");
     }
 }
 

@@ -64,7 +64,7 @@ fn limits(name: &str) -> Limits {
             bias: [0.5, 2.4],
             p95: [1.5, 4.5],
             coverage: [NONE; 2],
-            why: "drift and creep, which no sample shows, with sag and ripple: as measured, and a quarter",
+            why: "drift, which no sample shows, with sag, ripple and a creep that flop hides: as measured, and a quarter",
             ..AIM
         },
         "breaking" => Limits {
