@@ -17,6 +17,7 @@ use crate::math;
 use crate::model::{self, Cycle};
 use crate::pending::{Pending, since};
 use crate::posterior::Posterior;
+use crate::sag::Rest;
 use crate::window::Window;
 
 /// What turns forces into coefficients.
@@ -95,6 +96,8 @@ pub struct Cycles {
     /// Stop of the last event, and when its cable began to load.
     last_stop: Option<SampleTime>,
     last_load: Option<SampleTime>,
+    /// The same stop and the force there, N, if it was measured.
+    rested: Option<(SampleTime, f32)>,
     count: u32,
 }
 
@@ -112,6 +115,7 @@ impl Cycles {
             suspect: None,
             last_stop: None,
             last_load: None,
+            rested: None,
             count: 0,
         }
     }
@@ -243,7 +247,7 @@ impl Cycles {
         let mut slip = Pending::new(stick, self.start(stick), detector.window(), now, extremes);
         let noise_n = detector.noise_n().unwrap_or(1.0);
         slip.noise_n2 = noise_n * noise_n;
-        slip.inflation = detector.inflation();
+        slip.wander = detector.wander();
         slip
     }
 
@@ -277,8 +281,13 @@ impl Cycles {
                 let site = self.site();
                 let alone = alone.map(|forces| {
                     let mu_s = site.whole(forces.static_n, noise_n2 * forces.static_variance);
-                    (mu_s, site.whole(forces.dynamic_n, noise_n2 * forces.dynamic_variance))
+                    let (shift_n, _) = self.learnt.sag.shift(&posterior.cycle);
+                    (
+                        mu_s,
+                        site.whole(forces.dynamic_n - shift_n, noise_n2 * forces.dynamic_variance),
+                    )
                 });
+                self.learn_sag(&pending, &posterior);
                 let loads = posterior.cycle.shape().loads();
                 load = Some(moment(pending.origin, loads));
                 let event = self.measured(&pending, &posterior);
@@ -295,6 +304,30 @@ impl Cycles {
         self.last_load = load.or(self.last_stop);
         self.count = self.count.saturating_add(1);
         Some(finished)
+    }
+
+    /// What a rest between two slips tells of a cable that sags, if the force strays from
+    /// its line at all.
+    fn learn_sag(&mut self, pending: &Pending, posterior: &Posterior) {
+        let (cycle, shape) = (&posterior.cycle, posterior.cycle.shape());
+        let rested = self.rested.take();
+        if shape.is_slack() || !posterior.is_resolved() {
+            return;
+        }
+        self.rested = Some((moment(pending.origin, shape.stop()), cycle.restick_n()));
+        let rested = rested.filter(|_| pending.wander.level > 0.0);
+        let Some(((from, from_n), (rate, rate_variance))) = rested.zip(self.learnt.own_rate) else {
+            return;
+        };
+        let to = moment(pending.origin, cycle.onset);
+        self.learnt.sag.learn(&Rest {
+            time: since(from.index, to.index) + to.fraction - from.fraction,
+            from_n,
+            to_n: cycle.static_n,
+            rate,
+            rate_variance,
+            rate_at_n: pending.before.level_n,
+        });
     }
 
     /// A measured event with what it tells of a change.
@@ -365,7 +398,8 @@ impl Cycles {
         let mut event = self.bare(pending, cycle);
         let site = self.site();
         event.mu_s = Some(site.whole(cycle.static_n, posterior.static_n2));
-        event.mu = Some(site.whole(cycle.dynamic_n(), posterior.dynamic_n2));
+        let (shift_n, shift_n2) = self.learnt.sag.shift(cycle);
+        event.mu = Some(site.whole(cycle.dynamic_n() - shift_n, posterior.dynamic_n2 + shift_n2));
         if !posterior.is_resolved() {
             if !event.slack {
                 event.quality = Quality::Unresolved;

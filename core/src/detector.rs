@@ -29,7 +29,7 @@ use crate::memory::Memory;
 use crate::noise::Noise;
 use crate::pending::since;
 use crate::sample::Phase;
-use crate::whiteness::Whiteness;
+use crate::whiteness::{Wander, Whiteness};
 use crate::window::{WINDOW, Window};
 
 /// Samples whose innovation exceeds this many standard deviations are not on the line.
@@ -306,10 +306,10 @@ impl Detector {
         self.std_n
     }
 
-    /// Samples of the stick line that tell as much as one with an error of its own.
+    /// How the force strays from a straight stick line, beside the noise.
     #[must_use]
-    pub fn inflation(&self) -> f32 {
-        self.whiteness.inflation()
+    pub fn wander(&self) -> Wander {
+        self.whiteness.wander()
     }
 
     /// Usual drop of a slip, N; zero before the first.
@@ -374,6 +374,7 @@ impl Detector {
         let undecided = self.phase != Phase::Slip && self.usual_drop_n <= 0.0;
         if undecided && std < LESS_NOISE * self.judged_with_n {
             self.judged_with_n = std;
+            self.whiteness = Whiteness::default();
             self.next = 0;
             self.phase = Phase::Unknown;
         }

@@ -13,6 +13,7 @@ use crate::learnt_corner::Effect;
 use crate::line::Line;
 use crate::model::{Cycle, Gradient, UNKNOWNS};
 use crate::solve::{Factor, Normal, dot};
+use crate::whiteness::Wander;
 
 /// What is known of a quantity beforehand.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -21,6 +22,13 @@ pub struct Prior {
     pub mean: f32,
     /// One over its variance, in units of one over the noise variance; zero: unknown.
     pub weight: f32,
+}
+
+impl Prior {
+    /// With more variance, in units of the noise variance.
+    pub(crate) fn loosened(self, variance: f32) -> Self {
+        Self { weight: self.weight / (1.0 + variance * self.weight), ..self }
+    }
 }
 
 /// The samples of the slip and its surroundings, one a period.
@@ -56,6 +64,8 @@ pub struct Data<'a> {
     pub samples: Samples<'a>,
     /// Stick line after the last point.
     pub after: &'a Line,
+    /// How far the force wanders about both lines.
+    pub wander: Wander,
     /// Loading rate from earlier events, N per period.
     pub rate: Prior,
     /// Swing `1/ω` from earlier events, periods.
@@ -288,10 +298,10 @@ impl Data<'_> {
         };
         let since_onset = before.time - cycle.onset;
         let level = shifted(since_onset, shape.before(since_onset));
-        add_line(&mut normal, before, level, shape.slope_before());
+        add_line(&mut normal, before, &self.wander, [level, shape.slope_before()]);
         let since_onset = after.time - cycle.onset;
         let level = shifted(since_onset, shape.after(since_onset));
-        add_line(&mut normal, after, level, shape.slope_after());
+        add_line(&mut normal, after, &self.wander, [level, shape.slope_after()]);
         for (unknown, (prior, value)) in self.priors(cycle).into_iter().enumerate() {
             normal.add_one(prior.mean - value, unknown, prior.weight);
         }
@@ -300,7 +310,8 @@ impl Data<'_> {
 
     /// Times, periods, forces, N, and weights of samples and lines.
     pub fn levels(&self) -> impl Iterator<Item = (f32, f32, f32)> + '_ {
-        let line = |line: &Line| (line.time, line.level_n, line.weight);
+        let weight = |line: &Line| loosened(line.weight, self.wander.level);
+        let line = move |line: &Line| (line.time, line.level_n, weight(line));
         let samples = self.samples.good().map(|(time, force_n)| (time, force_n, 1.0));
         samples.chain([line(self.before), line(self.after)])
     }
@@ -329,14 +340,26 @@ fn forces(cycle: &Cycle, step: &Gradient, information: &Factor) -> Forces {
     }
 }
 
-/// A line as two observations: its level at its mean time, and its slope.
-fn add_line(normal: &mut Normal, line: &Line, level: (f32, Gradient), slope: (f32, Gradient)) {
+/// A weight, one over a variance, where another variance is added to that.
+fn loosened(weight: f32, variance: f32) -> f32 {
+    weight / (1.0 + variance * weight)
+}
+
+/// A line as two observations, its level and its slope, each as far off as the force
+/// wanders.
+fn add_line(
+    normal: &mut Normal,
+    line: &Line,
+    wander: &Wander,
+    [level, slope]: [(f32, Gradient); 2],
+) {
     if line.weight <= 0.0 {
         return;
     }
-    normal.add(line.level_n - level.0, &level.1, line.weight);
+    normal.add(line.level_n - level.0, &level.1, loosened(line.weight, wander.level));
     if let Some(measured) = line.slope() {
-        normal.add(measured - slope.0, &slope.1, line.slope_weight());
+        let weight = loosened(line.slope_weight(), wander.slope);
+        normal.add(measured - slope.0, &slope.1, weight);
     }
 }
 

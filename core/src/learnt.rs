@@ -9,6 +9,7 @@ use crate::model::{Cycle, UNKNOWNS};
 use crate::pending::Pending;
 use crate::posterior::Posterior;
 use crate::residuals::Residuals;
+use crate::sag::Sag;
 use crate::shared::{Shared, without_prior};
 
 /// Loading rate, swing `1/ω` and bend that the events share, and the noise.
@@ -18,6 +19,9 @@ pub(crate) struct Learnt {
     pub(crate) mass: Mass,
     bend: Shared,
     pub(crate) corner: LearntCorner,
+    pub(crate) sag: Sag,
+    /// Loading rate as the newest event alone tells it, and its variance.
+    pub(crate) own_rate: Option<(f32, f32)>,
     pub(crate) residuals: Residuals,
     /// Events in a row that did not fit.
     misfits: u8,
@@ -41,7 +45,7 @@ impl Learnt {
     /// detector's. Never below what single precision leaves of a force.
     pub(crate) fn noise_n2(&self, pending: &Pending) -> f32 {
         let noise_n2 = self.residuals.variance_n2().unwrap_or(pending.noise_n2);
-        pending.inflation * noise_n2.max(rounding_n2(pending))
+        (pending.white_share() * noise_n2).max(rounding_n2(pending))
     }
 
     /// Does an event leave far more than the others do? The winch paused or started, the
@@ -82,9 +86,10 @@ impl Learnt {
             before: &pending.before,
             samples: pending.samples(),
             after,
-            rate,
+            wander: pending.wander,
+            rate: rate.loosened(pending.wander.slope),
             swing,
-            bend: self.bend_prior(rough.rate, noise_n2),
+            bend: self.bend_prior(rough.rate, noise_n2).loosened(2.0 * pending.wander.slope),
             onset: rough.onset(noise_n2),
             corner: self.corner.expected(rate.mean, swing.mean),
         }
@@ -118,6 +123,7 @@ impl Learnt {
         let Posterior { cycle, unknowns: [_, rate, _, _, swing, bend], .. } = *posterior;
         self.rate.forget();
         self.bend.forget();
+        self.sag.forget();
         if posterior.is_resolved() {
             self.mass.forget();
         }
@@ -140,11 +146,12 @@ impl Learnt {
         };
         let verdict = self.mass.judge(&told);
         let on_trial = self.mass.is_on_trial();
+        let own_rate = own(cycle.rate, rate, data.rate, LEAST_OWN).filter(positive);
+        self.own_rate = own_rate;
         if strained || (verdict == Verdict::Suspect && !on_trial) {
             return verdict;
         }
-        let own_rate = own(cycle.rate, rate, data.rate, LEAST_OWN);
-        if let Some((value, variance)) = own_rate.filter(positive) {
+        if let Some((value, variance)) = own_rate {
             self.rate.add(value, variance);
         }
         if let Some((value, variance)) = own(cycle.bend, bend, data.bend, LEAST_OWN_BEND) {

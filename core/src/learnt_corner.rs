@@ -289,6 +289,7 @@ mod tests {
     use crate::fit::{Prior, Samples};
     use crate::line::Line;
     use crate::model::Cycle;
+    use crate::whiteness::Wander;
 
     const NOISE_N: f32 = 2.0;
 
@@ -332,6 +333,7 @@ mod tests {
                 before: &before,
                 samples: Samples { start: -8.0, forces_n: &forces_n },
                 after: &after,
+                wander: Wander::NONE,
                 rate: free,
                 swing: free,
                 bend: Prior { mean: 0.0, weight: 1e3 },

@@ -44,6 +44,7 @@ pub mod pipeline;
 pub mod posterior;
 pub mod report;
 pub mod residuals;
+mod sag;
 pub mod sample;
 pub mod shared;
 mod slack;

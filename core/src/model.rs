@@ -41,7 +41,7 @@ pub struct Cycle {
     pub half_drop_n: f32,
     /// Natural frequency while sliding, rad per unit of time.
     pub omega: f32,
-    /// Loading rate after the slip minus `rate`: the winch or the sag changed it.
+    /// Loading rate after the slip minus `rate`: the winch gained so much meanwhile.
     pub bend: f32,
 }
 
@@ -55,6 +55,9 @@ pub struct Shape {
     a2: f32,
     /// `T_slide` (25), or up to the stop on a slack cable.
     slide: f32,
+    /// Force per bend by which a winch that gains speed evenly over the slip shifts the centre of
+    /// the ellipse: `1 / (T_slide ω²)`, from `F'' + ω² (F − Fp) = k w'`. Zero on a slack cable.
+    ramp: f32,
     /// Up to here since the onset the slip is on the ellipse.
     arc: f32,
     slack: Option<Slack>,
@@ -138,7 +141,8 @@ impl Cycle {
                 (slide, slide)
             }
         };
-        Shape { cycle: *self, q, a2, slide, arc, slack }
+        let ramp = if slack.is_none() { 1.0 / (slide * self.omega * self.omega) } else { 0.0 };
+        Shape { cycle: *self, q, a2, slide, ramp, arc, slack }
     }
 }
 
@@ -214,7 +218,7 @@ impl Shape {
         (c.static_n + c.rate * since_onset, [-c.rate, since_onset, 1.0, 0.0, 0.0, 0.0])
     }
 
-    /// On the ellipse: `F − Fp = d cos ωτ + q sin ωτ`.
+    /// On the ellipse: `F − Fp = d cos ωτ + q sin ωτ`, and what the winch gains meanwhile.
     fn during(&self, since_onset: f32) -> (f32, Gradient) {
         let c = &self.cycle;
         let (sin, cos) = math::sin_cos(c.omega * since_onset);
@@ -222,8 +226,9 @@ impl Shape {
         let force_rate = c.rate * cos - c.half_drop_n * c.omega * sin;
         let by_rate = sin / c.omega;
         let by_swing = c.omega * (self.q * sin - force_rate * since_onset);
-        let force_n = c.static_n - c.half_drop_n + from_centre;
-        (force_n, [-force_rate, by_rate, 1.0, cos - 1.0, by_swing, 0.0])
+        let by_bend = (1.0 - cos) * self.ramp;
+        let force_n = c.static_n - c.half_drop_n + from_centre + c.bend * by_bend;
+        (force_n, [-force_rate, by_rate, 1.0, cos - 1.0, by_swing, by_bend])
     }
 
     /// On the stick line after the slip, continued to any time.
@@ -234,15 +239,18 @@ impl Shape {
         let [by_rate, by_static, by_drop, by_swing] = by;
         let since_rest = since_onset - time;
         let rate = c.rate + c.bend;
+        // At the stop 1 − cos ω T = 2 cos² φ; that it comes later changes nothing, since the force
+        // goes on at the winch's rate either way.
+        let by_bend = since_rest + 2.0 * c.half_drop_n * c.half_drop_n / self.a2 * self.ramp;
         let gradient = [
             -rate,
             since_rest - rate * by_rate,
             force_by[0] - rate * by_static,
             force_by[1] - rate * by_drop,
             -rate * by_swing,
-            since_rest,
+            by_bend,
         ];
-        (force_n + rate * since_rest, gradient)
+        (force_n + c.rate * since_rest + c.bend * by_bend, gradient)
     }
 
     fn rest(&self) -> Rest {
@@ -360,6 +368,32 @@ mod tests {
                     gradient[i]
                 );
             }
+        }
+    }
+
+    /// `F'' + ω² (F − Fp) = bend / T_slide` in small steps, to the stop, `F' = k w`.
+    #[test]
+    fn a_winch_that_gains_speed_shifts_the_stop() {
+        let steady = dff8_13();
+        for bend in [-2.0_f32, 2.0] {
+            let cycle = Cycle { bend, ..steady };
+            let gain = f64::from(bend / steady.slide_time());
+            let (omega, centre_n) = (f64::from(cycle.omega), f64::from(cycle.dynamic_n()));
+            let h = 1e-4;
+            let (mut t, mut force_n) = (0.0, f64::from(cycle.static_n));
+            let mut force_rate = f64::from(cycle.rate);
+            while t < 0.1 || force_rate < f64::from(cycle.rate) + gain * t {
+                let pull = |force_n: f64| omega * omega * (centre_n - force_n) + gain;
+                let half = force_rate + 0.5 * h * pull(force_n);
+                force_n += h * half;
+                force_rate = half + 0.5 * h * pull(force_n);
+                t += h;
+            }
+            // The stick line through the stop, where the closed form has its own.
+            let (got_n, _) = cycle.shape().after(t as f32);
+            let moved_n = force_n - f64::from(steady.restick_n());
+            assert!(moved_n.abs() > 0.5, "{moved_n}");
+            assert!((f64::from(got_n) - force_n).abs() < 0.15 * moved_n.abs(), "{got_n} {force_n}");
         }
     }
 

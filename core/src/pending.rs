@@ -5,6 +5,7 @@ use crate::fit::{Data, Fitting, Prior, Samples};
 use crate::line::Line;
 use crate::math;
 use crate::model::Cycle;
+use crate::whiteness::Wander;
 use crate::window::Window;
 
 const PI: f32 = core::f32::consts::PI;
@@ -29,8 +30,8 @@ pub(crate) struct Pending {
     rough: Rough,
     /// Rough variance of the noise, from the detector, N².
     pub(crate) noise_n2: f32,
-    /// Samples that tell as much as one with an error of its own.
-    pub(crate) inflation: f32,
+    /// How far the force wanders about its stick lines.
+    pub(crate) wander: Wander,
     /// A saturated sample, or too many missing ones, between the lines.
     pub(crate) hidden: bool,
     /// The cycle as far as it was known before the stick line after it.
@@ -107,7 +108,7 @@ impl Pending {
             low,
             rough: Rough::new(stick, window, (peak, low)),
             noise_n2: 0.0,
-            inflation: 1.0,
+            wander: Wander::NONE,
             hidden: false,
             early: None,
         };
@@ -212,6 +213,14 @@ impl Pending {
         let centre_n = 0.5 * peak_n * peak_n / (peak_n + below_n);
         let part = 1.0 - math::acos(centre_n / (peak_n - centre_n)) / PI;
         Some(Slack { centre_n, part })
+    }
+
+    /// The noise's part of the mean square of all residuals: only the line's contain what
+    /// the force wanders.
+    pub(crate) fn white_share(&self) -> f32 {
+        let line = self.before.count as f32;
+        let part = line / (line + self.length as f32);
+        1.0 - part * (1.0 - self.wander.white_share)
     }
 
     /// Is a fitted cycle the slip that the samples show? Its ends lie within half the

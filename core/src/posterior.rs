@@ -208,6 +208,7 @@ mod tests {
     use crate::corner::Corner;
     use crate::fit::Samples;
     use crate::line::Line;
+    use crate::whiteness::Wander;
 
     /// A stiff cable's event sampled at whole periods, without noise.
     fn forces_n(cycle: &Cycle) -> [f32; 12] {
@@ -225,6 +226,7 @@ mod tests {
             before: &line,
             samples: Samples { start: -6.0, forces_n: &forces_n },
             after: &line,
+            wander: Wander::NONE,
             rate: Prior { mean: 20.0, weight: 0.1 },
             swing: Prior { mean: 0.8 / omega, weight: 4.0 * omega * omega / 0.25 },
             bend: Prior { mean: 0.0, weight: 1e6 },

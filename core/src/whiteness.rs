@@ -1,54 +1,80 @@
-//! Are the samples' errors independent of each other?
+//! How the force strays from a straight stick line, beside the noise.
 //!
-//! A winch that ripples, a converter with 1/f noise or a cable that swings leave
-//! neighbouring samples with like errors; then many samples tell less than their
-//! number. The innovations of the stick line are uncorrelated if the errors are;
-//! their correlation `ρ` at a lag of one sample tells how many samples are worth one:
-//! `(1 + ρ)/(1 − ρ)`, as for an autoregressive error of first order.
+//! A winch that ripples or a cable that sags bends the stick line. That is in the force
+//! itself: neighbouring samples have it in common, and what counts at the onset is the force
+//! there, not the line's. White noise differs from sample to sample. So the second
+//! difference of the line's innovations, `e − 2 e' + e''`, shows the noise alone (6 times its
+//! variance), and what the innovations have beyond that wanders slowly.
 
-/// Running correlation of neighbouring innovations.
+/// How far the force wanders about its line; variances in units of that of the noise.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Wander {
+    /// The noise's part of the variance of a sample about the line.
+    pub white_share: f32,
+    /// Variance of the force about the line.
+    pub level: f32,
+    /// Variance of the force's slope, per period squared.
+    pub slope: f32,
+}
+
+impl Wander {
+    /// The line is straight.
+    pub const NONE: Self = Self { white_share: 1.0, level: 0.0, slope: 0.0 };
+}
+
+/// Running sums of squares of the innovations and of their first two differences, of a
+/// fading past.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Whiteness {
+    /// The last innovation and the one before it.
     last: Option<f32>,
-    /// Sums of products of neighbours and of squares, of a fading past, and their number.
-    products: f32,
+    before: Option<f32>,
     squares: f32,
+    steps: f32,
+    bends: f32,
     count: f32,
 }
 
 /// Samples over which the past is forgotten.
 const MEMORY: f32 = 2000.0;
-/// Standard errors beyond which a correlation counts.
+/// Standard errors beyond which the force wanders; that of the noise's mean square is
+/// about `2 / √count` of it.
 const SIGNIFICANT: f32 = 4.0;
-/// No correlation is believed beyond this.
-const LARGEST: f32 = 0.9;
+/// Fewest samples that show it.
+const FEWEST: f32 = 24.0;
 
 impl Whiteness {
     /// Takes the innovation of the sample after the last one.
     pub fn add(&mut self, innovation: f32) {
         const FADE: f32 = 1.0 - 1.0 / MEMORY;
         let last = self.last.replace(innovation);
-        let Some(last) = last else { return };
-        self.products = FADE * self.products + last * innovation;
+        let before = core::mem::replace(&mut self.before, last);
+        let Some((last, before)) = last.zip(before) else { return };
+        let step = innovation - last;
+        let bend = step - (last - before);
         self.squares = FADE * self.squares + innovation * innovation;
+        self.steps = FADE * self.steps + step * step;
+        self.bends = FADE * self.bends + bend * bend;
         self.count = FADE * self.count + 1.0;
     }
 
     /// The next sample has no neighbour before it.
     pub fn interrupt(&mut self) {
-        self.last = None;
+        (self.last, self.before) = (None, None);
     }
 
-    /// Samples that tell as much as one with an error of its own: one for white noise.
+    /// What the innovations show; nothing unless it is clear.
     #[must_use]
-    pub fn inflation(&self) -> f32 {
-        let sure = self.products * self.products * self.count
-            > SIGNIFICANT * SIGNIFICANT * self.squares * self.squares;
-        if self.products <= 0.0 || !sure {
-            return 1.0;
+    pub fn wander(&self) -> Wander {
+        let white = self.bends / 6.0;
+        let slow = self.squares - white;
+        let limit = 2.0 * SIGNIFICANT * white;
+        let sure = self.count >= FEWEST && slow * slow * self.count > limit * limit;
+        if white <= 0.0 || slow <= 0.0 || !sure {
+            return Wander::NONE;
         }
-        let correlation = (self.products / self.squares).min(LARGEST);
-        (1.0 + correlation) / (1.0 - correlation)
+        let slope = (self.steps / white - 2.0).max(0.0);
+        Wander { white_share: white / self.squares, level: slow / white, slope }
     }
 }
 
@@ -56,27 +82,38 @@ impl Whiteness {
 mod tests {
     use super::*;
 
-    fn inflation(correlation: f32) -> f32 {
-        let (mut whiteness, mut state, mut error) = (Whiteness::default(), 1_u32, 0.0);
-        for _ in 0..4000 {
+    /// White noise of variance 1/12 and a swing.
+    fn seen(amplitude: f32, period: f32, samples: u32) -> Wander {
+        let (mut whiteness, mut state) = (Whiteness::default(), 1_u32);
+        for i in 0..samples {
             state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-            error = correlation * error + (state >> 8) as f32 / 16_777_216.0 - 0.5;
-            whiteness.add(error);
+            let noise = (state >> 8) as f32 / 16_777_216.0 - 0.5;
+            let angle = core::f32::consts::TAU * (i as f32 / period).fract();
+            whiteness.add(noise + amplitude * angle.sin());
         }
-        whiteness.inflation()
+        whiteness.wander()
     }
 
     #[test]
-    fn white_noise_counts_in_full_and_a_slow_error_for_less() {
-        assert!((inflation(0.0) - 1.0).abs() < f32::EPSILON);
-        assert!((inflation(0.8) / 9.0 - 1.0).abs() < 0.2, "{}", inflation(0.8));
-        assert!((inflation(-0.5) - 1.0).abs() < f32::EPSILON);
+    fn white_noise_does_not_wander() {
+        for samples in [3, 10, 100, 1000, 10_000] {
+            assert_eq!(seen(0.0, 9.0, samples), Wander::NONE, "{samples}");
+        }
     }
 
     #[test]
-    fn nothing_is_believed_of_a_few_samples() {
-        let mut whiteness = Whiteness::default();
-        (0..10).for_each(|_| whiteness.add(1.0));
-        assert!((whiteness.inflation() - 1.0).abs() < f32::EPSILON);
+    fn a_swing_is_told_from_the_noise() {
+        // Variances of the swing and of its slope over that of the noise.
+        let (level, slope) = (0.5 * 12.0, 0.5 * 12.0 * (core::f32::consts::TAU / 20.0).powi(2));
+        let wander = seen(1.0, 20.0, 4000);
+        assert!((wander.level / level - 1.0).abs() < 0.15, "{wander:?}");
+        assert!((wander.slope / slope - 1.0).abs() < 0.25, "{wander:?}");
+        assert!((wander.white_share * (1.0 + wander.level) - 1.0).abs() < 1e-3);
+    }
+
+    #[test]
+    fn nothing_is_believed_of_a_few_samples_or_of_none() {
+        assert_eq!(seen(1.0, 20.0, 8), Wander::NONE);
+        assert_eq!(Whiteness::default().wander(), Wander::NONE);
     }
 }

@@ -31,8 +31,8 @@ const NOTES: &str = "\
 - *delay*: from the true onset until the method says that the block slips. *ns/sample*: median of seven warm
   runs. *worst ns*: longest single sample, each the shortest of seven runs. *state B*: bytes kept between
   samples; the offline method's grow with the record.
-- *hard* scenes are in `host-sim/scenes/hard`; the truth is the force at the onset and at the centre of the
-  slip, over the weight that the methods were told.
+- *hard* scenes are in `host-sim/scenes/hard`; the truth is the coefficient of the ice. The weight that the
+  methods are told is the one at the start: where the block breaks they have to find that out.
 ";
 
 /// The page; `picture` is the file next to it.

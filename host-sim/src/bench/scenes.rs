@@ -75,9 +75,9 @@ pub struct Truth {
     pub onset_s: f64,
     /// The block rests again, s.
     pub stop_s: f64,
-    /// `Fs` as a coefficient of the weight that the methods are told.
+    /// Of the ice, whatever weight the methods are told.
     pub mu_s: f64,
-    /// `Fp` likewise.
+    /// Likewise.
     pub mu: f64,
     /// Cramér-Rao bounds of the two, five unknowns free; `None` where the model
     /// does not hold or the samples cannot tell.
@@ -229,8 +229,8 @@ impl Plan {
             Truth {
                 onset_s: event.onset_s,
                 stop_s: event.stop_s,
-                mu_s: setup.coefficient(event.static_force_n),
-                mu: setup.coefficient(event.dynamic_force_n),
+                mu_s: event.mu_s,
+                mu: event.mu,
                 bound,
             }
         };
