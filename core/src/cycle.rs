@@ -323,7 +323,8 @@ impl Cycles {
         self.learnt.sag.learn(&Rest {
             time: since(from.index, to.index) + to.fraction - from.fraction,
             from_n,
-            to_n: cycle.static_n,
+            // Where the line goes on to: what creep takes from it is not the cable's.
+            to_n: cycle.static_n + self.learnt.corner.missing_n(),
             rate,
             rate_variance,
             rate_at_n: pending.before.level_n,

@@ -76,6 +76,11 @@ impl LearntCorner {
         Corner { range_n: RANGE * rate * swing, ..Corner::default() }
     }
 
+    /// What the force lacks at the onset, N.
+    pub(crate) fn missing_n(&self) -> f32 {
+        self.corner.missing_n
+    }
+
     /// How far below `Fs` the force of the creeping block lacks so many newtons, N.
     pub(crate) fn creep_n(&self, lacking_n: f32) -> f32 {
         let Corner { missing_n, range_n, .. } = self.corner;
