@@ -5,6 +5,8 @@
 //! above it; a little before that they widen the intervals. What the events told of rate,
 //! swing and bend, and the event's own fit, move along with them, to first order.
 
+#![allow(clippy::needless_range_loop, reason = "an index is that of rows and columns alike")]
+
 use crate::corner::{Corner, NUMBERS};
 use crate::fit::{DYNAMIC, Data, Fit, STATIC};
 use crate::math;
@@ -251,8 +253,9 @@ impl Score {
                 normal.matrix[i][j] -= dot(&products[i], &response[j]);
             }
             normal.right[i] -= dot(&response[i], &right);
-            // Without creep its range is not known at all. Also true for NaN.
-            if i < 2 && !(normal.matrix[i][i] > LEAST_OWN * whole) {
+            // Without creep its range is not known at all.
+            let own = normal.matrix[i][i];
+            if i < 2 && (own <= LEAST_OWN * whole || own.is_nan()) {
                 return None;
             }
         }
