@@ -42,14 +42,16 @@ impl Site {
         }
     }
 
-    /// Standard deviation of a force's coefficient because of the weight's.
-    fn common_std(&self, force_n: f32) -> f32 {
-        self.weight_spread * force_n.abs() / (self.weight_n * self.slope.1)
+    /// Standard deviation of a force's coefficient because of the weight's, and of a
+    /// variance that the events share.
+    fn common_std(&self, force_n: f32, shared_n2: f32) -> f32 {
+        let weight_n = self.weight_spread * force_n;
+        math::sqrt(weight_n * weight_n + shared_n2) / (self.weight_n * self.slope.1)
     }
 
     /// The same with the weight's uncertainty in the standard deviation.
     fn whole(&self, force_n: f32, variance_n2: f32) -> Coefficient {
-        let (own, common) = (self.coefficient(force_n, variance_n2), self.common_std(force_n));
+        let (own, common) = (self.coefficient(force_n, variance_n2), self.common_std(force_n, 0.0));
         Coefficient { std: math::sqrt(own.std * own.std + common * common), ..own }
     }
 }
@@ -120,6 +122,12 @@ impl Cycles {
     #[must_use]
     pub fn noise_n(&self) -> Option<f32> {
         self.learnt.residuals.variance_n2().map(math::sqrt)
+    }
+
+    /// Periods before the onset in which creep bends the stick line.
+    #[must_use]
+    pub fn creep_periods(&self) -> f32 {
+        self.learnt.creep_periods()
     }
 
     /// Loading rate, N/s, and omega, rad/s, of the recent events.
@@ -316,7 +324,8 @@ impl Cycles {
         self.learnt.sag.learn(&Rest {
             time: since(from.index, to.index) + to.fraction - from.fraction,
             from_n,
-            to_n: cycle.static_n,
+            // Where the line goes on to: what creep takes from it is not the cable's.
+            to_n: cycle.static_n + self.learnt.corner.missing_n(),
             rate,
             rate_variance,
             rate_at_n: pending.before.level_n,
@@ -337,7 +346,11 @@ impl Cycles {
             return event.into();
         }
         let (site, cycle) = (self.site(), &posterior.cycle);
-        let common = (site.common_std(cycle.static_n), site.common_std(cycle.dynamic_n()));
+        let (static_n2, dynamic_n2) = posterior.common_n2;
+        let common = (
+            site.common_std(cycle.static_n, static_n2),
+            site.common_std(cycle.dynamic_n(), dynamic_n2),
+        );
         Finished { event, alone, common, change }
     }
 

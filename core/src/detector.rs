@@ -182,9 +182,9 @@ impl Stick {
     }
 }
 
-/// How far a stick line stays behind, for a usual fall in periods.
-fn line_delay(usual_fall: f32) -> u64 {
-    (2 + (0.3 * usual_fall) as u64).min(WINDOW as u64 / 4)
+/// How far a stick line stays behind, for a usual fall and a time of creep in periods.
+fn line_delay(usual_fall: f32, creep_periods: f32) -> u64 {
+    (2 + (0.3 * usual_fall + creep_periods) as u64).min(WINDOW as u64 / 4)
 }
 
 /// A line whose time begins at one index, with times from another one on.
@@ -223,6 +223,8 @@ pub struct Detector {
     usual_fall: f32,
     /// The line stays so many samples behind the newest one.
     line_delay: u64,
+    /// Time before an onset in which creep bends the line, periods.
+    creep_periods: f32,
     /// Half the usual drop below the last highest sample, N.
     middle_n: f32,
 }
@@ -252,7 +254,8 @@ impl Detector {
             judged_with_n: f32::INFINITY,
             usual_drop_n: 0.0,
             usual_fall,
-            line_delay: line_delay(usual_fall),
+            line_delay: line_delay(usual_fall, 0.0),
+            creep_periods: 0.0,
             middle_n: 0.0,
         }
     }
@@ -339,6 +342,14 @@ impl Detector {
     /// Takes the noise that the fits of the events leave, N.
     pub fn fitted_noise(&mut self, noise_n: f32) {
         self.noise.fitted(noise_n);
+    }
+
+    /// So many periods before the onset creep bends the line: they are not taken into it.
+    pub fn creeps(&mut self, periods: f32) {
+        // They are kept one by one, as the slip is.
+        const ROOM: f32 = 48.0;
+        self.creep_periods = periods.min(ROOM - self.usual_fall).max(0.0);
+        self.line_delay = line_delay(self.usual_fall, self.creep_periods);
     }
 
     /// Takes a good sample with an index past all earlier ones.
@@ -575,7 +586,7 @@ impl Detector {
     }
 
     /// Takes samples into the line, far enough behind the newest one that a slip
-    /// which has just begun, unseen, does not bend it.
+    /// which has just begun, unseen, does not bend it, nor creep before it.
     fn extend_line(&mut self, newest: u64) {
         while self.stick.next + self.line_delay <= newest {
             let index = self.stick.next;
@@ -664,7 +675,7 @@ impl Detector {
             self.usual_drop_n = drop;
             self.usual_fall = fall as f32;
         }
-        self.line_delay = line_delay(self.usual_fall);
+        self.line_delay = line_delay(self.usual_fall, self.creep_periods);
         self.middle_n = peak.force_n - 0.5 * drop.max(self.usual_drop_n);
         self.rest_from(now, now.index + 1);
         self.floor = floor;

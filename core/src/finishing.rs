@@ -5,7 +5,8 @@ use core::ops::ControlFlow;
 
 use crate::event::Reason;
 use crate::fit::{Data, Fit, Fitting, Forces};
-use crate::learnt::{Learnt, is_strained, own_residuals};
+use crate::learnt::{Learnt, is_clear, is_strained, own_residuals};
+use crate::learnt_corner::LearntCorner;
 use crate::line::Line;
 use crate::mass::Verdict;
 use crate::pending::Pending;
@@ -130,6 +131,7 @@ impl Finishing {
         };
         let holds = |fit: &Fit| fit.converged && pending.holds(&fit.cycle);
         let Some(fit) = fit.filter(holds) else {
+            learnt.corner = LearntCorner::default();
             return ControlFlow::Break(Outcome::Failed(Reason::NoFit));
         };
         if pending.hidden {
@@ -171,12 +173,20 @@ fn fitted(
     learnt: &mut Learnt,
     data: &Data<'_>,
     settled: &Settled,
-    posterior: Posterior,
+    mut posterior: Posterior,
     noise_n2: f32,
 ) -> Outcome {
     let Settled { fit, strained } = settled;
-    let alone = fit.forces_alone(data.rate).filter(|_| posterior.is_resolved());
+    let mut alone = fit.forces_alone(data.rate).filter(|_| posterior.is_resolved());
     let strained = posterior.is_resolved() && *strained;
     let verdict = learnt.learn(data, &posterior, noise_n2, strained);
+    // A slip of two samples shows nothing of its corners.
+    if verdict == Verdict::Same && !strained && posterior.is_resolved() && is_clear(&posterior) {
+        let effect = learnt.learn_corner(data, fit, noise_n2);
+        posterior.take(&effect);
+        if let Some(alone) = &mut alone {
+            alone.take(&effect, noise_n2);
+        }
+    }
     Outcome::Fitted { posterior, alone, noise_n2, verdict }
 }

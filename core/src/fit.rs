@@ -8,6 +8,8 @@
 
 use core::ops::ControlFlow;
 
+use crate::corner::{Corner, Shift};
+use crate::learnt_corner::Effect;
 use crate::line::Line;
 use crate::model::{Cycle, Gradient, UNKNOWNS};
 use crate::solve::{Factor, Normal, dot};
@@ -79,6 +81,8 @@ pub struct Data<'a> {
     pub swing: Prior,
     /// Change of the loading rate over the slip, N per period.
     pub bend: Prior,
+    /// What rounds off the corners.
+    pub corner: Corner,
     /// Held onset, for events whose onset the samples cannot tell.
     pub onset: Prior,
 }
@@ -121,11 +125,19 @@ impl Forces {
             dynamic_variance: information.variance(&DYNAMIC.0, DYNAMIC.1),
         }
     }
+
+    /// Takes what is known of the corners since the fit.
+    pub(crate) fn take(&mut self, effect: &Effect, noise_n2: f32) {
+        self.static_n += dot(&effect.moved, &STATIC.0);
+        self.dynamic_n += dot(&effect.moved, &DYNAMIC.0);
+        self.static_variance += effect.static_n2 / noise_n2;
+        self.dynamic_variance += effect.dynamic_n2 / noise_n2;
+    }
 }
 
 /// `Fs` and `Fp` as combinations of the unknowns, and the first of these.
-const STATIC: (Gradient, usize) = ([0.0, 0.0, 1.0, 0.0, 0.0, 0.0], 2);
-const DYNAMIC: (Gradient, usize) = ([0.0, 0.0, 1.0, -1.0, 0.0, 0.0], 2);
+pub(crate) const STATIC: (Gradient, usize) = ([0.0, 0.0, 1.0, 0.0, 0.0, 0.0], 2);
+pub(crate) const DYNAMIC: (Gradient, usize) = ([0.0, 0.0, 1.0, -1.0, 0.0, 0.0], 2);
 
 impl Fit {
     /// Weighted sum of squared residuals, the priors' included, N².
@@ -149,6 +161,21 @@ impl Fit {
         cycle.static_n += by_static;
         cycle.half_drop_n += by_drop;
         Some(Forces::new(&cycle, &factor))
+    }
+
+    /// The normal equations without what is expected of rate, swing and onset.
+    #[must_use]
+    pub fn alone(&self, data: &Data<'_>) -> (Normal, Gradient) {
+        let mut normal = self.normal;
+        let mut right = Gradient::default();
+        for (unknown, (prior, value)) in data.priors(&self.cycle).into_iter().enumerate() {
+            if unknown == 5 {
+                continue;
+            }
+            normal.matrix[unknown][unknown] -= prior.weight;
+            right[unknown] = -prior.weight * (prior.mean - value);
+        }
+        (normal, right)
     }
 }
 
@@ -277,24 +304,40 @@ impl Data<'_> {
     /// The normal equations at a trial cycle.
     fn normal(&self, cycle: &Cycle) -> Normal {
         let shape = cycle.shape();
+        let shift = |since_onset| match self.corner.is_sharp() {
+            true => Shift::default(),
+            false => self.corner.shift(&shape, since_onset),
+        };
         let mut normal = Normal::default();
         for (time, force_n) in self.samples.good() {
-            let (force, gradient) = shape.force(time);
-            normal.add(force_n - force, &gradient, self.samples.weight(time));
+            let (force, mut gradient) = shape.force(time);
+            let shift = shift(time - cycle.onset);
+            gradient[0] -= shift.rate;
+            let weight = self.samples.weight(time);
+            normal.add(force_n - force - shift.force_n, &gradient, weight);
         }
         let (before, after) = (self.before, self.after);
-        add_line(
-            &mut normal,
-            before,
-            &self.wander,
-            [shape.before(before.time - cycle.onset), shape.slope_before()],
-        );
-        let after_at = shape.after(after.time - cycle.onset);
-        add_line(&mut normal, after, &self.wander, [after_at, shape.slope_after()]);
+        let shifted = |since_onset, (level_n, by): (f32, Gradient)| {
+            (level_n + shift(since_onset).force_n, by)
+        };
+        let since_onset = before.time - cycle.onset;
+        let level = shifted(since_onset, shape.before(since_onset));
+        add_line(&mut normal, before, &self.wander, [level, shape.slope_before()]);
+        let since_onset = after.time - cycle.onset;
+        let level = shifted(since_onset, shape.after(since_onset));
+        add_line(&mut normal, after, &self.wander, [level, shape.slope_after()]);
         for (unknown, (prior, value)) in self.priors(cycle).into_iter().enumerate() {
             normal.add_one(prior.mean - value, unknown, prior.weight);
         }
         normal
+    }
+
+    /// Times, periods, forces, N, and weights of samples and lines.
+    pub fn levels(&self) -> impl Iterator<Item = (f32, f32, f32)> + '_ {
+        let weight = |line: &Line| loosened(line.weight, self.wander.level);
+        let line = move |line: &Line| (line.time, line.level_n, weight(line));
+        let samples = self.samples.good().map(|(time, n)| (time, n, self.samples.weight(time)));
+        samples.chain([line(self.before), line(self.after)])
     }
 
     /// What is expected of each unknown, and its value.
@@ -312,6 +355,11 @@ impl Data<'_> {
     }
 }
 
+/// A weight, one over a variance, where another variance is added to that.
+fn loosened(weight: f32, variance: f32) -> f32 {
+    weight / (1.0 + variance * weight)
+}
+
 /// A line as two observations, its level and its slope, each as far off as the force
 /// wanders.
 fn add_line(
@@ -323,7 +371,6 @@ fn add_line(
     if line.weight <= 0.0 {
         return;
     }
-    let loosened = |weight: f32, variance: f32| weight / (1.0 + variance * weight);
     normal.add(line.level_n - level.0, &level.1, loosened(line.weight, wander.level));
     if let Some(measured) = line.slope() {
         let weight = loosened(line.slope_weight(), wander.slope);

@@ -1,8 +1,10 @@
 //! What the events of a test have told so far, as expectations for the next one.
 
 use crate::fit::{Data, Fit, Prior, rounding_n2};
+use crate::learnt_corner::{Effect, LearntCorner};
 use crate::line::Line;
 use crate::mass::{Mass, Told, Verdict};
+use crate::math;
 use crate::model::UNKNOWNS;
 use crate::pending::Pending;
 use crate::posterior::Posterior;
@@ -16,6 +18,7 @@ pub(crate) struct Learnt {
     pub(crate) rate: Shared,
     pub(crate) mass: Mass,
     bend: Shared,
+    pub(crate) corner: LearntCorner,
     pub(crate) sag: Sag,
     /// Loading rate as the newest event alone tells it, and its variance.
     pub(crate) own_rate: Option<(f32, f32)>,
@@ -76,6 +79,7 @@ impl Learnt {
             self.misfits = 0;
             [self.rate, self.bend] = [Shared::default(); 2];
             self.mass.forget_all();
+            self.corner = LearntCorner::default();
         }
         true
     }
@@ -88,21 +92,23 @@ impl Learnt {
         noise_n2: f32,
     ) -> Data<'a> {
         let rough = pending.rough(after);
+        let rate = expected(&self.rate, rough.rate, 0.7 * rough.rate, noise_n2);
+        let swing = expected(
+            self.mass.swing(),
+            rough.slide * core::f32::consts::FRAC_1_PI,
+            rough.slide_std * core::f32::consts::FRAC_1_PI,
+            noise_n2,
+        );
         Data {
             before: &pending.before,
             samples: pending.samples(),
             after,
             wander: pending.wander,
-            rate: expected(&self.rate, rough.rate, 0.7 * rough.rate, noise_n2)
-                .loosened(pending.wander.slope),
-            swing: expected(
-                self.mass.swing(),
-                rough.slide * core::f32::consts::FRAC_1_PI,
-                rough.slide_std * core::f32::consts::FRAC_1_PI,
-                noise_n2,
-            ),
+            rate: rate.loosened(pending.wander.slope),
+            swing,
             bend: self.bend_prior(rough.rate, noise_n2).loosened(2.0 * pending.wander.slope),
             onset: rough.onset(noise_n2),
+            corner: self.corner.expected(rate.mean, swing.mean),
         }
     }
 
@@ -170,6 +176,25 @@ impl Learnt {
         }
         told.swing = own_swing(LEAST_OWN).filter(|_| !on_trial || is_clear(posterior));
         self.mass.learn(&told).unwrap_or(verdict)
+    }
+
+    /// Carries what the event's residuals tell of the corners to the next ones. All that
+    /// was learnt moves along.
+    pub(crate) fn learn_corner(&mut self, data: &Data<'_>, fit: &Fit, noise_n2: f32) -> Effect {
+        let effect = self.corner.learn(data, fit, noise_n2);
+        let [_, rate, _, _, swing, bend] = effect.moved;
+        self.rate.translate(rate);
+        self.mass.translate(swing);
+        self.bend.translate(bend);
+        effect
+    }
+
+    /// Periods before an onset in which the force lacks more than a fifth of the noise.
+    pub(crate) fn creep_periods(&self) -> f32 {
+        const PART: f32 = 0.2;
+        let known = self.rate.mean().zip(self.residuals.variance_n2());
+        known
+            .map_or(0.0, |(rate, noise_n2)| self.corner.creep_n(PART * math::sqrt(noise_n2)) / rate)
     }
 
     /// Is the loading rate what it was, as far as winches turn steadily?

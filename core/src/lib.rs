@@ -18,6 +18,7 @@
 pub mod calibrate;
 pub mod change;
 pub mod config;
+pub mod corner;
 pub mod correlation;
 pub mod cycle;
 pub mod decimate;
@@ -31,6 +32,7 @@ mod finishing;
 pub mod fit;
 mod floor;
 mod learnt;
+mod learnt_corner;
 pub mod line;
 pub mod mass;
 pub mod math;

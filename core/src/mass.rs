@@ -133,6 +133,11 @@ impl Mass {
         &self.swing
     }
 
+    /// Every event since the last change would have told a swing longer by so much.
+    pub fn translate(&mut self, by: f32) {
+        self.swing.translate(by);
+    }
+
     /// Lets the past swings count for less, see [`Shared::forget`].
     pub fn forget(&mut self) {
         self.swing.forget();

@@ -12,6 +12,7 @@
 //! | [`atan2`] | libm | 1.5 ulp |
 //! | [`acos`] | libm | 2 ulp |
 //! | [`exp`] | libm | 1 ulp |
+//! | [`ln`] | libm | 1 ulp |
 //! | [`rough_sqrt`] | micromath | 6.1 % relative: for detection limits only |
 #![allow(
     clippy::disallowed_methods,
@@ -68,6 +69,12 @@ pub fn acos(x: f32) -> f32 {
 #[must_use]
 pub fn exp(x: f32) -> f32 {
     libm::expf(x)
+}
+
+/// Natural logarithm.
+#[must_use]
+pub fn ln(x: f32) -> f32 {
+    libm::logf(x)
 }
 
 /// The larger one of two numbers.

@@ -173,6 +173,18 @@ impl Shape {
         self.cycle.onset + self.slack.map_or(self.slide, |slack| slack.stop.max(slack.taut))
     }
 
+    /// The cycle.
+    #[must_use]
+    pub fn cycle(&self) -> &Cycle {
+        &self.cycle
+    }
+
+    /// Time of sliding (25), or up to the stop on a slack cable.
+    #[must_use]
+    pub fn slide(&self) -> f32 {
+        self.slide
+    }
+
     /// Does the cable go slack?
     #[must_use]
     pub fn is_slack(&self) -> bool {

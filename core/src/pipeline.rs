@@ -279,6 +279,7 @@ impl Pipeline {
         event.stop = self.decimator.moment(event.stop);
         if let Some(noise_n) = self.cycles.noise_n() {
             self.detector.fitted_noise(noise_n);
+            self.detector.creeps(self.cycles.creep_periods());
         }
         self.events = self.events.saturating_add(1);
         if let Some(change) = change {

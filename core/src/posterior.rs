@@ -10,6 +10,7 @@
 use core::ops::ControlFlow;
 
 use crate::fit::{Data, Fit, Prior};
+use crate::learnt_corner::Effect;
 use crate::math;
 use crate::model::{Cycle, Gradient, UNKNOWNS};
 
@@ -37,6 +38,8 @@ pub struct Posterior {
     pub static_n2: f32,
     /// Variance of `Fp`, N².
     pub dynamic_n2: f32,
+    /// What of these two is common to the events: how the corners are rounded off, N².
+    pub common_n2: (f32, f32),
     /// Variances of the onset, rate, ., ., swing and bend.
     pub unknowns: Gradient,
 }
@@ -47,6 +50,21 @@ impl Posterior {
     pub fn is_resolved(&self) -> bool {
         let most = SWING_KNOWN * self.cycle.swing();
         self.slide_time >= RESOLVED && self.unknowns[4] < most * most
+    }
+
+    /// Takes what is known of the corners since the fit.
+    pub(crate) fn take(&mut self, effect: &Effect) {
+        let Effect { moved: [onset, rate, static_n, half_drop_n, swing, bend], .. } = effect;
+        let c = &mut self.cycle;
+        c.onset += onset;
+        c.rate += rate;
+        c.static_n += static_n;
+        c.half_drop_n += half_drop_n;
+        c.omega = 1.0 / (c.swing() + swing);
+        c.bend += bend;
+        self.static_n2 += effect.static_n2;
+        self.dynamic_n2 += effect.dynamic_n2;
+        self.common_n2 = (effect.static_n2, effect.dynamic_n2);
     }
 
     /// With no variance less than another's.
@@ -67,7 +85,8 @@ impl Posterior {
         let static_n2 = noise_n2 * forces.static_variance;
         let dynamic_n2 = noise_n2 * forces.dynamic_variance;
         let slide_time = fit.cycle.slide_time();
-        Self { cycle: fit.cycle, slide_time, static_n2, dynamic_n2, unknowns }
+        let common_n2 = (0.0, 0.0);
+        Self { cycle: fit.cycle, slide_time, static_n2, dynamic_n2, common_n2, unknowns }
     }
 }
 
@@ -168,8 +187,8 @@ impl Sums {
             *entry = variance(unknown + 2);
         }
         let (static_n2, dynamic_n2) = (variance(0), variance(1));
-        let slide_time = cycle.slide_time();
-        let over = Posterior { cycle, slide_time, static_n2, dynamic_n2, unknowns };
+        let (slide_time, common_n2) = (cycle.slide_time(), (0.0, 0.0));
+        let over = Posterior { cycle, slide_time, static_n2, dynamic_n2, common_n2, unknowns };
         // An onset that is known better than the places are apart: one place has all the
         // weight, and its fit knows nothing of the onset's own uncertainty.
         if from.slide_time() < RESOLVED {
@@ -188,6 +207,7 @@ fn values(c: &Cycle) -> [f32; 2 + UNKNOWNS] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::corner::Corner;
     use crate::fit::Samples;
     use crate::line::Line;
     use crate::whiteness::Wander;
@@ -213,6 +233,7 @@ mod tests {
             swing: Prior { mean: 0.8 / omega, weight: 4.0 * omega * omega / 0.25 },
             bend: Prior { mean: 0.0, weight: 1e6 },
             onset: Prior { mean: 0.5 - 0.5 * slide, weight: 44.0 },
+            corner: Corner::default(),
         };
         let fit = data.fit(&Cycle { onset: onset + 0.1, ..truth }, 4.0).unwrap();
         let Some(mut places) = OverOnset::new(&fit, true) else {

@@ -142,6 +142,11 @@ impl Shared {
         Prior { mean, weight: noise_n2 / (self.between + variance) }
     }
 
+    /// Every event would have told so much more.
+    pub fn translate(&mut self, by: f32) {
+        self.line.level_n += by;
+    }
+
     /// The same for a quantity that is zero unless the events say otherwise.
     #[must_use]
     pub fn prior_around_zero(&self, noise_n2: f32) -> Prior {
