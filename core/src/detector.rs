@@ -150,6 +150,13 @@ impl Stick {
         (self.line, self.trial, self.line_origin) = (Line::default(), Line::default(), index);
     }
 
+    /// Goes on with the line on trial.
+    fn take_trial(&mut self) {
+        self.first = self.first_from(self.origin);
+        (self.straight, self.first_weight) = (false, 0.0);
+        self.line = core::mem::take(&mut self.trial);
+    }
+
     /// Leaves out a line that does not describe the force: only the last samples
     /// before the highest one count.
     fn forget_line(&mut self) {
@@ -363,6 +370,10 @@ impl Detector {
         let Some(std) = self.std_n else { return };
         let undecided = self.phase != Phase::Slip && self.usual_drop_n <= 0.0;
         if undecided && std < LESS_NOISE * self.judged_with_n {
+            if !self.line_fits() {
+                // Lines through slips told nothing.
+                self.whiteness = Whiteness::default();
+            }
             self.judged_with_n = std;
             self.whiteness = Whiteness::default();
             self.next = 0;
@@ -537,6 +548,11 @@ impl Detector {
             self.whiteness.add(relative);
             if let Some(slope) = self.stick.trial.slope() {
                 self.memory.compare(innovation, sample.force_n - self.stick.trial.at(time, slope));
+                if self.usual_drop_n <= 0.0 && self.memory.has_won() {
+                    // Without slips no line would ever end.
+                    self.memory.decide();
+                    self.stick.take_trial();
+                }
             }
         }
         self.stick.strikes = 0;
