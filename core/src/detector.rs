@@ -154,6 +154,13 @@ impl Stick {
         (self.line, self.trial, self.line_origin) = (Line::default(), Line::default(), index);
     }
 
+    /// Goes on with the line on trial.
+    fn take_trial(&mut self) {
+        self.first = self.first_from(self.origin);
+        (self.straight, self.first_weight) = (false, 0.0);
+        self.line = core::mem::take(&mut self.trial);
+    }
+
     /// Leaves out a line that does not describe the force: only the last samples
     /// before the highest one count.
     fn forget_line(&mut self) {
@@ -361,7 +368,7 @@ impl Detector {
         }
         self.newest = index;
         self.window.push(index, force_n);
-        (self.line_std_n, self.std_n) = self.noise.std_n(force_n);
+        (self.line_std_n, self.std_n) = self.noise.std_n(force_n, self.usual_drop_n);
         self.judge_again();
         if self.next < index {
             return self.catch_up(CATCH_UP);
@@ -614,6 +621,11 @@ impl Detector {
             if let Some(slope) = self.stick.trial.slope() {
                 let trial = sample.force_n - self.stick.trial.at(time, slope);
                 self.memory.compare(weight * innovation, weight * trial);
+                if self.usual_drop_n <= 0.0 && self.memory.has_won() {
+                    // Without slips no line would ever end.
+                    self.memory.decide();
+                    self.stick.take_trial();
+                }
             }
         }
         self.stick.strikes = 0;

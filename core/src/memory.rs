@@ -87,6 +87,13 @@ impl Memory {
         self.count += 1;
     }
 
+    /// Is the trial better beyond doubt?
+    #[must_use]
+    pub fn has_won(&self) -> bool {
+        self.count >= FORECASTS.0
+            && self.gain > SIGNIFICANT * crate::math::rough_sqrt(self.gain_squares)
+    }
+
     /// Decides at the end of a stick line; the lines start anew afterwards.
     pub fn decide(&mut self) {
         self.lines = self.lines.wrapping_add(1);
@@ -94,7 +101,7 @@ impl Memory {
             return;
         }
         let error = crate::math::rough_sqrt(self.gain_squares);
-        if self.gain > SIGNIFICANT * error {
+        if self.has_won() {
             (self.step, self.in_vain) = (self.trial, 0);
         } else if self.gain > error && self.count < FORECASTS.1 {
             // Promising: wait for more, with every line.
