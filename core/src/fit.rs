@@ -44,7 +44,13 @@ pub struct Samples<'a> {
     pub rest_from: f32,
 }
 
-impl Samples<'_> {
+impl<'a> Samples<'a> {
+    /// Of equal weight.
+    #[must_use]
+    pub fn new(start: f32, forces_n: &'a [f32]) -> Self {
+        Self { start, forces_n, rest_weight: 1.0, rest_from: f32::INFINITY }
+    }
+
     /// Time of the last sample, or before the first if there is none.
     #[must_use]
     pub fn end(&self) -> f32 {
@@ -424,13 +430,14 @@ mod tests {
         let (line, free) = (Line::default(), Prior::default());
         let data = Data {
             before: &line,
-            samples: Samples { start: 0.0, forces_n: &forces_n },
+            samples: Samples::new(0.0, &forces_n),
             after: &line,
             wander: Wander::NONE,
             rate: free,
             swing: free,
             bend: Prior { mean: 0.0, weight: 1e6 },
             onset: free,
+            corner: Corner::default(),
         };
         let first_step = |onset, half_drop_n| {
             Fitting::new(&data, &Cycle { onset, half_drop_n, ..truth }).step(&data, 4.0)

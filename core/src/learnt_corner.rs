@@ -332,7 +332,7 @@ mod tests {
             };
             let mut line = |from: i16, to: i16| {
                 let mut line = Line::default();
-                (from..to).for_each(|t| line.add(t.into(), sample_n(t.into()), 1.0));
+                (from..to).for_each(|t| line.add(t.into(), sample_n(t.into()), 1.0, 1.0));
                 line
             };
             let (before, after) = (line(-30, -8), line(6, 24));
@@ -340,7 +340,7 @@ mod tests {
             let free = Prior::default();
             let data = Data {
                 before: &before,
-                samples: Samples { start: -8.0, forces_n: &forces_n },
+                samples: Samples::new(-8.0, &forces_n),
                 after: &after,
                 wander: Wander::NONE,
                 rate: free,

@@ -226,7 +226,7 @@ mod tests {
         let line = Line::default();
         let data = Data {
             before: &line,
-            samples: Samples { start: -6.0, forces_n: &forces_n, rest_weight: 1.0, rest_from: 0.0 },
+            samples: Samples::new(-6.0, &forces_n),
             after: &line,
             wander: Wander::NONE,
             rate: Prior { mean: 20.0, weight: 0.1 },
