@@ -33,16 +33,8 @@ enum Stage {
     Free(Fitting),
     /// Fitted with what is expected.
     Expected(Fitting),
-    /// Averaged over the onset.
-    Places(OverOnset, Settled),
-}
-
-/// A fit that has settled.
-#[derive(Clone, Copy, Debug)]
-struct Settled {
-    fit: Fit,
-    /// The samples around the slip are far from it.
-    strained: bool,
+    /// Averaged over the onset; and whether the samples around the slip are far from the fit.
+    Places(OverOnset, Fit, bool),
 }
 
 /// What became of an event.
@@ -146,39 +138,39 @@ impl Finishing {
             learnt.residuals.add(squares_n2, free, pending.noise_n2);
         }
         let now_n2 = learnt.noise_n2(pending);
-        let settled = Settled { fit, strained: is_strained(&data, around_n2, now_n2) };
+        let strained = is_strained(&data, around_n2, now_n2);
         if let Some(places) = OverOnset::new(&fit, learnt.knows_swing()).filter(|_| !misfit) {
-            self.stage = Stage::Places(places, settled);
+            self.stage = Stage::Places(places, fit, strained);
             return ControlFlow::Continue(());
         }
-        let outcome = fitted(learnt, &data, &settled, Posterior::at(&fit, now_n2), now_n2);
+        let outcome = fitted(learnt, &data, &fit, strained, Posterior::at(&fit, now_n2), now_n2);
         let nothing = misfit && !outcome.is_suspect();
         ControlFlow::Break(if nothing { Outcome::Failed(Reason::NoFit) } else { outcome })
     }
 
     fn place(&mut self, learnt: &mut Learnt) -> ControlFlow<Outcome> {
-        let Stage::Places(places, settled) = &mut self.stage else {
+        let Stage::Places(places, fit, strained) = &mut self.stage else {
             return ControlFlow::Continue(());
         };
         let noise_n2 = learnt.noise_n2(&self.pending);
         let data = learnt.data(&self.pending, &self.after, noise_n2);
-        let ControlFlow::Break(posterior) = places.step(&data, &settled.fit, noise_n2) else {
+        let ControlFlow::Break(posterior) = places.step(&data, fit, noise_n2) else {
             return ControlFlow::Continue(());
         };
-        ControlFlow::Break(fitted(learnt, &data, settled, posterior, noise_n2))
+        ControlFlow::Break(fitted(learnt, &data, fit, *strained, posterior, noise_n2))
     }
 }
 
 fn fitted(
     learnt: &mut Learnt,
     data: &Data<'_>,
-    settled: &Settled,
+    fit: &Fit,
+    strained: bool,
     mut posterior: Posterior,
     noise_n2: f32,
 ) -> Outcome {
-    let Settled { fit, strained } = settled;
     let mut alone = fit.forces_alone(data.rate).filter(|_| posterior.is_resolved());
-    let strained = posterior.is_resolved() && *strained;
+    let strained = posterior.is_resolved() && strained;
     let verdict = learnt.learn(data, &posterior, noise_n2, strained);
     // A slip of two samples shows nothing of its corners.
     if verdict == Verdict::Same && !strained && posterior.is_resolved() && is_clear(&posterior) {
