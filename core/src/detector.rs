@@ -368,7 +368,7 @@ impl Detector {
         }
         self.newest = index;
         self.window.push(index, force_n);
-        (self.line_std_n, self.std_n) = self.noise.std_n(force_n, self.usual_drop_n);
+        (self.line_std_n, self.std_n) = self.noise.std_n(force_n);
         self.judge_again();
         if self.next < index {
             return self.catch_up(CATCH_UP);

@@ -23,6 +23,9 @@ pub(crate) struct LearntCorner {
     /// Number of these events, and Σ of the squared surprises of their scores.
     count: f32,
     surprise: f32,
+    /// The range's logarithm is that of its ratio to this, N: all is as exact whatever the
+    /// size of the forces.
+    unit_n: f32,
     /// The most likely numbers.
     best: Gradient,
     /// What the next event is expected to have.
@@ -41,6 +44,12 @@ pub(crate) struct Effect {
     /// Variances of `Fs` and `Fp` because of the corners, N².
     pub(crate) static_n2: f32,
     pub(crate) dynamic_n2: f32,
+}
+
+impl Effect {
+    fn is_finite(&self) -> bool {
+        (self.static_n2 + self.dynamic_n2).is_finite() && self.moved.iter().all(|x| x.is_finite())
+    }
 }
 
 /// Without any sign of a round corner so many events are asked, and then one of so many.
@@ -97,11 +106,26 @@ impl LearntCorner {
             return Effect::default();
         }
         let effect = Score::of(data, fit).and_then(|score| self.take(&score, noise_n2));
-        effect.unwrap_or_default()
+        let effect = effect.unwrap_or_default();
+        if effect.is_finite() && self.numbers(&self.corner).iter().all(|number| number.is_finite())
+        {
+            return effect;
+        }
+        // Numbers that overflow tell nothing.
+        *self = Self::default();
+        Effect::default()
+    }
+
+    fn numbers(&self, corner: &Corner) -> Gradient {
+        let range = math::ln(corner.range_n / self.unit_n);
+        [corner.smoothing, corner.missing_n, range, 0.0, 0.0, 0.0]
     }
 
     fn take(&mut self, score: &Score, noise_n2: f32) -> Option<Effect> {
-        let used = numbers(&score.corner);
+        if self.count <= 0.0 {
+            self.unit_n = score.corner.range_n;
+        }
+        let used = self.numbers(&score.corner);
         if self.count <= 0.0 {
             (self.corner, self.best) = (score.corner, used);
             let diagonal = [0.0, 0.0, RANGE_KNOWN, 1.0, 1.0, 1.0];
@@ -179,7 +203,7 @@ impl LearntCorner {
         self.corner = Corner {
             smoothing: counted(0).min(MOST_SMOOTHING),
             missing_n,
-            range_n: math::exp(range).max(LEAST_RANGE * missing_n),
+            range_n: (self.unit_n * math::exp(range)).max(LEAST_RANGE * missing_n),
         };
         Some(factor)
     }
@@ -187,7 +211,7 @@ impl LearntCorner {
     /// Goes from the numbers that were used to those that count now, no farther than first
     /// order holds. Gives by how much the event's unknowns move.
     fn limited(&mut self, score: &Score, used: &Gradient) -> Gradient {
-        let mut steps = numbers(&self.corner);
+        let mut steps = self.numbers(&self.corner);
         steps.iter_mut().zip(used).for_each(|(step, used)| *step -= used);
         let mut moved = score.moved(&steps);
         let [onset, _, _, _, swing, _] = moved;
@@ -198,15 +222,11 @@ impl LearntCorner {
             self.corner = Corner {
                 smoothing: used[0] + part * steps[0],
                 missing_n: used[1] + part * steps[1],
-                range_n: math::exp(used[2] + part * steps[2]),
+                range_n: self.unit_n * math::exp(used[2] + part * steps[2]),
             };
         }
         moved
     }
-}
-
-fn numbers(corner: &Corner) -> Gradient {
-    [corner.smoothing, corner.missing_n, math::ln(corner.range_n), 0.0, 0.0, 0.0]
 }
 
 /// What an event tells of the corners by itself.

@@ -6,13 +6,11 @@
 //! residuals of the fits.
 //!
 //! Where the block rests long enough the innovations of the stick line tell the
-//! noise; the first few may tell far too little, and count for more. Where it never
-//! does, the line does not describe the force, and until the first fits are there the
-//! differences of neighbours bound the noise. Of noise, white or not, the small ones
-//! and the large ones are in the proportion of the normal distribution. In a saw the
-//! large ones are larger (the samples on one tooth tell the noise); in a block that
-//! swings all the time the small ones are. A long smooth swing has fourth differences
-//! that are small against the second.
+//! noise. Where it never does, the line does not describe the force, and two other
+//! measures do, until the first fits are there: the smallest second differences, if
+//! they are far smaller than the usual one (a steep saw: some triples lie on one
+//! tooth), or the fourth difference, if it is small against the second (a smooth
+//! swing). White noise shows neither.
 
 use crate::math::{larger, smaller};
 
@@ -25,15 +23,14 @@ pub struct Quantile {
     first: [f32; FEWEST as usize],
     /// Probability of the quantile.
     part: f32,
-    /// Factors up and down, once so many numbers were seen.
+    /// Factors up and down, once settled.
     up: f32,
     down: f32,
-    settled: u32,
 }
 
 /// Final step of a quantile: settles to 8 % within a hundred samples.
-const GAIN: f32 = 0.08;
-/// Numbers that tell a quantile well.
+const SMALLEST_GAIN: f32 = 0.08;
+/// Numbers after which the step is final.
 const SETTLED: u32 = 40;
 /// Fewest numbers that tell a quantile.
 const FEWEST: u32 = 8;
@@ -42,20 +39,14 @@ impl Quantile {
     /// For a probability.
     #[must_use]
     pub const fn new(part: f32) -> Self {
-        Self::with_gain(part, GAIN)
-    }
-
-    /// With another final step.
-    const fn with_gain(part: f32, gain: f32) -> Self {
-        let (up, down) = factors(gain, part);
-        let (first, settled) = ([f32::MAX; FEWEST as usize], (4.0 / gain) as u32);
-        Self { value: 0.0, count: 0, first, part, up, down, settled }
+        let (up, down) = factors(SMALLEST_GAIN, part);
+        Self { value: 0.0, count: 0, first: [f32::MAX; FEWEST as usize], part, up, down }
     }
 
     /// Takes a number at or above zero.
     pub fn add(&mut self, size: f32) {
         let (up, down) = match self.count {
-            FEWEST.. if self.is_settled() => (self.up, self.down),
+            SETTLED.. => (self.up, self.down),
             FEWEST.. => self.settle(),
             _ => return self.start(size),
         };
@@ -77,11 +68,7 @@ impl Quantile {
     /// Larger steps at first.
     fn settle(&mut self) -> (f32, f32) {
         self.count += 1;
-        factors(4.0 / self.count as f32, self.part)
-    }
-
-    fn is_settled(&self) -> bool {
-        self.count >= self.settled
+        factors((4.0 / self.count as f32).max(SMALLEST_GAIN), self.part)
     }
 
     /// What few numbers tell may be far too small: from 2 at the first value to 1 when
@@ -102,36 +89,36 @@ const fn factors(gain: f32, part: f32) -> (f32, f32) {
     (1.0 + gain * part, 1.0 / (1.0 + gain * (1.0 - part)))
 }
 
-/// How sizes are spread: the small and the large ones.
+/// The larger of the last two blocks' third smallest of 32 numbers.
 #[derive(Clone, Copy, Debug)]
-struct Spread {
-    small: Quantile,
-    large: Quantile,
+struct Smallest {
+    now: [f32; 3],
+    count: u32,
+    blocks: [f32; 2],
+    full: u32,
 }
 
-impl Spread {
-    /// What decides has to be known well.
-    const GAIN: f32 = 0.03;
-    /// Lower quartile and upper tenth of |x|, for a normal distribution.
-    const PER_STD: (f32, f32) = (0.3186, 1.6449);
+impl Smallest {
+    const BLOCK: u32 = 32;
 
     const fn new() -> Self {
-        let (small, large) =
-            (Quantile::with_gain(0.25, Self::GAIN), Quantile::with_gain(0.9, Self::GAIN));
-        Self { small, large }
+        Self { now: [f32::MAX; 3], count: 0, blocks: [0.0; 2], full: 0 }
     }
 
     fn add(&mut self, size: f32) {
-        self.small.add(size);
-        self.large.add(size);
+        let [a, b, c] = self.now;
+        self.now = [a.min(size), b.min(a.max(size)), c.min(b.max(size))];
+        self.count += 1;
+        if self.count == Self::BLOCK {
+            self.blocks = [self.blocks[1], self.now[2]];
+            (self.now, self.count) = ([f32::MAX; 3], 0);
+            self.full = self.full.saturating_add(1);
+        }
     }
 
-    /// The standard deviation that the small and the large sizes would have by
-    /// themselves; `None` until they are known well.
-    fn stds(&self) -> Option<(f32, f32)> {
-        let (small, large) = Self::PER_STD;
-        let is_settled = self.small.count >= self.small.settled;
-        is_settled.then_some((self.small.value / small, self.large.value / large))
+    /// `None` before two blocks are full.
+    fn value(&self) -> Option<f32> {
+        (self.full > 1).then(|| self.blocks.into_iter().fold(0.0, f32::max))
     }
 }
 
@@ -139,15 +126,12 @@ impl Spread {
 #[derive(Clone, Copy, Debug)]
 pub struct Noise {
     innovation: Quantile,
-    /// Of the second and the third differences.
-    second: Spread,
-    third: Spread,
+    smallest: Smallest,
+    second: Quantile,
     fourth: Quantile,
     /// The newest samples in a row, newest last.
     row: [f32; 5],
     filled: usize,
-    /// Largest size of a force, N.
-    largest_n: f32,
     /// Smallest step between samples that was seen, N: the resolution.
     resolution_n: f32,
     /// Two samples in a row were the same.
@@ -164,31 +148,17 @@ const TRUSTED: u8 = 16;
 
 /// Standard deviation over the median of |x|, for a normal distribution.
 const STD_PER_MEDIAN: f32 = 1.0 / 0.674_49;
-/// Standard deviation of the second and the third difference of white noise, √6, √20.
-const SECOND: f32 = 2.449_49;
-const THIRD: f32 = 4.472_136;
-/// A saw: the small second differences are below this part of what the large ones
-/// would be together with in noise.
-const SAW: f32 = 0.55;
-/// The noise of a saw over what its small differences tell: the line may still be the
-/// better measure.
-const SAW_NOISE: f32 = 2.0;
+/// Noise over the mean of [`Smallest`] of |second differences|.
+const STD_PER_SMALLEST: f32 = 1.0 / 0.42;
+/// Noise over the upper quartile of |second difference|, 1.150 √6.
+const STD_PER_SECOND: f32 = 1.0 / 2.818;
 /// Noise over the median of |fourth difference|, 0.6745 √70.
 const STD_PER_FOURTH: f32 = 1.0 / 5.643;
-/// A smooth swing: the fourth differences are below this part of what the large second
-/// ones would be together with in noise.
-const SMOOTH: f32 = 0.5;
-/// A swing: the small second or third differences are above so many times the same.
-const SWING: f32 = 1.6;
-/// A hum of the mains is one as well, but not so large a part of the force.
-const SWING_PART: f32 = 0.2;
-/// The noise of a swing is below this part of what its large third differences would
-/// be in noise.
-const SWING_NOISE: f32 = 0.2;
-
-/// A line that leaves less than this part of the usual drop of a slip serves, even if the
-/// force wanders about it.
-const SERVES: f32 = 0.1;
+/// A steep saw: the smallest second differences are below this part of what white
+/// noise would give.
+const SAW: f32 = 0.06;
+/// A smooth swing: the same for the fourth difference.
+const SWING: f32 = 0.5;
 
 impl Noise {
     /// Nothing known.
@@ -196,12 +166,11 @@ impl Noise {
     pub const fn new() -> Self {
         Self {
             innovation: Quantile::new(0.5),
-            second: Spread::new(),
-            third: Spread::new(),
+            smallest: Smallest::new(),
+            second: Quantile::new(0.75),
             fourth: Quantile::new(0.5),
             row: [0.0; 5],
             filled: 0,
-            largest_n: 0.0,
             resolution_n: 0.0,
             repeats: false,
             fitted_n: None,
@@ -223,7 +192,8 @@ impl Noise {
     /// Takes a sample; `in_a_row` if it follows the one before without a gap.
     pub fn see(&mut self, force_n: f32, in_a_row: bool) {
         self.filled = if in_a_row { (self.filled + 1).min(5) } else { 1 };
-        let ([_, a, b, c, d], e) = (self.row, force_n);
+        let [_, a, b, c, d] = self.row;
+        let e = force_n;
         self.row = [a, b, c, d, e];
         let step = (e - d).abs();
         if self.filled >= 2 && step > 0.0 && (self.resolution_n <= 0.0 || step < self.resolution_n)
@@ -235,12 +205,12 @@ impl Noise {
             return;
         }
         self.repeats |= self.filled >= 2 && step <= 0.0;
-        self.largest_n = self.largest_n.max(e.abs());
         if self.filled >= 3 {
-            self.second.add((c - 2.0 * d + e).abs());
+            let second = (c - 2.0 * d + e).abs();
+            self.second.add(second);
+            self.smallest.add(second);
         }
         if self.filled >= 5 {
-            self.third.add((b - 3.0 * (c - d) - e).abs());
             self.fourth.add((a - 4.0 * b + 6.0 * c - 4.0 * d + e).abs());
         }
     }
@@ -249,34 +219,33 @@ impl Noise {
     /// samples, which is less where the line does not describe the force.
     ///
     /// Never below the resolution's own, nor below the rounding of a force of this
-    /// size. `usual_drop_n` is that of a slip, zero before the first. `None` until enough
-    /// was seen.
+    /// size. `None` until enough was seen.
     #[must_use]
-    pub fn std_n(&self, force_n: f32, usual_drop_n: f32) -> (Option<f32>, Option<f32>) {
+    pub fn std_n(&self, force_n: f32) -> (Option<f32>, Option<f32>) {
         let floor = larger(0.3 * self.resolution_n, 4e-7 * force_n.abs());
         let std = |median| self.innovation.caution() * median * STD_PER_MEDIAN;
         let line = self.innovation.value().map(|median| larger(std(median), floor));
         // The fits allow for what a line does not.
         let fitted = self.fitted_n.map(|fitted| 1.5 * fitted);
         let own = if self.fits < TRUSTED { self.without_line_n() } else { None };
-        let serves = line.is_some_and(|line| line < SERVES * usual_drop_n);
-        let own = own.filter(|_| !serves);
         let bound = least(fitted, own).map(|std| larger(std, floor));
         (line, least(line, bound))
     }
 
     /// Standard deviation where there is no line to be followed, N.
     fn without_line_n(&self) -> Option<f32> {
-        let (second, third) = (self.second.stds()?, self.third.stds()?);
+        if self.fourth.count < SETTLED {
+            return None;
+        }
+        let second = self.second.value()? * STD_PER_SECOND;
         // Coarse steps make differences of zero: they are as large as a step.
         let step_n = if self.repeats { self.resolution_n } else { 0.0 };
-        let small = second.0 + step_n / Spread::PER_STD.0;
-        let saw = (small < SAW * second.1).then_some(SAW_NOISE * small / SECOND);
-        let fourth = self.fourth.value()? * STD_PER_FOURTH;
-        let smooth = (fourth < SMOOTH * second.1 / SECOND).then_some(fourth);
-        let swings = |(small, large)| small > SWING * large;
-        let swing = second.1 > SWING_PART * self.largest_n && (swings(second) || swings(third));
-        least(least(saw, smooth), swing.then_some(SWING_NOISE * third.1 / THIRD))
+        let smallest = self.smallest.value().map(|size| (size + step_n) * STD_PER_SMALLEST);
+        let fourth = self.fourth.value().map(|size| size * STD_PER_FOURTH);
+        least(
+            smallest.filter(|&smallest| smallest < SAW * second),
+            fourth.filter(|&fourth| fourth < SWING * second),
+        )
     }
 }
 
@@ -312,7 +281,7 @@ mod tests {
         (0..500)
             .map(|_| {
                 take(&mut noise, normal(&mut state));
-                noise.std_n(0.0, 0.0).1.unwrap() / 500.0
+                noise.std_n(0.0).1.unwrap() / 500.0
             })
             .sum()
     }
@@ -354,7 +323,7 @@ mod tests {
             // A line through it sees the swing as noise.
             noise.add(swing);
         }
-        assert!(noise.std_n(0.0, 0.0).1.unwrap() < 90.0, "{:?}", noise.std_n(0.0, 0.0));
+        assert!(noise.std_n(0.0).1.unwrap() < 90.0, "{:?}", noise.std_n(0.0));
     }
 
     #[test]
@@ -362,7 +331,7 @@ mod tests {
         let (mut noise, mut state) = (Noise::new(), 9);
         noise.add(1e4);
         (0..300).for_each(|i| noise.add(if i % 20 == 0 { 500.0 } else { normal(&mut state) }));
-        let std = noise.std_n(0.0, 0.0).1.unwrap();
+        let std = noise.std_n(0.0).1.unwrap();
         assert!((0.6..1.6).contains(&std), "{std}");
     }
 
@@ -372,6 +341,6 @@ mod tests {
         (0..50).for_each(|_| noise.add(0.0));
         noise.see(0.0, false);
         noise.see(5.0, true);
-        assert!(noise.std_n(0.0, 0.0).1.unwrap() >= 1.5);
+        assert!(noise.std_n(0.0).1.unwrap() >= 1.5);
     }
 }

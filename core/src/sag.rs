@@ -61,20 +61,23 @@ impl Sag {
         }
     }
 
-    /// How far `Fp` lies below `(Fs + Fe)/2`, N, and its variance. Until the rests clearly
-    /// tell what they show is an uncertainty.
+    /// How far `Fp` lies below `(Fs + Fe)/2`, N, and its variance. A mean that is itself
+    /// uncertain counts for the part of its square that is more than its variance (James and
+    /// Stein), and for nothing before several rests; the rest is an uncertainty.
     pub(crate) fn shift(&self, cycle: &Cycle) -> (f32, f32) {
         let (high_n, low_n) = (cycle.static_n, cycle.restick_n());
         let (product, drop_n) = (high_n * low_n, high_n - low_n);
         let Some(mean) = self.softness.mean().filter(|mean| *mean > 0.0 && product > 0.0) else {
             return (0.0, 0.0);
         };
-        let expected = self.softness.prior_around_zero(1.0);
-        let variance = if expected.weight > 0.0 { 1.0 / expected.weight } else { 0.0 };
-        let sure = expected.mean.max(0.0);
+        let (mut sure, mut unsure) = (0.0, mean * mean);
+        let weight = self.softness.prior(1.0).weight;
+        if weight > 0.0 {
+            sure = (mean - 1.0 / (weight * mean)).max(0.0);
+            unsure = (mean - sure) * (mean - sure) + 1.0 / weight;
+        }
         let all = product * product + 0.5 * mean * (high_n + low_n);
         let by_softness = 0.25 * drop_n * drop_n / all;
-        let unsure = (mean - sure) * (mean - sure) + variance;
         (sure * by_softness, by_softness * by_softness * unsure)
     }
 }
