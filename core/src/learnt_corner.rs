@@ -107,8 +107,8 @@ impl LearntCorner {
         }
         let effect = Score::of(data, fit).and_then(|score| self.take(&score, noise_n2));
         let effect = effect.unwrap_or_default();
-        if effect.is_finite() && self.numbers(&self.corner).iter().all(|number| number.is_finite())
-        {
+        let Corner { smoothing, missing_n, range_n } = self.corner;
+        if effect.is_finite() && (smoothing + missing_n + range_n).is_finite() {
             return effect;
         }
         // Numbers that overflow tell nothing.
