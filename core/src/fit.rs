@@ -295,15 +295,18 @@ impl Data<'_> {
     }
 
     /// Squared residuals, N², that a step may leave because the model is no straight
-    /// line: where the slide turns by an angle `φ`, `δd φ + d φ²/2` on each sample.
+    /// line: where the slide turns by an angle `φ`, `δd φ + (d + q) φ²/2` on each sample. Onset,
+    /// swing and, as `φ = atan(q/d)` at either end, the drop turn it.
     ///
     /// Without limit where the cable goes slack: there the force has kinks.
     fn bends_n2(&self, cycle: &Cycle, step: &Gradient) -> f32 {
         if !cycle.is_taut() {
             return f32::INFINITY;
         }
-        let angle = cycle.omega * (step[0].abs() + core::f32::consts::PI * step[4].abs());
-        let bend_n = (step[3].abs() + 0.5 * cycle.half_drop_n * angle) * angle;
+        let (d, q) = (cycle.half_drop_n, cycle.rate * cycle.swing());
+        let turn = 2.0 * q * step[3].abs() / (d * d + q * q);
+        let angle = cycle.omega * (step[0].abs() + core::f32::consts::PI * step[4].abs()) + turn;
+        let bend_n = (step[3].abs() + 0.5 * (d + q) * angle) * angle;
         self.samples.forces_n.len() as f32 * bend_n * bend_n
     }
 
