@@ -6,7 +6,7 @@
 
 use floe::sim::Scene;
 use floe::sim::terms::{Sag, WinchProfile};
-use floe_tests::score::Score;
+use floe_tests::score::{Score, run};
 
 const EVENTS: usize = 600;
 const RECORDS: u64 = 20;
@@ -66,4 +66,17 @@ fn a_cable_that_sags_is_told_from_its_rests() {
     ] {
         check(&format!("sag {weight_n_per_m} N/m"), &sag(weight_n_per_m), limits);
     }
+}
+
+/// The event's forces are those of its coefficients, also where the cable's softness comes in.
+#[test]
+fn forces_and_coefficients_agree() {
+    let scene = sag(0.9);
+    let tried = run(&scene, 3);
+    let late = tried.found[40];
+    let (mu_s, mu) = (late.mu_s.unwrap(), late.mu.unwrap());
+    let weight_n = scene.weight_n as f32;
+    assert!((late.static_force_n / weight_n / mu_s.value - 1.0).abs() < 1e-5);
+    assert!((late.dynamic_force_n / weight_n / mu.value - 1.0).abs() < 1e-5);
+    assert!(0.5 * (late.static_force_n + late.restick_force_n) > 1.01 * late.dynamic_force_n);
 }

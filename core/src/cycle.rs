@@ -346,10 +346,11 @@ impl Cycles {
             return event.into();
         }
         let (site, cycle) = (self.site(), &posterior.cycle);
+        let (_, sag_n2) = self.learnt.sag.shift(cycle);
         let (static_n2, dynamic_n2) = posterior.common_n2;
         let common = (
             site.common_std(cycle.static_n, static_n2),
-            site.common_std(cycle.dynamic_n(), dynamic_n2),
+            site.common_std(cycle.dynamic_n(), dynamic_n2 + sag_n2),
         );
         Finished { event, alone, common, change }
     }
@@ -401,7 +402,8 @@ impl Cycles {
         let site = self.site();
         event.mu_s = Some(site.whole(cycle.static_n, posterior.static_n2));
         let (shift_n, shift_n2) = self.learnt.sag.shift(cycle);
-        event.mu = Some(site.whole(cycle.dynamic_n() - shift_n, posterior.dynamic_n2 + shift_n2));
+        event.dynamic_force_n -= shift_n;
+        event.mu = Some(site.whole(event.dynamic_force_n, posterior.dynamic_n2 + shift_n2));
         if !posterior.is_resolved() {
             if !event.slack {
                 event.quality = Quality::Unresolved;
