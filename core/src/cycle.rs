@@ -346,7 +346,9 @@ impl Cycles {
             return event.into();
         }
         let (site, cycle) = (self.site(), &posterior.cycle);
-        let (_, sag_n2) = self.learnt.sag.shift(cycle);
+        // A sag that only may be is no part of what all events have in common.
+        let (sag_n, sag_n2) = self.learnt.sag.shift(cycle);
+        let sag_n2 = if sag_n > 0.0 { sag_n2 } else { 0.0 };
         let (static_n2, dynamic_n2) = posterior.common_n2;
         let common = (
             site.common_std(cycle.static_n, static_n2),
