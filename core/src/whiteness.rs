@@ -40,6 +40,9 @@ const MEMORY: f32 = 2000.0;
 /// Standard errors beyond which the force wanders; that of the noise's mean square is
 /// about `2 / √count` of it.
 const SIGNIFICANT: f32 = 4.0;
+/// A swing of fewer than six samples changes too fast to be followed from one to the next:
+/// the mean of the line is better. This is its variance of the slope over that of the level.
+const FASTEST: f32 = 0.8;
 /// Fewest samples that show it.
 const FEWEST: f32 = 24.0;
 
@@ -74,8 +77,11 @@ impl Whiteness {
         if white <= 0.0 || slow <= 0.0 || !sure {
             return Wander::NONE;
         }
-        let slope = (self.steps / white - 2.0).max(0.0);
-        Wander { white_share: white / self.squares, level: slow / white, slope }
+        let (level, slope) = (slow / white, (self.steps / white - 2.0).max(0.0));
+        if slope > FASTEST * level {
+            return Wander::NONE;
+        }
+        Wander { white_share: white / self.squares, level, slope }
     }
 }
 
@@ -110,6 +116,13 @@ mod tests {
         assert!((wander.level / level - 1.0).abs() < 0.15, "{wander:?}");
         assert!((wander.slope / slope - 1.0).abs() < 0.25, "{wander:?}");
         assert!((wander.white_share * (1.0 + wander.level) - 1.0).abs() < 1e-3);
+    }
+
+    #[test]
+    fn a_swing_of_a_few_samples_is_not_followed() {
+        for period in [3.3, 4.5, 5.5] {
+            assert_eq!(seen(1.0, period, 4000), Wander::NONE, "{period}");
+        }
     }
 
     #[test]
