@@ -48,14 +48,14 @@ impl Corner {
     #[must_use]
     pub fn shift(&self, shape: &Shape, since_onset: f32) -> Shift {
         let cycle = shape.cycle();
-        let slipping = since_onset.max(0.0).min(shape.slide());
+        let slipping = since_onset.max(0.0).min(shape.slide_time());
         let (sin, cos) = math::sin_cos(cycle.omega * slipping);
         let q_sin_n = cycle.rate / cycle.omega * sin;
         let by_smoothing = -cycle.omega
             * cycle.omega
             * (cycle.half_drop_n * cos + q_sin_n)
             * self.seen(since_onset)
-            * self.seen(shape.slide() - since_onset);
+            * self.seen(shape.slide_time() - since_onset);
 
         let (h, c) = (self.missing_n, self.range_n);
         let rise = math::exp(h / c);
@@ -70,7 +70,7 @@ impl Corner {
         } else {
             // The ellipse's q is less by the part f; the stop keeps what it is then.
             let f = 1.0 - 1.0 / rise;
-            let rate = if since_onset < shape.slide() { -f * cycle.rate * cos } else { 0.0 };
+            let rate = if since_onset < shape.slide_time() { -f * cycle.rate * cos } else { 0.0 };
             let by_missing = -q_sin_n / (c * rise);
             Shift { force_n: -f * q_sin_n, rate, by: [0.0, by_missing, -h * by_missing] }
         };

@@ -287,8 +287,8 @@ impl Cycles {
                         site.whole(forces.dynamic_n - shift_n, noise_n2 * forces.dynamic_variance),
                     )
                 });
-                self.learn_sag(&pending, &posterior);
                 let shape = posterior.cycle.shape();
+                self.learn_sag(&pending, &posterior, &shape);
                 let loads = shape.loads();
                 load = Some(moment(pending.origin, loads));
                 let event = self.measured(&pending, &posterior, &shape);
@@ -309,8 +309,8 @@ impl Cycles {
 
     /// What a rest between two slips tells of a cable that sags, if the force strays from
     /// its line at all.
-    fn learn_sag(&mut self, pending: &Pending, posterior: &Posterior) {
-        let (cycle, shape) = (&posterior.cycle, posterior.cycle.shape());
+    fn learn_sag(&mut self, pending: &Pending, posterior: &Posterior, shape: &Shape) {
+        let cycle = &posterior.cycle;
         let rested = self.rested.take();
         if shape.is_slack() || !posterior.is_resolved() {
             return;
@@ -322,7 +322,7 @@ impl Cycles {
         };
         let to = moment(pending.origin, cycle.onset);
         self.learnt.sag.learn(&Rest {
-            time: since(from.index, to.index) + to.fraction - from.fraction,
+            time: periods(from, to),
             from_n,
             // Where the line goes on to: what creep takes from it is not the cable's.
             to_n: cycle.static_n + self.learnt.corner.missing_n(),
@@ -420,9 +420,7 @@ impl Cycles {
         let hz = self.site.rate_hz;
         let onset = moment(pending.origin, cycle.onset);
         let stop = moment(pending.origin, shape.stop());
-        let rest = self.last_stop.map(|last| {
-            (since(last.index, onset.index) + onset.fraction - last.fraction).max(0.0) / hz
-        });
+        let rest = self.last_stop.map(|last| periods(last, onset).max(0.0) / hz);
         Event {
             index: self.count,
             onset,
@@ -475,4 +473,9 @@ impl Cycles {
 fn moment(origin: u64, time: f32) -> SampleTime {
     let whole = libm::floorf(time);
     SampleTime { index: origin.saturating_add_signed(whole as i64), fraction: time - whole }
+}
+
+/// Periods from one moment to another.
+fn periods(from: SampleTime, to: SampleTime) -> f32 {
+    since(from.index, to.index) + to.fraction - from.fraction
 }

@@ -149,15 +149,20 @@ impl Stick {
 
     /// Begins the line anew, from an index on; keeps how it started.
     fn start_line(&mut self, index: u64) {
-        self.first = self.first_from(self.origin);
-        (self.straight, self.first_weight, self.strikes) = (false, 0.0, 0);
+        self.keep_first();
+        self.strikes = 0;
         (self.line, self.trial, self.line_origin) = (Line::default(), Line::default(), index);
+    }
+
+    /// Keeps how the line started: from here on it is another one.
+    fn keep_first(&mut self) {
+        self.first = self.first_from(self.origin);
+        (self.straight, self.first_weight) = (false, 0.0);
     }
 
     /// Goes on with the line on trial.
     fn take_trial(&mut self) {
-        self.first = self.first_from(self.origin);
-        (self.straight, self.first_weight) = (false, 0.0);
+        self.keep_first();
         self.line = core::mem::take(&mut self.trial);
     }
 
@@ -337,7 +342,7 @@ impl Detector {
     /// Weight of the samples between the lowest one and the newest, all of them together.
     #[must_use]
     pub fn rest_weight(&self) -> f32 {
-        1.0 / self.profile.variance(-0.5 * since(self.lowest.index, self.last.index))
+        self.profile.weight(-0.5 * since(self.lowest.index, self.last.index))
     }
 
     /// Usual drop of a slip, N; zero before the first.
@@ -609,7 +614,7 @@ impl Detector {
 
     fn take_into_line(&mut self, sample: Extreme) {
         let time = since(self.stick.line_origin, sample.index);
-        let weight = 1.0 / self.variance(sample.index);
+        let weight = self.profile.weight(since(self.stick.origin, sample.index));
         if let Some((innovation, spread)) = self.innovation(sample) {
             let relative = innovation / spread;
             let std = self.line_std_n;
@@ -646,7 +651,7 @@ impl Detector {
         stick.start_line(start);
         for past in start..=index {
             if let Some(force_n) = self.window.get(past) {
-                let weight = 1.0 / self.profile.variance(since(stick.origin, past));
+                let weight = self.profile.weight(since(stick.origin, past));
                 stick.take(past, force_n, &self.memory, weight);
             }
         }

@@ -38,12 +38,6 @@ impl Double {
     pub fn or_zero(self) -> Self {
         if self.high > 0.0 { self } else { Self::ZERO }
     }
-
-    /// The larger of both.
-    #[must_use]
-    pub fn max(self, other: Self) -> Self {
-        if other > self { other } else { self }
-    }
 }
 
 impl From<f32> for Double {

@@ -123,6 +123,7 @@ impl Finishing {
         };
         let holds = |fit: &Fit| fit.converged && pending.holds(&fit.cycle);
         let Some(fit) = fit.filter(holds) else {
+            // Corners that are not there may be why.
             learnt.corner = LearntCorner::default();
             return ControlFlow::Break(Outcome::Failed(Reason::NoFit));
         };

@@ -27,7 +27,7 @@ pub struct Prior {
 impl Prior {
     /// With more variance, in units of the noise variance.
     pub(crate) fn loosened(self, variance: f32) -> Self {
-        Self { weight: self.weight / (1.0 + variance * self.weight), ..self }
+        Self { weight: loosened(self.weight, variance), ..self }
     }
 }
 
@@ -158,9 +158,7 @@ impl Fit {
     /// `None` when the event alone does not determine them.
     #[must_use]
     pub fn forces_alone(&self, rate: Prior) -> Option<Forces> {
-        let (mut normal, mut right) = (self.normal, Gradient::default());
-        normal.matrix[1][1] -= rate.weight;
-        right[1] = -rate.weight * (rate.mean - self.cycle.rate);
+        let (normal, right) = self.without([(1, (rate, self.cycle.rate))]);
         let factor = normal.factor(0.0)?;
         let [_, _, by_static, by_drop, ..] = factor.solve(&right);
         let mut cycle = self.cycle;
@@ -169,15 +167,20 @@ impl Fit {
         Some(Forces::new(&cycle, &factor))
     }
 
-    /// The normal equations without what is expected of rate, swing and onset.
+    /// The normal equations without what is expected of all but the bend, the last one.
     #[must_use]
     pub fn alone(&self, data: &Data<'_>) -> (Normal, Gradient) {
-        let mut normal = self.normal;
-        let mut right = Gradient::default();
-        for (unknown, (prior, value)) in data.priors(&self.cycle).into_iter().enumerate() {
-            if unknown == 5 {
-                continue;
-            }
+        let expected = data.priors(&self.cycle).into_iter().enumerate();
+        self.without(expected.take(UNKNOWNS - 1))
+    }
+
+    /// The normal equations without what was expected of some unknowns with these values.
+    fn without(
+        &self,
+        expected: impl IntoIterator<Item = (usize, (Prior, f32))>,
+    ) -> (Normal, Gradient) {
+        let (mut normal, mut right) = (self.normal, Gradient::default());
+        for (unknown, (prior, value)) in expected {
             normal.matrix[unknown][unknown] -= prior.weight;
             right[unknown] = -prior.weight * (prior.mean - value);
         }

@@ -116,6 +116,16 @@ impl LearntCorner {
         Effect::default()
     }
 
+    /// Before the first event that tells anything: only the range is thought to be known.
+    fn begin(&mut self, corner: &Corner) {
+        (self.corner, self.unit_n) = (*corner, corner.range_n);
+        self.best = self.numbers(corner);
+        let diagonal = [0.0, 0.0, RANGE_KNOWN, 1.0, 1.0, 1.0];
+        for (i, entry) in diagonal.into_iter().enumerate() {
+            self.told.matrix[i][i] = entry;
+        }
+    }
+
     fn numbers(&self, corner: &Corner) -> Gradient {
         let range = math::ln(corner.range_n / self.unit_n);
         [corner.smoothing, corner.missing_n, range, 0.0, 0.0, 0.0]
@@ -123,17 +133,9 @@ impl LearntCorner {
 
     fn take(&mut self, score: &Score, noise_n2: f32) -> Option<Effect> {
         if self.count <= 0.0 {
-            self.unit_n = score.corner.range_n;
+            self.begin(&score.corner);
         }
         let used = self.numbers(&score.corner);
-        if self.count <= 0.0 {
-            (self.corner, self.best) = (score.corner, used);
-            let diagonal = [0.0, 0.0, RANGE_KNOWN, 1.0, 1.0, 1.0];
-            for (i, entry) in diagonal.into_iter().enumerate() {
-                self.told.matrix[i][i] = entry;
-            }
-            self.told.right[2] = RANGE_KNOWN * used[2];
-        }
         let told = score.told(&used);
         self.add(score, &told, &used, noise_n2);
         let free = self.told.factor(0.0)?;

@@ -154,7 +154,7 @@ impl Cycle {
 }
 
 impl Shape {
-    /// Time of sliding.
+    /// Time of sliding (25), or up to the stop on a slack cable.
     #[must_use]
     pub fn slide_time(&self) -> f32 {
         self.slide
@@ -177,12 +177,6 @@ impl Shape {
     #[must_use]
     pub fn cycle(&self) -> &Cycle {
         &self.cycle
-    }
-
-    /// Time of sliding (25), or up to the stop on a slack cable.
-    #[must_use]
-    pub fn slide(&self) -> f32 {
-        self.slide
     }
 
     /// Does the cable go slack?

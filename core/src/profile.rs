@@ -61,6 +61,12 @@ impl Profile {
         if self.is_flat() { 1.0 } else { 1.0 + self.excess * math::exp(-self.decay * age) }
     }
 
+    /// Weight of a sample, one over that.
+    #[must_use]
+    pub fn weight(&self, age: f32) -> f32 {
+        1.0 / self.variance(age)
+    }
+
     /// Shall the stick that has ended be looked at?
     #[must_use]
     pub fn is_due(&mut self) -> bool {
@@ -73,7 +79,7 @@ impl Profile {
         let samples = || (0_u16..).map(f32::from).zip(forces_n.clone());
         let mut line = Line::default();
         for (age, force_n) in samples() {
-            let weight = 1.0 / self.variance(age);
+            let weight = self.weight(age);
             if let Some(force_n) = force_n {
                 line.add(age, force_n, weight, weight);
             }

@@ -43,8 +43,7 @@ pub fn feed(pipeline: &mut Pipeline, samples: impl IntoIterator<Item = RawSample
 /// # Panics
 /// It does not end.
 pub fn finish(pipeline: &mut Pipeline) -> Vec<Event> {
-    // As many as the window may hold, if it was not yet looked at.
-    let events: Vec<Event> = std::iter::from_fn(|| pipeline.finish()).take(130).collect();
-    assert!(events.len() < 130, "finish gives the pending events and then nothing");
+    let events: Vec<Event> = std::iter::from_fn(|| pipeline.finish()).take(10).collect();
+    assert!(events.len() < 10, "finish gives the few pending events and then nothing");
     events
 }
