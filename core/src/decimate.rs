@@ -44,10 +44,12 @@ impl Decimator {
 
     /// Takes a good sample with an index past all earlier ones; gives a block, with
     /// the block's number as its index, when one is complete.
+    #[inline]
     pub fn step(&mut self, sample: Extreme) -> Option<Extreme> {
-        if self.factor == 1 {
-            return Some(sample);
-        }
+        if self.factor == 1 { Some(sample) } else { self.average(sample) }
+    }
+
+    fn average(&mut self, sample: Extreme) -> Option<Extreme> {
         let (block, place) = divide(sample.index, self.factor);
         let complete = if block == self.block { None } else { self.finish() };
         self.block = block;

@@ -32,7 +32,8 @@ pub struct Slope<const LEN: usize> {
     forces_n: [f32; LEN],
     /// Samples in a row without a gap, at most `LEN`.
     filled: usize,
-    last: u64,
+    /// Index of the next one in the row.
+    next: u64,
     rate_hz: f32,
 }
 
@@ -45,16 +46,18 @@ impl<const LEN: usize> Slope<LEN> {
     /// For a sampling rate in hertz.
     #[must_use]
     pub fn new(rate_hz: f32) -> Self {
-        Self { forces_n: [0.0; LEN], filled: 0, last: 0, rate_hz }
+        Self { forces_n: [0.0; LEN], filled: 0, next: 0, rate_hz }
     }
 
     /// Takes a good sample; gives the rate at the middle of the last `LEN` ones, or
     /// `None` at the start and after a gap until enough are there in a row.
     pub fn step(&mut self, index: u64, force_n: f32) -> Option<Rate> {
-        let in_a_row = self.filled > 0 && index == self.last.wrapping_add(1);
-        self.filled = if in_a_row { (self.filled + 1).min(LEN) } else { 1 };
-        self.last = index;
-        self.forces_n.rotate_left(1);
+        if index != self.next {
+            self.filled = 0;
+        }
+        self.filled = (self.filled + 1).min(LEN);
+        self.next = index.wrapping_add(1);
+        self.forces_n.copy_within(1.., 0);
         if let Some(newest) = self.forces_n.last_mut() {
             *newest = force_n;
         }
@@ -65,16 +68,12 @@ impl<const LEN: usize> Slope<LEN> {
         let half = (LEN / 2) as f32;
         // Σ m² for m = −M..M is M (M + 1) (2 M + 1) / 3.
         let norm = half * (half + 1.0) * (2.0 * half + 1.0) / 3.0;
-        let middle = self.forces_n.get(LEN / 2).copied().unwrap_or_default();
-        let moment = self
-            .forces_n
-            .iter()
-            .enumerate()
-            .fold(0.0, |sum, (i, force)| sum + (i as f32 - half) * (force - middle));
+        let at = |place: usize| self.forces_n.get(place).copied().unwrap_or_default();
+        let pair = |m: usize| m as f32 * (at(LEN / 2 + m) - at(LEN / 2 - m));
         Rate {
-            index: self.last - (LEN / 2) as u64,
-            force_n: middle,
-            rate_n_per_s: moment / norm * self.rate_hz,
+            index: self.next.wrapping_sub((LEN / 2 + 1) as u64),
+            force_n: at(LEN / 2),
+            rate_n_per_s: (1..=LEN / 2).map(pair).sum::<f32>() / norm * self.rate_hz,
         }
     }
 }

@@ -81,6 +81,11 @@ pub struct Extreme {
     pub force_n: f32,
 }
 
+impl Extreme {
+    /// None yet.
+    pub(crate) const ZERO: Self = Self { index: 0, force_n: 0.0 };
+}
+
 /// What a sample changed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Transition {

@@ -123,10 +123,20 @@ impl Pipeline {
     ///
     /// Indices must increase: one that was there already is counted as a duplicate
     /// and changes nothing else.
+    #[inline]
     pub fn step(&mut self, raw: RawSample) -> Step {
-        let mut step = self.receive(raw);
+        let mut step = Step::of(self.receive(raw));
+        self.take(&mut step);
+        step
+    }
+
+    /// Takes a received sample. A step is long: it is filled where it lies.
+    #[inline(never)]
+    fn take(&mut self, step: &mut Step) {
         if let Some(force_n) = step.sample.force_n {
-            match self.spikes.step(Extreme { index: raw.index, force_n }, &self.usual()) {
+            let newest = Extreme { index: step.sample.index, force_n };
+            let (detector, root) = (&self.detector, self.block_root);
+            match self.spikes.step(newest, || Usual::of(detector, root)) {
                 Judged::Nothing => {}
                 Judged::Spike(spike) => {
                     self.counters.rejected += 1;
@@ -134,7 +144,7 @@ impl Pipeline {
                 }
                 Judged::Good(good) => {
                     step.rate = self.derivative.step(good.index, good.force_n);
-                    self.good(good, Extreme { index: raw.index, force_n }, &mut step);
+                    self.good(good, newest, step);
                 }
             }
         }
@@ -142,7 +152,6 @@ impl Pipeline {
             (step.change, self.told) = (self.change, true);
         }
         step.phase = self.phase(step.sample);
-        step
     }
 
     /// What the block is doing, with a first look at a sample that may still be a spike.
@@ -193,7 +202,7 @@ impl Pipeline {
     }
 
     /// Calibrates, counts and flags.
-    fn receive(&mut self, raw: RawSample) -> Step {
+    fn receive(&mut self, raw: RawSample) -> ForceSample {
         let expected = self.last.map_or(raw.index, |last| last.saturating_add(1));
         let (force_n, flag) = if raw.index < expected || raw.index > LAST_INDEX {
             (None, SampleFlag::Duplicate)
@@ -203,16 +212,20 @@ impl Pipeline {
                 Err(flag) => (None, flag),
             }
         };
-        let gap = raw.index.saturating_sub(expected);
-        self.counters.note(flag, gap);
+        let mut gap = 0;
+        if raw.index > expected {
+            let missing = raw.index - expected;
+            self.counters.missing = self.counters.missing.saturating_add(missing);
+            gap = u32::try_from(missing).unwrap_or(u32::MAX);
+        }
+        self.counters.note(flag);
         if flag != SampleFlag::Duplicate {
             self.last = Some(raw.index);
         }
         if flag == SampleFlag::Saturated {
             self.last_hidden = Some(self.decimator.block(raw.index));
         }
-        let gap = u32::try_from(gap).unwrap_or(u32::MAX);
-        Step::of(ForceSample { index: raw.index, force_n, flag, gap })
+        ForceSample { index: raw.index, force_n, flag, gap }
     }
 
     /// Takes a good sample on; `newest` is the one that may yet be a spike.
@@ -221,17 +234,17 @@ impl Pipeline {
         let slips = self.detector.phase() == Phase::Slip;
         // A sample of a block is no block: there the answer comes with the block itself.
         let is_block = self.block_root > 1.0;
-        if is_block {
+        if is_block && slips {
             step.provisional = self.turned(block);
         }
-        if let Some(event) = self.advance(block) {
-            step.event = Some(event);
+        let transition = self.detector.step(block.index, block.force_n);
+        if transition.is_some() || !self.cycles.is_idle() {
+            step.event = self.follow(transition);
         }
-        if is_block || self.detector.phase() != Phase::Slip {
-            return;
+        if !is_block && self.detector.phase() == Phase::Slip {
+            step.provisional =
+                if slips { self.turned(newest) } else { self.cycles.onset(&self.detector) };
         }
-        step.provisional =
-            if slips { self.turned(newest) } else { self.cycles.onset(&self.detector) };
     }
 
     /// A first answer if the slip is over with the next sample.
@@ -298,11 +311,6 @@ impl Pipeline {
         event
     }
 
-    fn usual(&self) -> Usual {
-        let noise_n = self.detector.noise_n().map(|noise_n| noise_n * self.block_root);
-        Usual { noise_n, drop_n: self.detector.usual_drop_n() }
-    }
-
     /// `k` from `F' = k w` where the winch speed is known, else from `ω² = k / M`.
     fn stiffness(&self, loading_rate: Option<f32>, omega: Option<f32>) -> Option<f32> {
         let (ratio, _) = self.cycles.weight_ratio();
@@ -322,10 +330,17 @@ impl Pipeline {
     }
 }
 
+impl Usual {
+    /// Of samples whose noise is so many times that of a block.
+    fn of(detector: &Detector, block_root: f32) -> Self {
+        let noise_n = detector.noise_n().map(|noise_n| noise_n * block_root);
+        Self { noise_n, drop_n: detector.usual_drop_n() }
+    }
+}
+
 impl Counters {
-    /// Counts one sample and the gap before it.
-    fn note(&mut self, flag: SampleFlag, gap: u64) {
-        self.missing = self.missing.saturating_add(gap);
+    /// Counts one sample.
+    fn note(&mut self, flag: SampleFlag) {
         match flag {
             SampleFlag::Duplicate => {
                 self.duplicates += 1;

@@ -7,6 +7,7 @@
 //! and a part of the usual drop. Delay: one good sample.
 
 use crate::detector::Extreme;
+use crate::math::{larger, smaller};
 use crate::noise::Quantile;
 
 /// Standard deviations of the noise that a spike exceeds.
@@ -28,8 +29,10 @@ pub struct Usual {
 /// Holds one sample back.
 #[derive(Clone, Copy, Debug)]
 pub struct SpikeFilter {
-    before: Option<Extreme>,
-    held: Option<Extreme>,
+    before: Extreme,
+    held: Extreme,
+    /// How many of these two there are.
+    count: u8,
     /// Upper quartile of the rises between neighbours, N.
     rises: Quantile,
 }
@@ -49,17 +52,20 @@ impl SpikeFilter {
     /// Before the first sample.
     #[must_use]
     pub const fn new() -> Self {
-        Self { before: None, held: None, rises: Quantile::new(0.75) }
+        Self { before: Extreme::ZERO, held: Extreme::ZERO, count: 0, rises: Quantile::new(0.75) }
     }
 
-    /// Takes a sample and gives the one before it.
-    pub fn step(&mut self, sample: Extreme, usual: &Usual) -> Judged {
-        let Some(held) = self.held.replace(sample) else { return Judged::Nothing };
-        let Some(before) = self.before.replace(held) else { return Judged::Good(held) };
+    /// Takes a sample and gives the one before it; `usual` is asked if that stands out at all.
+    pub fn step(&mut self, sample: Extreme, usual: impl FnOnce() -> Usual) -> Judged {
+        let (before, held) = (self.before, core::mem::replace(&mut self.held, sample));
+        if self.count < 2 {
+            (self.before, self.count) = (held, self.count + 1);
+            return if self.count == 1 { Judged::Nothing } else { Judged::Good(held) };
+        }
         if self.stands_out(before, held, sample, usual) {
-            self.before = Some(before);
             return Judged::Spike(held);
         }
+        self.before = held;
         if held.force_n > before.force_n && held.index == before.index + 1 {
             self.rises.add(held.force_n - before.force_n);
         }
@@ -68,22 +74,31 @@ impl SpikeFilter {
 
     /// Gives the last sample: without a neighbour it is good.
     pub fn finish(&mut self) -> Option<Extreme> {
-        self.held.take()
+        let held = (self.count > 0).then_some(self.held);
+        self.count = 0;
+        held
     }
 
-    fn stands_out(&self, before: Extreme, held: Extreme, after: Extreme, usual: &Usual) -> bool {
+    fn stands_out(
+        &self,
+        before: Extreme,
+        held: Extreme,
+        after: Extreme,
+        usual: impl FnOnce() -> Usual,
+    ) -> bool {
         let (left, right) = (held.force_n - before.force_n, held.force_n - after.force_n);
         // Neighbours further away say less: only within a few periods.
         let span = after.index - before.index;
         if left * right <= 0.0 || span > 4 {
             return false;
         }
+        let usual = usual();
         let (Some(noise_n), Some(rise_n)) = (usual.noise_n, self.rises.value()) else {
             return false;
         };
         let rises = RISES * rise_n * span as f32 / 2.0;
-        let least = (NOISES * noise_n).max(PART_OF_DROP * usual.drop_n).max(rises);
-        left.abs().min(right.abs()) > least
+        let least = larger(larger(NOISES * noise_n, PART_OF_DROP * usual.drop_n), rises);
+        smaller(left.abs(), right.abs()) > least
     }
 }
 
@@ -104,7 +119,7 @@ mod tests {
         let mut filter = SpikeFilter::new();
         let rise = (0..20).map(|i| 300.0 + 10.0 * i as f32);
         rise.chain(forces).enumerate().fold(None, |found, (i, force_n)| {
-            match filter.step(Extreme { index: i as u64, force_n }, usual) {
+            match filter.step(Extreme { index: i as u64, force_n }, || *usual) {
                 Judged::Spike(spike) => Some(spike.index as usize - 20),
                 Judged::Nothing | Judged::Good(_) => found,
             }
@@ -135,7 +150,7 @@ mod tests {
         let mut filter = SpikeFilter::new();
         for i in 0..300 {
             let force_n = 200.0 + 225.0 * (i as f32 * (2.0 / 7.0)).fract() * 3.5;
-            let judged = filter.step(Extreme { index: i, force_n }, &USUAL);
+            let judged = filter.step(Extreme { index: i, force_n }, || USUAL);
             assert!(!matches!(judged, Judged::Spike(_)), "{i}");
         }
     }
