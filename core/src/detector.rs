@@ -179,6 +179,7 @@ impl Stick {
     }
 
     /// Takes a sample into the lines; its weight is one over its variance.
+    #[inline]
     fn take(&mut self, index: u64, force_n: f32, memory: &Memory, weight: f32) {
         let time = since(self.line_origin, index);
         self.line.fade(memory.fade());
@@ -501,8 +502,13 @@ impl Detector {
     fn slips(&self, now: Extreme) -> bool {
         let Some(std) = self.std_n else { return false };
         let drop = self.stick.highest.force_n - now.force_n;
-        drop > 0.0
-            && drop >= self.least_drop(std)
+        // No slip drops by less: most samples are told at once.
+        drop >= LEAST_DROP * std && drop > 0.0 && self.leaves_line(now, drop, std)
+    }
+
+    #[inline(never)]
+    fn leaves_line(&self, now: Extreme, drop: f32, std: f32) -> bool {
+        drop >= self.least_drop(std)
             // Rests too briefly for a line: the drop alone decides.
             && self.depth(now).is_none_or(|depth| depth > OFF_LINE * std)
     }
@@ -643,6 +649,7 @@ impl Detector {
     }
 
     /// A sample off the line is left out; several on one side start a new line.
+    #[inline(never)]
     fn strike(&mut self, index: u64, innovation: f32) {
         let stick = &mut self.stick;
         stick.strikes += 1;
@@ -652,14 +659,9 @@ impl Detector {
         if stick.same_side < NEW_LINE && stick.strikes < 2 * NEW_LINE {
             return;
         }
-        let start = (index + 1).saturating_sub(u64::from(NEW_LINE));
-        stick.start_line(start);
-        for past in start..=index {
-            if let Some(force_n) = self.window.get(past) {
-                let weight = self.profile.weight(since(stick.origin, past));
-                stick.take(past, force_n, &self.memory, weight);
-            }
-        }
+        // The samples that are on it are taken once more.
+        stick.next = (index + 1).saturating_sub(u64::from(NEW_LINE));
+        stick.start_line(stick.next);
     }
 
     fn slip_step(&mut self, now: Extreme) -> Option<Transition> {

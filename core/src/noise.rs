@@ -44,19 +44,29 @@ impl Quantile {
     }
 
     /// Takes a number at or above zero.
+    #[inline]
     pub fn add(&mut self, size: f32) {
-        let (up, down) = match self.count {
-            SETTLED.. => (self.up, self.down),
-            FEWEST.. => self.settle(),
-            _ => return self.start(size),
-        };
+        if self.count < SETTLED {
+            return self.start(size);
+        }
+        self.follow(size, (self.up, self.down));
+    }
+
+    fn follow(&mut self, size: f32, (up, down): (f32, f32)) {
         let factor = if size > self.value { up } else { down };
         // Zero (a noiseless start) could not grow by a factor alone.
         self.value = larger(self.value * factor, 1e-3 * size);
     }
 
-    /// Sorts the first numbers in: their quantile is where to start from.
+    /// Sorts the first numbers in: their quantile is where to start from. Larger steps at
+    /// first.
+    #[inline(never)]
     fn start(&mut self, mut size: f32) {
+        if self.count >= FEWEST {
+            self.count += 1;
+            let gain = (4.0 / self.count as f32).max(SMALLEST_GAIN);
+            return self.follow(size, factors(gain, self.part));
+        }
         for entry in &mut self.first {
             (*entry, size) = (entry.min(size), entry.max(size));
         }
@@ -65,16 +75,13 @@ impl Quantile {
         self.value = self.first.get(place as usize).copied().unwrap_or(size);
     }
 
-    /// Larger steps at first.
-    fn settle(&mut self) -> (f32, f32) {
-        self.count += 1;
-        factors((4.0 / self.count as f32).max(SMALLEST_GAIN), self.part)
-    }
-
     /// What few numbers tell may be far too small: from 2 at the first value to 1 when
     /// settled.
     fn caution(&self) -> f32 {
-        1.0 + (SETTLED - self.count.min(SETTLED)) as f32 / (SETTLED - FEWEST) as f32
+        match SETTLED.checked_sub(self.count) {
+            Some(missing) => 1.0 + missing as f32 / (SETTLED - FEWEST) as f32,
+            None => 1.0,
+        }
     }
 
     /// The quantile so far; `None` until eight numbers were seen.
@@ -191,20 +198,27 @@ impl Noise {
 
     /// Takes a sample; `in_a_row` if it follows the one before without a gap.
     pub fn see(&mut self, force_n: f32, in_a_row: bool) {
-        self.filled = if in_a_row { (self.filled + 1).min(5) } else { 1 };
-        let [_, a, b, c, d] = self.row;
-        let e = force_n;
-        self.row = [a, b, c, d, e];
+        let ([_, a, b, c, d], e) = (self.row, force_n);
         let step = (e - d).abs();
-        if self.filled >= 2 && step > 0.0 && (self.resolution_n <= 0.0 || step < self.resolution_n)
-        {
+        let is_step = in_a_row && self.filled > 0;
+        if is_step && step > 0.0 && (step < self.resolution_n || self.resolution_n <= 0.0) {
             self.resolution_n = step;
         }
-        // What follows tells the noise until the fits do.
-        if self.fits == TRUSTED {
-            return;
+        // The differences tell the noise until the fits do.
+        if self.fits < TRUSTED {
+            self.row = [a, b, c, d, e];
+            self.filled = if in_a_row { (self.filled + 1).min(5) } else { 1 };
+            self.repeats |= is_step && step <= 0.0;
+            self.difference();
+        } else {
+            self.row[4] = e;
         }
-        self.repeats |= self.filled >= 2 && step <= 0.0;
+    }
+
+    /// Takes the newest samples' differences.
+    #[inline(never)]
+    fn difference(&mut self) {
+        let [a, b, c, d, e] = self.row;
         if self.filled >= 3 {
             let second = (c - 2.0 * d + e).abs();
             self.second.add(second);

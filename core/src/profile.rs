@@ -64,7 +64,7 @@ impl Profile {
     /// Weight of a sample, one over that.
     #[must_use]
     pub fn weight(&self, age: f32) -> f32 {
-        1.0 / self.variance(age)
+        if self.is_flat() { 1.0 } else { 1.0 / self.variance(age) }
     }
 
     /// Shall the stick that has ended be looked at?
