@@ -50,12 +50,12 @@ impl Calibrator {
             Reading::Force(Newtons(force_n)) => force_n,
             Reading::Bad(_) => return Err(SampleFlag::Rejected),
         };
-        if !force_n.is_finite() {
-            Err(SampleFlag::Rejected)
-        } else if force_n.abs() >= self.range_n {
+        if force_n.abs() < self.range_n {
+            Ok(force_n)
+        } else if force_n.is_finite() {
             Err(SampleFlag::Saturated)
         } else {
-            Ok(force_n)
+            Err(SampleFlag::Rejected)
         }
     }
 }

@@ -494,7 +494,8 @@ impl Detector {
         let Some(std) = self.std_n else { return false };
         let far = OFF_LINE * std;
         // A forecast is never surer than a sample: most are judged without its spread.
-        let is_above = |off_n| off_n > far && off_n > far * self.spread(now);
+        let spread = || self.spread(now, self.variance(now.index));
+        let is_above = |off_n| off_n > far && off_n > far * spread();
         now.force_n > self.stick.highest.force_n + far && self.off_line_n(now).is_some_and(is_above)
     }
 
@@ -551,12 +552,12 @@ impl Detector {
     ///
     /// A rising line goes on above its mean, however little is known of its slope.
     fn depth(&self, now: Extreme) -> Option<f32> {
-        let (innovation, spread) = self.innovation(now)?;
-        let line = &self.stick.line;
-        let below_mean = (line.level_n - now.force_n)
-            / math::rough_sqrt(self.variance(now.index) + 1.0 / line.weight);
+        let off_n = self.off_line_n(now)?;
+        let (line, variance) = (&self.stick.line, self.variance(now.index));
+        let below_mean =
+            (line.level_n - now.force_n) / math::rough_sqrt(variance + 1.0 / line.weight);
         let rises = line.slope().is_some_and(|slope| slope > 0.0);
-        let below_line = -innovation / spread;
+        let below_line = -off_n / self.spread(now, variance);
         Some(if rises { below_line.max(below_mean) } else { below_line })
     }
 
@@ -569,12 +570,6 @@ impl Detector {
         }
     }
 
-    /// Sample minus the line's forecast, N, and its standard deviation in units of
-    /// the noise. `None` with fewer than four samples on the line.
-    fn innovation(&self, now: Extreme) -> Option<(f32, f32)> {
-        self.off_line_n(now).map(|off_n| (off_n, self.spread(now)))
-    }
-
     /// Sample minus the line's forecast, N. `None` with fewer than four samples on the line.
     fn off_line_n(&self, now: Extreme) -> Option<f32> {
         let stick = &self.stick;
@@ -583,10 +578,11 @@ impl Detector {
         Some(now.force_n - stick.line.at(time, slope))
     }
 
-    /// Standard deviation of that in units of a late sample's noise, one or more.
-    fn spread(&self, now: Extreme) -> f32 {
+    /// Standard deviation of that in units of a late sample's noise, one or more; the
+    /// sample's own variance as from [`Self::variance`].
+    fn spread(&self, now: Extreme, variance: f32) -> f32 {
         let time = since(self.stick.line_origin, now.index);
-        math::rough_sqrt(self.variance(now.index) + self.stick.line.leverage(time))
+        math::rough_sqrt(variance + self.stick.line.leverage(time))
     }
 
     /// Variance of a resting block's sample over that of a late one.
@@ -625,9 +621,10 @@ impl Detector {
 
     fn take_into_line(&mut self, sample: Extreme) {
         let time = since(self.stick.line_origin, sample.index);
-        let weight = self.profile.weight(since(self.stick.origin, sample.index));
-        if let Some((innovation, spread)) = self.innovation(sample) {
-            let relative = innovation / spread;
+        let variance = self.variance(sample.index);
+        let weight = 1.0 / variance;
+        if let Some(innovation) = self.off_line_n(sample) {
+            let relative = innovation / self.spread(sample, variance);
             let std = self.line_std_n;
             self.noise.add(relative);
             if std.is_some_and(|std| relative.abs() > OFF_LINE * std) {

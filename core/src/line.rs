@@ -40,14 +40,16 @@ impl Line {
         let off_n = force_n - self.at(time, self.slope);
         let rest = self.weight * share;
         let tt = self.tt + rest * dt * dt;
-        let inverse = if tt > 0.0 { 1.0 / tt } else { 0.0 };
-        let gain = rest * dt * inverse;
-        let kept = if tt > 0.0 { self.tt * inverse } else { 1.0 };
         let mean = self.time + share * dt;
         self.level_n = self.at(mean, self.slope) + share * off_n;
         self.time = mean;
-        self.residual_n2 += trust * rest * off_n * off_n * kept;
-        self.slope += gain * off_n;
+        if tt > 0.0 {
+            let inverse = 1.0 / tt;
+            self.residual_n2 += trust * rest * off_n * off_n * (self.tt * inverse);
+            self.slope += rest * dt * inverse * off_n;
+        } else {
+            self.residual_n2 += trust * rest * off_n * off_n;
+        }
         self.tt = tt;
         self.weight = total;
         self.count = self.count.saturating_add(1);

@@ -63,8 +63,8 @@ pub struct Pipeline {
     config: Config,
     calibrator: Calibrator,
     counters: Counters,
-    /// Newest index.
-    last: Option<u64>,
+    /// Next index, once there was one.
+    next: Option<u64>,
     /// Block of the newest saturated sample.
     last_hidden: Option<u64>,
     spikes: SpikeFilter,
@@ -102,7 +102,7 @@ impl Pipeline {
             config: *config,
             calibrator: Calibrator::new(config),
             counters: Counters::default(),
-            last: None,
+            next: None,
             last_hidden: None,
             spikes: SpikeFilter::new(),
             decimator,
@@ -203,29 +203,38 @@ impl Pipeline {
 
     /// Calibrates, counts and flags.
     fn receive(&mut self, raw: RawSample) -> ForceSample {
-        let expected = self.last.map_or(raw.index, |last| last.saturating_add(1));
-        let (force_n, flag) = if raw.index < expected || raw.index > LAST_INDEX {
-            (None, SampleFlag::Duplicate)
-        } else {
-            match self.calibrator.force_n(raw.reading) {
-                Ok(force_n) => (Some(force_n), SampleFlag::Good),
-                Err(flag) => (None, flag),
-            }
-        };
-        let mut gap = 0;
-        if raw.index > expected {
-            let missing = raw.index - expected;
+        let index = raw.index;
+        let mut sample = ForceSample { index, force_n: None, flag: SampleFlag::Duplicate, gap: 0 };
+        let expected = self.next.unwrap_or(index);
+        if index < expected || index > LAST_INDEX {
+            self.counters.duplicates += 1;
+            return sample;
+        }
+        self.next = Some(index + 1);
+        self.counters.samples += 1;
+        if index > expected {
+            let missing = index - expected;
             self.counters.missing = self.counters.missing.saturating_add(missing);
-            gap = u32::try_from(missing).unwrap_or(u32::MAX);
+            sample.gap = u32::try_from(missing).unwrap_or(u32::MAX);
         }
-        self.counters.note(flag);
-        if flag != SampleFlag::Duplicate {
-            self.last = Some(raw.index);
+        match self.calibrator.force_n(raw.reading) {
+            Ok(force_n) => (sample.force_n, sample.flag) = (Some(force_n), SampleFlag::Good),
+            Err(flag) => {
+                sample.flag = flag;
+                self.refuse(index, flag);
+            }
         }
+        sample
+    }
+
+    /// Counts a reading that is no force.
+    fn refuse(&mut self, index: u64, flag: SampleFlag) {
         if flag == SampleFlag::Saturated {
-            self.last_hidden = Some(self.decimator.block(raw.index));
+            self.counters.saturated += 1;
+            self.last_hidden = Some(self.decimator.block(index));
+        } else {
+            self.counters.rejected += 1;
         }
-        ForceSample { index: raw.index, force_n, flag, gap }
     }
 
     /// Takes a good sample on; `newest` is the one that may yet be a spike.
@@ -335,21 +344,5 @@ impl Usual {
     fn of(detector: &Detector, block_root: f32) -> Self {
         let noise_n = detector.noise_n().map(|noise_n| noise_n * block_root);
         Self { noise_n, drop_n: detector.usual_drop_n() }
-    }
-}
-
-impl Counters {
-    /// Counts one sample.
-    fn note(&mut self, flag: SampleFlag) {
-        match flag {
-            SampleFlag::Duplicate => {
-                self.duplicates += 1;
-                return;
-            }
-            SampleFlag::Rejected | SampleFlag::Spike => self.rejected += 1,
-            SampleFlag::Saturated => self.saturated += 1,
-            SampleFlag::Good => {}
-        }
-        self.samples += 1;
     }
 }

@@ -27,8 +27,10 @@ impl Wander {
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Whiteness {
     /// The last innovation and the one before it.
-    last: Option<f32>,
-    before: Option<f32>,
+    last: f32,
+    before: f32,
+    /// How many of these two are known.
+    known: u8,
     squares: f32,
     steps: f32,
     bends: f32,
@@ -51,9 +53,12 @@ impl Whiteness {
     pub fn add(&mut self, innovation: f32, weight: f32) {
         let innovation = weight * innovation;
         const FADE: f32 = 1.0 - 1.0 / MEMORY;
-        let last = self.last.replace(innovation);
-        let before = core::mem::replace(&mut self.before, last);
-        let Some((last, before)) = last.zip(before) else { return };
+        let (last, before) = (self.last, self.before);
+        (self.last, self.before) = (innovation, last);
+        if self.known < 2 {
+            self.known += 1;
+            return;
+        }
         let step = innovation - last;
         let bend = step - (last - before);
         self.squares = FADE * self.squares + innovation * innovation;
@@ -64,7 +69,7 @@ impl Whiteness {
 
     /// The next sample has no neighbour before it.
     pub fn interrupt(&mut self) {
-        (self.last, self.before) = (None, None);
+        self.known = 0;
     }
 
     /// What the innovations show; nothing unless it is clear.

@@ -43,9 +43,9 @@ impl Window {
     /// Force at an index, if it is in the window and was good.
     #[must_use]
     pub fn get(&self, index: u64) -> Option<f32> {
-        let inside = index < self.end && self.end - index <= WINDOW as u64;
-        let force_n = self.forces_n.get(slot(index)).copied().filter(|_| inside)?;
-        (!force_n.is_nan()).then_some(force_n)
+        let inside = self.end.wrapping_sub(index).wrapping_sub(1) < WINDOW as u64;
+        let force_n = self.forces_n.get(slot(index)).copied()?;
+        (inside && !force_n.is_nan()).then_some(force_n)
     }
 
     /// The index, or the oldest one in the window if that is later.
