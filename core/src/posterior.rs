@@ -26,6 +26,8 @@ const STEP: f32 = 0.125;
 /// Information that holds the onset in its place: so many times what one sample on
 /// the steepest part of the slip would tell.
 const HELD: f32 = 1e4;
+/// A likelihood, in parts of the best fit's, that adds nothing to the averages.
+const UNLIKELY: f32 = 1e-9;
 
 /// Means and variances of one event's unknowns; forces in N, times in periods.
 #[derive(Clone, Copy, Debug)]
@@ -115,14 +117,18 @@ impl OverOnset {
         let held = Prior { mean: onset, weight: HELD * steepest * steepest };
         let held = Data { onset: held, ..*data };
         let fit = held.fit(&Cycle { onset, ..self.from }, noise_n2);
+        // A slip of samples enough has one best place: where nothing is likely any more
+        // nothing is beyond.
+        let mut ends = fit.is_none();
         if let Some(fit) = &fit {
             let expected =
                 data.onset.weight * (onset - data.onset.mean) * (onset - data.onset.mean);
             let cost = fit.cost() + expected - best.cost();
             let likelihood = math::exp(-0.5 * cost / noise_n2);
+            ends = likelihood < UNLIKELY && best.cycle.slide_time() >= RESOLVED;
             self.sums.add(likelihood, &Posterior::at(fit, noise_n2), best);
         }
-        let Some(next) = following(self.place, fit.is_some()) else {
+        let Some(next) = following(self.place, ends) else {
             return ControlFlow::Break(self.sums.posterior(best, noise_n2));
         };
         // The other way begins at the best fit again.
@@ -133,12 +139,12 @@ impl OverOnset {
     }
 }
 
-/// Places go up to the last, or to the first that has no fit, and then down.
-fn following(place: i16, fitted: bool) -> Option<i16> {
+/// Places go up to the last, or to one that ends them, and then down.
+fn following(place: i16, ends: bool) -> Option<i16> {
     match place {
-        0..PLACES if fitted => Some(place + 1),
+        0..PLACES if !ends => Some(place + 1),
         0.. => Some(-1),
-        _ => (fitted && place > -PLACES).then_some(place - 1),
+        _ => (!ends && place > -PLACES).then_some(place - 1),
     }
 }
 
