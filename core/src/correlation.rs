@@ -15,7 +15,7 @@ pub const LAGS: usize = 24;
 #[derive(Clone, Copy, Debug)]
 pub struct Correlation {
     /// The first value: all others are kept relative to it.
-    reference: Double,
+    reference: f32,
     count: u32,
     sum: Double,
     /// The first values, and the last ones, newest first; zero before they are known.
@@ -30,7 +30,7 @@ impl Correlation {
     #[must_use]
     pub const fn new() -> Self {
         Self {
-            reference: Double::ZERO,
+            reference: 0.0,
             count: 0,
             sum: Double::ZERO,
             first: [0.0; LAGS],
@@ -40,11 +40,11 @@ impl Correlation {
     }
 
     /// Takes the next value.
-    pub fn add(&mut self, value: Double) {
+    pub fn add(&mut self, value: f32) {
         if self.count == 0 {
             self.reference = value;
         }
-        let x = (value - self.reference).rounded();
+        let x = value - self.reference;
         self.pair_with_last(x, 0);
         if let Some(slot) = self.first.get_mut(self.count as usize) {
             *slot = x;
@@ -74,7 +74,7 @@ impl Correlation {
             *self = *later;
             return;
         }
-        let shift = later.reference - self.reference;
+        let shift = Double::from(later.reference) - self.reference.into();
         let heads = (later.count as usize).min(LAGS);
         for (place, &x) in later.first.iter().enumerate().take(heads) {
             self.pair_with_last(x + shift.rounded(), place);
@@ -115,7 +115,7 @@ impl Correlation {
         if lag == 0 || lag > LAGS || pairs == 0 {
             return None;
         }
-        let m = mean - self.reference;
+        let m = mean - self.reference.into();
         Some((self.products[lag - 1] - m * self.sums(lag)) / Double::from(pairs) + m * m)
     }
 
@@ -151,12 +151,12 @@ mod tests {
     /// A wandering row of numbers.
     fn value(i: usize) -> f64 {
         let x = i as f64;
-        0.8 + 0.05 * (0.1 * x).sin() + 0.01 * (1.7 * x * x).cos()
+        f64::from((0.8 + 0.05 * (0.1 * x).sin() + 0.01 * (1.7 * x * x).cos()) as f32)
     }
 
     fn all(from: usize, to: usize) -> Correlation {
         let mut c = Correlation::new();
-        (from..to).for_each(|i| c.add(value(i).into()));
+        (from..to).for_each(|i| c.add(value(i) as f32));
         c
     }
 
@@ -194,7 +194,7 @@ mod tests {
                     let error = covariance(&merged, lag, 0.8).unwrap() - direct(n, lag, 0.8);
                     assert!(error.abs() < 1e-9, "{n} {split} {lag} {error}");
                 }
-                merged.add(value(n).into());
+                merged.add(value(n) as f32);
                 let error = covariance(&merged, 1, 0.8).unwrap() - direct(n + 1, 1, 0.8);
                 assert!(error.abs() < 1e-9);
             }
@@ -209,7 +209,7 @@ mod tests {
         let inflation = c.inflation(mean.into(), variance.into());
         assert!(inflation > 10.0, "{inflation}");
         let mut alternating = Correlation::new();
-        (0..200).for_each(|i| alternating.add(Double::from(i % 2)));
+        (0..200).for_each(|i| alternating.add((i % 2) as f32));
         assert!((alternating.inflation(0.5_f32.into(), 0.25_f32.into()) - 1.0).abs() < 1e-9);
     }
 }

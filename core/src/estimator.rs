@@ -56,47 +56,43 @@ impl Estimator {
         if !(event.value.is_finite() && (1e-9..=1e9).contains(&event.std)) {
             return;
         }
-        let (value, std) = (Double::from(event.value), Double::from(event.std));
+        let (value, variance) = (event.value, event.std * event.std);
         self.correlation.add(value);
-        self.pool(&Self { common: common_std.into(), ..Self::single(value, std * std) });
-    }
-
-    fn single(value: Double, variance: Double) -> Self {
-        let weight = ONE / variance;
-        Self {
-            count: 1,
-            mean: value,
-            variance,
-            weighted_mean: value,
-            weight,
-            weight_squares: weight * weight,
-            ..Self::default()
-        }
+        // One event moves a mean by a part of its distance: that part may be rounded, the
+        // mean is not.
+        let n = self.count as f32;
+        self.count = self.count.saturating_add(1);
+        let share = 1.0 / self.count as f32;
+        let from = |mean: Double, value: f32| (Double::from(value) - mean).rounded();
+        let step = from(self.mean, value);
+        self.squares += n * share * step * step;
+        self.mean += share * step;
+        self.variance += share * from(self.variance, variance);
+        self.common += share * from(self.common, common_std);
+        let weight = 1.0 / variance;
+        self.weight += weight;
+        self.weighted_mean += weight / self.weight.rounded() * from(self.weighted_mean, value);
+        self.weight_squares += weight * weight;
     }
 
     /// Takes the events of another estimator, which came after its own.
     pub fn merge(&mut self, later: &Self) {
         self.correlation.merge(&later.correlation);
-        self.pool(later);
-    }
-
-    /// Pools all but the order of the events.
-    fn pool(&mut self, other: &Self) {
-        if other.count == 0 {
+        if later.count == 0 {
             return;
         }
-        let (n, m) = (Double::from(self.count), Double::from(other.count));
+        let (n, m) = (Double::from(self.count), Double::from(later.count));
         let share = m / (n + m);
-        let step = other.mean - self.mean;
-        self.squares += other.squares + n * share * step * step;
+        let step = later.mean - self.mean;
+        self.squares += later.squares + n * share * step * step;
         self.mean += share * step;
-        self.variance += share * (other.variance - self.variance);
-        self.common += share * (other.common - self.common);
-        let weight = self.weight + other.weight;
-        self.weighted_mean += other.weight / weight * (other.weighted_mean - self.weighted_mean);
+        self.variance += share * (later.variance - self.variance);
+        self.common += share * (later.common - self.common);
+        let weight = self.weight + later.weight;
+        self.weighted_mean += later.weight / weight * (later.weighted_mean - self.weighted_mean);
         self.weight = weight;
-        self.weight_squares += other.weight_squares;
-        self.count = self.count.saturating_add(other.count);
+        self.weight_squares += later.weight_squares;
+        self.count = self.count.saturating_add(later.count);
     }
 
     /// Number of events that count.
