@@ -44,7 +44,6 @@ impl Quantile {
     }
 
     /// Takes a number at or above zero.
-    #[inline]
     pub fn add(&mut self, size: f32) {
         if self.count < SETTLED {
             return self.start(size);

@@ -196,9 +196,15 @@ impl Pending {
             let phase = math::atan2(rate * slide, PI * half_drop_n);
             with_swing(slide / (PI + 2.0 * phase))
         };
-        [0.6, 0.8, 1.25, 1.6].map(with_part).into_iter().fold(with_part(1.0), |best, other| {
-            if data.cost(&other) < data.cost(&best) { other } else { best }
-        })
+        let tried = |part: f32| {
+            let guess = with_part(part);
+            (data.cost(&guess), guess)
+        };
+        let best = [0.6, 0.8, 1.25, 1.6].into_iter().fold(tried(1.0), |best, part| {
+            let other = tried(part);
+            if other.0 < best.0 { other } else { best }
+        });
+        best.1
     }
 
     /// Moves the onset, along the stick line, and the drop of a guess so that it goes through
