@@ -3,7 +3,7 @@
 //! The events differ by their own noise, which each states, and by real variation
 //! of the friction, which has to be found out: random effects. All sums are kept to
 //! 48 bits ([`Double`]), relative to the running mean, so a million events lose
-//! nothing, and two estimators can be merged.
+//! nothing, and two estimators can be merged. What one event adds is rounded to 24 bits.
 //!
 //! With `s_i` an event's standard deviation, `τ²` the variance between events:
 //!

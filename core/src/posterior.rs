@@ -26,8 +26,8 @@ const STEP: f32 = 0.125;
 /// Information that holds the onset in its place: so many times what one sample on
 /// the steepest part of the slip would tell.
 const HELD: f32 = 1e4;
-/// A likelihood, in parts of the best fit's, that adds nothing to the averages.
-const UNLIKELY: f32 = 1e-9;
+/// A likelihood, in parts of the best fit's, that adds nothing to sums in single precision.
+const UNLIKELY: f32 = 1.2e-7;
 
 /// Means and variances of one event's unknowns; forces in N, times in periods.
 #[derive(Clone, Copy, Debug)]
