@@ -51,8 +51,7 @@ impl Site {
 
     /// The same with the weight's uncertainty in the standard deviation.
     fn whole(&self, force_n: f32, variance_n2: f32) -> Coefficient {
-        let (own, common) = (self.coefficient(force_n, variance_n2), self.common_std(force_n, 0.0));
-        Coefficient { std: math::sqrt(own.std * own.std + common * common), ..own }
+        self.coefficient(force_n, variance_n2).widened(self.common_std(force_n, 0.0))
     }
 }
 

@@ -7,8 +7,10 @@ use crate::cycle::{Cycles, Finished, Site};
 use crate::decimate::Decimator;
 use crate::derivative::{Central, Rate};
 use crate::detector::{Detector, Extreme, Transition};
+use crate::drift::Drift;
 use crate::estimator::Estimator;
 use crate::event::{Event, Provisional, SampleTime};
+use crate::math;
 use crate::report::{Counters, Report};
 use crate::sample::{ForceSample, Phase, RawSample, SampleFlag};
 use crate::spike::{Judged, SpikeFilter, Usual};
@@ -76,6 +78,8 @@ pub struct Pipeline {
     cycles: Cycles,
     mu_s: Estimator,
     mu: Estimator,
+    /// What the zero may have moved by widens every interval.
+    drift: Drift,
     events: u32,
     /// The newest change, and whether a step has told it.
     change: Option<Change>,
@@ -94,7 +98,7 @@ impl Pipeline {
         let rate_hz = config.rate_hz / decimator.factor();
         let site = Site {
             weight_n: config.weight_n,
-            slope: crate::math::sin_cos(config.slope_rad),
+            slope: math::sin_cos(config.slope_rad),
             weight_spread: 0.0,
             rate_hz,
         };
@@ -106,12 +110,13 @@ impl Pipeline {
             last_hidden: None,
             spikes: SpikeFilter::new(),
             decimator,
-            block_root: crate::math::sqrt(decimator.factor()),
+            block_root: math::sqrt(decimator.factor()),
             derivative: Central::new(config.rate_hz),
             detector: Detector::new(rate_hz),
             cycles: Cycles::new(site),
             mu_s: Estimator::default(),
             mu: Estimator::default(),
+            drift: Drift::default(),
             events: 0,
             change: None,
             told: true,
@@ -141,6 +146,7 @@ impl Pipeline {
         if !self.told {
             (step.change, self.told) = (self.change, true);
         }
+        step.provisional = step.provisional.map(|answer| answer.widened(self.drift.std()));
         step.phase = self.phase(step.sample);
         step
     }
@@ -288,11 +294,18 @@ impl Pipeline {
             self.told = false;
         }
         let (mu_s, mu) = alone.map_or((event.mu_s, event.mu), |(mu_s, mu)| (Some(mu_s), Some(mu)));
+        if let Some((mu_s, mu)) = event.mu_s.zip(event.mu) {
+            self.drift.take(mu_s, mu);
+        }
+        // The means take the drift as what the events have in common only.
+        let zero = self.drift.std();
+        event.mu_s = event.mu_s.map(|mu_s| mu_s.widened(zero));
+        event.mu = event.mu.map(|mu| mu.widened(zero));
         if let Some(mu_s) = mu_s {
-            self.mu_s.add_with_common(mu_s, common.0);
+            self.mu_s.add_with_common(mu_s, math::hypotenuse(common.0, zero));
         }
         if let Some(mu) = mu {
-            self.mu.add_with_common(mu, common.1);
+            self.mu.add_with_common(mu, math::hypotenuse(common.1, zero));
         }
         self.onsets = Some((self.onsets.map_or(event.onset, |(first, _)| first), event.onset));
         event
