@@ -11,7 +11,8 @@
 //! 16, as far as it is significant; what moves smoothly has no second differences, which
 //! tell the scatter. Of it friction explains, where the drop `D = mu_s − mu` has moved by
 //! `δD`, up to `δD mu/D` in the same direction (both coefficients in proportion), and up to
-//! `δD` in the other one (`mu` alone).
+//! `δD` in the other one (`mu` alone). What is left is extended to the whole test, from the
+//! zero's last known value to the newest event, as if it had grown evenly.
 
 use crate::event::Coefficient;
 use crate::math;
@@ -27,9 +28,9 @@ const FEW: f32 = 20.0;
 /// Least part of the drop's scatter that `mu` has: a few events may happen to lie on a line.
 const LEAST_SHARE: f32 = 0.25;
 /// Events over which the past is forgotten: how they scatter, and a move that was seen.
-const MEMORY: f32 = 40.0;
+const FADE: f32 = 1.0 - 1.0 / 40.0;
 /// Standard errors beyond which a move counts, and those of a move of the drop.
-const SIGNIFICANT: f32 = 4.0;
+const SIGNIFICANT: f32 = 3.5;
 const DROP_SIGNIFICANT: f32 = 2.0;
 /// Of a move without a cause: all of it is the zero's or nothing, one as likely as the
 /// other. Mean square of the zero's part.
@@ -55,26 +56,32 @@ pub(crate) struct Drift {
     spans: [Span; SPANS.len()],
     /// The last event and the one before it.
     before: [Values; 2],
-    /// Sums of squared second differences over what the stated variances make of them,
-    /// for `mu` and for the drop, and how many there are.
+    /// Sums of the squared second differences of `mu` and of the drop, less what the stated
+    /// variances make of them, in variances of an event; and how many there are.
     bends: [f32; 2],
     count: f32,
-    /// Variance of the zero, in units of the coefficients.
-    variance: f32,
+    /// Mean of the moves since the test began, and the square of the largest, of a fading
+    /// past; in units of the coefficients.
+    mean: f32,
+    square: f32,
 }
 
 impl Drift {
     /// Standard deviation that the zero's drift gives to both coefficients.
     pub(crate) fn std(&self) -> f32 {
-        math::sqrt(self.variance)
+        math::sqrt(SHARE * self.square)
+    }
+
+    /// The same for the means over all events.
+    pub(crate) fn mean_std(&self) -> f32 {
+        math::sqrt(SHARE) * self.mean.abs()
     }
 
     /// Takes an event.
     pub(crate) fn take(&mut self, mu_s: Coefficient, mu: Coefficient) {
         let variance = mu.std * mu.std;
         let event = [mu.value, mu_s.value - mu.value, variance, variance + mu_s.std * mu_s.std];
-        let is_usable = event.iter().all(|value| value.is_finite()) && variance > 0.0;
-        if !is_usable {
+        if !event.iter().all(|value| value.is_finite()) {
             return;
         }
         self.events += 1.0;
@@ -85,22 +92,25 @@ impl Drift {
         self.bend(event, taken);
         let [of_mu, of_drop] = self.bends.map(|sum| self.scatter(sum));
         let scatter = [math::larger(of_mu, LEAST_SHARE * of_drop), of_drop];
-        let mut seen = 0.0;
+        let mut moved = 0.0_f32;
         for (span, length) in self.spans.iter_mut().zip(SPANS) {
             span.take(event, taken, length);
             if taken > length && self.count > 0.0 {
                 let lag = LEARNING + 1.5 * length - 0.5;
                 let part = math::larger(1.0 - lag / self.events, LEAST_PART);
-                seen = math::larger(seen, span.moved(scatter, length) / (part * part));
+                let whole = span.moved(scatter, length) / part;
+                if whole.abs() > moved.abs() {
+                    moved = whole;
+                }
             }
         }
-        let faded = self.variance * (1.0 - 1.0 / MEMORY);
-        self.variance = math::larger(SHARE * seen, faded);
+        self.mean += (moved - self.mean) / self.events;
+        // The zero may come back, and friction may hide it: what was seen holds for a while.
+        self.square = math::larger(moved * moved, FADE * self.square);
     }
 
     /// Takes the second differences that end with an event.
     fn bend(&mut self, event: Values, taken: f32) {
-        const FADE: f32 = 1.0 - 1.0 / MEMORY;
         let [last, older] = self.before;
         self.before = [event, last];
         if taken < 3.0 {
@@ -131,27 +141,96 @@ impl Span {
         }
     }
 
-    /// Squared move of `mu` that friction does not explain, as far as it is significant.
+    /// Move of `mu` that friction does not explain, as far as it is significant.
     fn moved(&self, [mu_scatter, drop_scatter]: [f32; 2], length: f32) -> f32 {
         let by = |i: usize| self.last[i] - self.first[i];
         let variance =
             |i: usize, scatter: f32| (self.last[i] + self.first[i] + 2.0 * scatter) / length;
         let (mu, drop, [level, usual_drop, ..]) = (by(0), by(1), self.last);
-        let drop_n2 = variance(3, drop_scatter);
-        let limit = DROP_SIGNIFICANT * DROP_SIGNIFICANT * drop_n2;
+        let limit = DROP_SIGNIFICANT * DROP_SIGNIFICANT * variance(3, drop_scatter);
         let sure = surely(drop * drop, limit);
         let most = sure * (drop.abs() + math::rough_sqrt(limit));
         let same = (mu > 0.0) == (drop > 0.0);
         let friction = if same { most * level / usual_drop } else { most };
         let rest = mu.abs() - math::larger(friction, 0.0);
-        let square = rest * rest;
-        let significant = SIGNIFICANT * SIGNIFICANT * variance(2, mu_scatter);
-        if rest > 0.0 { square * surely(square, significant) } else { 0.0 }
+        let limit = SIGNIFICANT * SIGNIFICANT * variance(2, mu_scatter);
+        math::larger(rest, 0.0).copysign(mu) * surely(rest * rest, limit)
     }
 }
 
 fn mix(mean: &mut Values, event: Values, share: f32) {
     for (mean, value) in mean.iter_mut().zip(event) {
         *mean += share * (value - *mean);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const STD: f32 = 0.001;
+
+    /// Uniform, of variance one.
+    fn noise(state: &mut u32) -> f32 {
+        *state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        3.464 * ((*state >> 8) as f32 / 16_777_216.0 - 0.5)
+    }
+
+    /// After events whose coefficients `(mu_s, mu)` have moved by so much, each with its
+    /// noise and a scatter of its own, relative to the coefficients.
+    fn after(events: u32, scatter: f32, moved: impl Fn(f32) -> (f32, f32)) -> Drift {
+        let (mut drift, mut state) = (Drift::default(), 1);
+        for i in 0..events {
+            let (mu_s, mu) = moved(i as f32);
+            let mut measured = |value: f32| {
+                let value = value * (1.0 + scatter * noise(&mut state)) + STD * noise(&mut state);
+                Coefficient { value, std: STD }
+            };
+            drift.take(measured(1.24 + mu_s), measured(0.78 + mu));
+        }
+        drift
+    }
+
+    #[test]
+    fn a_move_of_both_coefficients_may_be_the_zeros() {
+        for moved in [
+            |i: f32| 0.0005 * i,
+            |i: f32| 0.03 * (i / 20.0).sin(),
+            |i: f32| if i < 30.0 { 0.0 } else { 0.03 },
+        ] {
+            let drift = after(60, 0.0, |i| (moved(i), moved(i)));
+            assert!(drift.std() * 1.96 > moved(59.0).abs(), "{drift:?}");
+            assert!(drift.std() < 0.04 && drift.mean_std() < drift.std(), "{drift:?}");
+        }
+    }
+
+    #[test]
+    fn friction_is_no_drift() {
+        let slow = |i: f32| 0.1 * (i / 20.0).sin();
+        for (what, drift) in [
+            ("steady", after(400, 0.0, |_| (0.0, 0.0))),
+            ("scatters", after(400, 0.1, |_| (0.0, 0.0))),
+            ("mu_s alone", after(100, 0.0, |i| (slow(i), 0.0))),
+            ("mu alone", after(100, 0.0, |i| (0.0, slow(i)))),
+            ("in proportion", after(100, 0.0, |i| (1.24 * slow(i), 0.78 * slow(i)))),
+        ] {
+            // Less than a twentieth of what friction does.
+            assert!(drift.std() < 0.004, "{what}: {drift:?}");
+        }
+    }
+
+    #[test]
+    fn a_scatter_hides_what_is_smaller_and_not_what_is_larger() {
+        let drifts = |size: f32| after(300, 0.02, |i| (size * i / 300.0, size * i / 300.0)).std();
+        assert!(drifts(0.002) < STD && drifts(0.1) > 0.05, "{} {}", drifts(0.002), drifts(0.1));
+    }
+
+    #[test]
+    fn what_is_no_number_is_left_out() {
+        let mut drift = after(20, 0.0, |_| (0.0, 0.0));
+        let odd = |value, std| Coefficient { value, std };
+        drift.take(odd(f32::NAN, STD), odd(0.78, STD));
+        drift.take(odd(1.24, f32::INFINITY), odd(0.78, STD));
+        assert!(drift.std().abs() < STD && drift.spans[0].last[0].is_finite());
     }
 }

@@ -28,8 +28,8 @@ pub struct Coefficient {
 
 impl Coefficient {
     /// With one more independent error of such a standard deviation.
-    pub(crate) fn widened(self, std: f32) -> Self {
-        Self { std: math::hypotenuse(self.std, std), ..self }
+    pub(crate) fn widen(&mut self, std: f32) {
+        self.std = math::hypotenuse(self.std, std);
     }
 }
 
@@ -46,9 +46,10 @@ pub struct Provisional {
 }
 
 impl Provisional {
-    /// See [`Coefficient::widened`].
-    pub(crate) fn widened(self, std: f32) -> Self {
-        Self { mu_s: self.mu_s.widened(std), mu: self.mu.map(|mu| mu.widened(std)) }
+    /// See [`Coefficient::widen`].
+    pub(crate) fn widen(&mut self, std: f32) {
+        self.mu_s.widen(std);
+        self.mu.iter_mut().for_each(|mu| mu.widen(std));
     }
 }
 

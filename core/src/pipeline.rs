@@ -146,7 +146,9 @@ impl Pipeline {
         if !self.told {
             (step.change, self.told) = (self.change, true);
         }
-        step.provisional = step.provisional.map(|answer| answer.widened(self.drift.std()));
+        if let Some(answer) = &mut step.provisional {
+            answer.widen(self.drift.std());
+        }
         step.phase = self.phase(step.sample);
         step
     }
@@ -181,16 +183,18 @@ impl Pipeline {
     pub fn report(&self) -> Report {
         let (loading_rate, omega) = self.cycles.shared();
         let noise_n = self.cycles.noise_n().or(self.detector.noise_n());
+        let zero = self.drift.mean_std();
         Report {
             counters: self.counters,
             events: self.events,
-            mu_s: self.mu_s.estimate(),
-            mu: self.mu.estimate(),
+            mu_s: self.mu_s.estimate().map(|mean| mean.widened(zero)),
+            mu: self.mu.estimate().map(|mean| mean.widened(zero)),
             noise_n: noise_n.map(|noise_n| noise_n * self.block_root),
             loading_rate_n_per_s: loading_rate,
             omega_rad_per_s: omega,
             stiffness_n_per_m: self.stiffness(loading_rate, omega),
             recurrence_s: self.recurrence_s(),
+            zero_n: noise_n.and_then(|noise_n| self.zero_n(noise_n)),
             change: self.change.map(|change| {
                 let (weight_ratio, relative) = self.cycles.weight_ratio();
                 Change { weight_ratio, weight_ratio_std: relative * weight_ratio, ..change }
@@ -297,16 +301,14 @@ impl Pipeline {
         if let Some((mu_s, mu)) = event.mu_s.zip(event.mu) {
             self.drift.take(mu_s, mu);
         }
-        // The means take the drift as what the events have in common only.
-        let zero = self.drift.std();
-        event.mu_s = event.mu_s.map(|mu_s| mu_s.widened(zero));
-        event.mu = event.mu.map(|mu| mu.widened(zero));
         if let Some(mu_s) = mu_s {
-            self.mu_s.add_with_common(mu_s, math::hypotenuse(common.0, zero));
+            self.mu_s.add_with_common(mu_s, common.0);
         }
         if let Some(mu) = mu {
-            self.mu.add_with_common(mu, math::hypotenuse(common.1, zero));
+            self.mu.add_with_common(mu, common.1);
         }
+        let zero = self.drift.std();
+        [&mut event.mu_s, &mut event.mu].into_iter().flatten().for_each(|it| it.widen(zero));
         self.onsets = Some((self.onsets.map_or(event.onset, |(first, _)| first), event.onset));
         event
     }
@@ -324,6 +326,12 @@ impl Pipeline {
             Some(winch) => loading_rate.map(|rate| rate / winch),
             None => omega.map(|omega| omega * omega * mass_kg),
         }
+    }
+
+    /// Force of the zero's drift, if it is more than the noise.
+    fn zero_n(&self, noise_n: f32) -> Option<f32> {
+        let zero_n = self.cycles.force_n(self.drift.std());
+        (zero_n > noise_n).then_some(zero_n)
     }
 
     fn recurrence_s(&self) -> Option<f32> {
