@@ -82,8 +82,7 @@ fn limits(name: &str) -> Limits {
             // Root mean square and largest value of the zero's sine.
             bias: newtons(20.0 / std::f64::consts::SQRT_2, 0.0),
             p95: newtons(20.0, NOISE),
-            coverage: [NONE; 2],
-            why: "drift: an error of the zero, 20 N, cannot be told from friction",
+            why: "an error of the zero, 20 N, cannot be told from friction: it is in the interval",
             ..AIM
         },
         "flop" => Limits { bias: [0.1; 2], p95: [0.3; 2], ..AIM },

@@ -349,7 +349,7 @@ fn numbers_of_a_report(report: &Report) -> Vec<f32> {
     let mut numbers: Vec<f32> = estimates
         .flat_map(|e| [Some(e.mean), Some(e.std_error), e.spread])
         .chain([report.noise_n, report.loading_rate_n_per_s, report.omega_rad_per_s])
-        .chain([report.stiffness_n_per_m, report.recurrence_s])
+        .chain([report.stiffness_n_per_m, report.recurrence_s, report.zero_n])
         .flatten()
         .collect();
     numbers.push(0.0);

@@ -51,8 +51,9 @@ impl Site {
 
     /// The same with the weight's uncertainty in the standard deviation.
     fn whole(&self, force_n: f32, variance_n2: f32) -> Coefficient {
-        let (own, common) = (self.coefficient(force_n, variance_n2), self.common_std(force_n, 0.0));
-        Coefficient { std: math::sqrt(own.std * own.std + common * common), ..own }
+        let mut whole = self.coefficient(force_n, variance_n2);
+        whole.widen(self.common_std(force_n, 0.0));
+        whole
     }
 }
 
@@ -361,6 +362,13 @@ impl Cycles {
     fn site(&self) -> Site {
         let (ratio, weight_spread) = self.learnt.mass.weight_ratio();
         Site { weight_n: ratio * self.site.weight_n, weight_spread, ..self.site }
+    }
+
+    /// Force of so much of a coefficient, N.
+    #[must_use]
+    pub fn force_n(&self, coefficient: f32) -> f32 {
+        let site = self.site();
+        coefficient * site.weight_n * site.slope.1
     }
 
     /// Weight in use over the given one, and its relative standard deviation.

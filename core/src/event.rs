@@ -2,6 +2,8 @@
 
 use core::fmt;
 
+use crate::math;
+
 /// A moment between samples: an index and a fraction of a period, 0 to below 1.
 ///
 /// Kept apart so that a month of samples costs no resolution.
@@ -24,6 +26,13 @@ pub struct Coefficient {
     pub std: f32,
 }
 
+impl Coefficient {
+    /// With one more independent error of such a standard deviation.
+    pub(crate) fn widen(&mut self, std: f32) {
+        self.std = math::hypotenuse(self.std, std);
+    }
+}
+
 /// A first answer while the slip is still going on or has just ended, from the samples
 /// so far and what the other events told; the event itself follows when the next slip
 /// has ended the stick line.
@@ -34,6 +43,14 @@ pub struct Provisional {
     pub mu_s: Coefficient,
     /// Dynamic coefficient; unknown while the force falls.
     pub mu: Option<Coefficient>,
+}
+
+impl Provisional {
+    /// See [`Coefficient::widen`].
+    pub(crate) fn widen(&mut self, std: f32) {
+        self.mu_s.widen(std);
+        self.mu.iter_mut().for_each(|mu| mu.widen(std));
+    }
 }
 
 /// How far an event can be trusted.

@@ -26,6 +26,7 @@ pub mod derivative;
 pub mod detector;
 pub mod division;
 pub mod double;
+mod drift;
 pub mod estimator;
 pub mod event;
 mod finishing;

@@ -28,6 +28,12 @@ pub fn sqrt(x: f32) -> f32 {
     libm::sqrtf(x)
 }
 
+/// Root of the sum of two squares.
+#[must_use]
+pub fn hypotenuse(a: f32, b: f32) -> f32 {
+    sqrt(a * a + b * b)
+}
+
 /// Sine and cosine of an angle of a few turns at most, rad.
 ///
 /// Single precision throughout: libm's computes in double precision, which the board

@@ -7,8 +7,10 @@ use crate::cycle::{Cycles, Finished, Site};
 use crate::decimate::Decimator;
 use crate::derivative::{Central, Rate};
 use crate::detector::{Detector, Extreme, Transition};
+use crate::drift::Drift;
 use crate::estimator::Estimator;
 use crate::event::{Event, Provisional, SampleTime};
+use crate::math;
 use crate::report::{Counters, Report};
 use crate::sample::{ForceSample, Phase, RawSample, SampleFlag};
 use crate::spike::{Judged, SpikeFilter, Usual};
@@ -76,6 +78,8 @@ pub struct Pipeline {
     cycles: Cycles,
     mu_s: Estimator,
     mu: Estimator,
+    /// What the zero may have moved by widens every interval.
+    drift: Drift,
     events: u32,
     /// The newest change, and whether a step has told it.
     change: Option<Change>,
@@ -94,7 +98,7 @@ impl Pipeline {
         let rate_hz = config.rate_hz / decimator.factor();
         let site = Site {
             weight_n: config.weight_n,
-            slope: crate::math::sin_cos(config.slope_rad),
+            slope: math::sin_cos(config.slope_rad),
             weight_spread: 0.0,
             rate_hz,
         };
@@ -106,12 +110,13 @@ impl Pipeline {
             last_hidden: None,
             spikes: SpikeFilter::new(),
             decimator,
-            block_root: crate::math::sqrt(decimator.factor()),
+            block_root: math::sqrt(decimator.factor()),
             derivative: Central::new(config.rate_hz),
             detector: Detector::new(rate_hz),
             cycles: Cycles::new(site),
             mu_s: Estimator::default(),
             mu: Estimator::default(),
+            drift: Drift::default(),
             events: 0,
             change: None,
             told: true,
@@ -151,6 +156,9 @@ impl Pipeline {
         if !self.told {
             (step.change, self.told) = (self.change, true);
         }
+        if let Some(answer) = &mut step.provisional {
+            answer.widen(self.drift.std());
+        }
         step.phase = self.phase(step.sample);
     }
 
@@ -184,16 +192,18 @@ impl Pipeline {
     pub fn report(&self) -> Report {
         let (loading_rate, omega) = self.cycles.shared();
         let noise_n = self.cycles.noise_n().or(self.detector.noise_n());
+        let zero = self.drift.mean_std();
         Report {
             counters: self.counters,
             events: self.events,
-            mu_s: self.mu_s.estimate(),
-            mu: self.mu.estimate(),
+            mu_s: self.mu_s.estimate().map(|mean| mean.widened(zero)),
+            mu: self.mu.estimate().map(|mean| mean.widened(zero)),
             noise_n: noise_n.map(|noise_n| noise_n * self.block_root),
             loading_rate_n_per_s: loading_rate,
             omega_rad_per_s: omega,
             stiffness_n_per_m: self.stiffness(loading_rate, omega),
             recurrence_s: self.recurrence_s(),
+            zero_n: noise_n.and_then(|noise_n| self.zero_n(noise_n)),
             change: self.change.map(|change| {
                 let (weight_ratio, relative) = self.cycles.weight_ratio();
                 Change { weight_ratio, weight_ratio_std: relative * weight_ratio, ..change }
@@ -310,12 +320,17 @@ impl Pipeline {
             self.told = false;
         }
         let (mu_s, mu) = alone.map_or((event.mu_s, event.mu), |(mu_s, mu)| (Some(mu_s), Some(mu)));
+        if let Some((mu_s, mu)) = event.mu_s.zip(event.mu) {
+            self.drift.take(mu_s, mu);
+        }
         if let Some(mu_s) = mu_s {
             self.mu_s.add_with_common(mu_s, common.0);
         }
         if let Some(mu) = mu {
             self.mu.add_with_common(mu, common.1);
         }
+        let zero = self.drift.std();
+        [&mut event.mu_s, &mut event.mu].into_iter().flatten().for_each(|it| it.widen(zero));
         self.onsets = Some((self.onsets.map_or(event.onset, |(first, _)| first), event.onset));
         event
     }
@@ -328,6 +343,12 @@ impl Pipeline {
             Some(winch) => loading_rate.map(|rate| rate / winch),
             None => omega.map(|omega| omega * omega * mass_kg),
         }
+    }
+
+    /// Force of the zero's drift, if it is more than the noise.
+    fn zero_n(&self, noise_n: f32) -> Option<f32> {
+        let zero_n = self.cycles.force_n(self.drift.std());
+        (zero_n > noise_n).then_some(zero_n)
     }
 
     fn recurrence_s(&self) -> Option<f32> {

@@ -1,6 +1,7 @@
 //! The result so far, for a display, a log or a host tool.
 
 use crate::change::Change;
+use crate::math;
 
 /// Mean of a coefficient over the events of a test.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -14,6 +15,13 @@ pub struct Estimate {
     pub spread: Option<f32>,
     /// How many events count.
     pub events: u32,
+}
+
+impl Estimate {
+    /// With one more independent error of such a standard deviation.
+    pub(crate) fn widened(self, std: f32) -> Self {
+        Self { std_error: math::hypotenuse(self.std_error, std), ..self }
+    }
 }
 
 /// What happened to the samples.
@@ -55,6 +63,9 @@ pub struct Report {
     pub stiffness_n_per_m: Option<f32>,
     /// Mean time from onset to onset, s.
     pub recurrence_s: Option<f32>,
+    /// How far the zero of the load cell may have moved, one standard deviation, N: it is
+    /// in the intervals. Where it may have moved beyond the noise only.
+    pub zero_n: Option<f32>,
     /// The newest change, with the ratio of the weights as it is known now.
     pub change: Option<Change>,
 }

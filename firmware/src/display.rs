@@ -7,7 +7,7 @@ use embedded_graphics::image::GetPixel;
 use embedded_graphics::mono_font::ascii::FONT_6X10;
 use embedded_graphics::pixelcolor::BinaryColor;
 use embedded_graphics::prelude::{DrawTarget, Point};
-use floe_core::{Cause, Change, Estimate, Phase};
+use floe_core::{Cause, Change, Estimate, Phase, Report};
 use heapless::String;
 use heapless::string::StringView;
 
@@ -37,8 +37,7 @@ where
     text(target, 1, 25, &coefficient("mu  ", report.and_then(|r| r.mu)))?;
     text(target, 1, 35, &about(view))?;
     text(target, 1, 44, &state(view))?;
-    let change = report.and_then(|r| r.change).filter(|_| is_well(&view.health));
-    text(target, 1, 54, &change.map_or_else(|| health(view), |it| changed(&it)))
+    text(target, 1, 54, &last_row(view))
 }
 
 /// Writes in letters so many times as large as the font's.
@@ -121,6 +120,17 @@ fn about(view: &View) -> Row {
     }
 }
 
+/// What to know of the test, if all is well with the board.
+fn last_row(view: &View) -> Row {
+    match &view.report {
+        Some(Report { change: Some(change), .. }) if is_well(&view.health) => changed(change),
+        Some(Report { zero_n: Some(zero_n), .. }) if is_well(&view.health) => {
+            row(("zero off? ", Fixed(*zero_n, 1), " N"))
+        }
+        _ => health(view),
+    }
+}
+
 /// Since which event what is another.
 fn changed(change: &Change) -> Row {
     let event = change.event;
@@ -153,7 +163,7 @@ mod tests {
     use embedded_graphics::mock_display::MockDisplay;
     use embedded_graphics::mono_font::MonoTextStyle;
     use embedded_graphics::text::{Baseline, Text};
-    use floe_core::{Coefficient, Provisional, Report, SampleTime};
+    use floe_core::{Coefficient, Provisional, SampleTime};
 
     /// The lit points of the display's left half.
     fn picture(view: &View) -> Vec<Point> {
@@ -237,6 +247,9 @@ mod tests {
         let change = Some(told(Cause::Mass));
         assert_ne!(picture(&view(change, 0)), picture(&view(None, 0)));
         assert_eq!(picture(&view(change, 3)), picture(&view(None, 3)));
+        let zero = Report { zero_n: Some(14.25), ..report };
+        let view = View { report: Some(zero), ..view(None, 0) };
+        assert_eq!(last_row(&view).as_str(), "zero off? 14.3 N");
     }
 
     #[test]

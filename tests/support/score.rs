@@ -4,7 +4,7 @@ use floe::bench::Found;
 use floe::bench::matching::{Detection, matched};
 use floe::bench::scenes::Truth;
 use floe::sim::{Scene, Simulation, TrueEvent, bound, simulate};
-use floe_core::{Coefficient, Event, Fault, RawSample, Reading};
+use floe_core::{Coefficient, Event, Fault, RawSample, Reading, Report};
 
 use crate::{both, feed};
 
@@ -18,6 +18,8 @@ pub struct Tried {
     pub truths: Vec<TrueEvent>,
     /// What the core found.
     pub found: Vec<Event>,
+    /// The result of the test.
+    pub report: Report,
     /// Which is which.
     pub pairs: Vec<(usize, usize)>,
     /// How well they were found.
@@ -31,6 +33,15 @@ pub struct Tried {
 /// The scene cannot be simulated.
 #[must_use]
 pub fn run(scene: &Scene, seed: u64) -> Tried {
+    run_with(scene, seed, |_| 0.0)
+}
+
+/// The same with a zero, N, that depends on the time, s.
+///
+/// # Panics
+/// The scene cannot be simulated.
+#[must_use]
+pub fn run_with(scene: &Scene, seed: u64, zero_n: impl Fn(f64) -> f64) -> Tried {
     let mut scene = scene.clone();
     let phase = (seed as f64 * 0.618_033_988_749_895).fract();
     let rate = scene.stiffness_n_per_m * scene.winch_m_per_s;
@@ -45,10 +56,10 @@ pub fn run(scene: &Scene, seed: u64) -> Tried {
             RawSample { index, reading: Reading::Bad(Fault::Sentinel) }
         }
     };
-    let samples = samples.iter().map(|s| raw(s.index, s.force_n));
-    let found = feed::replay(&both::config(&scene), samples).events;
+    let samples = samples.iter().map(|s| raw(s.index, s.force_n + zero_n(s.time_s)));
+    let feed::Outcome { events: found, report } = feed::replay(&both::config(&scene), samples);
     let (pairs, detection) = pair(&truths, &found, scene.rate_hz);
-    Tried { truths, found, pairs, detection }
+    Tried { truths, found, report, pairs, detection }
 }
 
 fn pair(truths: &[TrueEvent], found: &[Event], hz: f64) -> (Vec<(usize, usize)>, Detection) {
@@ -152,7 +163,8 @@ impl Score {
         score
     }
 
-    fn add(&mut self, tried: &Tried) {
+    /// Takes one more test.
+    pub fn add(&mut self, tried: &Tried) {
         self.detection.add(tried.detection);
         for &(t, f) in tried.pairs.iter().filter(|(t, _)| *t >= LEARNING) {
             let (truth, found) = (&tried.truths[t], &tried.found[f]);

@@ -23,7 +23,7 @@ use crate::adc::Input;
 use crate::settings::Settings;
 
 /// Room for the longest line, an `R` with the longest numbers.
-pub const LINE_LEN: usize = 416;
+pub const LINE_LEN: usize = 432;
 
 /// A line as text, without its end.
 pub type Text = String<LINE_LEN>;
@@ -239,6 +239,7 @@ mod tests {
                 weight_ratio: LONG,
                 weight_ratio_std: LONG,
             }),
+            zero_n: Some(LONG),
         }
     }
 

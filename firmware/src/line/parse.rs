@@ -122,6 +122,7 @@ fn report(from: &mut Reader<'_>) -> Result<Report, LineError> {
         stiffness_n_per_m: from.take_some()?,
         recurrence_s: from.take_some()?,
         change: change(from)?,
+        zero_n: from.take_late()?,
     })
 }
 

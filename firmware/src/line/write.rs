@@ -137,7 +137,8 @@ fn report(out: &mut Writer<'_>, report: &Report) -> fmt::Result {
     match &report.change {
         Some(it) => change(out, it),
         None => out.put(""),
-    }
+    }?;
+    out.put_some_f32(report.zero_n)
 }
 
 fn change(out: &mut Writer<'_>, change: &Change) -> fmt::Result {

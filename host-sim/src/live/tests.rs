@@ -61,6 +61,7 @@ fn report() -> Report {
         omega_rad_per_s: Some(18.9),
         stiffness_n_per_m: Some(23_010.0),
         recurrence_s: Some(1.78),
+        zero_n: None,
         change: None,
     }
 }

@@ -5,6 +5,7 @@ use std::time::Duration;
 use floe_core::{Quality, SampleFlag};
 
 use super::state::State;
+use crate::replay::result::zero_sentence;
 
 /// How bad it is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -50,7 +51,8 @@ pub fn verdict(state: &State, now: Duration) -> Verdict {
         .or_else(|| complaint(state, now).map(bad))
         .or_else(|| answer(state, now).map(note))
         .or_else(|| incident(state, now).map(note))
-        .or_else(|| to_do(state).map(note));
+        .or_else(|| to_do(state).map(note))
+        .or_else(|| zero(state).map(note));
     found.unwrap_or_else(|| Verdict { level: Level::Good, text: well(state) })
 }
 
@@ -160,6 +162,11 @@ fn to_do(state: &State) -> Option<String> {
     } else {
         "no test is running: w sets the block's weight, then s starts".to_string()
     })
+}
+
+/// The zero of the load cell.
+fn zero(state: &State) -> Option<String> {
+    state.report.and_then(|report| report.zero_n).map(|zero_n| zero_sentence(zero_n.into()))
 }
 
 fn well(state: &State) -> String {

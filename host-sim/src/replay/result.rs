@@ -35,6 +35,10 @@ pub struct ReplayResult {
     /// Mean time from onset to onset.
     #[serde(serialize_with = "short_or_null")]
     pub recurrence_s: Option<f64>,
+    /// How far the zero of the load cell may have moved, one standard deviation; `None`
+    /// where nothing of it is seen.
+    #[serde(serialize_with = "short_or_null")]
+    pub zero_n: Option<f64>,
     /// Where the block or its friction changed, in order.
     pub changes: Vec<ChangeSummary>,
     /// Every event, in order.
@@ -204,10 +208,21 @@ impl ReplayResult {
             omega_rad_per_s: known(report.omega_rad_per_s),
             stiffness_n_per_m: known(report.stiffness_n_per_m),
             recurrence_s: known(report.recurrence_s),
+            zero_n: known(report.zero_n),
             changes,
             events,
         }
     }
+}
+
+/// What to say of a zero that may have moved by so much.
+#[must_use]
+pub fn zero_sentence(zero_n: f64) -> String {
+    let decimals = usize::from(zero_n < 10.0);
+    format!(
+        "the zero of the load cell may have moved by {zero_n:.decimals$} N, which is in every ±; \
+         take it again"
+    )
 }
 
 impl From<Counters> for LogSummary {

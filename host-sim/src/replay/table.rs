@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use super::result::{CoefficientSummary, EventSummary, LogSummary, ReplayResult};
+use super::result::{CoefficientSummary, EventSummary, LogSummary, ReplayResult, zero_sentence};
 
 /// Events, then the result with its uncertainty, then what to know about it.
 #[must_use]
@@ -15,7 +15,7 @@ pub fn text(result: &ReplayResult) -> String {
         [] => writeln!(out, "No events: no slip was found in this log.\n"),
         events => event_lines(&mut out, events, force),
     };
-    let _ = changes(&mut out, result);
+    let _ = notices(&mut out, result);
     let _ = coefficients(&mut out, result);
     let _ = quantities(&mut out, result);
     let _ = samples(&mut out, &result.log);
@@ -88,11 +88,14 @@ fn line(out: &mut String, cells: &[String; 12], last: &str) -> std::fmt::Result 
     writeln!(out, "  {last}")
 }
 
-fn changes(out: &mut String, result: &ReplayResult) -> std::fmt::Result {
+fn notices(out: &mut String, result: &ReplayResult) -> std::fmt::Result {
     for change in &result.changes {
         writeln!(out, "change {}", change.sentence(result.test.weight_n))?;
     }
-    if result.changes.is_empty() { Ok(()) } else { writeln!(out) }
+    if let Some(zero_n) = result.zero_n {
+        writeln!(out, "zero   {}", zero_sentence(zero_n))?;
+    }
+    if result.changes.is_empty() && result.zero_n.is_none() { Ok(()) } else { writeln!(out) }
 }
 
 fn coefficients(out: &mut String, result: &ReplayResult) -> std::fmt::Result {
@@ -170,6 +173,7 @@ mod tests {
             omega_rad_per_s: Some(18.91),
             stiffness_n_per_m: Some(23_012.3),
             recurrence_s: None,
+            zero_n: None,
             changes: Vec::new(),
             events,
         }
@@ -237,6 +241,15 @@ note          line 9 is odd
         });
         let line = "\nchange at 60.27 s (event 33) the block's weight changed to 0.671 ± 0.006 of \
                     the given one, 422.7 N; the coefficients from there on use it\n\nmu_s ";
+        assert!(text(&result).contains(line), "{}", text(&result));
+    }
+
+    #[test]
+    fn a_zero_that_may_have_moved_is_said() {
+        let mut result = result(vec![event()]);
+        result.zero_n = Some(14.2);
+        let line = "\nzero   the zero of the load cell may have moved by 14 N, which is in every \
+                    ±; take it again\n\nmu_s ";
         assert!(text(&result).contains(line), "{}", text(&result));
     }
 

@@ -167,7 +167,7 @@ impl SampleLog {
             mu: alone(first.and_then(|e| e.mu), first.and_then(|e| e.mu_std)),
             events: n as u64,
         };
-        result.recurrence_s = None;
+        (result.recurrence_s, result.zero_n) = (None, None);
         if n == 0 {
             result.loading_rate_n_per_s = None;
             result.omega_rad_per_s = None;
@@ -245,6 +245,7 @@ fn result(events: Vec<EventSummary>, samples: u64, duration_s: f64) -> ReplayRes
         omega_rad_per_s: Some(omega()),
         stiffness_n_per_m: Some(STIFFNESS_N_PER_M),
         recurrence_s: Some(1.78),
+        zero_n: None,
         changes: Vec::new(),
         events,
     }

@@ -2,7 +2,7 @@
 
 use super::number::{count, decimals_for, decimals_of_error, fixed, quantity, significant};
 use super::svg::escape;
-use crate::replay::result::{ChangeSummary, CoefficientSummary, ReplayResult};
+use crate::replay::result::{ChangeSummary, CoefficientSummary, ReplayResult, zero_sentence};
 
 /// Both coefficients, large, then everything else.
 pub(super) fn summary(result: &ReplayResult) -> String {
@@ -17,12 +17,16 @@ pub(super) fn summary(result: &ReplayResult) -> String {
     )
 }
 
-/// No result, or a change of the block or of its friction: said plainly.
+/// No result, a change of the block or of its friction, or a zero that may have moved: said
+/// plainly.
 fn notices(result: &ReplayResult) -> String {
     let change = |c: &ChangeSummary| {
         format!("<p class=\"notice\">Change: {}.</p>", escape(&c.sentence(result.test.weight_n)))
     };
-    nothing(result).to_string() + &result.changes.iter().map(change).collect::<String>()
+    let zero = |zero_n| format!("<p class=\"notice\">Zero: {}.</p>", zero_sentence(zero_n));
+    nothing(result).to_string()
+        + &result.changes.iter().map(change).collect::<String>()
+        + &result.zero_n.map(zero).unwrap_or_default()
 }
 
 /// Said plainly when there is no result.
