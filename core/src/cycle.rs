@@ -15,7 +15,7 @@ use crate::line::Line;
 use crate::mass::Verdict;
 use crate::math;
 use crate::model::{self, Cycle, Shape};
-use crate::pending::{Pending, since};
+use crate::pending::{Pending, UNSURE, since};
 use crate::posterior::Posterior;
 use crate::sag::Rest;
 use crate::window::Window;
@@ -211,9 +211,12 @@ impl Cycles {
         next_peak: Extreme,
     ) -> Option<Finished> {
         let finished = self.finish();
+        let next_onset = self.early.map(|(origin, cycle)| {
+            moment(origin, cycle.onset - self.creep_periods() - UNSURE).index
+        });
         if let Some(pending) = &mut self.pending {
             pending.end_before(stick, window, next_peak.index);
-            let after = stick.first_from(pending.origin);
+            let after = pending.line_after(stick, window, next_onset);
             self.finishing = Some(Finishing::new(*pending, after));
         }
         self.pending = None;
@@ -250,6 +253,9 @@ impl Cycles {
         slip.noise_n2 = noise_n * noise_n;
         slip.wander = detector.wander();
         slip.rest_weight = detector.rest_weight();
+        if let Some(previous) = self.unfinished() {
+            slip.lengthen_line(previous, stick);
+        }
         slip
     }
 
@@ -262,10 +268,14 @@ impl Cycles {
         })
     }
 
+    /// The slip before the one that is going on or has just ended, until it is fitted.
+    fn unfinished(&self) -> Option<&Pending> {
+        self.pending.as_ref().or(self.finishing.as_ref().map(|f| &f.pending))
+    }
+
     /// When the cable of a resting block last began to load, as far as is known yet.
     fn newest_load(&self) -> Option<SampleTime> {
-        let unfinished = self.pending.as_ref().or(self.finishing.as_ref().map(|f| &f.pending));
-        match unfinished {
+        match self.unfinished() {
             Some(slip) => slip.early.map(|cycle| moment(slip.origin, cycle.shape().loads())),
             None => self.last_load,
         }
