@@ -42,6 +42,9 @@ impl Rest {
     }
 }
 
+/// Fewest rests that tell more than that it may be.
+const FEWEST_RESTS: f32 = 2.5;
+
 /// The softness that the rests of a test show.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Sag {
@@ -72,7 +75,7 @@ impl Sag {
         };
         let (mut sure, mut unsure) = (0.0, mean * mean);
         let weight = self.softness.prior(1.0).weight;
-        if weight > 0.0 {
+        if self.softness.count() > FEWEST_RESTS {
             sure = (mean - 1.0 / (weight * mean)).max(0.0);
             unsure = (mean - sure) * (mean - sure) + 1.0 / weight;
         }
