@@ -291,7 +291,7 @@ impl Cycles {
                 let site = self.site();
                 let alone = alone.map(|forces| {
                     let mu_s = site.whole(forces.static_n, noise_n2 * forces.static_variance);
-                    let (shift_n, _) = self.learnt.sag.shift(&posterior.cycle);
+                    let (shift_n, _) = self.shift(&pending, &posterior.cycle);
                     (
                         mu_s,
                         site.whole(forces.dynamic_n - shift_n, noise_n2 * forces.dynamic_variance),
@@ -340,6 +340,14 @@ impl Cycles {
             rate_variance,
             rate_at_n: pending.before.level_n,
         });
+    }
+
+    /// How far the cable takes `Fp` below the middle of `Fs` and `Fe`, N, and its variance. A
+    /// line that is not straight tells nothing of a cable that gets stiffer by sliding.
+    fn shift(&self, pending: &Pending, cycle: &Cycle) -> (f32, f32) {
+        let (sag_n, sag_n2) = self.learnt.sag.shift(cycle);
+        let is_straight = pending.wander.level <= 0.0 && cycle.is_taut();
+        (sag_n - if is_straight { self.learnt.stiffening_n(cycle) } else { 0.0 }, sag_n2)
     }
 
     /// A measured event with what it tells of a change.
@@ -413,7 +421,7 @@ impl Cycles {
         let mut event = self.bare(pending, cycle, shape);
         let site = self.site();
         event.mu_s = Some(site.whole(cycle.static_n, posterior.static_n2));
-        let (shift_n, shift_n2) = self.learnt.sag.shift(cycle);
+        let (shift_n, shift_n2) = self.shift(pending, cycle);
         event.dynamic_force_n -= shift_n;
         event.mu = Some(site.whole(event.dynamic_force_n, posterior.dynamic_n2 + shift_n2));
         if !posterior.is_resolved() {

@@ -159,8 +159,8 @@ impl Shared {
         let mean = self.line.level_n;
         let limit = SIGNIFICANT * SIGNIFICANT * self.unit / self.line.weight;
         let sure = surely(mean * mean, limit);
-        // No sign of anything: half the standard error of the mean that says so.
-        Prior { mean: sure * prior.mean, weight: (4.0 - 3.0 * sure) * prior.weight }
+        // No sign of anything: a quarter of the standard error of the mean that says so.
+        Prior { mean: sure * prior.mean, weight: (16.0 - 15.0 * sure) * prior.weight }
     }
 }
 
