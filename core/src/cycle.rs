@@ -346,7 +346,7 @@ impl Cycles {
     /// line that is not straight tells nothing of a cable that gets stiffer by sliding.
     fn shift(&self, pending: &Pending, cycle: &Cycle) -> (f32, f32) {
         let (sag_n, sag_n2) = self.learnt.sag.shift(cycle);
-        let is_straight = pending.wander.level <= 0.0 && cycle.is_taut();
+        let is_straight = pending.wander.level <= 0.0 && sag_n2 <= 0.0 && cycle.is_taut();
         (sag_n - if is_straight { self.learnt.stiffening_n(cycle) } else { 0.0 }, sag_n2)
     }
 

@@ -77,11 +77,11 @@ impl Rough {
         let line = stick.line.slope().filter(|_| stick.line.count >= 4);
         let least = 1e-4 * (peak.force_n - low.force_n);
         let rate = line.or(climb).unwrap_or(0.0).max(least);
-        // The slip began after the last sample before it and ended before the first
-        // one after it: a uniform distribution, wider for slow ends of long slips.
+        // The force turns faster on the slip's side: of the two samples around each end of the
+        // slip the outer one is the highest, or the lowest, more often. Wider for slow ends of
+        // long slips.
         let fall = (low.index - peak.index) as f32;
-        let (slide, slide_std) =
-            if fall < 1.5 { (0.5, 0.3 + 0.25) } else { (fall - 1.0, 0.6 + 0.25 * fall) };
+        let (slide, slide_std) = (fall - 0.4, 0.3 + 0.25 * fall);
         // From the highest to the lowest force the slide turns by π, in all by π + 2 φ.
         let turn = core::f32::consts::FRAC_2_PI * fall / (peak.force_n - low.force_n);
         let longer = 1.0 + core::f32::consts::FRAC_2_PI * math::atan2(rate * turn, 1.0);
