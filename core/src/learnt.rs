@@ -90,9 +90,11 @@ impl Learnt {
         noise_n2: f32,
     ) -> Data<'a> {
         let rough = pending.rough(after);
-        let rate = expected(&self.rate, rough.rate, 0.7 * rough.rate, noise_n2);
+        let rate = expected(self.rate.prior(noise_n2), rough.rate, 0.7 * rough.rate, noise_n2);
+        let known_swing =
+            if self.knows_swing() { self.mass.swing().prior(noise_n2) } else { Prior::default() };
         let swing = expected(
-            self.mass.swing(),
+            known_swing,
             rough.slide * core::f32::consts::FRAC_1_PI,
             rough.slide_std * core::f32::consts::FRAC_1_PI,
             noise_n2,
@@ -132,7 +134,7 @@ impl Learnt {
 
     /// Is the swing known from earlier events?
     pub(crate) fn knows_swing(&self) -> bool {
-        self.mass.swing().is_known()
+        self.mass.swing().is_well_known()
     }
 
     /// Carries the event's own loading rate, swing and bend to the next ones, unless it
@@ -227,8 +229,7 @@ pub(crate) fn is_strained(data: &Data<'_>, around_n2: f32, noise_n2: f32) -> boo
 }
 
 /// What earlier events tell of a quantity, else a guess and its standard deviation.
-fn expected(shared: &Shared, guess: f32, spread: f32, noise_n2: f32) -> Prior {
-    let learnt = shared.prior(noise_n2);
+fn expected(learnt: Prior, guess: f32, spread: f32, noise_n2: f32) -> Prior {
     if learnt.weight > 0.0 {
         return learnt;
     }

@@ -42,9 +42,6 @@ impl Rest {
     }
 }
 
-/// Fewest rests that tell more than that it may be.
-const FEWEST_RESTS: f32 = 2.5;
-
 /// The softness that the rests of a test show.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Sag {
@@ -75,7 +72,7 @@ impl Sag {
         };
         let (mut sure, mut unsure) = (0.0, mean * mean);
         let weight = self.softness.prior(1.0).weight;
-        if self.softness.count() > FEWEST_RESTS {
+        if self.softness.is_well_known() {
             sure = (mean - 1.0 / (weight * mean)).max(0.0);
             unsure = (mean - sure) * (mean - sure) + 1.0 / weight;
         }

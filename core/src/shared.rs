@@ -125,9 +125,9 @@ impl Shared {
         (self.count > 0.0).then(|| self.at(NEXT).0)
     }
 
-    /// Events that count.
-    pub(crate) fn count(&self) -> f32 {
-        self.count
+    /// Do three events agree on it? What single events may be far off in wants that.
+    pub(crate) fn is_well_known(&self) -> bool {
+        self.count > LEAST_EVENTS + 1.0
     }
 
     /// Is there anything to expect?
