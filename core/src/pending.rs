@@ -183,10 +183,9 @@ impl Pending {
     /// up to the re-stick, which the detector sees later. Where the cable flops, or was
     /// slack, they are not on the line.
     pub(crate) fn lengthen_line(&mut self, previous: &Self, stick: &Stick) {
+        let was_slack = previous.slack(&stick.first_from(previous.origin)).is_some();
         let is_steady = self.rest_weight >= 1.0 && self.has_straight(stick, &self.before);
-        let Some(early) = previous.early.filter(|early| is_steady && early.is_taut()) else {
-            return;
-        };
+        let Some(early) = previous.early.filter(|_| is_steady && !was_slack) else { return };
         let (stop, end) = (early.shape().stop() + UNSURE, since(previous.origin, stick.origin));
         let later = since(self.origin, previous.origin);
         for (time, force_n) in previous.samples().good() {
