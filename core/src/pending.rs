@@ -169,7 +169,9 @@ impl Pending {
     /// detector's stays behind.
     pub(crate) fn line_after(&self, stick: &Stick, window: &Window, last: Option<u64>) -> Line {
         let mut line = stick.first_from(self.origin);
-        if let Some(last) = last.filter(|_| self.has_straight(stick, &line)) {
+        // Of slips on a slack cable the first answers are rough.
+        let is_straight = self.has_straight(stick, &line) && self.slack(&line).is_none();
+        if let Some(last) = last.filter(|_| is_straight) {
             for index in window.first_from(stick.next)..=last {
                 if let Some(force_n) = window.get(index) {
                     line.add(since(self.origin, index), force_n, 1.0, 1.0);
