@@ -45,7 +45,7 @@ const EXACT: (f64, f64) = (0.93, 0.97);
 /// no sample shows makes it mean nothing.
 const WIDE: (f64, f64) = (0.90, 1.0);
 const NONE: (f64, f64) = (0.0, 1.0);
-const LINEAR: Limits = Limits { coverage: [EXACT; 2], over_bound: Some([1.1; 2]), ..AIM };
+const LINEAR: Limits = Limits { coverage: [EXACT; 2], over_bound: Some([0.8, 1.0]), ..AIM };
 
 /// `Fs` and `Fp` of most hard scenes, N.
 const FORCES_N: [f64; 2] = [781.2, 491.4];
@@ -98,6 +98,8 @@ fn limits(name: &str) -> Limits {
             why: "what a ripple of 12 N does during the slip itself looks like friction",
             ..AIM
         },
+        // Without the cable's stiffening `mu` would be 0.06 % low.
+        "shortening" => Limits { bias: [0.06, 0.03], p95: [0.25, 0.2], ..AIM },
         "sag_flop" => Limits {
             p95: [1.5, 3.5],
             why: "mu is up to 3.4 % high until a dozen rests told how soft the cable is; the interval says so",
@@ -198,8 +200,8 @@ in which the core learns, and the last one are not counted. This page is written
 and says so when the page is no longer true.
 
 The aim of a row: F1 of detection at least 0.99, bias under 0.5 %, 95 % of the errors under 1.5 %, the 95 %
-interval true in 90 to 99 % of the events (linear scenes: 93 to 97 %, and root-mean-square error within 1.1
-of the bound), and no event invented. The last column says why a case is held to something else; the limits
+interval true in 90 to 99 % of the events (linear scenes: 93 to 97 %, and root-mean-square error within 0.8
+of the bound for mu_s and 1.0 for mu), and no event invented. The last column says why a case is held to something else; the limits
 are in `tests/hard_cases.rs`. *bound*: root-mean-square error over the Cramér-Rao bound of the event by itself,
 for the white noise alone; `-`: the model does not hold. Errors in percent of the true coefficient.
 

@@ -15,7 +15,7 @@ use crate::line::Line;
 use crate::mass::Verdict;
 use crate::math;
 use crate::model::{self, Cycle, Shape};
-use crate::pending::{Pending, since};
+use crate::pending::{Pending, UNSURE, since};
 use crate::posterior::Posterior;
 use crate::sag::Rest;
 use crate::window::Window;
@@ -212,9 +212,12 @@ impl Cycles {
         next_peak: Extreme,
     ) -> Option<Finished> {
         let finished = self.finish();
+        let next_onset = self.early.map(|(origin, cycle)| {
+            moment(origin, cycle.onset - self.creep_periods() - UNSURE).index
+        });
         if let Some(pending) = &mut self.pending {
             pending.end_before(stick, window, next_peak.index);
-            let after = stick.first_from(pending.origin);
+            let after = pending.line_after(stick, window, next_onset);
             self.finishing = Some(Finishing::new(*pending, after));
         }
         self.pending = None;
@@ -251,6 +254,9 @@ impl Cycles {
         slip.noise_n2 = noise_n * noise_n;
         slip.wander = detector.wander();
         slip.rest_weight = detector.rest_weight();
+        if let Some(previous) = self.unfinished() {
+            slip.lengthen_line(previous, stick);
+        }
         slip
     }
 
@@ -263,10 +269,14 @@ impl Cycles {
         })
     }
 
+    /// The slip before the one that is going on or has just ended, until it is fitted.
+    fn unfinished(&self) -> Option<&Pending> {
+        self.pending.as_ref().or(self.finishing.as_ref().map(|f| &f.pending))
+    }
+
     /// When the cable of a resting block last began to load, as far as is known yet.
     fn newest_load(&self) -> Option<SampleTime> {
-        let unfinished = self.pending.as_ref().or(self.finishing.as_ref().map(|f| &f.pending));
-        match unfinished {
+        match self.unfinished() {
             Some(slip) => slip.early.map(|cycle| moment(slip.origin, cycle.shape().loads())),
             None => self.last_load,
         }
@@ -282,7 +292,7 @@ impl Cycles {
                 let site = self.site();
                 let alone = alone.map(|forces| {
                     let mu_s = site.whole(forces.static_n, noise_n2 * forces.static_variance);
-                    let (shift_n, _) = self.learnt.sag.shift(&posterior.cycle);
+                    let (shift_n, _) = self.shift(&pending, &posterior.cycle);
                     (
                         mu_s,
                         site.whole(forces.dynamic_n - shift_n, noise_n2 * forces.dynamic_variance),
@@ -331,6 +341,14 @@ impl Cycles {
             rate_variance,
             rate_at_n: pending.before.level_n,
         });
+    }
+
+    /// How far the cable takes `Fp` below the middle of `Fs` and `Fe`, N, and its variance. A
+    /// line that is not straight tells nothing of a cable that gets stiffer by sliding.
+    fn shift(&self, pending: &Pending, cycle: &Cycle) -> (f32, f32) {
+        let (sag_n, sag_n2) = self.learnt.sag.shift(cycle);
+        let is_straight = pending.wander.level <= 0.0 && sag_n2 <= 0.0 && cycle.is_taut();
+        (sag_n - if is_straight { self.learnt.stiffening_n(cycle) } else { 0.0 }, sag_n2)
     }
 
     /// A measured event with what it tells of a change.
@@ -411,7 +429,7 @@ impl Cycles {
         let mut event = self.bare(pending, cycle, shape);
         let site = self.site();
         event.mu_s = Some(site.whole(cycle.static_n, posterior.static_n2));
-        let (shift_n, shift_n2) = self.learnt.sag.shift(cycle);
+        let (shift_n, shift_n2) = self.shift(pending, cycle);
         event.dynamic_force_n -= shift_n;
         event.mu = Some(site.whole(event.dynamic_force_n, posterior.dynamic_n2 + shift_n2));
         if !posterior.is_resolved() {

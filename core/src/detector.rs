@@ -118,7 +118,7 @@ pub struct Stick {
     first: Line,
     /// All samples so far are on one line, with endless memory: `line` is also how
     /// it started.
-    straight: bool,
+    pub straight: bool,
     /// Weight of the next sample in `first`; zero: `first` is complete.
     first_weight: f32,
     /// The line with another memory, on trial.

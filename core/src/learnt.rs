@@ -5,7 +5,7 @@ use crate::learnt_corner::{Effect, LearntCorner};
 use crate::line::Line;
 use crate::mass::{Mass, Told, Verdict};
 use crate::math;
-use crate::model::UNKNOWNS;
+use crate::model::{Cycle, UNKNOWNS};
 use crate::pending::Pending;
 use crate::posterior::Posterior;
 use crate::residuals::Residuals;
@@ -34,8 +34,6 @@ const CHANGED: u8 = 3;
 /// Least part of a fitted precision that has to be the event's own: a smaller part is
 /// the difference of two numbers that the fit's last step may have left unsettled.
 const LEAST_OWN: f32 = 0.01;
-/// The same for the bend, which is zero more often than not.
-const LEAST_OWN_BEND: f32 = 0.05;
 /// The same to judge whether it is another block, which differs by far.
 const LEAST_JUDGED: f32 = 0.003;
 
@@ -92,9 +90,11 @@ impl Learnt {
         noise_n2: f32,
     ) -> Data<'a> {
         let rough = pending.rough(after);
-        let rate = expected(&self.rate, rough.rate, 0.7 * rough.rate, noise_n2);
+        let rate = expected(self.rate.prior(noise_n2), rough.rate, 0.7 * rough.rate, noise_n2);
+        let known_swing =
+            if self.knows_swing() { self.mass.swing().prior(noise_n2) } else { Prior::default() };
         let swing = expected(
-            self.mass.swing(),
+            known_swing,
             rough.slide * core::f32::consts::FRAC_1_PI,
             rough.slide_std * core::f32::consts::FRAC_1_PI,
             noise_n2,
@@ -123,9 +123,18 @@ impl Learnt {
         Prior { mean: 0.0, weight: noise_n2 / (spread * spread) }
     }
 
+    /// How far `Fp` lies above the middle of `Fs` and `Fe`, N, because a cable that gets shorter
+    /// gets stiffer as the block slides: `d b / 6 r`, from `∫ (F − Fp) dF / k = 0` with `k` going
+    /// evenly from one rate to the other. A bend that stays is the cable's: the winch turns
+    /// through rests as well.
+    pub(crate) fn stiffening_n(&self, cycle: &Cycle) -> f32 {
+        let bend = self.bend.prior_around_zero(1.0).mean;
+        cycle.half_drop_n * bend / (6.0 * cycle.rate)
+    }
+
     /// Is the swing known from earlier events?
     pub(crate) fn knows_swing(&self) -> bool {
-        self.mass.swing().is_known()
+        self.mass.swing().is_well_known()
     }
 
     /// Carries the event's own loading rate, swing and bend to the next ones, unless it
@@ -171,7 +180,7 @@ impl Learnt {
         if let Some((value, variance)) = own_rate {
             self.rate.add(value, variance);
         }
-        if let Some((value, variance)) = own(cycle.bend, bend, data.bend, LEAST_OWN_BEND) {
+        if let Some((value, variance)) = own(cycle.bend, bend, data.bend, LEAST_OWN) {
             self.bend.add(value, variance);
         }
         told.swing = own_swing(LEAST_OWN).filter(|_| !on_trial || is_clear(posterior));
@@ -220,8 +229,7 @@ pub(crate) fn is_strained(data: &Data<'_>, around_n2: f32, noise_n2: f32) -> boo
 }
 
 /// What earlier events tell of a quantity, else a guess and its standard deviation.
-fn expected(shared: &Shared, guess: f32, spread: f32, noise_n2: f32) -> Prior {
-    let learnt = shared.prior(noise_n2);
+fn expected(learnt: Prior, guess: f32, spread: f32, noise_n2: f32) -> Prior {
     if learnt.weight > 0.0 {
         return learnt;
     }

@@ -10,6 +10,8 @@
 
 /// Memories, sampling periods; the longest is as good as endless.
 const LADDER: [f32; 7] = [4096.0, 64.0, 24.0, 10.0, 5.0, 3.0, 2.0];
+/// The first of them.
+const ENDLESS: usize = 0;
 /// Standard errors by which a trial has to be better.
 const SIGNIFICANT: f32 = 4.0;
 /// Fewest and most forecasts that decide.
@@ -73,7 +75,7 @@ impl Memory {
     /// Is all of the past in use?
     #[must_use]
     pub fn is_endless(&self) -> bool {
-        self.step == 0
+        self.step == ENDLESS
     }
 
     /// Takes the forecast errors of both lines for one sample, N.
@@ -87,11 +89,13 @@ impl Memory {
         self.count += 1;
     }
 
-    /// Is the trial better beyond doubt?
+    /// Is the trial better beyond doubt? Endless memory need not be, only no worse: of very
+    /// many trials one shorter memory wins by chance.
     #[must_use]
     pub fn has_won(&self) -> bool {
-        self.count >= FORECASTS.0
-            && self.gain > SIGNIFICANT * crate::math::rough_sqrt(self.gain_squares)
+        let error = crate::math::rough_sqrt(self.gain_squares);
+        let as_good = self.trial == ENDLESS && self.count >= FORECASTS.1 && self.gain >= 0.0;
+        as_good || (self.count >= FORECASTS.0 && self.gain > SIGNIFICANT * error)
     }
 
     /// Decides at the end of a stick line; the lines start anew afterwards.
@@ -103,7 +107,7 @@ impl Memory {
         let error = crate::math::rough_sqrt(self.gain_squares);
         if self.has_won() {
             (self.step, self.in_vain) = (self.trial, 0);
-        } else if self.gain > error && self.count < FORECASTS.1 {
+        } else if self.count < FORECASTS.1 && self.gain > self.least_gain() * error {
             // Promising: wait for more, with every line.
             self.in_vain = 0;
             return;
@@ -115,6 +119,11 @@ impl Memory {
             self.trial = (self.trial + 1) % LADDER.len();
         }
         (self.gain, self.gain_squares, self.count) = (0.0, 0.0, 0);
+    }
+
+    /// Standard errors of gain with which a trial goes on.
+    fn least_gain(&self) -> f32 {
+        if self.trial == ENDLESS { -SIGNIFICANT } else { 1.0 }
     }
 }
 
@@ -154,6 +163,21 @@ mod tests {
         for best in LADDER {
             assert!((settle(best) - best).abs() < 1e-3, "{best}");
         }
+    }
+
+    #[test]
+    fn what_won_by_chance_goes_again() {
+        let mut memory = Memory::new();
+        (0..24).for_each(|_| memory.compare(2.0, 1.0));
+        memory.decide();
+        assert!(!memory.is_endless());
+        (0..4000).for_each(|i| {
+            memory.compare(1.0, if i % 2 == 0 { 1.1 } else { 0.88 });
+            if i % 20 == 0 {
+                memory.decide();
+            }
+        });
+        assert!(memory.is_endless());
     }
 
     #[test]

@@ -13,6 +13,10 @@ const PI: f32 = core::f32::consts::PI;
 /// Most sampling periods between the two stick lines.
 const CORE: usize = 96;
 
+/// What is not known, periods, of onset and stop before the last fit of a slip that is hardly
+/// resolved.
+pub(crate) const UNSURE: f32 = 0.25;
+
 /// A slip whose stick line after it is still growing.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Pending {
@@ -73,11 +77,11 @@ impl Rough {
         let line = stick.line.slope().filter(|_| stick.line.count >= 4);
         let least = 1e-4 * (peak.force_n - low.force_n);
         let rate = line.or(climb).unwrap_or(0.0).max(least);
-        // The slip began after the last sample before it and ended before the first
-        // one after it: a uniform distribution, wider for slow ends of long slips.
+        // The force turns faster on the slip's side: of the two samples around each end of the
+        // slip the outer one is the highest, or the lowest, more often. Wider for slow ends of
+        // long slips.
         let fall = (low.index - peak.index) as f32;
-        let (slide, slide_std) =
-            if fall < 1.5 { (0.5, 0.3 + 0.25) } else { (fall - 1.0, 0.6 + 0.25 * fall) };
+        let (slide, slide_std) = (fall - 0.4, 0.3 + 0.25 * fall);
         // From the highest to the lowest force the slide turns by π, in all by π + 2 φ.
         let turn = core::f32::consts::FRAC_2_PI * fall / (peak.force_n - low.force_n);
         let longer = 1.0 + core::f32::consts::FRAC_2_PI * math::atan2(rate * turn, 1.0);
@@ -126,10 +130,8 @@ impl Pending {
 
     /// Takes the cycle of the first answer.
     pub(crate) fn know(&mut self, cycle: Cycle) {
-        // As sure as the stop of a slip that is hardly resolved.
-        const SURE: f32 = 0.25;
         if self.rest_weight < 1.0 {
-            self.rest_from = cycle.shape().stop() - SURE;
+            self.rest_from = cycle.shape().stop() - UNSURE;
         }
         self.early = Some(cycle);
     }
@@ -161,6 +163,43 @@ impl Pending {
         let peak_time = self.early.map_or(0.0, |cycle| cycle.peak_time());
         let end = since(self.origin, next_peak) - peak_time - self.start;
         self.length = self.length.min(libm::ceilf(end).max(0.0) as usize);
+    }
+
+    /// The stick line after the slip, up to the last index before the next onset: the
+    /// detector's stays behind.
+    pub(crate) fn line_after(&self, stick: &Stick, window: &Window, last: Option<u64>) -> Line {
+        let mut line = stick.first_from(self.origin);
+        // Of slips on a slack cable the first answers are rough.
+        let is_straight = self.has_straight(stick, &line) && self.slack(&line).is_none();
+        if let Some(last) = last.filter(|_| is_straight) {
+            for index in window.first_from(stick.next)..=last {
+                if let Some(force_n) = window.get(index) {
+                    line.add(since(self.origin, index), force_n, 1.0, 1.0);
+                }
+            }
+        }
+        line
+    }
+
+    /// Begins the stick line before the slip with the samples from the stop of the slip before
+    /// up to the re-stick, which the detector sees later. Where the cable flops, or was
+    /// slack, they are not on the line.
+    pub(crate) fn lengthen_line(&mut self, previous: &Self, stick: &Stick) {
+        let was_slack = previous.slack(&stick.first_from(previous.origin)).is_some();
+        let is_steady = self.rest_weight >= 1.0 && self.has_straight(stick, &self.before);
+        let Some(early) = previous.early.filter(|_| is_steady && !was_slack) else { return };
+        let (stop, end) = (early.shape().stop() + UNSURE, since(previous.origin, stick.origin));
+        let later = since(self.origin, previous.origin);
+        for (time, force_n) in previous.samples().good() {
+            if time > stop && time < end {
+                self.before.add(time + later, force_n, 1.0, 1.0);
+            }
+        }
+    }
+
+    /// Is there a line, of samples that differ from it by noise alone?
+    fn has_straight(&self, stick: &Stick, line: &Line) -> bool {
+        stick.straight && line.count > 0 && self.wander.level <= 0.0
     }
 
     /// Begins a fit where an earlier one ended, else at a guess.

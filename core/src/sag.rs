@@ -72,7 +72,7 @@ impl Sag {
         };
         let (mut sure, mut unsure) = (0.0, mean * mean);
         let weight = self.softness.prior(1.0).weight;
-        if weight > 0.0 {
+        if self.softness.is_well_known() {
             sure = (mean - 1.0 / (weight * mean)).max(0.0);
             unsure = (mean - sure) * (mean - sure) + 1.0 / weight;
         }

@@ -15,7 +15,7 @@ use crate::math;
 /// Events over which the past is forgotten.
 const MEMORY: f32 = 40.0;
 /// Events before which nothing is expected.
-const LEAST_EVENTS: f32 = 2.5;
+const LEAST_EVENTS: f32 = 1.5;
 /// Standard errors beyond which a value that should be zero, or a trend, counts: the
 /// trend is looked at with every event.
 const SIGNIFICANT: f32 = 3.0;
@@ -125,6 +125,11 @@ impl Shared {
         (self.count > 0.0).then(|| self.at(NEXT).0)
     }
 
+    /// Do three events agree on it? What single events may be far off in wants that.
+    pub(crate) fn is_well_known(&self) -> bool {
+        self.count > LEAST_EVENTS + 1.0
+    }
+
     /// Is there anything to expect?
     #[must_use]
     pub fn is_known(&self) -> bool {
@@ -154,8 +159,8 @@ impl Shared {
         let mean = self.line.level_n;
         let limit = SIGNIFICANT * SIGNIFICANT * self.unit / self.line.weight;
         let sure = surely(mean * mean, limit);
-        // No sign of anything: half the standard error of the mean that says so.
-        Prior { mean: sure * prior.mean, weight: (4.0 - 3.0 * sure) * prior.weight }
+        // No sign of anything: a quarter of the standard error of the mean that says so.
+        Prior { mean: sure * prior.mean, weight: (16.0 - 15.0 * sure) * prior.weight }
     }
 }
 
@@ -202,7 +207,7 @@ mod tests {
             });
             shared.prior(1.0)
         };
-        assert!(prior_after(1.0, 2).weight <= 0.0);
+        assert!(prior_after(1.0, 1).weight <= 0.0);
         let (few, many) = (prior_after(1.0, 6), prior_after(1.0, 40));
         assert!(many.weight > few.weight && many.weight > 10.0, "{many:?}");
         let wide = prior_after(20.0, 40);
