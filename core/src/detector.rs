@@ -24,7 +24,7 @@
 
 use crate::floor::{self, Floor};
 use crate::line::Line;
-use crate::math;
+use crate::math::{self, smaller};
 use crate::memory::Memory;
 use crate::noise::Noise;
 use crate::pending::since;
@@ -49,6 +49,8 @@ const LEAST_PART_BRIEF: f32 = 0.35;
 const LEAST_PART_LOW: f32 = 0.5;
 /// A larger fall in one sample, usual drops, is not taken for a slip beforehand.
 const LARGEST_DROP: f32 = 1.1;
+/// Most noise, usual drops: with more of it they could not have been told.
+const MOST_NOISE: f32 = 0.1;
 /// Rise that ends a slip at once, parts of its drop.
 const CLEAR_RISE: f32 = 0.12;
 /// Fewest samples that make a stick line.
@@ -374,6 +376,10 @@ impl Detector {
         self.newest = index;
         self.window.push(index, force_n);
         (self.line_std_n, self.std_n) = self.noise.std_n(force_n);
+        if self.usual_drop_n > 0.0 {
+            let most_n = MOST_NOISE * self.usual_drop_n;
+            self.std_n = self.std_n.map(|std| smaller(std, most_n));
+        }
         self.judge_again();
         if self.next < index {
             return self.catch_up(CATCH_UP);

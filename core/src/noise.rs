@@ -89,36 +89,77 @@ const fn factors(gain: f32, part: f32) -> (f32, f32) {
     (1.0 + gain * part, 1.0 / (1.0 + gain * (1.0 - part)))
 }
 
-/// The larger of the last two blocks' third smallest of 32 numbers.
+/// The direction of time in a force: noise and swings look the same backwards, slips do
+/// not. They fall faster than the winch pulls.
+///
+/// Rises and falls are compared by their steepest steps: a slow one counts once.
 #[derive(Clone, Copy, Debug)]
-struct Smallest {
-    now: [f32; 3],
-    count: u32,
-    blocks: [f32; 2],
-    full: u32,
+struct Arrow {
+    /// Mean step of late: a force that is let go falls evenly.
+    drift_n: f32,
+    /// Steepest step of the run that is going on, signed.
+    steepest_n: f32,
+    /// Upper quartile of the steepest steps.
+    usual_n: Quantile,
+    /// Sums of the steepest steps' scores, their cubes.
+    falls: f32,
+    rises: f32,
+    squares: f32,
+    /// Sum of the falls, each times its score, N.
+    fall_n: f32,
 }
 
-impl Smallest {
-    const BLOCK: u32 = 32;
-
+impl Arrow {
     const fn new() -> Self {
-        Self { now: [f32::MAX; 3], count: 0, blocks: [0.0; 2], full: 0 }
-    }
-
-    fn add(&mut self, size: f32) {
-        let [a, b, c] = self.now;
-        self.now = [a.min(size), b.min(a.max(size)), c.min(b.max(size))];
-        self.count += 1;
-        if self.count == Self::BLOCK {
-            self.blocks = [self.blocks[1], self.now[2]];
-            (self.now, self.count) = ([f32::MAX; 3], 0);
-            self.full = self.full.saturating_add(1);
+        Self {
+            drift_n: 0.0,
+            steepest_n: 0.0,
+            usual_n: Quantile::new(0.75),
+            falls: 0.0,
+            rises: 0.0,
+            squares: 0.0,
+            fall_n: 0.0,
         }
     }
 
-    /// `None` before two blocks are full.
-    fn value(&self) -> Option<f32> {
-        (self.full > 1).then(|| self.blocks.into_iter().fold(0.0, f32::max))
+    /// Takes a step from one sample to the next.
+    fn add(&mut self, step_n: f32) {
+        const MEMORY: f32 = 64.0;
+        self.drift_n += (step_n - self.drift_n) / MEMORY;
+        let step_n = step_n - self.drift_n;
+        if step_n * self.steepest_n < 0.0 {
+            let run_n = core::mem::take(&mut self.steepest_n);
+            self.end_run(run_n.abs(), run_n < 0.0);
+        }
+        if step_n.abs() > self.steepest_n.abs() {
+            self.steepest_n = step_n;
+        }
+    }
+
+    fn end_run(&mut self, size_n: f32, falls: bool) {
+        /// Larger steps are as good as this one, usual steps: no spike decides alone.
+        const MOST: f32 = 3.0;
+        self.usual_n.add(size_n);
+        let Some(usual_n) = self.usual_n.value().filter(|&usual_n| usual_n > 0.0) else { return };
+        let size = smaller(size_n / usual_n, MOST);
+        let score = size * size * size;
+        self.squares += score * score;
+        if falls {
+            self.falls += score;
+            self.fall_n += score * size * usual_n;
+        } else {
+            self.rises += score;
+        }
+    }
+
+    /// The usual fall in a sample, N, if falls are steeper than rises: by twice, and
+    /// beyond any doubt.
+    fn slip_n(&self) -> Option<f32> {
+        /// Standard errors.
+        const SURE: f32 = 3.0;
+        let more = self.falls - self.rises;
+        let sure = more > self.rises && more * more > SURE * SURE * self.squares;
+        sure.then(|| self.fall_n / self.falls)
     }
 }
 
@@ -126,7 +167,7 @@ impl Smallest {
 #[derive(Clone, Copy, Debug)]
 pub struct Noise {
     innovation: Quantile,
-    smallest: Smallest,
+    arrow: Arrow,
     second: Quantile,
     fourth: Quantile,
     /// The newest samples in a row, newest last.
@@ -134,8 +175,6 @@ pub struct Noise {
     filled: usize,
     /// Smallest step between samples that was seen, N: the resolution.
     resolution_n: f32,
-    /// Two samples in a row were the same.
-    repeats: bool,
     /// From the residuals of fits, and of how many, up to [`TRUSTED`].
     fitted_n: Option<f32>,
     fits: u8,
@@ -147,16 +186,14 @@ pub struct Noise {
 const TRUSTED: u8 = 16;
 
 /// Standard deviation over the median of |x|, for a normal distribution.
-const STD_PER_MEDIAN: f32 = 1.0 / 0.674_49;
-/// Noise over the mean of [`Smallest`] of |second differences|.
-const STD_PER_SMALLEST: f32 = 1.0 / 0.42;
+const STD_PER_MEDIAN: f32 = 1.0 / 1.150_35;
 /// Noise over the upper quartile of |second difference|, 1.150 √6.
 const STD_PER_SECOND: f32 = 1.0 / 2.818;
 /// Noise over the median of |fourth difference|, 0.6745 √70.
 const STD_PER_FOURTH: f32 = 1.0 / 5.643;
-/// A steep saw: the smallest second differences are below this part of what white
-/// noise would give.
-const SAW: f32 = 0.06;
+/// Most noise of slips, parts of their usual fall in a sample: with more of it none could
+/// be told from noise.
+const SLIP: f32 = 1.0 / 12.0;
 /// A smooth swing: the same for the fourth difference.
 const SWING: f32 = 0.5;
 
@@ -165,14 +202,13 @@ impl Noise {
     #[must_use]
     pub const fn new() -> Self {
         Self {
-            innovation: Quantile::new(0.5),
-            smallest: Smallest::new(),
+            innovation: Quantile::new(0.75),
+            arrow: Arrow::new(),
             second: Quantile::new(0.75),
             fourth: Quantile::new(0.5),
             row: [0.0; 5],
             filled: 0,
             resolution_n: 0.0,
-            repeats: false,
             fitted_n: None,
             fits: 0,
         }
@@ -204,11 +240,12 @@ impl Noise {
         if self.fits == TRUSTED {
             return;
         }
-        self.repeats |= self.filled >= 2 && step <= 0.0;
+        if self.filled >= 2 {
+            self.arrow.add(e - d);
+        }
         if self.filled >= 3 {
             let second = (c - 2.0 * d + e).abs();
             self.second.add(second);
-            self.smallest.add(second);
         }
         if self.filled >= 5 {
             self.fourth.add((a - 4.0 * b + 6.0 * c - 4.0 * d + e).abs());
@@ -237,15 +274,10 @@ impl Noise {
         if self.fourth.count < SETTLED {
             return None;
         }
-        let second = self.second.value()? * STD_PER_SECOND;
-        // Coarse steps make differences of zero: they are as large as a step.
-        let step_n = if self.repeats { self.resolution_n } else { 0.0 };
-        let smallest = self.smallest.value().map(|size| (size + step_n) * STD_PER_SMALLEST);
+        let second = self.second.value()?;
+        let saw = self.arrow.slip_n().map(|slip_n| SLIP * slip_n);
         let fourth = self.fourth.value().map(|size| size * STD_PER_FOURTH);
-        least(
-            smallest.filter(|&smallest| smallest < SAW * second),
-            fourth.filter(|&fourth| fourth < SWING * second),
-        )
+        least(saw, fourth.filter(|&fourth| fourth < SWING * second * STD_PER_SECOND))
     }
 }
 
