@@ -655,8 +655,14 @@ impl Detector {
         }
         let start = (index + 1).saturating_sub(u64::from(NEW_LINE));
         stick.start_line(start);
-        for past in start..=index {
-            if let Some(force_n) = self.window.get(past) {
+        // What was higher before, a spike perhaps, is not of this line.
+        stick.highest = Extreme { index: start, force_n: f32::NEG_INFINITY };
+        for past in start..=self.last.index {
+            let Some(force_n) = self.window.get(past) else { continue };
+            if force_n > stick.highest.force_n {
+                stick.highest = Extreme { index: past, force_n };
+            }
+            if past <= index {
                 let weight = self.profile.weight(since(stick.origin, past));
                 stick.take(past, force_n, &self.memory, weight);
             }

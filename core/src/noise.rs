@@ -152,6 +152,12 @@ impl Arrow {
         }
     }
 
+    /// Are the falls steeper than the rises, as far as is known?
+    fn leans(&self) -> bool {
+        const LEANS: f32 = 1.05;
+        self.falls > LEANS * self.rises
+    }
+
     /// The usual fall in a sample, N, if falls are steeper than rises: by twice, and
     /// beyond any doubt.
     fn slip_n(&self) -> Option<f32> {
@@ -277,7 +283,8 @@ impl Noise {
         let second = self.second.value()?;
         let saw = self.arrow.slip_n().map(|slip_n| SLIP * slip_n);
         let fourth = self.fourth.value().map(|size| size * STD_PER_FOURTH);
-        least(saw, fourth.filter(|&fourth| fourth < SWING * second * STD_PER_SECOND))
+        let swings = |&fourth: &f32| self.arrow.leans() && fourth < SWING * second * STD_PER_SECOND;
+        least(saw, fourth.filter(swings))
     }
 }
 
