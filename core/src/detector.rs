@@ -24,7 +24,7 @@
 
 use crate::floor::{self, Floor};
 use crate::line::Line;
-use crate::math::{self, smaller};
+use crate::math::{self, larger, smaller};
 use crate::memory::Memory;
 use crate::noise::Noise;
 use crate::pending::since;
@@ -229,7 +229,7 @@ pub struct Detector {
     next: u64,
     /// Newest index taken.
     newest: u64,
-    /// Noise with which the samples were first looked at, N.
+    /// Most noise with which the samples were looked at, N.
     judged_with_n: f32,
     /// Usual drop of a slip, N; zero before the first.
     usual_drop_n: f32,
@@ -421,6 +421,8 @@ impl Detector {
             self.whiteness = Whiteness::default();
             self.next = 0;
             self.phase = Phase::Unknown;
+        } else {
+            self.judged_with_n = larger(self.judged_with_n, std);
         }
     }
 
