@@ -57,6 +57,8 @@ const CLEAR_RISE: f32 = 0.12;
 const LINE_POINTS: u32 = 4;
 /// A slip leaves the force lower by at least this part of its drop; a spike does not.
 const LEAST_SHIFT: f32 = 0.4;
+/// The same without a line, below the sample before the highest one.
+const LEAST_SHIFT_BRIEF: f32 = 0.1;
 /// So many samples in a row off the line, all on one side: the line starts anew;
 /// twice as many on both sides as well.
 const NEW_LINE: u32 = 3;
@@ -690,7 +692,17 @@ impl Detector {
     /// Is the force back on the old stick line, as after a spike?
     fn is_back(&self, now: Extreme, drop: f32) -> bool {
         let off_n = self.off_line_n(now).filter(|_| self.line_fits());
-        off_n.is_some_and(|off_n| off_n > -LEAST_SHIFT * drop)
+        match (off_n, self.before_peak_n()) {
+            (Some(off_n), _) => off_n > -LEAST_SHIFT * drop,
+            (None, Some(before_n)) => self.lowest.force_n > before_n - LEAST_SHIFT_BRIEF * drop,
+            (None, None) => false,
+        }
+    }
+
+    /// The sample before the highest one, of the same stick line.
+    fn before_peak_n(&self) -> Option<f32> {
+        let index = self.stick.highest.index.checked_sub(1)?;
+        self.window.get(index).filter(|_| index >= self.stick.origin)
     }
 
     fn restick(&mut self, now: Extreme, drop: f32) -> Transition {
@@ -735,6 +747,9 @@ impl Detector {
     fn cancel(&mut self, now: Extreme) -> Transition {
         self.phase = Phase::Stick;
         self.stick.next = now.index + 1;
+        if self.stick.line.count < LINE_POINTS {
+            self.stick.highest = now;
+        }
         Transition::Cancelled
     }
 }
