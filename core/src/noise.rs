@@ -65,6 +65,13 @@ impl Quantile {
         self.value = self.first.get(place as usize).copied().unwrap_or(size);
     }
 
+    /// The quantile of another probability, from about so many times the value.
+    fn change_to(&mut self, part: f32, ratio: f32) {
+        (self.up, self.down) = factors(SMALLEST_GAIN, part);
+        self.part = part;
+        self.value *= ratio;
+    }
+
     /// Larger steps at first.
     fn settle(&mut self) -> (f32, f32) {
         self.count += 1;
@@ -191,8 +198,9 @@ pub struct Noise {
 /// would be no other.
 const TRUSTED: u8 = 16;
 
-/// Standard deviation over the median of |x|, for a normal distribution.
-const STD_PER_MEDIAN: f32 = 1.0 / 1.150_35;
+/// Median and upper quartile of |x|, for a normal distribution.
+const MEDIAN: f32 = 0.674_49;
+const QUARTILE: f32 = 1.150_35;
 /// Noise over the upper quartile of |second difference|, 1.150 √6.
 const STD_PER_SECOND: f32 = 1.0 / 2.818;
 /// Noise over the median of |fourth difference|, 0.6745 √70.
@@ -227,6 +235,9 @@ impl Noise {
 
     /// Takes the noise that the fits of the events leave, N.
     pub fn fitted(&mut self, noise_n: f32) {
+        if self.fits == 0 {
+            self.innovation.change_to(0.5, MEDIAN / QUARTILE);
+        }
         self.fitted_n = Some(noise_n);
         self.fits = self.fits.saturating_add(1).min(TRUSTED);
     }
@@ -266,8 +277,9 @@ impl Noise {
     #[must_use]
     pub fn std_n(&self, force_n: f32) -> (Option<f32>, Option<f32>) {
         let floor = larger(0.3 * self.resolution_n, 4e-7 * force_n.abs());
-        let std = |median| self.innovation.caution() * median * STD_PER_MEDIAN;
-        let line = self.innovation.value().map(|median| larger(std(median), floor));
+        let unit = if self.fits == 0 { QUARTILE } else { MEDIAN };
+        let std = |value| self.innovation.caution() * value / unit;
+        let line = self.innovation.value().map(|value| larger(std(value), floor));
         // The fits allow for what a line does not.
         let fitted = self.fitted_n.map(|fitted| 1.5 * fitted);
         let own = if self.fits < TRUSTED { self.without_line_n() } else { None };
