@@ -96,6 +96,39 @@ const fn factors(gain: f32, part: f32) -> (f32, f32) {
     (1.0 + gain * part, 1.0 / (1.0 + gain * (1.0 - part)))
 }
 
+/// The larger of the last two blocks' third smallest of 32 numbers.
+#[derive(Clone, Copy, Debug)]
+struct Smallest {
+    now: [f32; 3],
+    count: u32,
+    blocks: [f32; 2],
+    full: u32,
+}
+
+impl Smallest {
+    const BLOCK: u32 = 32;
+
+    const fn new() -> Self {
+        Self { now: [f32::MAX; 3], count: 0, blocks: [0.0; 2], full: 0 }
+    }
+
+    fn add(&mut self, size: f32) {
+        let [a, b, c] = self.now;
+        self.now = [a.min(size), b.min(a.max(size)), c.min(b.max(size))];
+        self.count += 1;
+        if self.count == Self::BLOCK {
+            self.blocks = [self.blocks[1], self.now[2]];
+            (self.now, self.count) = ([f32::MAX; 3], 0);
+            self.full = self.full.saturating_add(1);
+        }
+    }
+
+    /// `None` before two blocks are full.
+    fn value(&self) -> Option<f32> {
+        (self.full > 1).then(|| self.blocks.into_iter().fold(0.0, f32::max))
+    }
+}
+
 /// The direction of time in a force: noise and swings look the same backwards, slips do
 /// not. They fall faster than the winch pulls.
 ///
@@ -159,12 +192,6 @@ impl Arrow {
         }
     }
 
-    /// Are the falls steeper than the rises, as far as is known?
-    fn leans(&self) -> bool {
-        const LEANS: f32 = 1.05;
-        self.falls > LEANS * self.rises
-    }
-
     /// The usual fall in a sample, N, if falls are steeper than rises: by twice, and
     /// beyond any doubt.
     fn slip_n(&self) -> Option<f32> {
@@ -180,6 +207,7 @@ impl Arrow {
 #[derive(Clone, Copy, Debug)]
 pub struct Noise {
     innovation: Quantile,
+    smallest: Smallest,
     arrow: Arrow,
     second: Quantile,
     fourth: Quantile,
@@ -188,6 +216,8 @@ pub struct Noise {
     filled: usize,
     /// Smallest step between samples that was seen, N: the resolution.
     resolution_n: f32,
+    /// Two samples in a row were the same.
+    repeats: bool,
     /// From the residuals of fits, and of how many, up to [`TRUSTED`].
     fitted_n: Option<f32>,
     fits: u8,
@@ -201,10 +231,15 @@ const TRUSTED: u8 = 16;
 /// Median and upper quartile of |x|, for a normal distribution.
 const MEDIAN: f32 = 0.674_49;
 const QUARTILE: f32 = 1.150_35;
+/// Noise over the mean of [`Smallest`] of |second differences|.
+const STD_PER_SMALLEST: f32 = 1.0 / 0.42;
 /// Noise over the upper quartile of |second difference|, 1.150 √6.
 const STD_PER_SECOND: f32 = 1.0 / 2.818;
 /// Noise over the median of |fourth difference|, 0.6745 √70.
 const STD_PER_FOURTH: f32 = 1.0 / 5.643;
+/// A steep saw: the smallest second differences are below this part of what white
+/// noise would give.
+const SAW: f32 = 0.06;
 /// Most noise of slips, parts of their usual fall in a sample: with more of it none could
 /// be told from noise.
 const SLIP: f32 = 1.0 / 12.0;
@@ -217,12 +252,14 @@ impl Noise {
     pub const fn new() -> Self {
         Self {
             innovation: Quantile::new(0.75),
+            smallest: Smallest::new(),
             arrow: Arrow::new(),
             second: Quantile::new(0.75),
             fourth: Quantile::new(0.5),
             row: [0.0; 5],
             filled: 0,
             resolution_n: 0.0,
+            repeats: false,
             fitted_n: None,
             fits: 0,
         }
@@ -260,9 +297,11 @@ impl Noise {
         if self.filled >= 2 {
             self.arrow.add(e - d);
         }
+        self.repeats |= self.filled >= 2 && step <= 0.0;
         if self.filled >= 3 {
             let second = (c - 2.0 * d + e).abs();
             self.second.add(second);
+            self.smallest.add(second);
         }
         if self.filled >= 5 {
             self.fourth.add((a - 4.0 * b + 6.0 * c - 4.0 * d + e).abs());
@@ -292,11 +331,17 @@ impl Noise {
         if self.fourth.count < SETTLED {
             return None;
         }
-        let second = self.second.value()?;
-        let saw = self.arrow.slip_n().map(|slip_n| SLIP * slip_n);
+        let second = self.second.value()? * STD_PER_SECOND;
+        // Coarse steps make differences of zero: they are as large as a step.
+        let step_n = if self.repeats { self.resolution_n } else { 0.0 };
+        let smallest = self.smallest.value().map(|size| (size + step_n) * STD_PER_SMALLEST);
         let fourth = self.fourth.value().map(|size| size * STD_PER_FOURTH);
-        let swings = |&fourth: &f32| self.arrow.leans() && fourth < SWING * second * STD_PER_SECOND;
-        least(saw, fourth.filter(swings))
+        let slips = self.arrow.slip_n().map(|slip_n| SLIP * slip_n);
+        let smooth = least(
+            smallest.filter(|&smallest| smallest < SAW * second),
+            fourth.filter(|&fourth| fourth < SWING * second),
+        );
+        least(slips, smooth)
     }
 }
 
