@@ -65,13 +65,6 @@ impl Quantile {
         self.value = self.first.get(place as usize).copied().unwrap_or(size);
     }
 
-    /// The quantile of another probability, from about so many times the value.
-    fn change_to(&mut self, part: f32, ratio: f32) {
-        (self.up, self.down) = factors(SMALLEST_GAIN, part);
-        self.part = part;
-        self.value *= ratio;
-    }
-
     /// Larger steps at first.
     fn settle(&mut self) -> (f32, f32) {
         self.count += 1;
@@ -207,6 +200,9 @@ impl Arrow {
 #[derive(Clone, Copy, Debug)]
 pub struct Noise {
     innovation: Quantile,
+    /// The same, upper quartile: of the coarse steps of a converter the median tells
+    /// little. Until the first fit.
+    upper: Quantile,
     smallest: Smallest,
     arrow: Arrow,
     second: Quantile,
@@ -251,7 +247,8 @@ impl Noise {
     #[must_use]
     pub const fn new() -> Self {
         Self {
-            innovation: Quantile::new(0.75),
+            innovation: Quantile::new(0.5),
+            upper: Quantile::new(0.75),
             smallest: Smallest::new(),
             arrow: Arrow::new(),
             second: Quantile::new(0.75),
@@ -268,13 +265,13 @@ impl Noise {
     /// Takes an innovation, already divided by its own spread relative to a sample.
     pub fn add(&mut self, innovation_n: f32) {
         self.innovation.add(innovation_n.abs());
+        if self.fits == 0 {
+            self.upper.add(innovation_n.abs());
+        }
     }
 
     /// Takes the noise that the fits of the events leave, N.
     pub fn fitted(&mut self, noise_n: f32) {
-        if self.fits == 0 {
-            self.innovation.change_to(0.5, MEDIAN / QUARTILE);
-        }
         self.fitted_n = Some(noise_n);
         self.fits = self.fits.saturating_add(1).min(TRUSTED);
     }
@@ -316,14 +313,15 @@ impl Noise {
     #[must_use]
     pub fn std_n(&self, force_n: f32) -> (Option<f32>, Option<f32>) {
         let floor = larger(0.3 * self.resolution_n, 4e-7 * force_n.abs());
-        let unit = if self.fits == 0 { QUARTILE } else { MEDIAN };
-        let std = |value| self.innovation.caution() * value / unit;
-        let line = self.innovation.value().map(|value| larger(std(value), floor));
+        let std = |value| self.innovation.caution() * value;
+        let line = self.innovation.value().map(|value| larger(std(value / MEDIAN), floor));
+        let upper = self.upper.value().filter(|_| self.fits == 0).map(|value| value / QUARTILE);
+        let samples = line.map(|line| larger(line, upper.map_or(0.0, std)));
         // The fits allow for what a line does not.
         let fitted = self.fitted_n.map(|fitted| 1.5 * fitted);
         let own = if self.fits < TRUSTED { self.without_line_n() } else { None };
         let bound = least(fitted, own).map(|std| larger(std, floor));
-        (line, least(line, bound))
+        (line, least(samples, bound))
     }
 
     /// Standard deviation where there is no line to be followed, N.
