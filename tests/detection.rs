@@ -44,6 +44,38 @@ fn a_record_begins_without_false_slips() {
     assert_eq!(found(&scene, [129, 379, 433, 472]).false_alarms, 0);
 }
 
+/// Noise that is mostly one step of the converter looks smaller than it is.
+#[test]
+fn steps_as_large_as_the_noise_invent_nothing() {
+    let measurement = Measurement { step_n: 1.6, ..noisy(1.0) };
+    let scene = Scene { rate_hz: 50.0, ..smooth(measurement) };
+    assert_eq!(found(&scene, 1..=60).false_alarms, 0);
+}
+
+/// A light block on a stiff cable rests for two or three samples and slips for two: no
+/// line shows the noise. Slips fall faster than the winch pulls.
+#[test]
+fn slips_are_found_where_the_block_hardly_rests() {
+    for (weight_n, stiffness_n_per_m, winch_m_per_s, mu_s, mu) in [
+        (210.0, 18_700.0, 0.0176, 0.55, 0.42),
+        (540.0, 49_000.0, 0.058, 1.31, 0.74),
+        (520.0, 62_800.0, 0.0112, 1.02, 0.91),
+    ] {
+        let scene = Scene {
+            weight_n,
+            stiffness_n_per_m,
+            winch_m_per_s,
+            mu_s,
+            mu,
+            duration_s: 40.0,
+            measurement: noisy(0.004 * weight_n),
+            ..Scene::default()
+        };
+        let detection = found(&scene, 1..=10);
+        assert!(detection.f1() >= 0.97, "{weight_n} {:.3} {detection:?}", detection.f1());
+    }
+}
+
 /// The stick line is bent from its start: no straight line tells the noise.
 #[test]
 fn a_cable_that_sags_hides_no_slip() {

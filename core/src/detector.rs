@@ -24,7 +24,7 @@
 
 use crate::floor::{self, Floor};
 use crate::line::Line;
-use crate::math;
+use crate::math::{self, larger, smaller};
 use crate::memory::Memory;
 use crate::noise::Noise;
 use crate::pending::since;
@@ -49,12 +49,16 @@ const LEAST_PART_BRIEF: f32 = 0.35;
 const LEAST_PART_LOW: f32 = 0.5;
 /// A larger fall in one sample, usual drops, is not taken for a slip beforehand.
 const LARGEST_DROP: f32 = 1.1;
+/// Most noise, usual drops: with more of it they could not have been told.
+const MOST_NOISE: f32 = 0.1;
 /// Rise that ends a slip at once, parts of its drop.
 const CLEAR_RISE: f32 = 0.12;
 /// Fewest samples that make a stick line.
 const LINE_POINTS: u32 = 4;
 /// A slip leaves the force lower by at least this part of its drop; a spike does not.
 const LEAST_SHIFT: f32 = 0.4;
+/// The same without a line, below the sample before the highest one.
+const LEAST_SHIFT_BRIEF: f32 = 0.1;
 /// So many samples in a row off the line, all on one side: the line starts anew;
 /// twice as many on both sides as well.
 const NEW_LINE: u32 = 3;
@@ -233,7 +237,7 @@ pub struct Detector {
     next: u64,
     /// Newest index taken.
     newest: u64,
-    /// Noise with which the samples were first looked at, N.
+    /// Most noise with which the samples were looked at, N.
     judged_with_n: f32,
     /// Usual drop of a slip, N; zero before the first.
     usual_drop_n: f32,
@@ -380,6 +384,10 @@ impl Detector {
         self.newest = index;
         self.window.push(index, force_n);
         (self.line_std_n, self.std_n) = self.noise.std_n(force_n);
+        if self.usual_drop_n > 0.0 {
+            let most_n = MOST_NOISE * self.usual_drop_n;
+            self.std_n = self.std_n.map(|std| smaller(std, most_n));
+        }
         self.judge_again();
         if self.next < index {
             return self.catch_up(CATCH_UP);
@@ -421,6 +429,8 @@ impl Detector {
             self.whiteness = Whiteness::default();
             self.next = 0;
             self.phase = Phase::Unknown;
+        } else {
+            self.judged_with_n = larger(self.judged_with_n, std);
         }
     }
 
@@ -657,8 +667,17 @@ impl Detector {
             return;
         }
         // The samples that are on it are taken once more.
-        stick.next = (index + 1).saturating_sub(u64::from(NEW_LINE));
-        stick.start_line(stick.next);
+        let start = (index + 1).saturating_sub(u64::from(NEW_LINE));
+        stick.next = start;
+        stick.start_line(start);
+        // What was higher before, a spike perhaps, is not of this line.
+        stick.highest = Extreme { index: start, force_n: f32::NEG_INFINITY };
+        for past in start..=self.last.index {
+            let Some(force_n) = self.window.get(past) else { continue };
+            if force_n > stick.highest.force_n {
+                stick.highest = Extreme { index: past, force_n };
+            }
+        }
     }
 
     fn slip_step(&mut self, now: Extreme) -> Option<Transition> {
@@ -680,7 +699,17 @@ impl Detector {
     /// Is the force back on the old stick line, as after a spike?
     fn is_back(&self, now: Extreme, drop: f32) -> bool {
         let off_n = self.off_line_n(now).filter(|_| self.line_fits());
-        off_n.is_some_and(|off_n| off_n > -LEAST_SHIFT * drop)
+        match (off_n, self.before_peak_n()) {
+            (Some(off_n), _) => off_n > -LEAST_SHIFT * drop,
+            (None, Some(before_n)) => self.lowest.force_n > before_n - LEAST_SHIFT_BRIEF * drop,
+            (None, None) => false,
+        }
+    }
+
+    /// The sample before the highest one, of the same stick line.
+    fn before_peak_n(&self) -> Option<f32> {
+        let index = self.stick.highest.index.checked_sub(1)?;
+        self.window.get(index).filter(|_| index >= self.stick.origin)
     }
 
     fn restick(&mut self, now: Extreme, drop: f32) -> Transition {
@@ -725,6 +754,9 @@ impl Detector {
     fn cancel(&mut self, now: Extreme) -> Transition {
         self.phase = Phase::Stick;
         self.stick.next = now.index + 1;
+        if self.stick.line.count < LINE_POINTS {
+            self.stick.highest = now;
+        }
         Transition::Cancelled
     }
 }

@@ -128,11 +128,89 @@ impl Smallest {
     }
 }
 
+/// The direction of time in a force: noise and swings look the same backwards, slips do
+/// not. They fall faster than the winch pulls.
+///
+/// Rises and falls are compared by their steepest steps: a slow one counts once.
+#[derive(Clone, Copy, Debug)]
+struct Arrow {
+    /// Mean step of late: a force that is let go falls evenly.
+    drift_n: f32,
+    /// Steepest step of the run that is going on, signed.
+    steepest_n: f32,
+    /// Upper quartile of the steepest steps.
+    usual_n: Quantile,
+    /// Sums of the steepest steps' scores, their cubes.
+    falls: f32,
+    rises: f32,
+    squares: f32,
+    /// Sum of the falls, each times its score, N.
+    fall_n: f32,
+}
+
+impl Arrow {
+    const fn new() -> Self {
+        Self {
+            drift_n: 0.0,
+            steepest_n: 0.0,
+            usual_n: Quantile::new(0.75),
+            falls: 0.0,
+            rises: 0.0,
+            squares: 0.0,
+            fall_n: 0.0,
+        }
+    }
+
+    /// Takes a step from one sample to the next.
+    fn add(&mut self, step_n: f32) {
+        const MEMORY: f32 = 64.0;
+        self.drift_n += (step_n - self.drift_n) / MEMORY;
+        let step_n = step_n - self.drift_n;
+        if step_n * self.steepest_n < 0.0 {
+            let run_n = core::mem::take(&mut self.steepest_n);
+            self.end_run(run_n.abs(), run_n < 0.0);
+        }
+        if step_n.abs() > self.steepest_n.abs() {
+            self.steepest_n = step_n;
+        }
+    }
+
+    fn end_run(&mut self, size_n: f32, falls: bool) {
+        /// Larger steps are as good as this one, usual steps: no spike decides alone.
+        const MOST: f32 = 3.0;
+        self.usual_n.add(size_n);
+        let Some(usual_n) = self.usual_n.value().filter(|&usual_n| usual_n > 0.0) else { return };
+        let size = smaller(size_n / usual_n, MOST);
+        let score = size * size * size;
+        self.squares += score * score;
+        if falls {
+            self.falls += score;
+            self.fall_n += score * size * usual_n;
+        } else {
+            self.rises += score;
+        }
+    }
+
+    /// The usual fall in a sample, N, if falls are steeper than rises: by twice, and
+    /// beyond any doubt.
+    fn slip_n(&self) -> Option<f32> {
+        /// Standard errors.
+        const SURE: f32 = 3.0;
+        let more = self.falls - self.rises;
+        let sure = more > self.rises && more * more > SURE * SURE * self.squares;
+        sure.then(|| self.fall_n / self.falls)
+    }
+}
+
 /// Running robust standard deviation.
 #[derive(Clone, Copy, Debug)]
 pub struct Noise {
     innovation: Quantile,
+    /// The same, upper quartile: of the coarse steps of a converter the median tells
+    /// little. Until the first fit.
+    upper: Quantile,
     smallest: Smallest,
+    arrow: Arrow,
     second: Quantile,
     fourth: Quantile,
     /// The newest samples in a row, newest last.
@@ -152,8 +230,9 @@ pub struct Noise {
 /// would be no other.
 const TRUSTED: u8 = 16;
 
-/// Standard deviation over the median of |x|, for a normal distribution.
-const STD_PER_MEDIAN: f32 = 1.0 / 0.674_49;
+/// Median and upper quartile of |x|, for a normal distribution.
+const MEDIAN: f32 = 0.674_49;
+const QUARTILE: f32 = 1.150_35;
 /// Noise over the mean of [`Smallest`] of |second differences|.
 const STD_PER_SMALLEST: f32 = 1.0 / 0.42;
 /// Noise over the upper quartile of |second difference|, 1.150 √6.
@@ -163,6 +242,9 @@ const STD_PER_FOURTH: f32 = 1.0 / 5.643;
 /// A steep saw: the smallest second differences are below this part of what white
 /// noise would give.
 const SAW: f32 = 0.06;
+/// Most noise of slips, parts of their usual fall in a sample: with more of it none could
+/// be told from noise.
+const SLIP: f32 = 1.0 / 12.0;
 /// A smooth swing: the same for the fourth difference.
 const SWING: f32 = 0.5;
 
@@ -172,7 +254,9 @@ impl Noise {
     pub const fn new() -> Self {
         Self {
             innovation: Quantile::new(0.5),
+            upper: Quantile::new(0.75),
             smallest: Smallest::new(),
+            arrow: Arrow::new(),
             second: Quantile::new(0.75),
             fourth: Quantile::new(0.5),
             row: [0.0; 5],
@@ -187,6 +271,9 @@ impl Noise {
     /// Takes an innovation, already divided by its own spread relative to a sample.
     pub fn add(&mut self, innovation_n: f32) {
         self.innovation.add(innovation_n.abs());
+        if self.fits == 0 {
+            self.upper.add(innovation_n.abs());
+        }
     }
 
     /// Takes the noise that the fits of the events leave, N.
@@ -218,6 +305,9 @@ impl Noise {
     #[inline(never)]
     fn difference(&mut self) {
         let [a, b, c, d, e] = self.row;
+        if self.filled >= 2 {
+            self.arrow.add(e - d);
+        }
         if self.filled >= 3 {
             let second = (c - 2.0 * d + e).abs();
             self.second.add(second);
@@ -236,13 +326,15 @@ impl Noise {
     #[must_use]
     pub fn std_n(&self, force_n: f32) -> (Option<f32>, Option<f32>) {
         let floor = larger(0.3 * self.resolution_n, 4e-7 * force_n.abs());
-        let std = |median| self.innovation.caution() * median * STD_PER_MEDIAN;
-        let line = self.innovation.value().map(|median| larger(std(median), floor));
+        let std = |value| self.innovation.caution() * value;
+        let line = self.innovation.value().map(|value| larger(std(value / MEDIAN), floor));
+        let upper = self.upper.value().filter(|_| self.fits == 0).map(|value| value / QUARTILE);
+        let samples = line.map(|line| larger(line, upper.map_or(0.0, std)));
         // The fits allow for what a line does not.
         let fitted = self.fitted_n.map(|fitted| 1.5 * fitted);
         let own = if self.fits < TRUSTED { self.without_line_n() } else { None };
         let bound = least(fitted, own).map(|std| larger(std, floor));
-        (line, least(line, bound))
+        (line, least(samples, bound))
     }
 
     /// Standard deviation where there is no line to be followed, N.
@@ -255,10 +347,12 @@ impl Noise {
         let step_n = if self.repeats { self.resolution_n } else { 0.0 };
         let smallest = self.smallest.value().map(|size| (size + step_n) * STD_PER_SMALLEST);
         let fourth = self.fourth.value().map(|size| size * STD_PER_FOURTH);
-        least(
+        let slips = self.arrow.slip_n().map(|slip_n| SLIP * slip_n);
+        let smooth = least(
             smallest.filter(|&smallest| smallest < SAW * second),
             fourth.filter(|&fourth| fourth < SWING * second),
-        )
+        );
+        least(slips, smooth)
     }
 }
 
