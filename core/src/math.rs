@@ -10,7 +10,7 @@
 //! | [`sqrt`] | libm | 0.5 ulp (correctly rounded) |
 //! | [`sin_cos`] | here | 7.7e-8, up to one turn |
 //! | [`atan2`] | libm | 1.5 ulp |
-//! | [`acos`] | libm | 2 ulp |
+//! | [`acos`] | from libm's root and [`atan2`] | 2 ulp |
 //! | [`exp`] | libm | 1 ulp |
 //! | [`ln`] | libm | 1 ulp |
 //! | [`rough_sqrt`] | micromath | 6.1 % relative: for detection limits only |
@@ -68,7 +68,8 @@ pub fn atan2(y: f32, x: f32) -> f32 {
 /// Arc cosine, 0 to π rad; the argument is limited to ±1.
 #[must_use]
 pub fn acos(x: f32) -> f32 {
-    libm::acosf(x.clamp(-1.0, 1.0))
+    let x = x.clamp(-1.0, 1.0);
+    atan2(sqrt((1.0 - x) * (1.0 + x)), x)
 }
 
 /// Exponential function.

@@ -67,6 +67,8 @@ const DROP: f64 = 1.24 - 0.78;
 const WINCH: f64 = 0.04 * 18.9 / 9.81;
 /// Range of a creep's force: a sixth of that drop.
 const CREEP: f64 = 0.08;
+/// Angle at which a fit begins, rad.
+const GUESS: f64 = 0.1;
 
 /// Largest error that what the core does with a function can bear; `None` if it
 /// does nothing. `docs/maths.md` has the reasons.
@@ -78,6 +80,7 @@ pub fn bearable(name: &str) -> Option<f64> {
         "sin" | "cos" => Some(FORCE / DROP),
         "atan2" => Some(FORCE / (2.0 * WINCH)),
         "exp" | "ln" => Some(FORCE / CREEP),
+        "acos" => Some(GUESS),
         _ => None,
     }
 }
@@ -86,7 +89,7 @@ pub fn bearable(name: &str) -> Option<f64> {
 #[must_use]
 pub fn is_used(function: &Function) -> bool {
     let library = match function.name {
-        "sin" | "cos" => "floe",
+        "sin" | "cos" | "acos" => "floe",
         "rough_sqrt" => "micromath",
         _ => "libm",
     };

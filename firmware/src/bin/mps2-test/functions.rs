@@ -34,7 +34,7 @@ const RATIOS: (f32, f32) = (1e-6, 1e9);
 const LOG_RATIOS: (f32, f32) = (-87.0, 7.0);
 
 /// All that are compared, the core's own under the library that it takes.
-pub const FUNCTIONS: [Function; 18] = [
+pub const FUNCTIONS: [Function; 19] = [
     new("sqrt", "libm", SQUARES, math::sqrt),
     new("sqrt", "micromath", SQUARES, F32Ext::sqrt),
     new("sqrt", "hardware", SQUARES, hardware::sqrt),
@@ -47,7 +47,8 @@ pub const FUNCTIONS: [Function; 18] = [
     new("cos", "micromath", ANGLES, F32Ext::cos),
     new("atan2", "libm", RATIOS, |x| math::atan2(x, 1.0)),
     new("atan2", "micromath", RATIOS, |x| F32Ext::atan2(x, 1.0)),
-    new("acos", "libm", (-1.0, 1.0), math::acos),
+    new("acos", "floe", (-1.0, 1.0), math::acos),
+    new("acos", "libm", (-1.0, 1.0), libm::acosf),
     new("acos", "micromath", (-1.0, 1.0), F32Ext::acos),
     new("exp", "libm", LOG_RATIOS, math::exp),
     new("exp", "micromath", LOG_RATIOS, F32Ext::exp),
