@@ -29,7 +29,10 @@ fn what_is_used_is_good_enough() {
         assert!(error.size < most, "{function}: {error}, {most:.1e} can be borne");
     }
     let used = |name: &str| FUNCTIONS.iter().filter(|f| f.name == name && is_used(f)).count();
-    assert_eq!(["sqrt", "rough_sqrt", "sin", "cos", "atan2", "acos", "exp", "ln"].map(used), [1; 8]);
+    assert_eq!(
+        ["sqrt", "rough_sqrt", "sin", "cos", "atan2", "acos", "exp", "ln"].map(used),
+        [1; 8]
+    );
 }
 
 #[test]

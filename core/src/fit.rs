@@ -383,7 +383,9 @@ fn add_line(
     if line.weight <= 0.0 {
         return;
     }
-    normal.add(line.level_n - level.0, &level.1, loosened(line.weight, wander.level));
+    // The rate is that next to the slip: on its way to the line's middle the force wanders off.
+    let far = wander.level + wander.slope * line.time * line.time;
+    normal.add(line.level_n - level.0, &level.1, loosened(line.weight, far));
     if let Some(measured) = line.slope() {
         let weight = loosened(line.slope_weight(), wander.slope);
         normal.add(measured - slope.0, &slope.1, weight);

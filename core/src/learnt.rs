@@ -106,7 +106,7 @@ impl Learnt {
             wander: pending.wander,
             rate: rate.loosened(pending.wander.slope),
             swing,
-            bend: self.bend_prior(rough.rate, noise_n2).loosened(2.0 * pending.wander.slope),
+            bend: self.bend_prior(rough.rate, noise_n2).loosened(4.0 * pending.wander.slope),
             onset: rough.onset(noise_n2),
             corner: self.corner.expected(rate.mean, swing.mean),
         }

@@ -2,7 +2,7 @@
 //!
 //! The score of a fitted event, all six unknowns free, tells its own `κ`, `h` and `ln c`;
 //! the scores of the events add up. `κ` and `h` are zero until they are significantly
-//! above it; a little before that they widen the intervals. What the events told of rate,
+//! above it; before that they widen the intervals. What the events told of rate,
 //! swing and bend, and the event's own fit, move along with them, to first order.
 
 #![allow(clippy::needless_range_loop, reason = "an index is that of rows and columns alike")]
@@ -61,7 +61,7 @@ const FADE: f32 = 1.0 - 1.0 / 40.0;
 const LEAST_EVENTS: f32 = 2.5;
 /// Standard errors beyond which a number counts, and beyond which it is possible.
 const SIGNIFICANT: f32 = 3.0;
-const POSSIBLE: f32 = 2.0;
+const POSSIBLE: f32 = 1.0;
 /// What a number that does not count is held at zero with, times its own information.
 const HELD: f32 = 1e12;
 /// The creep is thought to last so many swings before the events tell it, and one over the

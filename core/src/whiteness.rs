@@ -24,19 +24,21 @@ impl Wander {
 
 /// Running sums of squares of the innovations and of their first two differences, of a
 /// fading past.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 pub struct Whiteness {
-    /// The last innovation and the one before it.
-    last: f32,
-    before: f32,
-    /// How many of these two are known.
-    known: u8,
+    /// The last innovations, newest first; NaN where there is none.
+    last: [f32; FAR],
     squares: f32,
     steps: f32,
     bends: f32,
+    /// Sum and number of the squares of the differences so many samples apart.
+    far_steps: f32,
+    far_count: f32,
     count: f32,
 }
 
+/// Samples between which a slow wander shows its slope.
+const FAR: usize = 4;
 /// Samples over which the past is forgotten.
 const MEMORY: f32 = 2000.0;
 /// Standard errors beyond which the force wanders; that of the noise's mean square is
@@ -53,14 +55,18 @@ impl Whiteness {
     pub fn add(&mut self, innovation: f32, weight: f32) {
         let innovation = weight * innovation;
         const FADE: f32 = 1.0 - 1.0 / MEMORY;
-        let (last, before) = (self.last, self.before);
-        (self.last, self.before) = (innovation, last);
-        if self.known < 2 {
-            self.known += 1;
-            return;
-        }
+        let [last, before, earlier, far] = self.last;
+        self.last = [innovation, last, before, earlier];
         let step = innovation - last;
         let bend = step - (last - before);
+        if bend.is_nan() {
+            return;
+        }
+        let far_step = innovation - far;
+        if !far_step.is_nan() {
+            self.far_steps = FADE * self.far_steps + far_step * far_step;
+            self.far_count = FADE * self.far_count + weight;
+        }
         self.squares = FADE * self.squares + innovation * innovation;
         self.steps = FADE * self.steps + step * step;
         self.bends = FADE * self.bends + bend * bend;
@@ -69,7 +75,7 @@ impl Whiteness {
 
     /// The next sample has no neighbour before it.
     pub fn interrupt(&mut self) {
-        self.known = 0;
+        self.last = [f32::NAN; FAR];
     }
 
     /// What the innovations show; nothing unless it is clear.
@@ -82,11 +88,23 @@ impl Whiteness {
         if white <= 0.0 || slow <= 0.0 || !sure {
             return Wander::NONE;
         }
-        let (level, slope) = (slow / white, (self.steps / white - 2.0).max(0.0));
-        if slope > FASTEST * level {
+        let (level, step) = (slow / white, self.steps / white - 2.0);
+        if step > FASTEST * level {
             return Wander::NONE;
         }
+        // A slow one's slope is lost in the noise of single steps.
+        let sure = step * step * self.count > 4.0 * SIGNIFICANT * SIGNIFICANT;
+        let far = self.far_steps / white * self.count / self.far_count - 2.0;
+        let slope = (far / (FAR * FAR) as f32).max(if sure { step } else { 0.0 }).max(0.0);
         Wander { white_share: white / self.squares, level, slope }
+    }
+}
+
+impl Default for Whiteness {
+    fn default() -> Self {
+        let (squares, steps, bends, count) = (0.0, 0.0, 0.0, 0.0);
+        let (far_steps, far_count) = (0.0, 0.0);
+        Self { last: [f32::NAN; FAR], squares, steps, bends, far_steps, far_count, count }
     }
 }
 
