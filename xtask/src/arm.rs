@@ -85,7 +85,7 @@ impl Route {
         let remap = |path: &PathBuf| format!("--remap-path-prefix={}/=", path.display());
         let mut flags: Vec<String> = hidden.iter().map(remap).collect();
         // Code that occurs again and again becomes a function.
-        flags.push("-Cllvm-args=--inline-threshold=12 --enable-machine-outliner=always".into());
+        flags.push("-Cllvm-args=--inline-threshold=6 --enable-machine-outliner=always".into());
         if self == Self::Debian {
             flags.extend(DEBIAN_FLAGS.map(String::from));
         }
