@@ -227,7 +227,7 @@ impl Pending {
             Cycle { onset, rate, static_n, half_drop_n, omega: 1.0 / swing, bend: 0.0 }
         };
         if known_swing {
-            return with_swing(data.swing.mean);
+            return self.through_samples(with_swing(data.swing.mean));
         }
         let fall = self.fall() / slack.map_or(1.0, |slack| slack.part);
         let with_part = |part: f32| {
@@ -244,6 +244,32 @@ impl Pending {
             if other.0 < best.0 { other } else { best }
         });
         best.1
+    }
+
+    /// Moves the onset, along the stick line, and the drop of a guess so that it goes through
+    /// the lowest sample and the one nearest to half-way down.
+    fn through_samples(&self, mut cycle: Cycle) -> Cycle {
+        let shape = cycle.shape();
+        let low = since(self.origin, self.low.index);
+        let middle = libm::floorf(self.rough.middle + 0.5);
+        let middle_n = self.forces_n.get((middle - self.start) as usize);
+        // What a sample lies above the guess, and what onset and drop add to that.
+        let seen = |time: f32, force_n: f32| {
+            let (guess_n, [by_onset, _, by_static, by_drop, ..]) = shape.force(time);
+            (force_n - guess_n, by_onset + cycle.rate * by_static, by_drop)
+        };
+        let (low_n, low_by_onset, low_by_drop) = seen(low, self.low.force_n);
+        let (above_n, by_onset, by_drop) = seen(middle, *middle_n.unwrap_or(&f32::NAN));
+        let determinant = by_onset * low_by_drop - low_by_onset * by_drop;
+        let later = (above_n * low_by_drop - low_n * by_drop) / determinant;
+        let drop_n = (low_n * by_onset - above_n * low_by_onset) / determinant;
+        // Also not for NaN.
+        if later.abs() < 0.5 && drop_n.abs() < 0.5 * cycle.half_drop_n && self.before.count >= 3 {
+            cycle.onset += later;
+            cycle.static_n += cycle.rate * later;
+            cycle.half_drop_n += drop_n;
+        }
+        cycle
     }
 
     /// What the extremes tell together with the stick line after the slip.
