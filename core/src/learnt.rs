@@ -128,8 +128,11 @@ impl Learnt {
     /// evenly from one rate to the other. A bend that stays is the cable's: the winch turns
     /// through rests as well.
     pub(crate) fn stiffening_n(&self, cycle: &Cycle) -> f32 {
-        let bend = self.bend.prior_around_zero(1.0).mean;
-        cycle.half_drop_n * bend / (6.0 * cycle.rate)
+        // Cables that a slip shortens by more are none.
+        const MOST: f32 = 0.1;
+        let part = self.bend.prior_around_zero(1.0).mean / cycle.rate;
+        // Also not for a rate of zero.
+        if part.abs() < MOST { cycle.half_drop_n * part / 6.0 } else { 0.0 }
     }
 
     /// Is the swing known from earlier events?
@@ -247,4 +250,28 @@ pub(crate) fn own_residuals(data: &Data<'_>, fit: &Fit) -> (f32, f32) {
     }
     let lines = data.before.count.min(2) as f32 + data.after.weight;
     (squares.max(0.0), data.samples.good().count() as f32 + lines - unknowns)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_a_cable_gets_stiffer() {
+        let mut learnt = Learnt::default();
+        (0..20).for_each(|_| learnt.bend.add(0.2, 1e-6));
+        let cycle = |rate| Cycle {
+            onset: 0.0,
+            rate,
+            static_n: 781.2,
+            half_drop_n: 289.8,
+            omega: 1.18,
+            bend: 0.0,
+        };
+        let expected_n = 289.8 * 0.2 / (6.0 * 22.5);
+        assert!((learnt.stiffening_n(&cycle(22.5)) / expected_n - 1.0).abs() < 0.01);
+        for rate in [1.0, 1e-9, 0.0, -1e-9] {
+            assert!(learnt.stiffening_n(&cycle(rate)).abs() < 1e-9, "{rate}");
+        }
+    }
 }

@@ -15,6 +15,7 @@
 #![no_std]
 #![forbid(unsafe_code)]
 
+mod arrow;
 pub mod calibrate;
 pub mod change;
 pub mod config;
@@ -44,6 +45,7 @@ mod pending;
 pub mod pipeline;
 pub mod posterior;
 pub mod profile;
+pub mod quantile;
 pub mod report;
 pub mod residuals;
 mod sag;

@@ -12,88 +12,9 @@
 //! tooth), or the fourth difference, if it is small against the second (a smooth
 //! swing). White noise shows neither.
 
+use crate::arrow::Arrow;
 use crate::math::{larger, smaller};
-
-/// A running quantile of positive numbers.
-#[derive(Clone, Copy, Debug)]
-pub struct Quantile {
-    value: f32,
-    count: u32,
-    /// The first numbers, in order of size.
-    first: [f32; FEWEST as usize],
-    /// Probability of the quantile.
-    part: f32,
-    /// Factors up and down, once settled.
-    up: f32,
-    down: f32,
-}
-
-/// Final step of a quantile: settles to 8 % within a hundred samples.
-const SMALLEST_GAIN: f32 = 0.08;
-/// Numbers after which the step is final.
-const SETTLED: u32 = 40;
-/// Fewest numbers that tell a quantile.
-const FEWEST: u32 = 8;
-
-impl Quantile {
-    /// For a probability.
-    #[must_use]
-    pub const fn new(part: f32) -> Self {
-        let (up, down) = factors(SMALLEST_GAIN, part);
-        Self { value: 0.0, count: 0, first: [f32::MAX; FEWEST as usize], part, up, down }
-    }
-
-    /// Takes a number at or above zero.
-    pub fn add(&mut self, size: f32) {
-        if self.count < SETTLED {
-            return self.start(size);
-        }
-        self.follow(size, (self.up, self.down));
-    }
-
-    fn follow(&mut self, size: f32, (up, down): (f32, f32)) {
-        let factor = if size > self.value { up } else { down };
-        // Zero (a noiseless start) could not grow by a factor alone.
-        self.value = larger(self.value * factor, 1e-3 * size);
-    }
-
-    /// Sorts the first numbers in: their quantile is where to start from. Larger steps at
-    /// first.
-    #[inline(never)]
-    fn start(&mut self, mut size: f32) {
-        if self.count >= FEWEST {
-            self.count += 1;
-            let gain = (4.0 / self.count as f32).max(SMALLEST_GAIN);
-            return self.follow(size, factors(gain, self.part));
-        }
-        for entry in &mut self.first {
-            (*entry, size) = (entry.min(size), entry.max(size));
-        }
-        self.count += 1;
-        let place = self.part * (self.count - 1) as f32 + 0.5;
-        self.value = self.first.get(place as usize).copied().unwrap_or(size);
-    }
-
-    /// What few numbers tell may be far too small: from 2 at the first value to 1 when
-    /// settled.
-    fn caution(&self) -> f32 {
-        match SETTLED.checked_sub(self.count) {
-            Some(missing) => 1.0 + missing as f32 / (SETTLED - FEWEST) as f32,
-            None => 1.0,
-        }
-    }
-
-    /// The quantile so far; `None` until eight numbers were seen.
-    #[must_use]
-    pub fn value(&self) -> Option<f32> {
-        (self.count >= FEWEST).then_some(self.value)
-    }
-}
-
-/// Factors that balance when a part of the numbers lies below the quantile.
-const fn factors(gain: f32, part: f32) -> (f32, f32) {
-    (1.0 + gain * part, 1.0 / (1.0 + gain * (1.0 - part)))
-}
+use crate::quantile::Quantile;
 
 /// The larger of the last two blocks' third smallest of 32 numbers.
 #[derive(Clone, Copy, Debug)]
@@ -125,80 +46,6 @@ impl Smallest {
     /// `None` before two blocks are full.
     fn value(&self) -> Option<f32> {
         (self.full > 1).then(|| self.blocks.into_iter().fold(0.0, f32::max))
-    }
-}
-
-/// The direction of time in a force: noise and swings look the same backwards, slips do
-/// not. They fall faster than the winch pulls.
-///
-/// Rises and falls are compared by their steepest steps: a slow one counts once.
-#[derive(Clone, Copy, Debug)]
-struct Arrow {
-    /// Mean step of late: a force that is let go falls evenly.
-    drift_n: f32,
-    /// Steepest step of the run that is going on, signed.
-    steepest_n: f32,
-    /// Upper quartile of the steepest steps.
-    usual_n: Quantile,
-    /// Sums of the steepest steps' scores, their cubes.
-    falls: f32,
-    rises: f32,
-    squares: f32,
-    /// Sum of the falls, each times its score, N.
-    fall_n: f32,
-}
-
-impl Arrow {
-    const fn new() -> Self {
-        Self {
-            drift_n: 0.0,
-            steepest_n: 0.0,
-            usual_n: Quantile::new(0.75),
-            falls: 0.0,
-            rises: 0.0,
-            squares: 0.0,
-            fall_n: 0.0,
-        }
-    }
-
-    /// Takes a step from one sample to the next.
-    fn add(&mut self, step_n: f32) {
-        const MEMORY: f32 = 64.0;
-        self.drift_n += (step_n - self.drift_n) / MEMORY;
-        let step_n = step_n - self.drift_n;
-        if step_n * self.steepest_n < 0.0 {
-            let run_n = core::mem::take(&mut self.steepest_n);
-            self.end_run(run_n.abs(), run_n < 0.0);
-        }
-        if step_n.abs() > self.steepest_n.abs() {
-            self.steepest_n = step_n;
-        }
-    }
-
-    fn end_run(&mut self, size_n: f32, falls: bool) {
-        /// Larger steps are as good as this one, usual steps: no spike decides alone.
-        const MOST: f32 = 3.0;
-        self.usual_n.add(size_n);
-        let Some(usual_n) = self.usual_n.value().filter(|&usual_n| usual_n > 0.0) else { return };
-        let size = smaller(size_n / usual_n, MOST);
-        let score = size * size * size;
-        self.squares += score * score;
-        if falls {
-            self.falls += score;
-            self.fall_n += score * size * usual_n;
-        } else {
-            self.rises += score;
-        }
-    }
-
-    /// The usual fall in a sample, N, if falls are steeper than rises: by twice, and
-    /// beyond any doubt.
-    fn slip_n(&self) -> Option<f32> {
-        /// Standard errors.
-        const SURE: f32 = 3.0;
-        let more = self.falls - self.rises;
-        let sure = more > self.rises && more * more > SURE * SURE * self.squares;
-        sure.then(|| self.fall_n / self.falls)
     }
 }
 
@@ -339,7 +186,7 @@ impl Noise {
 
     /// Standard deviation where there is no line to be followed, N.
     fn without_line_n(&self) -> Option<f32> {
-        if self.fourth.count < SETTLED {
+        if !self.fourth.is_settled() {
             return None;
         }
         let second = self.second.value()? * STD_PER_SECOND;

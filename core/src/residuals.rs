@@ -1,7 +1,7 @@
 //! What the fits leave over: the noise that is reported and that scales every
 //! standard deviation.
 
-use crate::noise::Quantile;
+use crate::quantile::Quantile;
 
 /// Pooled residuals of the events' fits.
 ///

@@ -8,7 +8,7 @@
 
 use crate::detector::Extreme;
 use crate::math::{larger, smaller};
-use crate::noise::Quantile;
+use crate::quantile::Quantile;
 
 /// Standard deviations of the noise that a spike exceeds.
 const NOISES: f32 = 10.0;
