@@ -42,8 +42,13 @@ fn rounded_to_the_neighbour_or_the_next() {
     for (name, library) in [("sin", "floe"), ("cos", "floe"), ("exp", "libm")] {
         assert!(Error::of(&function(name, library)).size <= EPSILON, "{name}");
     }
-    for (name, largest) in [("atan2", 1.57), ("ln", 27.7)] {
-        let error = Error::of(&function(name, "libm"));
+    for (name, library, largest) in [
+        ("atan2", "libm", 1.57),
+        ("acos", "libm", 3.15),
+        ("acos", "floe", 3.15),
+        ("ln", "libm", 27.7),
+    ] {
+        let error = Error::of(&function(name, library));
         assert!(error.size <= largest * EPSILON, "{name}: {error}");
     }
 }

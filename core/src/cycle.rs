@@ -302,8 +302,9 @@ impl Cycles {
                 self.learn_sag(&pending, &posterior, &shape);
                 let loads = shape.loads();
                 load = Some(moment(pending.origin, loads));
-                let event = self.measured(&pending, &posterior, &shape);
-                let mut finished = self.judged(event, alone, &posterior, verdict);
+                let shift = self.shift(&pending, &posterior.cycle);
+                let event = self.measured(&pending, &posterior, &shape, shift);
+                let mut finished = self.judged(event, alone, &posterior, shift, verdict);
                 if event.slack && !finishing.shows(loads) {
                     // How far the block slid on a slack cable was not seen.
                     (finished.event.mu, finished.alone) = (None, None);
@@ -357,6 +358,7 @@ impl Cycles {
         mut event: Event,
         alone: Option<(Coefficient, Coefficient)>,
         posterior: &Posterior,
+        (shift_n, shift_n2): (f32, f32),
         verdict: Verdict,
     ) -> Finished {
         let change = self.change(verdict, &event, posterior);
@@ -366,8 +368,7 @@ impl Cycles {
         }
         let (site, cycle) = (self.site(), &posterior.cycle);
         // A sag that only may be is no part of what all events have in common.
-        let (sag_n, sag_n2) = self.learnt.sag.shift(cycle);
-        let sag_n2 = if sag_n > 0.0 { sag_n2 } else { 0.0 };
+        let sag_n2 = if shift_n > 0.0 { shift_n2 } else { 0.0 };
         let (static_n2, dynamic_n2) = posterior.common_n2;
         let common = (
             site.common_std(cycle.static_n, static_n2),
@@ -424,12 +425,17 @@ impl Cycles {
         Some(Change { event: first, onset, cause, weight_ratio, weight_ratio_std })
     }
 
-    fn measured(&self, pending: &Pending, posterior: &Posterior, shape: &Shape) -> Event {
+    fn measured(
+        &self,
+        pending: &Pending,
+        posterior: &Posterior,
+        shape: &Shape,
+        (shift_n, shift_n2): (f32, f32),
+    ) -> Event {
         let cycle = &posterior.cycle;
         let mut event = self.bare(pending, cycle, shape);
         let site = self.site();
         event.mu_s = Some(site.whole(cycle.static_n, posterior.static_n2));
-        let (shift_n, shift_n2) = self.shift(pending, cycle);
         event.dynamic_force_n -= shift_n;
         event.mu = Some(site.whole(event.dynamic_force_n, posterior.dynamic_n2 + shift_n2));
         if !posterior.is_resolved() {

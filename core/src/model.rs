@@ -95,7 +95,7 @@ impl Cycle {
     #[must_use]
     pub fn amplitude_n(&self) -> f32 {
         let q = self.rate / self.omega;
-        math::sqrt(self.half_drop_n * self.half_drop_n + q * q)
+        math::hypotenuse(self.half_drop_n, q)
     }
 
     /// Largest force of the cycle, `Fp + a`, N.

@@ -6,11 +6,11 @@
 //! residuals of the fits.
 //!
 //! Where the block rests long enough the innovations of the stick line tell the
-//! noise. Where it never does, the line does not describe the force, and two other
+//! noise. Where it never does, the line does not describe the force, and three other
 //! measures do, until the first fits are there: the smallest second differences, if
 //! they are far smaller than the usual one (a steep saw: some triples lie on one
 //! tooth), or the fourth difference, if it is small against the second (a smooth
-//! swing). White noise shows neither.
+//! swing). White noise shows neither. The third is how fast slips fall (`arrow.rs`).
 
 use crate::arrow::Arrow;
 use crate::math::{larger, smaller};

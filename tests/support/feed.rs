@@ -1,5 +1,6 @@
 //! Samples into the core, events and report out.
 
+use floe_core::window::WINDOW;
 use floe_core::{Config, Event, Newtons, Pipeline, RawSample, Reading, Report};
 
 /// What came out of a pipeline.
@@ -43,8 +44,8 @@ pub fn feed(pipeline: &mut Pipeline, samples: impl IntoIterator<Item = RawSample
 /// # Panics
 /// It does not end.
 pub fn finish(pipeline: &mut Pipeline) -> Vec<Event> {
-    // The window holds 256 samples that may yet be looked at, a slip takes four or more.
-    const MOST: usize = 128;
+    // The window holds samples that may yet be looked at; a slip takes two or more.
+    const MOST: usize = WINDOW / 2;
     let events: Vec<Event> = std::iter::from_fn(|| pipeline.finish()).take(MOST).collect();
     assert!(events.len() < MOST, "finish gives the pending events and then nothing");
     events
