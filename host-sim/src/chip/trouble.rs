@@ -1,7 +1,9 @@
 //! What can be wrong with the chip, and when.
 
+use serde::{Deserialize, Serialize};
+
 /// One kind of trouble.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Trouble {
     /// It does not answer.
     Silent,
@@ -35,12 +37,12 @@ pub enum Trouble {
 }
 
 /// Troubles by sample number of the load cell.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Schedule {
     entries: Vec<Entry>,
 }
 
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 struct Entry {
     from: u64,
     to: u64,
