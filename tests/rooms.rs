@@ -4,13 +4,14 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// From the bottom up: a room imports from those before it, never from those after.
-const ROOMS: [&str; 17] = [
+const ROOMS: [&str; 18] = [
     "num",
     "units",
     "sample",
     "config",
     "stats",
     "signal",
+    "weighing",
     "model",
     "noise",
     "coefficient",

@@ -32,6 +32,7 @@ pub mod sample;
 pub mod signal;
 pub mod stats;
 pub mod units;
+pub mod weighing;
 
 pub use coefficient::{Coefficient, Estimate};
 pub use config::{Calibration, Config, ConfigError};

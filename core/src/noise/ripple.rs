@@ -58,8 +58,8 @@ impl Ripple {
         let [last, before, earlier, far] = self.last;
         self.last = [innovation, last, before, earlier];
         let step = innovation - last;
-        let rate_change = step - (last - before);
-        if rate_change.is_nan() {
+        let second_difference = step - (last - before);
+        if second_difference.is_nan() {
             return;
         }
         let far_step = innovation - far;
@@ -69,7 +69,7 @@ impl Ripple {
         }
         self.squares = FADE * self.squares + innovation * innovation;
         self.steps = FADE * self.steps + step * step;
-        self.bends = FADE * self.bends + rate_change * rate_change;
+        self.bends = FADE * self.bends + second_difference * second_difference;
         self.count = FADE * self.count + weight;
     }
 
