@@ -13,7 +13,7 @@ use crate::period::PeriodMeter;
 use crate::sample::{Sample, SampleConsumer, Shared};
 use crate::self_test::SelfTest;
 use crate::settings::Settings;
-use crate::store::Store;
+use crate::store::{CardState, Store};
 use crate::text::Show;
 
 /// Everything but the sampling interrupt and the board.
@@ -32,6 +32,8 @@ pub struct App<'q, P, S> {
     health: Health,
     period: PeriodMeter,
     force_n: Option<f32>,
+    card: Option<CardState>,
+    warning: Option<&'static str>,
 }
 
 /// What the samples are used for.
@@ -80,6 +82,8 @@ pub struct View {
     pub provisional: Option<Provisional>,
     /// The state of the board.
     pub health: Health,
+    /// The state of the card.
+    pub card: CardState,
 }
 
 impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
@@ -108,6 +112,8 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
             health: Health::default(),
             period: PeriodMeter::default(),
             force_n: None,
+            card: None,
+            warning: None,
         }
     }
 
@@ -122,26 +128,74 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
         while let Some(typed) = self.console.poll() {
             self.obey(&typed);
         }
+        if !self.has_samples() {
+            self.tend();
+        }
         any
+    }
+
+    /// The card comes, goes, is being made ready.
+    fn tend(&mut self) {
+        let state = self.journal.tend();
+        let before = self.card.replace(state);
+        // Every tenth part of the log's file is said.
+        let shown = |state: CardState| match state {
+            CardState::Making(percent) => CardState::Making(percent / 10),
+            other => other,
+        };
+        if before.map(shown) == Some(shown(state)) {
+            return;
+        }
+        log::info!("card: {}", state);
+        if !before.is_some_and(CardState::is_usable) {
+            self.take_over();
+        }
+        match state {
+            CardState::Making(percent @ 10..) => {
+                self.info(&text(("log file made to ", u32::from(percent), " %")));
+            }
+            CardState::Making(_) | CardState::Ready => self.info(state.words()),
+            _ => self.console.tell(&Line::Trouble(state.words())),
+        }
+    }
+
+    /// Goes on behind the last test of the card; its settings are taken unless there
+    /// are others already.
+    fn take_over(&mut self) {
+        if let Some(last) = self.journal.last() {
+            self.run = self.run.max(last.run);
+            if self.settings == Settings::default() {
+                self.settings = last.settings;
+            }
+        }
+    }
+
+    /// Something of the board that whoever reads a test has to know: said now and
+    /// in every test.
+    pub fn warn(&mut self, words: &'static str) {
+        self.warning = Some(words);
+        self.trouble(words);
     }
 
     /// Takes the settings of the last test from the card; says hello, and why the
     /// board started, if not by being switched on.
     #[inline(never)]
     pub fn power_up(&mut self, last_words: Option<&str>) {
-        if let Some(last) = self.journal.last() {
-            self.run = last.run;
-            self.settings = last.settings;
-        }
+        self.take_over();
         self.info("floe, help lists the commands");
         if let Some(words) = last_words {
             self.trouble(&text(("restarted after: ", words)));
         }
     }
 
-    /// Whether a sample waits: no time to sleep.
+    /// Whether a sample waits.
     pub fn has_samples(&self) -> bool {
         self.queue.ready()
+    }
+
+    /// Whether there is something to do: no time to sleep.
+    pub fn is_busy(&self) -> bool {
+        self.has_samples() || matches!(self.card, Some(CardState::Making(_)))
     }
 
     /// What a display should show now.
@@ -158,6 +212,7 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
             phase: test.map_or(Phase::Unknown, |t| t.phase),
             provisional: test.and_then(|t| t.about).map(|about| about.answer),
             health: self.health(),
+            card: self.card.unwrap_or_default(),
         }
     }
 
@@ -311,6 +366,9 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
         self.journal.begin(self.run, 0, &self.settings);
         self.say_settings();
         self.job = Job::Test(Test { first_index: None, phase: Phase::Unknown, about: None });
+        if let Some(words) = self.warning {
+            self.trouble(words);
+        }
         Ok(())
     }
 

@@ -58,6 +58,15 @@ impl Schedule {
         self
     }
 
+    /// All of them so many samples later.
+    #[must_use]
+    pub fn later(mut self, samples: u64) -> Self {
+        for entry in &mut self.entries {
+            (entry.from, entry.to) = (entry.from + samples, entry.to + samples);
+        }
+        self
+    }
+
     pub(super) fn at(&self, sample: u64) -> Option<Trouble> {
         let entry = self.entries.iter().find(|e| (e.from..e.to).contains(&sample))?;
         Some(entry.trouble)
