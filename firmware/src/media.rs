@@ -147,25 +147,25 @@ mod tests {
     struct Disk(RefCell<Vec<[u8; 512]>>);
 
     impl BlockDevice for Disk {
-        type Error = ();
+        type Error = core::fmt::Error;
 
-        fn read(&self, blocks: &mut [Block], start: BlockIdx) -> Result<(), ()> {
+        fn read(&self, blocks: &mut [Block], start: BlockIdx) -> Result<(), core::fmt::Error> {
             for (number, block) in (start.0 as usize..).zip(blocks) {
-                block.contents = *self.0.borrow().get(number).ok_or(())?;
+                block.contents = *self.0.borrow().get(number).ok_or(core::fmt::Error)?;
             }
             Ok(())
         }
 
-        fn write(&self, blocks: &[Block], start: BlockIdx) -> Result<(), ()> {
+        fn write(&self, blocks: &[Block], start: BlockIdx) -> Result<(), core::fmt::Error> {
             for (number, block) in (start.0 as usize..).zip(blocks) {
-                *self.0.borrow_mut().get_mut(number).ok_or(())? = block.contents;
+                *self.0.borrow_mut().get_mut(number).ok_or(core::fmt::Error)? = block.contents;
             }
             Ok(())
         }
 
-        fn num_blocks(&self) -> Result<BlockCount, ()> {
+        fn num_blocks(&self) -> Result<BlockCount, core::fmt::Error> {
             let count = self.0.borrow().len() as u32;
-            if count == 0 { Err(()) } else { Ok(BlockCount(count)) }
+            if count == 0 { Err(core::fmt::Error) } else { Ok(BlockCount(count)) }
         }
     }
 

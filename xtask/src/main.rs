@@ -8,6 +8,7 @@ mod bench;
 mod defmt;
 mod emulate;
 mod flash;
+mod image;
 mod maths;
 mod qemu;
 mod shell;
@@ -43,12 +44,16 @@ enum Job {
     },
     /// Run a log through the firmware in the emulator
     Emulate(emulate::Args),
+    /// What can happen to the user's board, on the image that is flashed: one table
+    Faults,
     /// Speed on this PC and on the board, one table
     Bench,
     /// Errors and speed of the elementary functions, into docs/maths.md
     Maths,
     /// Write the firmware to a NUCLEO-L476RG on USB
     Flash,
+    /// The files to copy onto the board's USB drive: .bin and .hex
+    Image,
     /// Decode the firmware's own log of an emulated test
     #[cfg(feature = "defmt")]
     Defmt,
@@ -61,9 +66,11 @@ fn main() -> ExitCode {
     let done = match &cli.job {
         Job::Test { firmware } => test::run(cli.arm, *firmware),
         Job::Emulate(args) => emulate::run(args, cli.arm),
+        Job::Faults => arm::Route::find(cli.arm).and_then(emulate::check_faults),
         Job::Bench => bench::run(cli.arm),
         Job::Maths => maths::run(cli.arm),
         Job::Flash => flash::run(cli.arm),
+        Job::Image => image::run(cli.arm),
         #[cfg(feature = "defmt")]
         Job::Defmt => defmt::run(cli.arm),
         Job::Size => size::run(cli.arm),

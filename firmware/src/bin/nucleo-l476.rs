@@ -65,7 +65,7 @@ mod target {
                     samples = 0;
                 }
             }
-            clock::sleep_unless(|| waiting.is_some() || app.is_busy());
+            clock::sleep_unless(|| app.is_busy());
         }
     }
 
@@ -138,6 +138,10 @@ mod target {
         let screen = Ssd1306::new(interface, DisplaySize128x64, DisplayRotation::Rotate0);
         screen.into_buffered_graphics_mode()
     }
+
+    /// Only wakes.
+    #[cortex_m_rt::exception]
+    fn SysTick() {}
 
     #[cortex_m_rt::exception]
     #[allow(unsafe_code)] // SAFETY: it never returns and touches nothing.

@@ -42,8 +42,10 @@ pub struct Usart {
     /// What is typed and not yet on the wire; when the character there has come.
     typed: VecDeque<u8>,
     arrives_ns: Option<u64>,
-    /// What the PC has got.
+    /// What the PC has got, and when each line was complete, ns.
     pub said: Vec<u8>,
+    /// One a line feed.
+    pub line_ends_ns: Vec<u64>,
     /// Characters typed that nobody fetched in time.
     pub lost: u32,
 }
@@ -52,7 +54,9 @@ impl Usart {
     /// After a reset; what is typed goes on.
     pub fn reset(&mut self) {
         let (typed, said) = (std::mem::take(&mut self.typed), std::mem::take(&mut self.said));
-        *self = Self { typed, said, lost: self.lost, ..Self::default() };
+        let (line_ends_ns, lost) = (std::mem::take(&mut self.line_ends_ns), self.lost);
+        let arrives_ns = self.arrives_ns;
+        *self = Self { typed, said, line_ends_ns, lost, arrives_ns, ..Self::default() };
     }
 
     /// The PC sends characters without pauses from now on.
@@ -88,6 +92,9 @@ impl Usart {
     pub fn advance(&mut self, at: &mut At<'_>) {
         while let Some((byte, end_ns)) = self.sending.filter(|&(_, end)| end <= at.now_ns) {
             self.said.push(byte);
+            if byte == b'\n' {
+                self.line_ends_ns.push(end_ns);
+            }
             let next = self.waiting.take();
             self.sending = next.map(|byte| (byte, end_ns + self.character_ns(at)));
         }

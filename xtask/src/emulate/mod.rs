@@ -12,6 +12,7 @@
 
 mod card;
 mod directory;
+mod faults;
 pub mod link;
 mod live;
 pub mod machine;
@@ -123,6 +124,49 @@ pub fn check_bundled(route: Route) -> Result<()> {
     Ok(())
 }
 
+/// Runs a bundled log on the image that is flashed, and compares console and card with
+/// what this PC makes of the converter's codes, bit for bit.
+///
+/// # Errors
+/// The first difference.
+pub fn check_nucleo(route: Route) -> Result<()> {
+    let nucleo = Nucleo::prepare(Some(route))?;
+    let path = root().join("host-sim/logs/dff8-13.csv");
+    let weight = TestOptions { weight_n: Some(630.0), ..TestOptions::default() };
+    let record = Record::read(&path, &LogOptions::default(), &weight)?;
+    let image = card::Image::large("nucleo")?;
+    let setup = Setup { samples: true, card: Some(image.path()), ..Setup::default() };
+    let run = nucleo.run(&record, setup)?;
+    let outcome = outcome::decode(&run.shown)?;
+    let same = outcome.compare(&record, &run.delivered)?;
+    outcome.check_ticks()?;
+    let (lines, samples) = same_on_card(&image, &run)?;
+    println!("board: dff8-13.csv: {same}; card: {samples} codes and {lines} lines");
+    Ok(())
+}
+
+/// The card has every code that the converter gave and every event that was said.
+fn same_on_card(image: &card::Image, run: &Run) -> Result<(usize, usize)> {
+    let tests = image.tests()?;
+    let test = tests.last().ok_or("the card has no test")?;
+    let delivered: std::collections::BTreeMap<u64, i32> = run.delivered.iter().copied().collect();
+    for sample in &test.samples {
+        let index = u64::from(sample.index.wrapping_sub(test.first_index));
+        if sample.reading.ok().map(|code| code.0) != delivered.get(&index).copied() {
+            return Err(format!("the card has {sample:?}, the converter gave another"));
+        }
+    }
+    let said = run.shown.lines().filter(|line| line.starts_with(['E', 'R', 'Z']));
+    // The health and the result are said before the test too, when they are asked for.
+    let said: Vec<&str> = said.collect();
+    let kept: Vec<&str> =
+        test.lines.lines().filter(|line| line.starts_with(['E', 'R', 'Z'])).collect();
+    if said != kept || test.missing() > 0 {
+        return Err(format!("console: {} lines, card: {}", said.len(), kept.len()));
+    }
+    Ok((kept.len(), test.samples.len()))
+}
+
 /// Logs and scenes below some directories, in order.
 fn files(directories: &[&str]) -> Vec<PathBuf> {
     let mut waiting: Vec<PathBuf> = directories.iter().map(|d| root().join(d)).collect();
@@ -143,6 +187,7 @@ fn files(directories: &[&str]) -> Vec<PathBuf> {
 }
 
 pub use card::check_card;
+pub use faults::check_faults;
 pub use live::check_live;
 pub use troubles::check_troubles;
 

@@ -4,7 +4,8 @@ use core::cell::{Cell, RefCell};
 use core::sync::atomic::{AtomicU32, Ordering};
 use core::task::Waker;
 
-use cortex_m::peripheral::NVIC;
+use cortex_m::peripheral::syst::SystClkSource;
+use cortex_m::peripheral::{NVIC, SYST};
 use critical_section::Mutex;
 use embassy_stm32::pac::lptim::vals::Presc;
 use embassy_stm32::pac::rcc::vals::{Lptim1sel, Lsedrv, Rtcsel};
@@ -54,8 +55,14 @@ pub(super) fn calendar_runs() -> bool {
     backup.lserdy() && backup.rtcen() && backup.rtcsel() == Rtcsel::LSE
 }
 
-/// Switches the crystal on, which takes its time.
-pub(super) fn start_crystal() {
+/// Switches the crystal on, which takes its time; until the tick comes the processor is
+/// woken every 10 ms to look.
+pub(super) fn start_crystal(systick: &mut SYST) {
+    systick.set_clock_source(SystClkSource::Core);
+    systick.set_reload(16_000_000 / 100 - 1);
+    systick.clear_current();
+    systick.enable_interrupt();
+    systick.enable_counter();
     if !pac::RCC.bdcr().read().lseon() {
         pac::PWR.cr1().modify(|w| w.set_dbp(true));
         while !pac::PWR.cr1().read().dbp() {}
@@ -114,10 +121,13 @@ pub fn start_tick(tick: &'static mut (dyn Tick + Send), source: Source) {
     while !timer.isr().read().arrok() {}
     timer.cr().modify(|w| w.set_cntstrt(true));
     LAST_TICK.store(clock(), Ordering::Relaxed);
-    // SAFETY: the handler below is in the vector table; it may be interrupted by the
-    // console's, which shares nothing with it.
+    // SAFETY: nobody else sets priorities or has the timer that has woken us so far; the
+    // handler below is in the vector table, and the console's, which may interrupt it,
+    // shares nothing with it.
     unsafe {
-        cortex_m::Peripherals::steal().NVIC.set_priority(Interrupt::LPTIM1, TICK_PRIORITY);
+        let mut core = cortex_m::Peripherals::steal();
+        core.SYST.disable_counter();
+        core.NVIC.set_priority(Interrupt::LPTIM1, TICK_PRIORITY);
         NVIC::unmask(Interrupt::LPTIM1);
     }
 }

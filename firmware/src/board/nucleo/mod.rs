@@ -55,12 +55,15 @@ impl Board {
     #[must_use]
     pub fn init() -> Self {
         // Embassy leaves the core's own peripherals to us.
-        if let Some(core) = cortex_m::Peripherals::take() {
+        let core = cortex_m::Peripherals::take();
+        if let Some(core) = &core {
             stack::guard(&core.MPU);
         }
         let p = embassy_stm32::init(clocks());
         clock::start();
-        clock::start_crystal();
+        if let Some(mut core) = core {
+            clock::start_crystal(&mut core.SYST);
+        }
         Self::with(p)
     }
 

@@ -144,9 +144,6 @@ impl Board {
             self.logged.extend(rtt::drain(emulator, block));
         }
         let new = self.usart.said.get(self.heard..).unwrap_or_default();
-        let lines = new.iter().filter(|&&byte| byte == b'\n').count();
-        let times = std::iter::repeat_n(now_ns as f64 * 1e-9, lines);
-        self.outcome.line_times_s.extend(times);
         if let Some(remote) = &mut self.remote {
             remote.keep_pace(now_ns);
             let typed = remote.exchange(new);
@@ -166,6 +163,7 @@ impl Board {
             delivered: self.wires.converter.delivered().to_vec(),
             stack_used: self.stack_used(emulator),
             typed_lost: self.usart.lost,
+            line_times_s: self.usart.line_ends_ns.iter().map(|&ns| ns as f64 * 1e-9).collect(),
             picture: self.wires.display.picture(),
             pictures: self.wires.display.pictures,
             blocks_written: self.slot.card.as_ref().map_or(0, |card| card.written()),
