@@ -5,6 +5,7 @@ pub mod brute;
 pub mod feed;
 pub mod maths;
 pub mod normal;
+pub mod records;
 pub mod scenes;
 pub mod score;
 pub mod wide;
