@@ -55,6 +55,7 @@ mod slack;
 pub mod solve;
 pub mod spike;
 pub mod units;
+pub mod weighing;
 pub mod whiteness;
 pub mod window;
 
