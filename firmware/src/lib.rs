@@ -25,6 +25,7 @@ pub mod line;
 mod log;
 #[cfg(feature = "card")]
 pub mod media;
+pub mod notebook;
 pub mod period;
 pub mod record;
 pub mod sample;

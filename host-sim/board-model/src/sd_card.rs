@@ -120,15 +120,14 @@ impl SdCard {
         }
         self.power = Power::Waking(0);
         (self.checks_crc, self.application) = (false, false);
-        self.deselect();
-        (self.data, self.input) = (None, Input::Command(Vec::new()));
+        self.abort();
     }
 
-    fn deselect(&mut self) {
+    /// Forgets the transaction: chip select has risen, whoever let go of it. The
+    /// specification does not say what a card does then.
+    pub fn abort(&mut self) {
         self.output.clear();
-        if let Input::Command(bytes) = &mut self.input {
-            bytes.clear();
-        }
+        (self.data, self.input) = (None, Input::Command(Vec::new()));
     }
 
     /// Blocks written.
@@ -143,7 +142,7 @@ impl SdCard {
         if !command || !self.output.is_empty() || self.data.is_some() {
             at.breach("SD: chip select released within a transaction");
         }
-        self.deselect();
+        self.abort();
     }
 
     /// Eight clocks.

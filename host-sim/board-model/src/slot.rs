@@ -43,6 +43,14 @@ impl Slot {
         }
     }
 
+    /// The processor starts again: its pins let go.
+    pub fn reset(&mut self) {
+        (self.selected, self.pulled_up) = (false, false);
+        if let Some(card) = &mut self.card {
+            card.abort();
+        }
+    }
+
     fn open_line(&mut self) -> u8 {
         if self.pulled_up {
             return 0xFF;

@@ -151,7 +151,7 @@ fn same_on_card(image: &card::Image, run: &Run) -> Result<(usize, usize)> {
     let test = tests.last().ok_or("the card has no test")?;
     let delivered: std::collections::BTreeMap<u64, i32> = run.delivered.iter().copied().collect();
     for sample in &test.samples {
-        let index = u64::from(sample.index.wrapping_sub(test.first_index));
+        let index = u64::from(sample.index.wrapping_sub(test.part.first_index));
         if sample.reading.ok().map(|code| code.0) != delivered.get(&index).copied() {
             return Err(format!("the card has {sample:?}, the converter gave another"));
         }

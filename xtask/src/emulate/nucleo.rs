@@ -90,11 +90,6 @@ impl Nucleo {
         Ok(Self { qemu, plugin, firmware, stack, rtt })
     }
 
-    /// The image's file.
-    pub fn firmware(&self) -> &Path {
-        &self.firmware
-    }
-
     /// Runs from power-up to the end that the setup names.
     ///
     /// # Errors

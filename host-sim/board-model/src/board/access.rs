@@ -183,7 +183,10 @@ impl Board {
             LPTIM1 => self.lptim = Default::default(),
             FLASH => self.flash = Default::default(),
             GPIOA => self.port_a = crate::gpio::Gpio::new(crate::gpio::Name::A),
-            GPIOB => self.port_b = crate::gpio::Gpio::new(crate::gpio::Name::B),
+            GPIOB => {
+                self.port_b = crate::gpio::Gpio::new(crate::gpio::Name::B);
+                self.slot.reset();
+            }
             RTC => self.rtc.reset(),
             IWDG => self.iwdg = Default::default(),
             _ => {}
