@@ -143,9 +143,12 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
         let state = self.journal.tend();
         let before = self.card.replace(state);
         // Every tenth part of the log's file is said.
-        let shown = |state: CardState| match state {
-            CardState::Making(percent) => CardState::Making(percent / 10),
-            other => other,
+        let shown = |state: CardState| {
+            if let CardState::Making(percent) = state {
+                CardState::Making(percent / 10)
+            } else {
+                state
+            }
         };
         if before.map(shown) == Some(shown(state)) {
             return;
@@ -159,7 +162,12 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
                 self.info(&text(("log file made to ", u32::from(percent), " %")));
             }
             CardState::Making(_) | CardState::Ready => self.info(state.words()),
-            _ => self.console.tell(&Line::Trouble(state.words())),
+            CardState::NoCard
+            | CardState::Unreadable
+            | CardState::ExFat
+            | CardState::Fat12
+            | CardState::NotFat
+            | CardState::NoRoom => self.console.tell(&Line::Trouble(state.words())),
         }
     }
 

@@ -159,7 +159,11 @@ fn health(view: &View) -> Row {
         CardState::Ready if health.store_failures == 0 => row(("card ok", lost)),
         CardState::Ready => row(("card was away", lost)),
         CardState::NoCard => row(("NO CARD", lost)),
-        _ => row(("BAD CARD", lost)),
+        CardState::Unreadable
+        | CardState::ExFat
+        | CardState::Fat12
+        | CardState::NotFat
+        | CardState::NoRoom => row(("BAD CARD", lost)),
     }
 }
 

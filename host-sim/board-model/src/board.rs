@@ -125,11 +125,11 @@ impl Board {
     fn follow_clocks(&mut self, now_ns: u64) {
         let clocks = self.rcc.clocks(now_ns);
         if clocks != self.clocks {
-            let at = At { now_ns, clocks: self.clocks, rules: &mut self.rules };
-            self.tim2.rebase(&at);
+            let at = &mut At { now_ns, clocks: self.clocks, rules: &mut self.rules };
+            self.tim2.rebase(at);
             // The calendar counts with the old clock up to now, with the new one on.
-            let at = At { now_ns, clocks, rules: &mut self.rules };
-            self.rtc.rebase(&at);
+            let at = &mut At { now_ns, clocks, rules: &mut self.rules };
+            self.rtc.rebase(at);
             self.clocks = clocks;
         }
     }

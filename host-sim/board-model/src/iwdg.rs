@@ -42,7 +42,7 @@ impl Iwdg {
 
     /// Reads a register.
     #[must_use]
-    pub fn read(&self, offset: u32, at: &At<'_>) -> u32 {
+    pub fn read(&self, offset: u32, at: &mut At<'_>) -> u32 {
         match offset {
             PR => self.prescaler,
             RLR => self.reload,

@@ -76,7 +76,7 @@ impl Lptim {
 
     /// Reads a register.
     #[must_use]
-    pub fn read(&self, offset: u32, at: &At<'_>) -> u32 {
+    pub fn read(&self, offset: u32, at: &mut At<'_>) -> u32 {
         match offset {
             ISR => self.flags,
             IER => self.interrupts,

@@ -120,9 +120,9 @@ impl Rcc {
         }
         let value = self.register(offset);
         match offset {
-            CR => value | u32::from(self.hsi_runs(at.now_ns)) * HSIRDY,
+            CR => value | (u32::from(self.hsi_runs(at.now_ns)) * HSIRDY),
             CFGR => value & !0b1100 | (value & 0b11) << 2,
-            BDCR => value | u32::from(self.lse_runs(at.now_ns)) * LSERDY,
+            BDCR => value | (u32::from(self.lse_runs(at.now_ns)) * LSERDY),
             // The watchdog's oscillator is on when the watchdog is.
             CSR => value | (value & LSION) << 1,
             _ => value,
@@ -241,7 +241,7 @@ impl Rcc {
     #[must_use]
     pub fn clocks(&self, now_ns: u64) -> Clocks {
         let lse_hz = self.lse_runs(now_ns).then_some(CRYSTAL_HZ);
-        let hsi_hz = self.hsi_runs(now_ns).then(|| 16e6 * (1.0 + self.oscillators.hsi_error));
+        let hsi_hz = self.hsi_runs(now_ns).then_some(16e6 * (1.0 + self.oscillators.hsi_error));
         let pclk_hz = match self.register(CFGR) & 0b11 {
             1 => hsi_hz.unwrap_or(16e6),
             _ => self.msi_hz(lse_hz.is_some()),
@@ -296,11 +296,11 @@ mod tests {
     fn the_crystal_takes_its_time_and_keeps_the_msi_in_step() {
         let (mut rcc, mut rules) = rcc(Some(2000 * MS));
         write(&mut rcc, &mut rules, 0, CR, 0x80 | 0b1011);
-        assert_eq!(rcc.clocks(0).pclk_hz, 16.16e6);
+        assert_eq!(rcc.clocks(0).pclk_hz.round() as u32, 16_160_000);
         write(&mut rcc, &mut rules, 5, BDCR, LSEON);
         assert_eq!(rcc.clocks(1999 * MS).lse_hz, None);
         write(&mut rcc, &mut rules, 2001 * MS, CR, 0x80 | 0b1111);
-        assert_eq!(rcc.clocks(2001 * MS).pclk_hz, 15_990_784.0);
+        assert_eq!(rcc.clocks(2001 * MS).pclk_hz.round() as u32, 15_990_784);
         assert_eq!(rules.said(), [""; 0]);
     }
 

@@ -62,7 +62,7 @@ impl Default for Rtc {
 }
 
 fn bcd(value: u32) -> u32 {
-    value / 10 << 4 | value % 10
+    ((value / 10) << 4) | (value % 10)
 }
 
 fn binary(bcd: u32) -> u32 {
@@ -108,7 +108,7 @@ impl Rtc {
     }
 
     /// Its clock starts, stops or changes.
-    pub fn rebase(&mut self, at: &At<'_>) {
+    pub fn rebase(&mut self, at: &mut At<'_>) {
         (self.day, self.second) = self.now(at);
         self.since_ns = at.clocks.rtc_hz.map(|_| at.now_ns);
     }

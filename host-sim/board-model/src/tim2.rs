@@ -36,7 +36,7 @@ impl Tim2 {
     }
 
     /// Takes over the count before the clock changes.
-    pub fn rebase(&mut self, at: &At<'_>) {
+    pub fn rebase(&mut self, at: &mut At<'_>) {
         self.base = (self.count(at), at.now_ns);
     }
 
@@ -51,7 +51,7 @@ impl Tim2 {
 
     /// Reads a register.
     #[must_use]
-    pub fn read(&self, offset: u32, at: &At<'_>) -> u32 {
+    pub fn read(&self, offset: u32, at: &mut At<'_>) -> u32 {
         match offset {
             CR1 => self.cr1,
             SR => self.flags,

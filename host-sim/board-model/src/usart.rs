@@ -60,7 +60,7 @@ impl Usart {
     }
 
     /// The PC sends characters without pauses from now on.
-    pub fn type_in(&mut self, text: &[u8], at: &At<'_>) {
+    pub fn type_in(&mut self, text: &[u8], at: &mut At<'_>) {
         self.typed.extend(text);
         if self.arrives_ns.is_none() && !self.typed.is_empty() {
             self.arrives_ns = Some(at.now_ns + Self::wire_ns());
