@@ -17,6 +17,7 @@ use crate::math;
 use crate::model::{self, Cycle, Shape};
 use crate::pending::{Pending, UNSURE, since};
 use crate::posterior::Posterior;
+use crate::report::Quantity;
 use crate::sag::Rest;
 use crate::window::Window;
 
@@ -27,8 +28,6 @@ pub struct Site {
     pub weight_n: f32,
     /// Sine and cosine of the slope of the ice.
     pub slope: (f32, f32),
-    /// Relative standard deviation of the weight; zero for the given one.
-    pub weight_spread: f32,
     /// Samples per second.
     pub rate_hz: f32,
 }
@@ -36,24 +35,13 @@ pub struct Site {
 impl Site {
     /// A force and its variance as a coefficient (26 to 28).
     fn coefficient(&self, force_n: f32, variance_n2: f32) -> Coefficient {
-        Coefficient {
-            value: model::coefficient(force_n, self.weight_n, self.slope),
-            std: math::sqrt(variance_n2) / (self.weight_n * self.slope.1),
-        }
+        let value = model::coefficient(force_n, self.weight_n, self.slope);
+        Coefficient::random(value, self.std(variance_n2))
     }
 
-    /// Standard deviation of a force's coefficient because of the weight's, and of a
-    /// variance that the events share.
-    fn common_std(&self, force_n: f32, shared_n2: f32) -> f32 {
-        let weight_n = self.weight_spread * force_n;
-        math::sqrt(weight_n * weight_n + shared_n2) / (self.weight_n * self.slope.1)
-    }
-
-    /// The same with the weight's uncertainty in the standard deviation.
-    fn whole(&self, force_n: f32, variance_n2: f32) -> Coefficient {
-        let mut whole = self.coefficient(force_n, variance_n2);
-        whole.widen(self.common_std(force_n, 0.0));
-        whole
+    /// Standard deviation of a coefficient whose force has such a variance.
+    fn std(&self, variance_n2: f32) -> f32 {
+        math::sqrt(variance_n2) / (self.weight_n * self.slope.1)
     }
 }
 
@@ -65,8 +53,7 @@ pub struct Finished {
     /// `mu_s` and `mu` without what other events told of the loading rate: for means
     /// over events, whose errors must not be the same in all of them.
     pub alone: Option<(Coefficient, Coefficient)>,
-    /// Part of their standard deviations that is common to all events from the last
-    /// change on.
+    /// Part of their standard deviations that is common to all events.
     pub common: (f32, f32),
     /// A change that this event told.
     pub change: Option<Change>,
@@ -131,13 +118,17 @@ impl Cycles {
         self.learnt.creep_periods()
     }
 
-    /// Loading rate, N/s, and omega, rad/s, of the recent events.
+    /// Loading rate, N/s, and omega, rad/s, of the recent events, each with its standard
+    /// deviation.
     #[must_use]
-    pub fn shared(&self) -> (Option<f32>, Option<f32>) {
+    pub fn shared(&self) -> (Option<Quantity>, Option<Quantity>) {
         let hz = self.site.rate_hz;
         let Learnt { rate, mass, .. } = &self.learnt;
-        let swing = mass.swing();
-        (rate.mean().map(|r| r * hz), swing.mean().map(|swing| hz / swing))
+        let omega = |swing: Quantity| {
+            let value = hz / swing.value;
+            Quantity { value, std: value * swing.std / swing.value }
+        };
+        (rate.known().map(|rate| rate.times(hz)), mass.swing().known().map(omega))
     }
 
     /// The slip has begun: a first value of `mu_s`, between the last sample on the line
@@ -152,7 +143,7 @@ impl Cycles {
         const SPREAD: f32 = 0.577;
         let onset_n = SPREAD * slope;
         let variance_n2 = onset_n * onset_n + noise_n * noise_n * line.leverage(time);
-        let mu_s = self.site().whole(line.at(time, slope), variance_n2);
+        let mu_s = self.site().coefficient(line.at(time, slope), variance_n2);
         Some(Provisional { mu_s, mu: None })
     }
 
@@ -176,9 +167,9 @@ impl Cycles {
         }
         let Posterior { cycle, static_n2, dynamic_n2, .. } = &posterior;
         Some(Provisional {
-            mu_s: self.site().whole(cycle.static_n, *static_n2),
+            mu_s: self.site().coefficient(cycle.static_n, *static_n2),
             // On a slack cable the time at zero will tell it.
-            mu: cycle.is_taut().then(|| self.site().whole(cycle.dynamic_n(), *dynamic_n2)),
+            mu: cycle.is_taut().then(|| self.site().coefficient(cycle.dynamic_n(), *dynamic_n2)),
         })
     }
 
@@ -291,11 +282,14 @@ impl Cycles {
             Outcome::Fitted { posterior, alone, noise_n2, verdict } => {
                 let site = self.site();
                 let alone = alone.map(|forces| {
-                    let mu_s = site.whole(forces.static_n, noise_n2 * forces.static_variance);
+                    let mu_s = site.coefficient(forces.static_n, noise_n2 * forces.static_variance);
                     let (shift_n, _) = self.shift(&pending, &posterior.cycle);
                     (
                         mu_s,
-                        site.whole(forces.dynamic_n - shift_n, noise_n2 * forces.dynamic_variance),
+                        site.coefficient(
+                            forces.dynamic_n - shift_n,
+                            noise_n2 * forces.dynamic_variance,
+                        ),
                     )
                 });
                 let shape = posterior.cycle.shape();
@@ -366,21 +360,18 @@ impl Cycles {
             (event.mu_s, event.mu, event.reason) = (None, None, Some(Reason::Suspect));
             return event.into();
         }
-        let (site, cycle) = (self.site(), &posterior.cycle);
+        let site = self.site();
         // A sag that only may be is no part of what all events have in common.
         let sag_n2 = if shift_n > 0.0 { shift_n2 } else { 0.0 };
         let (static_n2, dynamic_n2) = posterior.common_n2;
-        let common = (
-            site.common_std(cycle.static_n, static_n2),
-            site.common_std(cycle.dynamic_n(), dynamic_n2 + sag_n2),
-        );
+        let common = (site.std(static_n2), site.std(dynamic_n2 + sag_n2));
         Finished { event, alone, common, change }
     }
 
     /// The site with the weight as far as it is known to have changed.
     fn site(&self) -> Site {
-        let (ratio, weight_spread) = self.learnt.mass.weight_ratio();
-        Site { weight_n: ratio * self.site.weight_n, weight_spread, ..self.site }
+        let (ratio, _) = self.learnt.mass.weight_ratio();
+        Site { weight_n: ratio * self.site.weight_n, ..self.site }
     }
 
     /// Force of so much of a coefficient, N.
@@ -435,9 +426,9 @@ impl Cycles {
         let cycle = &posterior.cycle;
         let mut event = self.bare(pending, cycle, shape);
         let site = self.site();
-        event.mu_s = Some(site.whole(cycle.static_n, posterior.static_n2));
+        event.mu_s = Some(site.coefficient(cycle.static_n, posterior.static_n2));
         event.dynamic_force_n -= shift_n;
-        event.mu = Some(site.whole(event.dynamic_force_n, posterior.dynamic_n2 + shift_n2));
+        event.mu = Some(site.coefficient(event.dynamic_force_n, posterior.dynamic_n2 + shift_n2));
         if !posterior.is_resolved() {
             if !event.slack {
                 event.quality = Quality::Unresolved;

@@ -2,6 +2,7 @@
 
 use core::fmt;
 
+use crate::budget::t95;
 use crate::math;
 
 /// A moment between samples: an index and a fraction of a period, 0 to below 1.
@@ -22,14 +23,31 @@ pub struct SampleTime {
 pub struct Coefficient {
     /// The estimate.
     pub value: f32,
-    /// One standard deviation of this event's estimate.
+    /// One standard deviation of this event's estimate, the random part alone.
     pub std: f32,
+    /// One standard deviation of what is the same in all events: weight, slope, zero, span,
+    /// damping ([`crate::budget`]).
+    pub systematic_std: f32,
 }
 
 impl Coefficient {
-    /// With one more independent error of such a standard deviation.
-    pub(crate) fn widen(&mut self, std: f32) {
-        self.std = math::hypotenuse(self.std, std);
+    /// With a random part alone.
+    #[must_use]
+    pub const fn random(value: f32, std: f32) -> Self {
+        Self { value, std, systematic_std: 0.0 }
+    }
+
+    /// One standard deviation of all.
+    #[must_use]
+    pub fn combined_std(&self) -> f32 {
+        math::hypotenuse(self.std, self.systematic_std)
+    }
+
+    /// The 95 % interval. The noise is known from many samples: it is a normal one.
+    #[must_use]
+    pub fn ci95(&self) -> (f32, f32) {
+        let half = t95(f32::INFINITY) * self.combined_std();
+        (self.value - half, self.value + half)
     }
 }
 
@@ -43,14 +61,6 @@ pub struct Provisional {
     pub mu_s: Coefficient,
     /// Dynamic coefficient; unknown while the force falls.
     pub mu: Option<Coefficient>,
-}
-
-impl Provisional {
-    /// See [`Coefficient::widen`].
-    pub(crate) fn widen(&mut self, std: f32) {
-        self.mu_s.widen(std);
-        self.mu.iter_mut().for_each(|mu| mu.widen(std));
-    }
 }
 
 /// How far an event can be trusted.

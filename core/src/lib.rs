@@ -16,6 +16,7 @@
 #![forbid(unsafe_code)]
 
 mod arrow;
+pub mod budget;
 pub mod calibrate;
 pub mod change;
 pub mod config;
@@ -58,10 +59,11 @@ pub mod units;
 pub mod whiteness;
 pub mod window;
 
+pub use budget::{Entry, Input, budget};
 pub use change::{Cause, Change};
-pub use config::{Calibration, Config, ConfigError};
+pub use config::{Calibration, Config, ConfigError, InputStd};
 pub use event::{Coefficient, Event, Provisional, Quality, Reason, SampleTime};
 pub use pipeline::{Pipeline, Step};
-pub use report::{Counters, Estimate, Report};
+pub use report::{Counters, Estimate, Quantity, Report};
 pub use sample::{Fault, ForceSample, Phase, RawSample, Reading, SampleFlag};
 pub use units::{Counts, Newtons};

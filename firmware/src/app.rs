@@ -477,7 +477,7 @@ fn text(content: impl Show) -> Text {
 }
 
 fn config_error(error: floe_core::ConfigError) -> &'static str {
-    use floe_core::ConfigError::{Calibration, Range, Rate, Slope, Weight, Winch};
+    use floe_core::ConfigError::{Calibration, Range, Rate, Slope, Std, Weight, Winch};
     match error {
         Rate => "the rate must be 1 to 2000 Hz",
         Weight => "set weight N first: the weight of the block",
@@ -485,5 +485,6 @@ fn config_error(error: floe_core::ConfigError) -> &'static str {
         Winch => "the winch speed must be above zero, in m/s",
         Range => "the range must be above zero, in N",
         Calibration => "the span must not be zero",
+        Std => "a standard deviation must not be below zero",
     }
 }

@@ -19,7 +19,7 @@
 use core::fmt;
 
 use crc::{CRC_32_ISO_HDLC, Crc, NoTable};
-use floe_core::{Calibration, Config, Counts};
+use floe_core::{Calibration, Config, Counts, InputStd};
 use heapless::{String, Vec};
 
 use crate::adc::{AdcFault, Input};
@@ -152,7 +152,7 @@ impl Record {
 }
 
 fn put_settings(out: &mut Cursor<'_>, settings: &Settings) {
-    let Config { rate_hz, weight_n, slope_rad, winch_m_per_s, range_n, calibration } =
+    let Config { rate_hz, weight_n, slope_rad, winch_m_per_s, range_n, calibration, std: _ } =
         settings.config;
     let unknown_as_zero = |value: Option<f32>| value.unwrap_or(0.0);
     let floats =
@@ -180,6 +180,7 @@ fn take_settings(from: &mut Reader<'_>) -> Settings {
             let range_counts = (from.i32(), from.i32());
             Calibration { tare_counts, counts_per_n: from.f32(), range_counts }
         },
+        std: InputStd::default(),
     };
     let bytes: [u8; NAME_LEN] = from.take();
     let text = core::str::from_utf8(&bytes).unwrap_or("");
