@@ -174,6 +174,14 @@ impl Config {
         let span = calibration.counts_per_n;
         let range = calibration.range_counts;
         check(span.is_finite() && span != 0.0 && range.0 < range.1, ConfigError::Calibration)?;
-        check(self.std.are_valid(), ConfigError::Std)
+        self.validate_std()
+    }
+
+    /// Checks the standard deviations alone.
+    ///
+    /// # Errors
+    /// One is not a finite number at or above zero.
+    pub fn validate_std(&self) -> Result<(), ConfigError> {
+        if self.std.are_valid() { Ok(()) } else { Err(ConfigError::Std) }
     }
 }

@@ -2,54 +2,8 @@
 
 use core::fmt;
 
-use crate::budget::t95;
-use crate::math;
-
-/// A moment between samples: an index and a fraction of a period, 0 to below 1.
-///
-/// Kept apart so that a month of samples costs no resolution.
-#[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct SampleTime {
-    /// The sample at or before the moment.
-    pub index: u64,
-    /// Fraction of a sampling period after it.
-    pub fraction: f32,
-}
-
-/// A coefficient and its standard deviation.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Coefficient {
-    /// The estimate.
-    pub value: f32,
-    /// One standard deviation of this event's estimate, the random part alone.
-    pub std: f32,
-    /// One standard deviation of what is the same in all events: weight, slope, zero, span,
-    /// damping ([`crate::budget`]).
-    pub systematic_std: f32,
-}
-
-impl Coefficient {
-    /// With a random part alone.
-    #[must_use]
-    pub const fn random(value: f32, std: f32) -> Self {
-        Self { value, std, systematic_std: 0.0 }
-    }
-
-    /// One standard deviation of all.
-    #[must_use]
-    pub fn combined_std(&self) -> f32 {
-        math::hypotenuse(self.std, self.systematic_std)
-    }
-
-    /// The 95 % interval. The noise is known from many samples: it is a normal one.
-    #[must_use]
-    pub fn ci95(&self) -> (f32, f32) {
-        let half = t95(f32::INFINITY) * self.combined_std();
-        (self.value - half, self.value + half)
-    }
-}
+use crate::coefficient::Coefficient;
+use crate::sample::SampleTime;
 
 /// A first answer while the slip is still going on or has just ended, from the samples
 /// so far and what the other events told; the event itself follows when the next slip

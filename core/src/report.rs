@@ -1,66 +1,8 @@
 //! The result so far, for a display, a log or a host tool.
 
-use crate::budget::t95;
-use crate::change::Change;
-use crate::math;
-
-/// Mean of a coefficient over the events of a test.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Estimate {
-    /// Mean.
-    pub mean: f32,
-    /// Standard error of the mean, the random part alone, including the variation between
-    /// events. One event tells nothing of that variation: `None`.
-    pub std_error: Option<f32>,
-    /// Degrees of freedom of `std_error`.
-    pub freedom: f32,
-    /// Standard deviation of what is the same in all events, which no number of them
-    /// averages out ([`crate::budget`]).
-    pub systematic_std: f32,
-    /// Part of it that the events share beyond the inputs: what the model learns from them.
-    pub common_std: f32,
-    /// Standard deviation between events, noise removed; needs two events.
-    pub spread: Option<f32>,
-    /// How many events count.
-    pub events: u32,
-}
-
-impl Estimate {
-    /// One standard deviation of all; `None` with one event.
-    #[must_use]
-    pub fn combined_std(&self) -> Option<f32> {
-        self.std_error.map(|random| math::hypotenuse(random, self.systematic_std))
-    }
-
-    /// The 95 % interval by Student's t, the degrees of freedom by Welch and Satterthwaite:
-    /// those of the inputs are endless. `None` with one event.
-    #[must_use]
-    pub fn ci95(&self) -> Option<(f32, f32)> {
-        let (random, combined) = self.std_error.zip(self.combined_std())?;
-        let ratio = combined / math::larger(random, 1e-3 * combined);
-        let half = t95(self.freedom * ratio * ratio * ratio * ratio) * combined;
-        Some((self.mean - half, self.mean + half))
-    }
-}
-
-/// A number with its standard deviation.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Quantity {
-    /// The number.
-    pub value: f32,
-    /// One standard deviation.
-    pub std: f32,
-}
-
-impl Quantity {
-    /// In another unit.
-    #[must_use]
-    pub fn times(self, factor: f32) -> Self {
-        Self { value: factor * self.value, std: factor.abs() * self.std }
-    }
-}
+use crate::coefficient::Estimate;
+use crate::effects::level_shift::Change;
+use crate::stats::quantity::Quantity;
 
 /// What happened to the samples.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

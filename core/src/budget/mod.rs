@@ -19,14 +19,8 @@
 //! What may be the zero's drift, a weight that changed during the test, and what the events
 //! of a test share are lines of their own. The random part is the standard error.
 
-mod scatter;
-mod student;
-
-pub use scatter::Scatter;
-pub use student::t95;
-
 use crate::config::Config;
-use crate::math;
+use crate::num::math;
 use crate::report::Report;
 
 /// What a coefficient depends on.

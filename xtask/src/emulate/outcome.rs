@@ -42,7 +42,7 @@ pub fn decode(shown: &str) -> Result<Outcome> {
     let mut changes = Vec::new();
     for line in shown.lines() {
         match Line::parse(line).map_err(|e| format!("the board's line '{line}': {e}"))? {
-            Line::Start { settings, .. } => config = Some(settings.config),
+            Line::Start { settings, .. } => config = Some(settings.core_config()),
             Line::Event(event) => events.push(event),
             Line::Change(change) => changes.push(change),
             Line::Report(r) => report = Some(r),
@@ -58,6 +58,10 @@ pub fn decode(shown: &str) -> Result<Outcome> {
             | Line::Spike(_)
             | Line::About(_)
             | Line::Mean(_)
+            | Line::Note(_)
+            | Line::Mark { .. }
+            | Line::Sync { .. }
+            | Line::Climate { .. }
             | Line::Info(_)
             | Line::Trouble(_) => {}
         }
