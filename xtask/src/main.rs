@@ -66,7 +66,7 @@ fn main() -> ExitCode {
     let done = match &cli.job {
         Job::Test { firmware } => test::run(cli.arm, *firmware),
         Job::Emulate(args) => emulate::run(args, cli.arm),
-        Job::Faults => arm::Route::find(cli.arm).and_then(emulate::check_faults),
+        Job::Faults => arm::Route::find(cli.arm).and_then(emulate::check_board),
         Job::Bench => bench::run(cli.arm),
         Job::Maths => maths::run(cli.arm),
         Job::Flash => flash::run(cli.arm),

@@ -21,7 +21,12 @@ const NO_CRYSTAL_S: f64 = 6.0;
 
 const SPI2: u32 = 0x4000_3800;
 
-/// A case: what happens, and what has to come of it.
+/// What happens, and what has to come of it: a sentence.
+type Case = fn(&Bench<'_>) -> Result<String>;
+/// Makes a card with a name.
+type Make = fn(&str) -> Result<Image>;
+
+/// What the cases run on.
 struct Bench<'a> {
     nucleo: &'a Nucleo,
     codes: Vec<i32>,
@@ -35,7 +40,7 @@ pub fn check_faults(route: Route) -> Result<()> {
     let nucleo = Nucleo::prepare(Some(route))?;
     let (codes, _) = Record::stick_slip().played();
     let bench = Bench { nucleo: &nucleo, codes };
-    let cases: [(&str, fn(&Bench<'_>) -> Result<String>); 13] = [
+    let cases: [(&str, Case); 13] = [
         ("no card", no_card),
         ("card pulled and put back", card_pulled),
         ("card put in late, a new one", late_card),
@@ -120,11 +125,11 @@ fn troubles(shown: &str) -> Vec<&str> {
 
 /// Last health on the console.
 fn health(played: &Played) -> Result<floe_firmware::line::Health> {
-    let healths = played.shown.lines().filter_map(|line| match Line::parse(line) {
+    let mut healths = played.shown.lines().rev().filter_map(|line| match Line::parse(line) {
         Ok(Line::Health(health)) => Some(health),
         _ => None,
     });
-    healths.last().ok_or_else(|| "no health was said".into())
+    healths.next().ok_or_else(|| "no health was said".into())
 }
 
 fn no_card(bench: &Bench<'_>) -> Result<String> {
@@ -186,7 +191,7 @@ fn late_card(bench: &Bench<'_>) -> Result<String> {
 
 fn other_cards(bench: &Bench<'_>) -> Result<String> {
     let mut named = Vec::new();
-    let kinds: [(&str, fn(&str) -> Result<Image>, &str); 4] = [
+    let kinds: [(&str, Make, &str); 4] = [
         ("exFAT", Image::exfat, "exFAT"),
         ("FAT12", Image::fat12, "FAT12"),
         ("empty", Image::empty, "no file system"),

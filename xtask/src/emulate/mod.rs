@@ -129,7 +129,7 @@ pub fn check_bundled(route: Route) -> Result<()> {
 ///
 /// # Errors
 /// The first difference.
-pub fn check_nucleo(route: Route) -> Result<()> {
+fn check_nucleo(route: Route) -> Result<()> {
     let nucleo = Nucleo::prepare(Some(route))?;
     let path = root().join("host-sim/logs/dff8-13.csv");
     let weight = TestOptions { weight_n: Some(630.0), ..TestOptions::default() };
@@ -143,6 +143,15 @@ pub fn check_nucleo(route: Route) -> Result<()> {
     let (lines, samples) = same_on_card(&image, &run)?;
     println!("board: dff8-13.csv: {same}; card: {samples} codes and {lines} lines");
     Ok(())
+}
+
+/// The image that is flashed: a log, then everything that can happen to it.
+///
+/// # Errors
+/// What did not go as it has to.
+pub fn check_board(route: Route) -> Result<()> {
+    check_nucleo(route)?;
+    check_faults(route)
 }
 
 /// The card has every code that the converter gave and every event that was said.
@@ -187,7 +196,7 @@ fn files(directories: &[&str]) -> Vec<PathBuf> {
 }
 
 pub use card::check_card;
-pub use faults::check_faults;
+use faults::check_faults;
 pub use live::check_live;
 pub use troubles::check_troubles;
 

@@ -165,7 +165,7 @@ fn test_of(record: &Record, setup: super::machine::Setup<'_>) -> Result<Setup> {
         }
     }
     let (codes, troubles) = record.after_rest(REST).played();
-    let card = setup.card.map(|image| card(image)).transpose()?;
+    let card = setup.card.map(card).transpose()?;
     let port = setup.port;
     let noise = NOISE;
     Ok(Setup { codes, rate_hz: RATE_HZ, noise, troubles, script, card, port, ..Setup::quiet() })
