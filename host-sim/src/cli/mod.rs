@@ -11,6 +11,8 @@ use crate::error::InputError;
 
 pub mod bench;
 pub mod campaign;
+pub mod input;
+pub mod inspect;
 pub mod live;
 pub mod output;
 pub mod recover;
@@ -30,6 +32,7 @@ struct Cli {
 enum Command {
     Campaign(campaign::Args),
     Bench(bench::Args),
+    Inspect(inspect::Args),
     Live(live::Args),
     Replay(replay::Args),
     Recover(recover::Args),
@@ -42,6 +45,7 @@ enum Command {
 pub fn main() -> ExitCode {
     let result = match Cli::try_parse() {
         Ok(Cli { command: Some(Command::Replay(args)) }) => replay::run(&args),
+        Ok(Cli { command: Some(Command::Inspect(args)) }) => inspect::run(&args),
         Ok(Cli { command: Some(Command::Recover(args)) }) => recover::run(&args),
         Ok(Cli { command: Some(Command::Simulate(args)) }) => simulate::run(&args),
         Ok(Cli { command: Some(Command::Stiffness(args)) }) => stiffness::run(&args),

@@ -1,23 +1,17 @@
 //! `floe replay`: a recorded log to `mu_s` and `mu`.
 
-use std::fs::File;
-use std::io::{IsTerminal, Read};
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
-use indicatif::{ProgressBar, ProgressStyle};
-
 use crate::error::InputError;
-use crate::log::{Format, Log, LogOptions, Unit};
+use crate::log::{Log, LogOptions};
 use crate::replay::result::ReplayResult;
 use crate::replay::test::{TestOptions, configure};
 use crate::replay::{replay, table};
 use crate::report::{self, Recorder};
 
+use super::input::{STANDARD, open};
 use super::output;
-
-/// Logs from this size on show a progress bar.
-const LONG_LOG_BYTES: u64 = 16 << 20;
-const STANDARD: &str = "-";
 
 /// Replay a recorded log: from its samples to the friction coefficients
 #[derive(Clone, Debug, Default, clap::Args)]
@@ -31,21 +25,8 @@ Readings of -6999, 6999, -99999, NaN, infinity or nothing are bad samples: count
 pub struct Args {
     /// The log: a file, or - for standard input
     log: Option<String>,
-    /// Format of the log [default: recognised from its content]
-    #[arg(long)]
-    format: Option<Format>,
-    /// Samples per second, 1 to 2000 [default: from the time stamps, else 16]
-    #[arg(long, value_name = "R", allow_negative_numbers = true)]
-    rate_hz: Option<f64>,
-    /// Name of the force column; for cr10 its place in the row, from 1 (the array number)
-    #[arg(long, value_name = "NAME")]
-    column: Option<String>,
-    /// Unit of the force column [default: as the log says, else N]
-    #[arg(long)]
-    unit: Option<Unit>,
-    /// Array to read of a cr10 log [default: the only one, or the only one with seconds]
-    #[arg(long, value_name = "ID")]
-    array_id: Option<u32>,
+    #[command(flatten)]
+    log_options: LogOptions,
     #[command(flatten)]
     test: TestOptions,
     /// Write the result as JSON to FILE, or to standard output and nothing else there
@@ -63,16 +44,6 @@ pub struct Args {
 }
 
 impl Args {
-    fn log_options(&self) -> LogOptions {
-        LogOptions {
-            format: self.format,
-            rate_hz: self.rate_hz,
-            column: self.column.clone(),
-            unit: self.unit,
-            array_id: self.array_id,
-        }
-    }
-
     /// `--json LOG` with no other log: what looks like the output is the log.
     fn resolved(&self) -> Result<(Self, &str), InputError> {
         let mut args = self.clone();
@@ -132,7 +103,7 @@ pub fn run_bundled() -> Result<(), InputError> {
 }
 
 fn run_on(path: &str, input: Box<dyn Read + Send>, args: &Args) -> Result<Findings, InputError> {
-    let mut log = Log::from_reader(input, &args.log_options())?;
+    let mut log = Log::from_reader(input, &args.log_options)?;
     let config = configure(&log, &args.test)?;
     let mut recorder = args.report.as_ref().map(|_| Recorder::new(log.rate_hz()));
     let result = match &mut recorder {
@@ -184,32 +155,6 @@ fn events_csv(result: &ReplayResult) -> Result<String, InputError> {
     }
     let bytes = writer.into_inner().map_err(|e| failed(e.to_string()))?;
     String::from_utf8(bytes).map_err(|e| failed(e.to_string()))
-}
-
-fn open(path: &str, quiet: bool) -> Result<Box<dyn Read + Send>, InputError> {
-    if path == STANDARD {
-        return Ok(Box::new(std::io::stdin()));
-    }
-    if Path::new(path).is_dir() {
-        return Err(InputError::new("is a directory; name one log file"));
-    }
-    let file = File::open(path).map_err(|error| {
-        let missing = error.kind() == std::io::ErrorKind::NotFound;
-        let what =
-            if missing { "no such file".into() } else { format!("cannot be opened: {error}") };
-        InputError::new(what)
-    })?;
-    let bytes = file.metadata().map_or(0, |metadata| metadata.len());
-    let long = bytes >= LONG_LOG_BYTES && std::io::stderr().is_terminal();
-    if long && !quiet { Ok(Box::new(progress(bytes).wrap_read(file))) } else { Ok(Box::new(file)) }
-}
-
-/// A bar on standard error that goes away at the end.
-fn progress(bytes: u64) -> ProgressBar {
-    let style = "{wide_bar} {bytes} of {total_bytes}, {eta} left";
-    let style =
-        ProgressStyle::with_template(style).unwrap_or_else(|_| ProgressStyle::default_bar());
-    ProgressBar::new(bytes).with_style(style).with_finish(indicatif::ProgressFinish::AndClear)
 }
 
 /// The fields of an event in their order, so that a file without events has a
