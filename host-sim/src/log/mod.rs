@@ -100,6 +100,8 @@ pub struct Log {
     /// The rate was given: samples further apart are gaps.
     rate_is_given: bool,
     head: Recognised,
+    /// What a logger's own log holds beside the test.
+    told: card::Told,
 }
 
 /// What a reader found out about a text log before its first row.
@@ -146,9 +148,10 @@ impl Log {
             unit: Some(Unit::Counts),
             ..options.clone()
         };
-        let lines = Lines::new(Box::new(card::Text::new(input)));
-        let (rows, head) = begin(Format::Floe, lines, &options)?;
-        Self::start(Format::Floe, rows, head, &options)
+        let text = card::Text::new(input);
+        let told = text.told();
+        let (rows, head) = begin(Format::Floe, Lines::new(Box::new(text)), &options)?;
+        Ok(Self { told, ..Self::start(Format::Floe, rows, head, &options)? })
     }
 
     /// The next sample, `None` at the end.
@@ -241,7 +244,8 @@ impl Log {
         let rate_hz = self.rate_hz();
         let misfits = (misfits > 0)
             .then(|| format!("{misfits} time stamps do not fit {rate_hz} samples per second"));
-        self.head.notes.iter().cloned().chain(truncated).chain(misfits).collect()
+        let told = self.told.warnings();
+        self.head.notes.iter().cloned().chain(truncated).chain(misfits).chain(told).collect()
     }
 
     /// Reads the head and finds the timing in it.
@@ -276,6 +280,7 @@ impl Log {
             origin_s,
             rate_is_given: options.rate_hz.is_some(),
             head: recognised,
+            told: card::Told::default(),
         })
     }
 }

@@ -1,0 +1,77 @@
+//! `floe weigh`: the block's weight from a recording of it on the tripod.
+
+use floe_core::Config;
+use floe_core::signal::calibrate::Calibrator;
+
+use crate::error::InputError;
+use crate::log::{Log, LogOptions};
+use crate::replay::test::{TestOptions, calibration};
+use crate::weigh::{Weight, weigh};
+
+use super::input::open;
+use super::output;
+
+/// Weigh a block: from a recording of it on the tripod, its swing averaged
+#[derive(Clone, Debug, clap::Args)]
+#[command(after_help = "\
+The last 64 s count. What a steady swing adds is taken off; a load that drifts or is pulled is
+refused. The standard deviation is that of the weighing, without the zero's and the span's: when
+the same cell pulls the block afterwards, the span cancels.")]
+pub struct Args {
+    /// The log: a file, or - for standard input
+    #[arg(value_name = "LOG")]
+    log: String,
+    #[command(flatten)]
+    log_options: LogOptions,
+    /// Converter code at zero force, for --unit counts
+    #[arg(long, value_name = "C", allow_negative_numbers = true)]
+    tare_counts: Option<i32>,
+    /// Converter codes per newton, for --unit counts
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    counts_per_n: Option<f64>,
+    /// Print JSON instead of text
+    #[arg(long)]
+    json: bool,
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// One line for the user.
+pub fn run(args: &Args) -> Result<(), InputError> {
+    let weight = measure(args).map_err(|error| error.within(&args.log))?;
+    let text = if args.json {
+        let json = serde_json::to_string_pretty(&weight);
+        json.map_err(|error| InputError::new(error.to_string()))? + "\n"
+    } else {
+        text(&weight)
+    };
+    output::print(&text)
+}
+
+fn measure(args: &Args) -> Result<Weight, InputError> {
+    let mut log = Log::from_reader(open(&args.log, false)?, &args.log_options)?;
+    let (tare_counts, counts_per_n) = (args.tare_counts, args.counts_per_n);
+    let given = TestOptions { tare_counts, counts_per_n, ..TestOptions::default() };
+    let calibration = calibration(&log, &given)?;
+    let range_n = log.metadata().range_n.map(|range_n| range_n as f32);
+    let config = Config { calibration, range_n, ..Config::default() };
+    weigh(&mut log, &Calibrator::new(&config))
+}
+
+fn text(weight: &Weight) -> String {
+    let swing = match weight.swing_period_s.zip(weight.swing_amplitude_rad) {
+        Some((period_s, amplitude_rad)) => format!(
+            "{period_s:.2} s, {:.1}°; {:.2} N of excess taken off",
+            amplitude_rad.to_degrees(),
+            weight.excess_n
+        ),
+        None => "none seen".to_string(),
+    };
+    let Weight { weight_n, weight_std_n, duration_s, scatter_n, .. } = weight;
+    format!(
+        "weight        {weight_n:.2} ± {weight_std_n:.2} N\n\
+         swing         {swing}\n\
+         record        {duration_s:.1} s, scatter {scatter_n:.2} N in a quarter of a second\n"
+    )
+}
