@@ -1,12 +1,14 @@
 //! `floe inspect`: what was recognised in a log, before anything is computed.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use crate::error::InputError;
 use crate::log::inspection::{Inspection, inspect};
 use crate::log::{Log, LogOptions};
+use crate::replay::table::decimals;
 
 use super::input::{STANDARD, open};
+use super::json::Json;
 use super::output;
 
 /// Show what is recognised in a log, before anything is computed
@@ -20,9 +22,8 @@ pub struct Args {
     log: String,
     #[command(flatten)]
     options: LogOptions,
-    /// Write JSON to FILE, or to standard output
-    #[arg(long, value_name = "FILE", num_args = 0..=1, default_missing_value = STANDARD)]
-    json: Option<PathBuf>,
+    #[command(flatten)]
+    json: Json,
 }
 
 /// Runs the command.
@@ -31,23 +32,14 @@ pub struct Args {
 /// One line for the user.
 pub fn run(args: &Args) -> Result<(), InputError> {
     let name = if args.log == STANDARD { "standard input" } else { &args.log };
-    let file = args.json.as_deref().filter(|path| *path != Path::new(STANDARD));
-    if let Some(path) = file {
+    if let Some(path) = args.json.file() {
         output::check(path, &[Path::new(&args.log)])?;
     }
     let found = open(&args.log, false)
         .and_then(|input| Log::from_reader(input, &args.options))
         .and_then(|mut log| inspect(&args.log, &mut log))
         .map_err(|error| error.within(name))?;
-    let json = || {
-        let text = serde_json::to_string_pretty(&found);
-        text.map(|text| text + "\n").map_err(|error| InputError::new(error.to_string()))
-    };
-    match (&args.json, file) {
-        (None, _) => output::print(&text(&found)),
-        (Some(_), None) => output::print(&json()?),
-        (Some(_), Some(path)) => output::replace(path, &json()?),
-    }
+    args.json.print(&found, || text(&found))
 }
 
 fn text(found: &Inspection) -> String {
@@ -68,7 +60,8 @@ fn text(found: &Inspection) -> String {
     lines.push(("samples", samples(found)));
     if let (Some(lowest), Some(highest)) = (found.lowest, found.highest) {
         let unit = if found.force_unit == "counts" { "counts" } else { "N" };
-        lines.push(("range", format!("{lowest:.1} to {highest:.1} {unit}")));
+        let decimals = decimals(highest - lowest);
+        lines.push(("range", format!("{lowest:.decimals$} to {highest:.decimals$} {unit}")));
     }
     lines.extend(found.warnings.iter().map(|warning| ("note", warning.clone())));
     lines.iter().map(|(name, text)| format!("{name:<9}{text}\n")).collect()

@@ -1,5 +1,7 @@
 //! `floe stiffness`: the cable's stiffness from a pull against a post.
 
+use std::path::Path;
+
 use floe_core::Reading;
 
 use crate::error::InputError;
@@ -7,6 +9,7 @@ use crate::log::{Log, LogOptions};
 use crate::stiffness::{Measured, Pull, Stiffness, stiffness};
 
 use super::input::open;
+use super::json::Json;
 use super::output;
 
 /// Stiffness of the cable from a log of a pull against a fixed post
@@ -29,9 +32,8 @@ pub struct Args {
     cable_length_std_m: f64,
     #[command(flatten)]
     log_options: LogOptions,
-    /// Print JSON instead of text
-    #[arg(long)]
-    json: bool,
+    #[command(flatten)]
+    json: Json,
 }
 
 /// Runs the command.
@@ -39,14 +41,11 @@ pub struct Args {
 /// # Errors
 /// One line for the user.
 pub fn run(args: &Args) -> Result<(), InputError> {
+    if let Some(path) = args.json.file() {
+        output::check(path, &[Path::new(&args.log)])?;
+    }
     let found = measure(args).map_err(|error| error.within(&args.log))?;
-    let text = if args.json {
-        let json = serde_json::to_string_pretty(&found);
-        json.map_err(|error| InputError::new(error.to_string()))? + "\n"
-    } else {
-        text(&found)
-    };
-    output::print(&text)
+    args.json.print(&found, || text(&found))
 }
 
 fn measure(args: &Args) -> Result<Stiffness, InputError> {

@@ -1,5 +1,7 @@
 //! `floe weigh`: the block's weight from a recording of it on the tripod.
 
+use std::path::Path;
+
 use floe_core::Config;
 use floe_core::signal::calibrate::Calibrator;
 
@@ -9,6 +11,7 @@ use crate::replay::test::{TestOptions, calibration};
 use crate::weigh::{Weight, weigh};
 
 use super::input::open;
+use super::json::Json;
 use super::output;
 
 /// Weigh a block: from a recording of it on the tripod, its swing averaged
@@ -29,9 +32,8 @@ pub struct Args {
     /// Converter codes per newton, for --unit counts
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     counts_per_n: Option<f64>,
-    /// Print JSON instead of text
-    #[arg(long)]
-    json: bool,
+    #[command(flatten)]
+    json: Json,
 }
 
 /// Runs the command.
@@ -39,14 +41,11 @@ pub struct Args {
 /// # Errors
 /// One line for the user.
 pub fn run(args: &Args) -> Result<(), InputError> {
+    if let Some(path) = args.json.file() {
+        output::check(path, &[Path::new(&args.log)])?;
+    }
     let weight = measure(args).map_err(|error| error.within(&args.log))?;
-    let text = if args.json {
-        let json = serde_json::to_string_pretty(&weight);
-        json.map_err(|error| InputError::new(error.to_string()))? + "\n"
-    } else {
-        text(&weight)
-    };
-    output::print(&text)
+    args.json.print(&weight, || text(&weight))
 }
 
 fn measure(args: &Args) -> Result<Weight, InputError> {

@@ -128,8 +128,9 @@ fn time(cells: TimeCells) -> (Vec<usize>, Option<&'static str>) {
     }
 }
 
-/// A moment to the millisecond.
-fn iso(unix_s: f64) -> Option<String> {
+/// A moment in seconds since 1970 as ISO 8601 to the millisecond; `None` beyond year 9999.
+#[must_use]
+pub fn iso(unix_s: f64) -> Option<String> {
     let nanoseconds = (unix_s * 1e3).round() as i128 * 1_000_000;
     let at = OffsetDateTime::from_unix_timestamp_nanos(nanoseconds).ok()?;
     let (date, (h, m, s, ms)) = (at.date(), at.to_hms_milli());

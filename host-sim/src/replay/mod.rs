@@ -7,6 +7,7 @@ use crate::log::Log;
 
 pub mod batches;
 pub mod result;
+pub mod samples;
 pub mod table;
 pub mod test;
 pub mod timeline;
@@ -49,6 +50,7 @@ pub fn replay(
         rate_hz: log.rate_hz(),
         duration_s: timeline.duration_s(),
         warnings: log.warnings(),
+        synthetic: log.metadata().synthetic.clone(),
         ..LogSummary::from(report.counters)
     };
     let test = TestSummary {

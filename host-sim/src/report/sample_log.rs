@@ -204,7 +204,7 @@ impl SampleLog {
 
     /// The page.
     pub fn page(&self) -> String {
-        super::render(&self.result, &self.recorder())
+        super::render(&self.result, &self.recorder(), &super::Provenance::default())
     }
 }
 
