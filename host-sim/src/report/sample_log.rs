@@ -229,6 +229,7 @@ fn result(events: Vec<EventSummary>, samples: u64, duration_s: f64) -> ReplayRes
             rejected: 0,
             saturated: 0,
             warnings: Vec::new(),
+            synthetic: None,
         },
         test: TestSummary {
             test_id: Some("DFF8-13 (synthetic)".into()),
