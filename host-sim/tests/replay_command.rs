@@ -335,7 +335,7 @@ fn samples_and_figures_are_written() {
     assert!((number(slipping, 2) - rate).abs() < 0.01 * rate.abs().max(10.0));
     assert_eq!(rows[slipping][3], "slip");
     assert!(number(slipping, 4) > -0.02 && number(slipping, 4) < 2.0);
-    for file in ["history", "cycles", "slip", "plane", "convergence"] {
+    for file in ["history", "cycles", "slip", "plane", "convergence-static"] {
         let svg = fs::read_to_string(dir.join(format!("figures/{file}.svg"))).unwrap();
         assert!(svg.starts_with("<svg xmlns=") && svg.trim_end().ends_with("</svg>"), "{file}");
     }

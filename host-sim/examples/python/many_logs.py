@@ -67,7 +67,7 @@ def main(floe, logs, directory, *options):
         SELECT test_id, any_value(weight_n) AS weight_n, count(*) AS events,
                avg(mu_s) AS mu_s, avg(mu) AS mu
         FROM {table} GROUP BY test_id ORDER BY test_id"""
-    print(duckdb.sql(question).pl())
+    print(duckdb.sql(question))
 
     campaign = json.loads(
         subprocess.run(
@@ -75,7 +75,7 @@ def main(floe, logs, directory, *options):
             check=True, capture_output=True, text=True,
         ).stdout
     )
-    (events,) = duckdb.sql(f"SELECT count(*) FROM {table}").fetchone()
+    [(events,)] = duckdb.sql(f"SELECT count(*) FROM {table}").fetchall()
     assert events == campaign["events"], (events, campaign["events"])
     one_process = [record["mu"]["mean"] for record in campaign["records"]]
     many = [estimates[Path(log).stem]["mu"]["mean"] for log in logs]

@@ -49,7 +49,7 @@ def main(floe, log, directory, *options):
     question = f"""
         SELECT phase, count(*) AS samples, round(max(force_n), 1) AS highest_n
         FROM '{path}' WHERE flag = 'good' GROUP BY phase ORDER BY phase"""
-    print(duckdb.sql(question).pl())
+    print(duckdb.sql(question))
 
     samples = pl.read_parquet(path)
     assert samples.height >= result["log"]["samples"], "every sample is in the table"
