@@ -54,7 +54,9 @@ fn contributions_add_up_to_what_drawn_inputs_do() {
     let scene = Scene { slope_deg: 6.0, duration_s: 40.0, ..dff8_13() };
     let samples = floe::sim::simulate(&scene, 1).unwrap().samples;
     let samples = samples.iter().map(|s| feed::force(s.index, s.force_n));
-    samples.for_each(|sample| drop(pipeline.step(sample)));
+    for sample in samples {
+        let _ = pipeline.step(sample);
+    }
     let report = pipeline.report();
     let entries = budget(&config, &report).unwrap();
     for (i, mean) in [report.mu_s.unwrap(), report.mu.unwrap()].into_iter().enumerate() {
