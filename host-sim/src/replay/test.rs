@@ -27,7 +27,7 @@ pub struct TestOptions {
     pub counts_per_n: Option<f64>,
     /// How well all this is known.
     #[command(flatten)]
-    pub known: KnownOptions,
+    pub known: Box<KnownOptions>,
 }
 
 /// The core's configuration for a log.
