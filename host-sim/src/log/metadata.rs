@@ -1,6 +1,7 @@
 //! What a log says about its test in `# key: value` lines.
 
 use crate::error::{InputError, excerpt};
+use crate::replay::known::{KnownMetadata, WeightFrom};
 
 use super::number::finite;
 
@@ -13,6 +14,8 @@ pub struct Metadata {
     pub weight_n: Option<f64>,
     /// Slope along the pull, degrees, uphill positive.
     pub slope_deg: Option<f64>,
+    /// How well all this is known.
+    pub known: KnownMetadata,
     /// Take-up speed of the winch, m/s.
     pub winch_m_per_s: Option<f64>,
     /// Length of the cable, m.
@@ -59,6 +62,9 @@ impl Metadata {
             "test_id" => {
                 replaced(&mut self.test_id, Some(value.to_string()).filter(|id| !id.is_empty()))
             }
+            "weight_from" => {
+                replaced(&mut self.known.weight_from, Some(WeightFrom::from_word(value)?))
+            }
             "synthetic" => replaced(&mut self.synthetic, Some(value.to_string())),
             key => match self.field(key) {
                 Some(field) => {
@@ -99,7 +105,7 @@ impl Metadata {
             "range_n" => &mut self.range_n,
             "tare_counts" => &mut self.tare_counts,
             "counts_per_n" => &mut self.counts_per_n,
-            _ => return None,
+            key => return self.known.field(key),
         })
     }
 }
