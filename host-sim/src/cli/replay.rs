@@ -107,13 +107,14 @@ type Findings = (ReplayResult, Option<Recorder>);
 pub fn run(args: &Args) -> Result<(), InputError> {
     let (args, path) = args.resolved()?;
     let name = if path == STANDARD { "standard input" } else { path };
-    let mut taken = vec![Path::new(path)];
-    for output in args.outputs() {
-        output::check(output, &taken)?;
-        taken.push(output);
-    }
+    let outputs: Vec<&Path> = args.outputs().collect();
+    let older = output::check(&outputs, &[Path::new(path)])?;
     let input = open(path, args.quiet).map_err(|error| error.within(name))?;
-    finish(run_on(path, input, &args).map_err(|error| error.within(name))?, &args)
+    finish(run_on(path, input, &args).map_err(|error| error.within(name))?, &args)?;
+    if !args.quiet {
+        older.tell();
+    }
+    Ok(())
 }
 
 /// Name and content of the log in the binary, which says its own weight.
@@ -155,7 +156,7 @@ fn finish((result, recorder): Findings, args: &Args) -> Result<(), InputError> {
     }
     if !args.quiet {
         for warning in &result.log.warnings {
-            eprintln!("floe: warning: {}: {warning}", result.log.path);
+            output::say(&format!("warning: {}: {warning}", result.log.path));
         }
     }
     match args.json.as_deref() {

@@ -22,6 +22,7 @@ mod number;
 mod page;
 mod phase_plane;
 mod plot;
+mod policy;
 mod recorder;
 mod running;
 #[cfg(test)]

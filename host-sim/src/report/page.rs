@@ -5,6 +5,7 @@ use super::convergence::convergence;
 use super::history::history;
 use super::number::{fixed, quantity};
 use super::phase_plane::phase_plane;
+use super::policy::policy;
 use super::summary::summary;
 use super::svg::escape;
 use super::table::table;
@@ -18,14 +19,16 @@ const SCRIPT: &str = include_str!("script.js");
 pub(super) fn page(context: &Context<'_>) -> String {
     let result = context.result;
     let name = escape(&name(result));
+    let script = format!("\n{SCRIPT}");
+    let policy = policy(&script);
     format!(
-        "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"/>\
+        "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"/>{policy}\
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\
          <meta name=\"color-scheme\" content=\"light dark\"/>\
          <title>{name} – sliding friction</title>\n<style>\n{STYLE}</style></head>\n<body>\
          <header><p class=\"kind\">Sliding friction of a block pulled over ice</p>\
          <h1>{name}</h1><p class=\"test\">{}</p></header>\n<main>{}{}{}</main>\n{}\
-         <script>\n{SCRIPT}</script></body></html>\n",
+         <script>{script}</script></body></html>\n",
         test_line(result),
         summary(result),
         figures(context),
