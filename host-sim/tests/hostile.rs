@@ -272,7 +272,6 @@ fn impossible_scenes_end_in_a_line() {
     };
     for line in [
         "stiffness_n_per_m = 1e18",
-        "stiffness_n_per_m = 1e11",
         "duration_s = 1e308",
         "duration_s = 99999999",
         "duration_s = inf",

@@ -30,7 +30,14 @@ pub(super) fn not_negative(name: &str, value: f64) -> Result<(), SceneError> {
 
 /// Refuses unless `value` is finite and within the limits.
 pub(super) fn between(name: &str, value: f64, low: f64, high: f64) -> Result<(), SceneError> {
-    require((low..=high).contains(&value), || format!("{name} = {value}: must be {low} to {high}"))
+    require((low..=high).contains(&value), || {
+        format!("{name} = {}: must be {} to {}", short(value), short(low), short(high))
+    })
+}
+
+/// Without hundreds of digits.
+fn short(value: f64) -> String {
+    if value.abs() < 1e9 { format!("{value}") } else { format!("{value:e}") }
 }
 
 impl Scene {
@@ -42,13 +49,13 @@ impl Scene {
         positive("duration_s", self.duration_s)?;
         between("duration_s", self.duration_s, 0.0, 1e8)?;
         for (name, value) in [
-            ("weight_n", self.weight_n),
             ("stiffness_n_per_m", self.stiffness_n_per_m),
             ("start_force_n", self.start_force_n),
             ("cable_length_m", self.cable_length_m),
         ] {
             between(name, value, 0.0, LARGEST)?;
         }
+        between("weight_n", self.weight_n, 1e-3, LARGEST)?;
         between("winch_m_per_s", self.winch_m_per_s, 0.0, 100.0)?;
         between("mu_s", self.mu_s, 0.0, 100.0)?;
         between("rate_hz", self.rate_hz, 1.0, 2000.0)?;
