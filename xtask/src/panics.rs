@@ -11,10 +11,10 @@ use object::{Object, ObjectSection, ObjectSymbol, SectionKind, SymbolKind};
 
 use crate::Result;
 
-/// Functions that a sample runs through: the core's, whatever type they belong to.
-const CORE: [&str; 2] = ["floe_core::", "<floe_core::"];
+/// Functions that a sample runs through begin so, whatever type they belong to.
+const CORE: &str = "floe_core::";
 /// One that has to be among them.
-const STEP: &str = "<floe_core::pipeline::Pipeline>::take";
+const STEP: &str = "floe_core::pipeline::Pipeline::take";
 /// Whatever ends in the panic handler goes through one of these.
 const PANIC: &str = "core::panicking::";
 
@@ -35,7 +35,7 @@ pub fn check(path: &Path) -> Result<String> {
     let with = |wanted: &dyn Fn(&str) -> bool| -> Vec<u32> {
         functions.iter().filter(|(_, f)| wanted(&f.name)).map(|(&at, _)| at).collect()
     };
-    let steps = with(&|name| CORE.iter().any(|core| name.starts_with(core)));
+    let steps = with(&|name| name.starts_with(CORE));
     let panics = with(&|name| name.contains(PANIC));
     if with(&|name| name == STEP).is_empty() || panics.is_empty() {
         return Err(format!("{STEP} or {PANIC} has no symbol: nothing could be checked"));
@@ -120,7 +120,8 @@ fn functions(bytes: &[u8]) -> Result<BTreeMap<u32, Function>> {
         if name.starts_with("$d") || name.starts_with("$t") {
             data.insert(at, name.starts_with("$d"));
         } else if symbol.kind() == SymbolKind::Text && symbol.size() > 0 {
-            let name = format!("{:#}", rustc_demangle::demangle(name));
+            // One compiler writes `<type>::function`, another `type::function`.
+            let name = format!("{:#}", rustc_demangle::demangle(name)).replace(['<', '>'], "");
             places.insert(at, (at + symbol.size() as u32, name));
         }
     }
