@@ -10,6 +10,7 @@ mod emulate;
 mod flash;
 mod image;
 mod maths;
+mod panics;
 mod python;
 mod qemu;
 mod shell;

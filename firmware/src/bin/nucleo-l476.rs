@@ -17,7 +17,7 @@ mod target {
     use floe_firmware::card::CardLog;
     use floe_firmware::display;
     use floe_firmware::sample::{SampleQueue, Shared};
-    use floe_firmware::sampler::Sampler;
+    use floe_firmware::sampler::{Pulse, Sampler};
     use floe_firmware::text::Hex;
     use ssd1306::mode::DisplayConfig;
     use ssd1306::prelude::{DisplayRotation, DisplaySize128x64};
@@ -26,6 +26,8 @@ mod target {
 
     type Adc = Ads122<I2cBus<Bus>, Delay>;
     type Logger = App<'static, Console, CardLog<CardSlot>>;
+
+    static SHARED: Shared = Shared::new();
 
     /// Both address pins of the converter at ground.
     const CONVERTER: u8 = 0x40;
@@ -50,13 +52,13 @@ mod target {
         watchdog.unleash();
         app.power_up(words.as_deref());
         let mut waiting = Some(sampler);
-        let mut samples = 0;
+        let (mut samples, mut pulse) = (0, Pulse::default());
         loop {
             if let Some(sampler) = waiting.take() {
                 waiting = begin(app, sampler);
             }
             // A board that does not sample is as bad as one that hangs.
-            if waiting.is_some() || clock::since_tick() < CLOCK_HZ {
+            if waiting.is_some() || pulse.beats(&SHARED) {
                 watchdog.pet();
             }
             if app.turn() {
@@ -106,7 +108,6 @@ mod target {
     /// Puts everything in its place; a function of its own, so that its frame goes.
     #[inline(never)]
     fn build() -> Parts {
-        static SHARED: Shared = Shared::new();
         static QUEUE: StaticCell<SampleQueue> = StaticCell::new();
         static SAMPLER: StaticCell<Sampler<'static, Adc>> = StaticCell::new();
         static APP: StaticCell<Logger> = StaticCell::new();
