@@ -180,13 +180,7 @@ impl Pipeline {
         let event = held.and_then(|block| self.advance(block));
         let event = event.or_else(|| self.decimator.finish().and_then(|block| self.advance(block)));
         event.or_else(|| self.catch_up()).or_else(|| {
-            let event = self.cycles.finish().or_else(|| {
-                let (stick, window) = (self.detector.stick(), self.detector.window());
-                let end =
-                    ForcePoint { index: self.detector.last().index + 1, ..self.detector.last() };
-                self.cycles.complete(stick, window, end);
-                self.cycles.finish()
-            });
+            let event = self.cycles.finish(&self.detector);
             event.map(|finished| self.count(finished))
         })
     }
@@ -301,10 +295,7 @@ impl Pipeline {
             Some(Transition::Restick { peak, low }) => {
                 self.cycles.restick(&self.detector, (peak, low), self.last_hidden)
             }
-            Some(Transition::Lost) => {
-                let last = self.detector.last();
-                self.cycles.complete(self.detector.ended(), self.detector.window(), last)
-            }
+            Some(Transition::Lost) => self.cycles.lose(&self.detector),
         };
         finished.map(|finished| self.count(finished))
     }

@@ -11,7 +11,7 @@ mod slip_record;
 use core::ops::ControlFlow;
 
 use crate::coefficient::{Coefficient, Site};
-use crate::cycle::cycle_fit::{CycleFit, Outcome};
+use crate::cycle::cycle_fit::{CycleFit, Measured, Outcome};
 use crate::cycle::expectations::{Expectations, is_clear};
 use crate::cycle::slip_record::{SlipRecord, UNSURE};
 use crate::detector::{Detector, Stick};
@@ -46,6 +46,12 @@ impl From<Event> for Finished {
         Self { event, alone: None, common: (0.0, 0.0), change: None }
     }
 }
+
+/// Steps of the fit for the first answer, which is wanted at once: two are usual.
+const FIRST_STEPS: u8 = 5;
+/// The same for the first three events of a test, whose omega is unknown: five guesses and
+/// most iterations. These are the longest steps there are.
+const STEPS_UNKNOWN: u8 = 29;
 
 /// Builds events.
 #[derive(Clone, Debug)]
@@ -130,7 +136,7 @@ impl CycleTracker {
         let (stick, extremes) = (detector.stick(), detector.extremes());
         let slip = self.slip(stick, detector, extremes);
         let noise_n2 = self.learnt.fitted_noise_n2(&slip);
-        let steps = if self.learnt.knows_omega() { 4 } else { 24 };
+        let steps = if self.learnt.knows_omega() { FIRST_STEPS } else { STEPS_UNKNOWN };
         let none = Line::default();
         let data = self.learnt.data(&slip, &none, noise_n2);
         let mut fitting = slip.begin(&data, self.learnt.knows_omega());
@@ -174,13 +180,14 @@ impl CycleTracker {
 
     /// Ends the pending event with what there is of its stick line. Gives the event
     /// before it if it was not finished yet.
-    pub fn complete(
+    fn complete(
         &mut self,
         stick: &Stick,
         window: &Window,
         next_peak: ForcePoint,
     ) -> Option<Finished> {
-        let finished = self.finish();
+        let outcome = self.finishing.as_mut().map(|finishing| finishing.cut(&mut self.learnt));
+        let finished = outcome.and_then(|outcome| self.end(outcome));
         let next_onset = self.early.map(|(origin, cycle)| {
             moment(origin, cycle.onset - self.creep_periods() - UNSURE).index
         });
@@ -199,14 +206,38 @@ impl CycleTracker {
         self.finishing.is_none()
     }
 
-    /// Does one iteration of the fit that is under way.
+    /// Does some iterations of the fit that is under way: no sample waits for a whole fit.
     pub fn work(&mut self) -> Option<Finished> {
-        let outcome = self.finishing.as_mut()?.step(&mut self.learnt).break_value()?;
-        self.end(outcome)
+        let most = self.finishing.as_ref()?.iterations();
+        for done in 0..most {
+            let finishing = self.finishing.as_mut()?;
+            if done > 0 && finishing.is_long() {
+                break;
+            }
+            if let ControlFlow::Break(outcome) = finishing.step(&mut self.learnt) {
+                return self.end(outcome);
+            }
+        }
+        None
     }
 
-    /// Does all that is left of the fit that is under way.
-    pub fn finish(&mut self) -> Option<Finished> {
+    /// A long gap: ends the pending event with the stick line that has ended.
+    pub fn lose(&mut self, detector: &Detector) -> Option<Finished> {
+        self.complete(detector.ended(), detector.window(), detector.last())
+    }
+
+    /// Ends the test: does all that is left, one event a call, until `None`.
+    pub fn finish(&mut self, detector: &Detector) -> Option<Finished> {
+        self.drain().or_else(|| {
+            let last = detector.last();
+            let end = ForcePoint { index: last.index + 1, ..last };
+            self.complete(detector.stick(), detector.window(), end);
+            self.drain()
+        })
+    }
+
+    /// All that is left of the fit that is under way.
+    fn drain(&mut self) -> Option<Finished> {
         let finishing = self.finishing.as_mut()?;
         loop {
             if let ControlFlow::Break(outcome) = finishing.step(&mut self.learnt) {
@@ -262,7 +293,7 @@ impl CycleTracker {
         let mut load = None;
         let finished = match outcome {
             Outcome::Failed(reason) => self.without_coefficients(&pending, reason).into(),
-            Outcome::Fitted { posterior, alone, noise_n2, verdict } => {
+            Outcome::Fitted(Measured { posterior, alone, noise_n2, verdict }) => {
                 let site = self.site();
                 let alone = alone.map(|forces| {
                     let mu_s = site.whole(forces.static_n, noise_n2 * forces.static_variance);
