@@ -48,10 +48,12 @@ impl From<Event> for Finished {
 }
 
 /// Steps of the fit for the first answer, which is wanted at once: two are usual.
-const FIRST_STEPS: u8 = 5;
+const FIRST_STEPS: usize = 5;
 /// The same for the first three events of a test, whose omega is unknown: five guesses and
 /// most iterations. These are the longest steps there are.
-const STEPS_UNKNOWN: u8 = 29;
+const STEPS_UNKNOWN: usize = 29;
+/// Samples that all steps together may look at: the time there is.
+const FIRST_SAMPLES: usize = 240;
 
 /// Builds events.
 #[derive(Clone, Debug)]
@@ -136,7 +138,8 @@ impl CycleTracker {
         let (stick, extremes) = (detector.stick(), detector.extremes());
         let slip = self.slip(stick, detector, extremes);
         let noise_n2 = self.learnt.fitted_noise_n2(&slip);
-        let steps = if self.learnt.knows_omega() { FIRST_STEPS } else { STEPS_UNKNOWN };
+        let most = if self.learnt.knows_omega() { FIRST_STEPS } else { STEPS_UNKNOWN };
+        let steps = most.min(FIRST_SAMPLES / (slip.samples().forces_n.len() + 6));
         let none = Line::default();
         let data = self.learnt.data(&slip, &none, noise_n2);
         let mut fitting = slip.begin(&data, self.learnt.knows_omega());
