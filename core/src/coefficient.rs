@@ -1,5 +1,6 @@
 //! Forces as coefficients, and the means over them.
 
+use crate::effect::Effects;
 use crate::model;
 use crate::num::math;
 
@@ -52,6 +53,8 @@ pub struct Site {
     pub weight_spread: f32,
     /// Samples per second.
     pub rate_hz: f32,
+    /// What to look for beyond the linear model.
+    pub effects: Effects,
 }
 
 impl Site {

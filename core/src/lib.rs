@@ -19,6 +19,7 @@ pub mod coefficient;
 pub mod config;
 pub mod cycle;
 pub mod detector;
+pub mod effect;
 pub mod effects;
 pub mod estimator;
 pub mod event;
@@ -36,6 +37,7 @@ pub mod weighing;
 
 pub use coefficient::{Coefficient, Estimate};
 pub use config::{Calibration, Config, ConfigError};
+pub use effect::{Effect, Effects, Finding, Parameter};
 pub use effects::level_shift::{Cause, Change};
 pub use event::{Event, Provisional, Quality, Reason};
 pub use pipeline::{Pipeline, Step};

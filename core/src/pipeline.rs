@@ -4,7 +4,8 @@ use crate::coefficient::Site;
 use crate::config::{Config, ConfigError};
 use crate::cycle::{CycleTracker, Finished};
 use crate::detector::{Detector, Transition};
-use crate::effects::level_shift::Change;
+use crate::effect::{Effect, Finding};
+use crate::effects::level_shift::{Cause, Change};
 use crate::effects::zero_drift::Drift;
 use crate::estimator::Estimator;
 use crate::event::{Event, Provisional};
@@ -102,6 +103,7 @@ impl Pipeline {
             slope: math::sin_cos(config.slope_rad),
             weight_spread: 0.0,
             rate_hz,
+            effects: config.effects,
         };
         Ok(Self {
             config: *config,
@@ -113,7 +115,7 @@ impl Pipeline {
             decimator,
             block_root: math::sqrt(decimator.factor()),
             derivative: Central::new(config.rate_hz),
-            detector: Detector::new(rate_hz),
+            detector: Detector::new(rate_hz, config.effects),
             cycles: CycleTracker::new(site),
             mu_s: Estimator::default(),
             mu: Estimator::default(),
@@ -207,6 +209,24 @@ impl Pipeline {
                 Change { weight_ratio, weight_ratio_std: relative * weight_ratio, ..change }
             }),
         }
+    }
+
+    /// What the test says of each effect, in the order of [`Effect::ALL`].
+    #[must_use]
+    pub fn findings(&self) -> [Finding; Effect::ALL.len()] {
+        Effect::ALL.map(|effect| {
+            let enabled = self.config.effects.has(effect);
+            let parameters = self.cycles.parameters(effect);
+            let found = match effect {
+                Effect::Level => self.change.is_some_and(|change| change.cause != Cause::Mass),
+                Effect::Drift => self.report().zero_n.is_some(),
+                Effect::Flop | Effect::Ripple | Effect::Forgetting => self.detector.shows(effect),
+                Effect::Corner | Effect::Sag | Effect::Stiffening | Effect::Mass => {
+                    parameters.iter().any(Option::is_some)
+                }
+            };
+            Finding { effect, enabled, found: enabled && found, parameters }
+        })
     }
 
     /// Calibrates, counts and flags.
@@ -315,7 +335,8 @@ impl Pipeline {
             self.told = false;
         }
         let (mu_s, mu) = alone.map_or((event.mu_s, event.mu), |(mu_s, mu)| (Some(mu_s), Some(mu)));
-        if let Some((mu_s, mu)) = event.mu_s.zip(event.mu) {
+        let drifts = self.config.effects.has(Effect::Drift);
+        if let Some((mu_s, mu)) = event.mu_s.zip(event.mu).filter(|_| drifts) {
             self.drift.take(mu_s, mu);
         }
         if let Some(mu_s) = mu_s {

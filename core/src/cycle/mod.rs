@@ -15,6 +15,7 @@ use crate::cycle::cycle_fit::{CycleFit, Measured, Outcome};
 use crate::cycle::expectations::{Expectations, is_clear};
 use crate::cycle::slip_record::{SlipRecord, UNSURE};
 use crate::detector::{Detector, Stick};
+use crate::effect::{Effect, Parameter};
 use crate::effects::level_shift::{Cause, Change, Levels};
 use crate::effects::mass_change::Verdict;
 use crate::effects::sag::Rest;
@@ -83,7 +84,7 @@ impl CycleTracker {
     pub fn new(site: Site) -> Self {
         Self {
             site,
-            learnt: Expectations::default(),
+            learnt: Expectations::new(site.effects),
             pending: None,
             finishing: None,
             early: None,
@@ -115,6 +116,24 @@ impl CycleTracker {
         let Expectations { rate, mass, .. } = &self.learnt;
         let inverse_omega = mass.inverse_omega();
         (rate.mean().map(|r| r * hz), inverse_omega.mean().map(|inverse_omega| hz / inverse_omega))
+    }
+
+    /// What the events show of an effect: its numbers.
+    #[must_use]
+    pub fn parameters(&self, effect: Effect) -> [Option<Parameter>; 2] {
+        match effect {
+            Effect::Corner => self.learnt.corner.parameters(self.site.rate_hz),
+            Effect::Sag => [self.learnt.sag.parameter(), None],
+            Effect::Stiffening => [self.learnt.stiffening(), None],
+            Effect::Mass => {
+                let (value, relative) = self.learnt.mass.weight_ratio();
+                let ratio = Parameter { name: "weight_ratio", value, std: relative * value };
+                [(relative > 0.0).then_some(ratio), None]
+            }
+            Effect::Level | Effect::Drift | Effect::Flop | Effect::Ripple | Effect::Forgetting => {
+                [None; 2]
+            }
+        }
     }
 
     /// The slip has begun: a first value of `mu_s`, between the last sample on the line
@@ -332,7 +351,7 @@ impl CycleTracker {
     fn learn_sag(&mut self, pending: &SlipRecord, posterior: &Posterior, shape: &Shape) {
         let cycle = &posterior.cycle;
         let rested = self.rested.take();
-        if shape.is_slack() || !posterior.is_resolved() {
+        if !self.site.effects.has(Effect::Sag) || shape.is_slack() || !posterior.is_resolved() {
             return;
         }
         self.rested = Some((moment(pending.origin, shape.stop()), cycle.restick_n()));
@@ -356,8 +375,12 @@ impl CycleTracker {
     /// line that is not straight tells nothing of a cable that gets stiffer by sliding.
     fn shift(&self, pending: &SlipRecord, cycle: &CycleParams) -> (f32, f32) {
         let (sag_n, sag_n2) = self.learnt.sag.shift(cycle);
+        let stiffens = self.site.effects.has(Effect::Stiffening);
         let is_straight = pending.wander.level <= 0.0 && sag_n2 <= 0.0 && cycle.is_taut();
-        (sag_n - if is_straight { self.learnt.stiffening_n(cycle) } else { 0.0 }, sag_n2)
+        (
+            sag_n - if stiffens && is_straight { self.learnt.stiffening_n(cycle) } else { 0.0 },
+            sag_n2,
+        )
     }
 
     /// A measured event with what it tells of a change.
@@ -415,9 +438,13 @@ impl CycleTracker {
             }
             Verdict::Same => {
                 let CycleParams { static_n, .. } = posterior.cycle;
-                let shift = self.levels.take(static_n, posterior.cycle.dynamic_n())?;
+                let dynamic_n = posterior.cycle.dynamic_n();
+                let follows = self.site.effects.has(Effect::Level);
+                let shift = follows.then(|| self.levels.take(static_n, dynamic_n))??;
                 let first = (event.index.saturating_sub(shift.events_ago), event.onset);
-                if is_clear(posterior) && self.learnt.mass.doubt(shift.dynamic_before_n) {
+                let watches = self.site.effects.has(Effect::Mass);
+                if watches && is_clear(posterior) && self.learnt.mass.doubt(shift.dynamic_before_n)
+                {
                     self.suspect = Some(first);
                     return None;
                 }

@@ -63,8 +63,9 @@ fn settings(from: &mut Reader<'_>) -> Result<Settings, LineError> {
             counts_per_n: from.take()?,
             range_counts: (from.take()?, from.take()?),
         },
+        effects: floe_core::Effects::default(),
     };
-    Ok(Settings {
+    let mut settings = Settings {
         config,
         name,
         weight_from: from.take_late_word()?,
@@ -87,7 +88,9 @@ fn settings(from: &mut Reader<'_>) -> Result<Settings, LineError> {
             cable_ae_n: from.take_late()?,
         },
         effects: Effects { enabled: from.take_late()?, compiled: from.take_late()? },
-    })
+    };
+    settings.config.effects = settings.effects.in_use();
+    Ok(settings)
 }
 
 fn live_sample(from: &mut Reader<'_>) -> Result<LiveSample, LineError> {

@@ -71,6 +71,7 @@ pub(super) fn take_second(from: &mut Reader<'_>, record: &mut Record) {
     record.part = Part { id, run, number, gap, first_index, start_ms };
     let settings = &mut record.settings;
     settings.effects = Effects { enabled: from.some_u32(), compiled: from.some_u32() };
+    settings.config.effects = settings.effects.in_use();
     settings.stds = Stds {
         weight_n: from.some_f32(),
         slope_rad: from.some_f32(),
@@ -119,6 +120,7 @@ fn take_config(from: &mut Reader<'_>) -> Config {
             let range_counts = (from.i32(), from.i32());
             Calibration { tare_counts, counts_per_n: from.f32(), range_counts }
         },
+        effects: floe_core::Effects::default(),
     }
 }
 

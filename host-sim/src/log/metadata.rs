@@ -9,6 +9,8 @@ use super::number::finite;
 pub struct Metadata {
     /// Name of the test.
     pub test_id: Option<String>,
+    /// Effects that were looked for, as in `--effects`.
+    pub effects: Option<String>,
     /// Weight of the block, N.
     pub weight_n: Option<f64>,
     /// Slope along the pull, degrees, uphill positive.
@@ -42,6 +44,8 @@ impl Metadata {
         let (key, value) = (key.trim().to_ascii_lowercase(), value.trim());
         if key == "test_id" {
             self.test_id = Some(value.to_string()).filter(|id| !id.is_empty());
+        } else if key == "effects" {
+            self.effects = Some(value.to_string()).filter(|list| !list.is_empty());
         } else if let Some(field) = self.field(&key) {
             *field = Some(finite(value.as_bytes()).ok_or_else(|| not_a_number(&key, value))?);
         }

@@ -11,7 +11,7 @@ pub mod table;
 pub mod test;
 pub mod timeline;
 
-use result::{ChangeSummary, EventSummary, LogSummary, ReplayResult, TestSummary};
+use result::{ChangeSummary, EffectSummary, EventSummary, LogSummary, ReplayResult, TestSummary};
 use timeline::Timeline;
 
 /// Runs a whole log through the core; constant memory apart from the events.
@@ -56,7 +56,9 @@ pub fn replay(
         weight_n: config.weight_n.into(),
         slope_rad: config.slope_rad.into(),
     };
-    Ok(ReplayResult::new(log_summary, test, &report, events, changes))
+    let mut result = ReplayResult::new(log_summary, test, &report, events, changes);
+    result.effects = pipeline.findings().iter().map(EffectSummary::from).collect();
+    Ok(result)
 }
 
 fn summary(event: &Event, timeline: &Timeline) -> EventSummary {
