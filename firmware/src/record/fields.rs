@@ -1,6 +1,6 @@
 //! The fields of a sector, there and back.
 
-use floe_core::{Calibration, Config, Counts};
+use floe_core::{Calibration, Config, Counts, InputStd};
 use heapless::String;
 
 use super::bytes::{Reader, Writer};
@@ -121,6 +121,8 @@ fn take_config(from: &mut Reader<'_>) -> Config {
             Calibration { tare_counts, counts_per_n: from.f32(), range_counts }
         },
         effects: floe_core::Effects::default(),
+        // See `Settings::core_config`.
+        std: InputStd::default(),
     }
 }
 

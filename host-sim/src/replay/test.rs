@@ -1,6 +1,6 @@
 //! What was pulled: from the options, else from the log.
 
-use floe_core::{Calibration, Config, Effect, Effects};
+use floe_core::{Calibration, Config, Effect, Effects, InputStd};
 
 use crate::error::InputError;
 use crate::log::{Log, STANDARD_GRAVITY, Unit};
@@ -78,6 +78,7 @@ pub fn configure(log: &Log, options: &TestOptions) -> Result<Config, InputError>
         range_n: said.range_n.map(|range| range as f32),
         calibration: calibration(log, options)?,
         effects: options.effects.map_or_else(|| said_effects(log), Ok)?,
+        std: InputStd::default(),
     };
     let given = format!("weight {weight_n} N, slope {slope_deg}°");
     config.validate().map_err(|error| InputError::new(format!("{error} ({given})")))?;
