@@ -325,7 +325,7 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
         self.stir(self.part.id.unwrap_or(0) ^ u64::from(run));
         self.part = Part { id: Some(self.dice), run, ..Part::default() };
         log::info!("test {} starts", run);
-        self.settings.effects = Effects::of(self.settings.config.effects);
+        self.settings.effects = Effects::of(self.settings.effects.in_use());
         self.journal.begin(self.part, &self.settings);
         self.say_settings();
         self.job = Job::Test(Test { first_index: None, phase: Phase::Unknown, about: None });

@@ -128,7 +128,7 @@ impl Settings {
             damping: damping.unwrap_or(usual.damping),
             winch: usual.winch,
         };
-        Config { std, ..self.config }
+        Config { std, effects: self.effects.in_use(), ..self.config }
     }
 
     /// With one value changed. The weight may still be missing.

@@ -225,9 +225,10 @@ fn moved(cycle: &CycleParams, step: &Gradient) -> CycleParams {
 /// Keeps the unknowns where the formulas hold.
 fn limited(cycle: CycleParams) -> CycleParams {
     const TINY: f32 = 1e-12;
+    let least_n = (TINY * cycle.static_n.abs()).max(f32::MIN_POSITIVE);
     CycleParams {
-        rate: cycle.rate.max(TINY),
-        half_drop_n: cycle.half_drop_n.max(TINY),
+        rate: cycle.rate.max(least_n),
+        half_drop_n: cycle.half_drop_n.max(least_n),
         omega: cycle.omega.clamp(1e-3, 60.0),
         ..cycle
     }

@@ -67,7 +67,7 @@ fn settings(from: &mut Reader<'_>) -> Result<Settings, LineError> {
         // See `Settings::core_config`.
         std: InputStd::default(),
     };
-    let mut settings = Settings {
+    Ok(Settings {
         config,
         name,
         weight_from: from.take_late_word()?,
@@ -90,9 +90,7 @@ fn settings(from: &mut Reader<'_>) -> Result<Settings, LineError> {
             cable_ae_n: from.take_late()?,
         },
         effects: Effects { enabled: from.take_late()?, compiled: from.take_late()? },
-    };
-    settings.config.effects = settings.effects.in_use();
-    Ok(settings)
+    })
 }
 
 fn live_sample(from: &mut Reader<'_>) -> Result<LiveSample, LineError> {

@@ -71,7 +71,6 @@ pub(super) fn take_second(from: &mut Reader<'_>, record: &mut Record) {
     record.part = Part { id, run, number, gap, first_index, start_ms };
     let settings = &mut record.settings;
     settings.effects = Effects { enabled: from.some_u32(), compiled: from.some_u32() };
-    settings.config.effects = settings.effects.in_use();
     settings.stds = Stds {
         weight_n: from.some_f32(),
         slope_rad: from.some_f32(),
