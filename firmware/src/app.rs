@@ -13,7 +13,7 @@ use crate::period::PeriodMeter;
 use crate::record::Part;
 use crate::sample::{Sample, SampleConsumer, Shared};
 use crate::self_test::SelfTest;
-use crate::settings::Settings;
+use crate::settings::{Effects, Settings};
 use crate::store::{CardState, Store};
 use crate::text::Show;
 
@@ -171,18 +171,20 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
         }
     }
 
-    /// Goes on behind the last test of the card; its settings are taken unless there
-    /// are others already.
+    /// Goes on behind the last test of the card, unless there was one since power-up.
+    /// Its settings are taken unless there are others already, and if it was not ended
+    /// it goes on.
     fn take_over(&mut self) {
-        if self.testing() {
+        if self.testing() || self.part.run != 0 {
             return;
         }
         let Some(last) = self.journal.last() else { return };
-        if self.part.run == 0 {
-            self.journal.recall(&last);
-            self.part = last.part;
-            if self.settings == Settings::default() {
-                self.settings = last.settings;
+        self.journal.recall(&last);
+        self.part = last.part;
+        if self.settings == Settings::default() {
+            self.settings = last.settings;
+            if last.running {
+                self.resume();
             }
         }
     }
@@ -198,7 +200,6 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
     /// board started, if not by being switched on. A test that was not ended goes on.
     #[inline(never)]
     pub fn power_up(&mut self, last_words: Option<&str>) {
-        let last = self.journal.last();
         self.info("floe, help lists the commands");
         if let Some(words) = last_words {
             let words = text(("restarted after: ", words));
@@ -208,12 +209,7 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
                 self.journal.line(&line);
             }
         }
-        let Some(last) = last else { return };
-        self.journal.recall(&last);
-        (self.part, self.settings) = (last.part, last.settings);
-        if last.running {
-            self.resume();
-        }
+        self.take_over();
     }
 
     /// The next part of the test that was running. The estimate begins anew: what
@@ -417,6 +413,7 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
         self.stir(self.part.id.unwrap_or(0) ^ u64::from(run));
         self.part = Part { id: Some(self.dice), run, ..Part::default() };
         log::info!("test {} starts", run);
+        self.settings.effects = Effects::of(self.settings.effects.in_use());
         self.begin();
         Ok(())
     }
