@@ -2,12 +2,13 @@
 //! limits on detection, bias, 95th percentile and coverage.
 //!
 //! `cargo test -p floe-tests --test hard_cases -- --nocapture` prints the table;
-//! `FLOE_TABLE=write` writes it into `docs/hard-cases.md`.
+//! `FLOE_TABLE=write` writes it into `docs/hard-cases.md`, `FLOE_CSV=FILE` as CSV into a file.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 
 use floe::sim::Scene;
+use floe_tests::aims::{self, Check};
 use floe_tests::score::{Errors, Score, run};
 
 /// Events of a scene, at least, unless so many records have fewer.
@@ -154,62 +155,121 @@ impl Row {
         let [mu_s, mu] = score.errors.each_ref().map(cells);
         let (events, f1) = (score.events(), score.detection.f1());
         let why = limits(name).why;
-        format!("| {name} | {about} | {events} | {f1:.3} | {mu_s} | {mu} | {why} |")
+        let read = if events > 0 { format!("{:.3}", score.share_read()) } else { "-".to_owned() };
+        format!("| {name} | {about} | {events} | {f1:.3} | {read} | {mu_s} | {mu} | {why} |")
     }
 
-    /// What is not within its limits.
-    fn faults(&self) -> Vec<String> {
-        let limits = limits(&self.name);
-        let detection = self.score.detection;
-        let mut faults = Vec::new();
-        let mut check = |what: &str, good: bool, value: f64| {
-            if !good {
-                faults.push(format!("{}: {what} is {value:.4}", self.name));
-            }
+    /// One line for each coefficient.
+    fn csv(&self) -> String {
+        let Self { name, score, .. } = self;
+        let line = |i: usize| {
+            let (all, settled) = (&score.errors[i], &score.settled[i]);
+            let bound = |e: &Errors| e.over_bound().map_or(String::new(), |x| format!("{x:.4}"));
+            format!(
+                "{name},{},{},{:.4},{},{:.4},{:.4},{:.4},{:.4},{:.4},{},{},{:.4},{:.5}\n",
+                COEFFICIENTS[i],
+                score.events(),
+                score.detection.f1(),
+                score.detection.false_alarms,
+                score.share_read(),
+                all.bias(),
+                all.rms(),
+                all.p95(),
+                all.coverage(),
+                bound(all),
+                bound(settled),
+                settled.coverage(),
+                settled.median_std(),
+            )
         };
-        check("F1", detection.f1() >= limits.f1, detection.f1());
-        if ["smooth", "flop"].contains(&self.name.as_str()) {
-            let invented = detection.false_alarms;
-            check("number of invented events", invented == 0, invented as f64);
+        line(0) + &line(1)
+    }
+
+    /// Its figures beside their aims.
+    fn checks(&self) -> Vec<Check> {
+        let limits = limits(&self.name);
+        let Score { detection, errors, .. } = &self.score;
+        let name = self.name.as_str();
+        let mut checks = vec![Check::least(name, "F1", detection.f1(), limits.f1)];
+        if ["smooth", "flop"].contains(&name) {
+            let invented = detection.false_alarms as f64;
+            checks.push(Check::most(name, "number of invented events", invented, 0.0));
         }
-        for (i, e) in self.score.errors.iter().enumerate().filter(|(_, e)| e.count() > 0) {
-            let of = |what: &str| format!("{what} of {}", ["mu_s", "mu"][i]);
-            check(&of("bias"), e.bias().abs() <= limits.bias[i], e.bias());
-            check(&of("95th percentile"), e.p95() <= limits.p95[i], e.p95());
-            let (least, most) = limits.coverage[i];
+        if self.score.events() > 0 {
+            let read = self.score.share_read();
+            checks.push(Check::least(name, "share with coefficients", read, 0.95));
+        }
+        for (i, e) in errors.iter().enumerate().filter(|(_, e)| e.count() > 0) {
+            let of = |what: &str| format!("{what} of {}", COEFFICIENTS[i]);
             let n = e.count() as f64;
             // Three standard errors of a share and of a root mean square.
             let chance = 3.0 * (0.95 * 0.05 / n).sqrt();
-            let coverage = e.coverage();
-            let covers = (least - chance..=most + chance).contains(&coverage);
-            check(&of("coverage"), covers, coverage);
+            let (least, most) = limits.coverage[i];
+            let coverage = (least - chance, most + chance);
+            checks.extend([
+                Check::most(name, &of("bias"), e.bias().abs(), limits.bias[i]),
+                Check::most(name, &of("95th percentile"), e.p95(), limits.p95[i]),
+                Check::between(name, &of("coverage"), e.coverage(), coverage),
+            ]);
             if let Some((ratio, most)) = e.over_bound().zip(limits.over_bound.map(|b| b[i])) {
                 let most = most * (1.0 + 3.0 / (2.0 * n).sqrt());
-                check(&of("error over the bound"), ratio <= most, ratio);
+                checks.push(Check::most(name, &of("error over the bound"), ratio, most));
             }
         }
-        faults
+        checks.extend(self.sharpness());
+        checks
+    }
+
+    /// On a linear scene the intervals are no wider than those of the reference.
+    fn sharpness(&self) -> Vec<Check> {
+        if limits(&self.name).over_bound.is_none() {
+            return Vec::new();
+        }
+        let check = |i: usize| {
+            let before = reference_std(&self.name, COEFFICIENTS[i]);
+            let ratio = self.score.settled[i].median_std() / before;
+            let what = format!("median std of {} over the reference's", COEFFICIENTS[i]);
+            Check::most(&self.name, &what, ratio, 1.03)
+        };
+        vec![check(0), check(1)]
     }
 }
+
+const COEFFICIENTS: [&str; 2] = ["mu_s", "mu"];
+
+/// Median standard deviation from event 3 on, percent, as commit 7d0c2b2 had it.
+fn reference_std(scene: &str, coefficient: &str) -> f64 {
+    let row = format!("{scene},{coefficient},");
+    let line = REFERENCE.lines().find(|line| line.starts_with(&row)).expect("a row");
+    line.rsplit(',').next().unwrap().parse().unwrap()
+}
+const REFERENCE: &str = include_str!("golden/hard-cases-7d0c2b2.csv");
 
 const HEAD: &str = "\
 # The hard cases
 
 Every scene of `host-sim/scenes/hard`, and the linear ones: what the core makes of it. Seeds 1, 2, ...
-up to 1500 events or 200 records, each with another sampling phase; the first two events of a record,
-in which the core learns, and the last one are not counted. This page is written by
+up to 1500 events or 200 records, each with another sampling phase. Every event counts, the first ones too; only
+the last one of a record, whose line its end cuts, does not. This page is written by
 `FLOE_TABLE=write cargo test -p floe-tests --test hard_cases`; the same test holds every row to its limits
 and says so when the page is no longer true.
 
 The aim of a row: F1 of detection at least 0.99, bias under 0.5 %, 95 % of the errors under 1.5 %, the 95 %
 interval true in 90 to 99 % of the events (linear scenes: 93 to 97 %, and root-mean-square error within 0.8
 of the bound for mu_s and 1.0 for mu), and no event invented. The last column says why a case is held to something else; the limits
-are in `tests/hard_cases.rs`. *bound*: root-mean-square error over the Cramér-Rao bound of the event by itself,
-for the white noise alone; `-`: the model does not hold. Errors in percent of the true coefficient.
+are in `tests/hard_cases.rs`, the figures that miss theirs in `tests/golden/hard-cases-not-yet.csv`. What commit
+7d0c2b2 reached is kept in `tests/golden/hard-cases-7d0c2b2.csv`: on linear scenes the median standard deviation
+from event 3 on may exceed that by 3 %. *bound*: root-mean-square error over the Cramér-Rao bound of the event by itself,
+for the white noise alone; `-`: the model does not hold. *read*: share of the true events that got both
+coefficients. Errors in percent of the true coefficient.
 
-| scene | what it is | events | F1 | mu_s: bias % | 95 % | coverage | bound | mu: bias % | 95 % | coverage | bound | held to less because |
-|---|---|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|---|
+| scene | what it is | events | F1 | read | mu_s: bias % | 95 % | coverage | bound | mu: bias % | 95 % | coverage | bound | held to less because |
+|---|---|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|---|
 ";
+
+const CSV_HEAD: &str = "\
+scene,coefficient,events,f1,invented,read_share,bias_percent,rms_percent,p95_percent,coverage,\
+rms_over_bound,settled_rms_over_bound,settled_coverage,settled_median_std_percent\n";
 
 fn page_file() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/hard-cases.md")
@@ -217,8 +277,8 @@ fn page_file() -> PathBuf {
 
 /// Columns of figures that are compared, and by how much they may differ: a change of
 /// the core moves them a little; this is more than chance does.
-const COMPARED: [(usize, f64); 7] =
-    [(4, 0.005), (5, 0.1), (6, 0.15), (7, 0.02), (9, 0.1), (10, 0.15), (11, 0.02)];
+const COMPARED: [(usize, f64); 8] =
+    [(4, 0.005), (5, 0.01), (6, 0.1), (7, 0.15), (8, 0.02), (10, 0.1), (11, 0.15), (12, 0.02)];
 
 /// Does a row of the page still say what the row says?
 fn agree(page: &str, now: &str) -> bool {
@@ -239,10 +299,17 @@ fn every_case_keeps_its_limits() {
     let rows: Vec<Row> = scene_files().iter().map(|file| row(file)).collect();
     let table: Vec<String> = rows.iter().map(Row::text).collect();
     println!("{}", table.join("\n"));
+    let checks: Vec<Check> = rows.iter().flat_map(Row::checks).collect();
+    let list = Path::new(env!("CARGO_MANIFEST_DIR")).join("golden/hard-cases-not-yet.csv");
     if std::env::var("FLOE_TABLE").is_ok_and(|what| what == "write") {
+        aims::shrink(&list, &checks);
         fs::write(page_file(), format!("{HEAD}{}\n", table.join("\n"))).unwrap();
     }
-    let faults: Vec<String> = rows.iter().flat_map(Row::faults).collect();
+    if let Ok(file) = std::env::var("FLOE_CSV") {
+        fs::write(file, rows.iter().fold(CSV_HEAD.to_owned(), |csv, row| csv + &row.csv()))
+            .unwrap();
+    }
+    let faults = aims::faults(&checks, &aims::not_yet(&list));
     assert!(faults.is_empty(), "{}", faults.join("\n"));
     let page = fs::read_to_string(page_file()).unwrap();
     let told: Vec<&str> = page.lines().skip(HEAD.lines().count()).collect();
@@ -272,7 +339,9 @@ fn no_record_loses_its_events_at_the_start() {
 #[test]
 fn a_row_that_has_moved_is_seen() {
     let row = |bias: f64| {
-        format!("| a | b | 7 | 1.000 | {bias:+.3} | 0.1 | 0.95 | - | +0.1 | 0.1 | 0.95 | - | |")
+        format!(
+            "| a | b | 7 | 1.000 | 0.998 | {bias:+.3} | 0.1 | 0.95 | - | +0.1 | 0.1 | 0.95 | - | |"
+        )
     };
     assert!(agree(&row(0.1), &row(0.19)) && !agree(&row(0.1), &row(0.31)));
 }

@@ -13,3 +13,4 @@ pub mod replay;
 pub mod report;
 pub mod sim;
 pub mod stiffness;
+pub mod weigh;

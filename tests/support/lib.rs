@@ -1,5 +1,6 @@
 //! Helpers shared by the tests across the crates.
 
+pub mod aims;
 pub mod both;
 pub mod brute;
 pub mod feed;

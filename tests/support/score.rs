@@ -8,8 +8,8 @@ use floe_core::{Coefficient, Event, Fault, RawSample, Reading, Report};
 
 use crate::{both, feed};
 
-/// Events at the start of a record whose errors do not count: the core still learns.
-pub const LEARNING: usize = 2;
+/// From this event on a record counts as settled: what the events share is known.
+pub const SETTLED: usize = 3;
 
 /// One test: its events, and what was found of them.
 #[derive(Clone, Debug)]
@@ -82,6 +82,8 @@ pub struct Errors {
     /// In stated standard deviations, and in bounds.
     stated: Vec<f64>,
     bounds: Vec<f64>,
+    /// Stated standard deviations.
+    stds: Vec<f64>,
 }
 
 impl Errors {
@@ -91,6 +93,7 @@ impl Errors {
         let error = f64::from(got.value) - truth;
         self.relative.push(error / truth);
         self.stated.push(error / f64::from(got.std));
+        self.stds.push(f64::from(got.std) / truth);
         self.bounds.extend(bound.map(|bound| error / bound));
     }
 
@@ -115,9 +118,13 @@ impl Errors {
     /// Size that 95 % do not exceed, percent.
     #[must_use]
     pub fn p95(&self) -> f64 {
-        let mut sizes: Vec<f64> = self.relative.iter().map(|e| e.abs()).collect();
-        sizes.sort_by(f64::total_cmp);
-        100.0 * sizes.get((0.95 * sizes.len() as f64) as usize).copied().unwrap_or(0.0)
+        100.0 * quantile(self.relative.iter().map(|e| e.abs()), 0.95)
+    }
+
+    /// Median of the stated standard deviations, percent.
+    #[must_use]
+    pub fn median_std(&self) -> f64 {
+        100.0 * quantile(self.stds.iter().copied(), 0.5)
     }
 
     /// Share within the stated 95 % interval.
@@ -134,6 +141,14 @@ impl Errors {
     }
 }
 
+/// Value that a share of the values does not exceed; zero of nothing.
+#[must_use]
+pub fn quantile(values: impl Iterator<Item = f64>, share: f64) -> f64 {
+    let mut values: Vec<f64> = values.collect();
+    values.sort_by(f64::total_cmp);
+    values.get((share * values.len() as f64) as usize).copied().unwrap_or(0.0)
+}
+
 /// Root mean square; zero of nothing.
 #[must_use]
 pub fn rms(values: &[f64]) -> f64 {
@@ -145,8 +160,12 @@ pub fn rms(values: &[f64]) -> f64 {
 pub struct Score {
     /// How well the events were found.
     pub detection: Detection,
-    /// Errors of `mu_s` and of `mu`.
+    /// Errors of `mu_s` and of `mu`, first events too.
     pub errors: [Errors; 2],
+    /// Those of the events from [`SETTLED`] on.
+    pub settled: [Errors; 2],
+    /// True events that got both coefficients.
+    pub read: usize,
 }
 
 impl Score {
@@ -166,11 +185,22 @@ impl Score {
     /// Takes one more test.
     pub fn add(&mut self, tried: &Tried) {
         self.detection.add(tried.detection);
-        for &(t, f) in tried.pairs.iter().filter(|(t, _)| *t >= LEARNING) {
+        for &(t, f) in &tried.pairs {
             let (truth, found) = (&tried.truths[t], &tried.found[f]);
+            self.read += usize::from(found.mu_s.is_some() && found.mu.is_some());
             self.errors[0].add(found.mu_s, truth.mu_s, truth.mu_s_bound);
             self.errors[1].add(found.mu, truth.mu, truth.mu_bound);
+            if t >= SETTLED {
+                self.settled[0].add(found.mu_s, truth.mu_s, truth.mu_s_bound);
+                self.settled[1].add(found.mu, truth.mu, truth.mu_bound);
+            }
         }
+    }
+
+    /// Share of the true events that got both coefficients.
+    #[must_use]
+    pub fn share_read(&self) -> f64 {
+        self.read as f64 / self.events().max(1) as f64
     }
 
     /// True events that were judged.

@@ -10,9 +10,6 @@ use super::scenes::{Record, Trial, Truth};
 
 /// Runs over them, after one that warms up.
 const RUNS: usize = 7;
-/// Events at the start of a record in which methods that learn still learn: their
-/// errors are not counted.
-const LEARNING: usize = 2;
 /// Half the width of a 95 % interval, standard deviations.
 const INTERVAL: f64 = 1.96;
 
@@ -89,9 +86,6 @@ pub fn judge<M: Method>(trial: &Trial) -> Judgement {
         for (t, f) in pairs {
             let (truth, found) = (&judged[t], &answer.found[f]);
             read += usize::from(found.mu_s.is_some() && found.mu.is_some());
-            if t < LEARNING {
-                continue;
-            }
             let pair = |estimate, truth, bound| Pair { estimate, truth, bound };
             mu_s.extend(found.mu_s.map(|v| pair(v, truth.mu_s, truth.bound.map(|b| b.0))));
             mu.extend(found.mu.map(|v| pair(v, truth.mu, truth.bound.map(|b| b.1))));

@@ -24,8 +24,8 @@ const NOTES: &str = "\
   omega) free and white noise. A method that carries `k w` and omega from event to event can be below 1.
   `-`: the model does not hold in that scene. In scenes with other errors than white noise it is only a measure.
 - *rms, bias, 95 %*: root-mean-square and mean of the error, and the size that 95 % of the errors do not
-  exceed, in percent of the mean coefficient. The first two events of a record are not counted here (some
-  methods learn in them), nor the last, which the end of the record cuts.
+  exceed, in percent of the mean coefficient. Every event of a record counts, the first ones too, but for the
+  last, which the end of the record cuts.
 - *F1*: harmonic mean of precision and recall; an event is found when its onset is within two samples and
   half the slip's length. *read*: share of the true events that got both coefficients.
 - *delay*: from the true onset until the method says that the block slips. *ns/sample*: median of seven warm

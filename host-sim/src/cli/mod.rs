@@ -17,6 +17,7 @@ pub mod recover;
 pub mod replay;
 pub mod simulate;
 pub mod stiffness;
+pub mod weigh;
 
 /// Friction of sea ice from the force in the cable: replays, simulates, compares.
 #[derive(Debug, Parser)]
@@ -35,6 +36,7 @@ enum Command {
     Recover(recover::Args),
     Simulate(simulate::Args),
     Stiffness(stiffness::Args),
+    Weigh(weigh::Args),
 }
 
 /// Runs the command that the process was started with.
@@ -45,6 +47,7 @@ pub fn main() -> ExitCode {
         Ok(Cli { command: Some(Command::Recover(args)) }) => recover::run(&args),
         Ok(Cli { command: Some(Command::Simulate(args)) }) => simulate::run(&args),
         Ok(Cli { command: Some(Command::Stiffness(args)) }) => stiffness::run(&args),
+        Ok(Cli { command: Some(Command::Weigh(args)) }) => weigh::run(&args),
         Ok(Cli { command: Some(Command::Campaign(args)) }) => campaign::run(&args),
         Ok(Cli { command: Some(Command::Bench(args)) }) => bench::run(&args),
         Ok(Cli { command: Some(Command::Live(args)) }) => live::run(&args),

@@ -54,7 +54,11 @@ pub fn configure(log: &Log, options: &TestOptions) -> Result<Config, InputError>
     Ok(config)
 }
 
-fn calibration(log: &Log, options: &TestOptions) -> Result<Calibration, InputError> {
+/// Converter codes to newtons, if the log is in codes.
+///
+/// # Errors
+/// A force in counts without a calibration.
+pub fn calibration(log: &Log, options: &TestOptions) -> Result<Calibration, InputError> {
     let said = log.metadata();
     let mut calibration = Calibration::default();
     if log.unit() != Unit::Counts {

@@ -1,0 +1,94 @@
+//! The last 64 s as means of a quarter of a second.
+
+use crate::num::math::larger;
+
+/// Means that are kept; an even number.
+const LEN: usize = 256;
+
+/// Means of groups of readings, the oldest forgotten.
+#[derive(Clone, Debug)]
+pub(super) struct Window {
+    readings: u32,
+    rate_hz: f32,
+    /// The first reading: means are kept as distances from it.
+    origin: Option<f32>,
+    means: [f32; LEN],
+    /// Groups since the window was last empty.
+    blocks: u32,
+    /// The group being filled: readings, good ones among them, and their sum.
+    taken: u32,
+    good: u32,
+    sum: f32,
+}
+
+impl Window {
+    pub(super) fn new(readings: u32, rate_hz: f32) -> Self {
+        let (origin, means) = (None, [0.0; LEN]);
+        Self { readings, rate_hz, origin, means, blocks: 0, taken: 0, good: 0, sum: 0.0 }
+    }
+
+    /// True when a group is complete. A group without a good reading empties the window:
+    /// what happened meanwhile is not known.
+    pub(super) fn add(&mut self, reading: Option<f32>) -> bool {
+        if let Some(reading) = reading {
+            let origin = *self.origin.get_or_insert(reading);
+            self.sum += reading - origin;
+            self.good += 1;
+        }
+        self.taken += 1;
+        self.taken >= self.readings && self.close()
+    }
+
+    fn close(&mut self) -> bool {
+        let mean = self.sum / larger(self.good as f32, 1.0);
+        let failed = self.good == 0;
+        (self.taken, self.good, self.sum) = (0, 0, 0.0);
+        if failed {
+            (self.origin, self.blocks) = (None, 0);
+            return false;
+        }
+        if let Some(place) = self.means.get_mut(self.blocks as usize % LEN) {
+            *place = mean;
+        }
+        self.blocks = self.blocks.wrapping_add(1);
+        true
+    }
+
+    /// Groups since the window was last empty.
+    pub(super) fn blocks(&self) -> u32 {
+        self.blocks
+    }
+
+    /// Means in the window, the newest ones: an even number.
+    pub(super) fn len(&self) -> usize {
+        (self.blocks as usize).min(LEN) & !1
+    }
+
+    /// What all means are distances from.
+    pub(super) fn origin(&self) -> f32 {
+        self.origin.unwrap_or(0.0)
+    }
+
+    /// Time between two means, s.
+    pub(super) fn block_s(&self) -> f32 {
+        self.readings as f32 / self.rate_hz
+    }
+
+    /// Readings in a mean.
+    pub(super) fn readings(&self) -> u32 {
+        self.readings
+    }
+
+    /// The means in order, the oldest first.
+    pub(super) fn means(&self) -> impl DoubleEndedIterator<Item = f32> + '_ {
+        let first = self.blocks as usize - self.len();
+        (first..self.blocks as usize).map(|i| self.means.get(i % LEN).copied().unwrap_or(0.0))
+    }
+
+    /// Pairs of means that are as far from the middle of the window, the middle ones first:
+    /// the later and the earlier one.
+    pub(super) fn pairs(&self) -> impl Iterator<Item = (f32, f32)> + '_ {
+        let half = self.len() / 2;
+        self.means().skip(half).zip(self.means().rev().skip(half))
+    }
+}

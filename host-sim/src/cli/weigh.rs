@@ -1,0 +1,98 @@
+//! `floe weigh`: the block's weight from a recording of it on the tripod.
+
+use std::fs::File;
+use std::path::PathBuf;
+
+use floe_core::Config;
+use floe_core::signal::calibrate::Calibrator;
+
+use crate::error::InputError;
+use crate::log::{Log, LogOptions, Unit};
+use crate::replay::test::{TestOptions, calibration};
+use crate::weigh::{Weight, weigh};
+
+use super::output;
+
+/// Weigh a block: from a recording of it on the tripod, its swing averaged
+#[derive(Clone, Debug, clap::Args)]
+#[command(after_help = "\
+The last 64 s count. What a steady swing adds is taken off; a load that drifts or is pulled is
+refused. The standard deviation is that of the weighing, without the zero's and the span's: when
+the same cell pulls the block afterwards, the span cancels.")]
+pub struct Args {
+    /// The log
+    #[arg(value_name = "LOG")]
+    log: PathBuf,
+    /// Samples per second, 1 to 2000 [default: from the time stamps, else 16]
+    #[arg(long, value_name = "R")]
+    rate_hz: Option<f64>,
+    /// Name of the force column; for cr10 its place in the row, from 1
+    #[arg(long, value_name = "NAME")]
+    column: Option<String>,
+    /// Unit of the force column [default: as the log says, else N]
+    #[arg(long)]
+    unit: Option<Unit>,
+    /// Array to read of a cr10 log
+    #[arg(long, value_name = "ID")]
+    array_id: Option<u32>,
+    /// Converter code at zero force, for --unit counts
+    #[arg(long, value_name = "C", allow_negative_numbers = true)]
+    tare_counts: Option<i32>,
+    /// Converter codes per newton, for --unit counts
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    counts_per_n: Option<f64>,
+    /// Print JSON instead of text
+    #[arg(long)]
+    json: bool,
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// One line for the user.
+pub fn run(args: &Args) -> Result<(), InputError> {
+    let weight = measure(args).map_err(|error| error.within(args.log.display()))?;
+    let text = if args.json {
+        let json = serde_json::to_string_pretty(&weight);
+        json.map_err(|error| InputError::new(error.to_string()))? + "\n"
+    } else {
+        text(&weight)
+    };
+    output::print(&text)
+}
+
+fn measure(args: &Args) -> Result<Weight, InputError> {
+    let file = File::open(&args.log)
+        .map_err(|error| InputError::new(format!("cannot be opened: {error}")))?;
+    let options = LogOptions {
+        rate_hz: args.rate_hz,
+        column: args.column.clone(),
+        unit: args.unit,
+        array_id: args.array_id,
+        ..LogOptions::default()
+    };
+    let mut log = Log::from_reader(Box::new(file), &options)?;
+    let (tare_counts, counts_per_n) = (args.tare_counts, args.counts_per_n);
+    let given = TestOptions { tare_counts, counts_per_n, ..TestOptions::default() };
+    let calibration = calibration(&log, &given)?;
+    let range_n = log.metadata().range_n.map(|range_n| range_n as f32);
+    let config = Config { calibration, range_n, ..Config::default() };
+    weigh(&mut log, &Calibrator::new(&config))
+}
+
+fn text(weight: &Weight) -> String {
+    let swing = match weight.swing_period_s.zip(weight.swing_amplitude_rad) {
+        Some((period_s, amplitude_rad)) => format!(
+            "{period_s:.2} s, {:.1}°; {:.2} N of excess taken off",
+            amplitude_rad.to_degrees(),
+            weight.excess_n
+        ),
+        None => "none seen".to_string(),
+    };
+    let Weight { weight_n, weight_std_n, duration_s, scatter_n, .. } = weight;
+    format!(
+        "weight        {weight_n:.2} ± {weight_std_n:.2} N\n\
+         swing         {swing}\n\
+         record        {duration_s:.1} s, scatter {scatter_n:.2} N in a quarter of a second\n"
+    )
+}

@@ -1,0 +1,99 @@
+//! The weight of a block from a recording of it on the tripod.
+
+use floe_core::signal::calibrate::Calibrator;
+use floe_core::weighing::{Load, Unrest, Weighing};
+use serde::Serialize;
+
+use crate::error::InputError;
+use crate::log::Log;
+
+/// Name and version of this format; changes when a meaning changes.
+pub const SCHEMA: &str = "floe-weigh/1";
+
+/// A load is one when it is so many standard deviations from zero.
+const SURE: f32 = 5.0;
+
+/// The weight, the same numbers as the board's.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Weight {
+    /// [`SCHEMA`].
+    pub schema: &'static str,
+    /// Weight, the excess taken off, N.
+    pub weight_n: f64,
+    /// One standard deviation, N; not the zero's and not the span's.
+    pub weight_std_n: f64,
+    /// Period of the swing, there and back, s; `null` if none is seen.
+    pub swing_period_s: Option<f64>,
+    /// Largest angle of the swing, rad.
+    pub swing_amplitude_rad: Option<f64>,
+    /// What the swing added to the mean, N.
+    pub excess_n: f64,
+    /// Length of the part that was used, the last of the log, s.
+    pub duration_s: f64,
+    /// Scatter of means of a quarter of a second about the fit, N.
+    pub scatter_n: f64,
+}
+
+/// Weighs what hangs in a log.
+///
+/// # Errors
+/// The log cannot be read, or the load does not rest at its end.
+pub fn weigh(log: &mut Log, calibrator: &Calibrator) -> Result<Weight, InputError> {
+    let mut weighing = Weighing::new(log.rate_hz() as f32);
+    let mut next = None;
+    while let Some(sample) = log.next_sample()? {
+        let index = sample.raw.index;
+        let missing = index.saturating_sub(*next.get_or_insert(index));
+        // A longer gap empties the window just as well.
+        for _ in 0..missing.min(10_000) {
+            weighing.add(None);
+        }
+        next = Some(index + 1);
+        weighing.add(calibrator.force_n(sample.raw.reading).ok());
+    }
+    let refused = |unrest| InputError::new(remedy(unrest, weighing.duration_s()));
+    let rest = weighing.rest().map_err(refused)?;
+    let load = rest.load(0.0).map_err(refused)?;
+    check(&load)?;
+    let known = f64::from;
+    Ok(Weight {
+        schema: SCHEMA,
+        weight_n: known(load.value),
+        weight_std_n: known(load.std),
+        swing_period_s: load.swing.map(|swing| known(swing.period_s)),
+        swing_amplitude_rad: load.swing.map(|swing| known(swing.amplitude_rad)),
+        excess_n: load.swing.map_or(0.0, |swing| known(swing.excess)),
+        duration_s: known(rest.duration_s),
+        scatter_n: known(rest.scatter),
+    })
+}
+
+fn check(load: &Load) -> Result<(), InputError> {
+    let Load { value, std, .. } = *load;
+    if value > SURE * std {
+        return Ok(());
+    }
+    Err(InputError::new(if value < -SURE * std {
+        format!(
+            "the force is {value:.2} N, below zero: tare the empty hook, or turn the sign of the span"
+        )
+    } else {
+        format!("nothing hangs there: {value:.2} ± {std:.2} N")
+    }))
+}
+
+fn remedy(unrest: Unrest, duration_s: f32) -> String {
+    match unrest {
+        Unrest::Short => format!(
+            "only {duration_s:.1} s without a gap at the end: record the hanging block for 8 s at \
+             least, better for 40 s"
+        ),
+        Unrest::Drifts(slope) => format!(
+            "the force drifts by {slope:.3} N a second: wait until the block hangs still, then \
+             record again"
+        ),
+        Unrest::Moves => "this is no rest: a block on the tripod swings by 15 degrees at most; \
+                          calm it and record again"
+            .to_string(),
+    }
+}

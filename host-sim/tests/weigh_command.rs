@@ -1,0 +1,77 @@
+//! `floe weigh` as a user runs it.
+
+use std::path::PathBuf;
+use std::process::{Command, Output};
+
+fn floe(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_floe")).args(arguments).output().expect("floe runs")
+}
+
+fn file(name: &str) -> PathBuf {
+    PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(format!("weigh-{name}"))
+}
+
+/// A log of forces at 16 Hz.
+fn log(name: &str, seconds: u32, force_n: impl Fn(f64) -> f64) -> String {
+    let rows = (0..16 * seconds).map(|i| (f64::from(i) / 16.0, i));
+    let noise = |i: u32| f64::from(i.wrapping_mul(2_654_435_761) >> 16) / 65_536.0 - 0.5;
+    let rows = rows.map(|(t, i)| format!("{t},{:.4}\n", force_n(t) + noise(i)));
+    let path = file(name);
+    std::fs::write(&path, format!("time_s,force_n\n{}", rows.collect::<String>())).expect("kept");
+    path.display().to_string()
+}
+
+/// 630 N that swings by 5 degrees with a period of 2 s.
+fn swinging(t: f64) -> f64 {
+    let amplitude = 5.0_f64.to_radians();
+    let angle = amplitude * (std::f64::consts::PI * t).cos();
+    630.0 * (3.0 * angle.cos() - 2.0 * amplitude.cos())
+}
+
+#[test]
+fn a_recording_is_weighed() {
+    let path = log("swings.csv", 40, swinging);
+    let output = floe(&["weigh", &path, "--json"]);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let json: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    assert_eq!(json["schema"], "floe-weigh/1");
+    let number = |key: &str| json[key].as_f64().unwrap_or_else(|| panic!("{key}: {json}"));
+    assert!((number("weight_n") - 630.0).abs() < 0.06, "{json}");
+    assert!((0.001..0.05).contains(&number("weight_std_n")), "{json}");
+    assert!((number("swing_period_s") - 2.0).abs() < 0.01, "{json}");
+    assert!((number("swing_amplitude_rad") - 0.0873).abs() < 0.002, "{json}");
+    assert!((number("excess_n") - 1.2).abs() < 0.05, "{json}");
+    let text = String::from_utf8(floe(&["weigh", &path]).stdout).expect("text");
+    assert!(text.contains("2.00 s, 5.0°; 1.20 N of excess"), "{text}");
+}
+
+#[test]
+fn a_still_block_has_no_swing() {
+    let path = log("still.csv", 20, |_| 98.1);
+    let output = floe(&["weigh", &path, "--json"]);
+    let json: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    assert!(json["swing_period_s"].is_null() && json["swing_amplitude_rad"].is_null(), "{json}");
+    assert!((json["weight_n"].as_f64().expect("a number") - 98.1).abs() < 0.1, "{json}");
+}
+
+#[test]
+fn what_is_no_weighing_is_refused_in_one_line() {
+    let drift = log("drift.csv", 40, |t| 630.0 + 0.2 * t);
+    let short = log("short.csv", 5, |_| 630.0);
+    let empty = log("empty.csv", 40, |_| 0.0);
+    let below = log("below.csv", 40, |_| -630.0);
+    let pulled = log("pulled.csv", 40, |t| 200.0 + 300.0 * (t % 2.0));
+    for (path, words) in [
+        (drift, "drifts by 0.2"),
+        (short, "only 5.0 s"),
+        (empty, "nothing hangs there"),
+        (below, "below zero"),
+        (pulled, "no rest"),
+        (file("missing.csv").display().to_string(), "cannot be opened"),
+    ] {
+        let output = floe(&["weigh", &path]);
+        let said = String::from_utf8(output.stderr).expect("text");
+        assert_eq!(output.status.code(), Some(2), "{said}");
+        assert!(said.contains(words) && said.lines().count() == 1, "{said}");
+    }
+}

@@ -1,0 +1,112 @@
+//! Figures held to aims, and the list of those that do not reach theirs yet.
+//!
+//! A list is a CSV file: row, what, how far beyond the aim it may be, why. A figure that
+//! misses its aim fails unless the list has it; one that has reached it must leave the
+//! list ([`shrink`] takes it out, and never puts anything in).
+
+use std::fmt::Write;
+use std::fs;
+use std::path::Path;
+
+/// A figure beside its aim.
+#[derive(Clone, Debug)]
+pub struct Check {
+    /// Row of the table.
+    pub row: String,
+    /// Which figure of the row.
+    pub what: String,
+    /// The figure.
+    pub value: f64,
+    /// How far it is from its aim; zero or less when it is there.
+    pub miss: f64,
+}
+
+impl Check {
+    /// A figure that is to be within two values.
+    #[must_use]
+    pub fn between(row: &str, what: &str, value: f64, (least, most): (f64, f64)) -> Self {
+        // What is no number is no aim reached.
+        let miss = if value.is_nan() { f64::INFINITY } else { (least - value).max(value - most) };
+        Self { row: row.to_owned(), what: what.to_owned(), value, miss }
+    }
+
+    /// A figure that is to be this at least.
+    #[must_use]
+    pub fn least(row: &str, what: &str, value: f64, least: f64) -> Self {
+        Self::between(row, what, value, (least, f64::INFINITY))
+    }
+
+    /// A figure that is to be this at most.
+    #[must_use]
+    pub fn most(row: &str, what: &str, value: f64, most: f64) -> Self {
+        Self::between(row, what, value, (f64::NEG_INFINITY, most))
+    }
+}
+
+/// An aim that is not reached yet.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NotYet {
+    /// Row of the table.
+    pub row: String,
+    /// Which figure.
+    pub what: String,
+    /// Largest miss.
+    pub miss: f64,
+    /// Why.
+    pub why: String,
+}
+
+impl NotYet {
+    fn is_of(&self, check: &Check) -> bool {
+        self.row == check.row && self.what == check.what
+    }
+}
+
+/// Reads a list.
+///
+/// # Panics
+/// The file cannot be read, or a line has not four fields.
+#[must_use]
+pub fn not_yet(file: &Path) -> Vec<NotYet> {
+    let text = fs::read_to_string(file).expect("a list of aims that are not reached");
+    let entry = |line: &str| {
+        let mut fields = line.splitn(4, ',').map(str::to_owned);
+        let mut field = || fields.next().unwrap_or_else(|| panic!("four fields: {line}"));
+        let (row, what) = (field(), field());
+        let miss = field().parse().unwrap_or_else(|_| panic!("a number as third field: {line}"));
+        NotYet { row, what, miss, why: field() }
+    };
+    text.lines().skip(1).map(entry).collect()
+}
+
+/// What is wrong, one line each: an aim that is missed and not on the list, one missed by
+/// more than the list allows, and one on the list that is reached or not there.
+#[must_use]
+pub fn faults(checks: &[Check], list: &[NotYet]) -> Vec<String> {
+    let missed = checks.iter().filter_map(|check| {
+        let allowed = list.iter().find(|e| e.is_of(check)).map_or(0.0, |e| e.miss);
+        let Check { row, what, value, miss } = check;
+        let far = format!("{row}: {what} is {value:.4}, {miss:.4} from its aim");
+        (*miss > allowed).then(|| format!("{far} (allowed: {allowed})"))
+    });
+    let stale = list.iter().filter(|e| !is_missed(e, checks)).map(|e| {
+        format!("{}: {} has reached its aim: FLOE_TABLE=write takes it off the list", e.row, e.what)
+    });
+    missed.chain(stale).collect()
+}
+
+fn is_missed(entry: &NotYet, checks: &[Check]) -> bool {
+    checks.iter().any(|check| entry.is_of(check) && check.miss > 0.0)
+}
+
+/// Takes off a list what has reached its aim.
+///
+/// # Panics
+/// The file cannot be read or written.
+pub fn shrink(file: &Path, checks: &[Check]) {
+    let mut text = "row,what,miss,why\n".to_owned();
+    for e in not_yet(file).iter().filter(|e| is_missed(e, checks)) {
+        let _ = writeln!(text, "{},{},{},{}", e.row, e.what, e.miss, e.why);
+    }
+    fs::write(file, text).expect("the list can be written");
+}
