@@ -31,6 +31,7 @@ pub mod report;
 pub mod sample;
 pub mod signal;
 pub mod stats;
+pub mod stretch;
 pub mod units;
 pub mod weighing;
 
@@ -41,4 +42,5 @@ pub use event::{Event, Provisional, Quality, Reason};
 pub use pipeline::{Pipeline, Step};
 pub use report::{Counters, Report};
 pub use sample::{Fault, ForceSample, Phase, RawSample, Reading, SampleFlag, SampleTime};
+pub use stretch::{Stretch, StretchKind};
 pub use units::{Counts, Newtons};

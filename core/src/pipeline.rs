@@ -10,6 +10,7 @@ use crate::estimator::Estimator;
 use crate::event::{Event, Provisional};
 use crate::num::math;
 use crate::report::{Counters, Report};
+use crate::stretch::{Stretch, Stretches};
 use crate::sample::{ForcePoint, ForceSample, Phase, RawSample, SampleFlag, SampleTime};
 use crate::signal::calibrate::Calibrator;
 use crate::signal::decimate::Decimator;
@@ -42,6 +43,8 @@ pub struct Step {
     pub event: Option<Event>,
     /// A change of the block or of its friction that the event told.
     pub change: Option<Change>,
+    /// A stretch without events that is now complete.
+    pub stretch: Option<Stretch>,
 }
 
 impl Step {
@@ -56,6 +59,7 @@ impl Step {
             provisional: None,
             event: None,
             change: None,
+            stretch: None,
         }
     }
 }
@@ -85,6 +89,7 @@ pub struct Pipeline {
     /// The newest change, and whether a step has told it.
     change: Option<Change>,
     told: bool,
+    stretches: Stretches,
     onsets: Option<(SampleTime, SampleTime)>,
 }
 
@@ -121,6 +126,7 @@ impl Pipeline {
             events: 0,
             change: None,
             told: true,
+            stretches: Stretches::new(rate_hz, config.weight_n, config.winch_m_per_s.is_some()),
             onsets: None,
         })
     }
@@ -157,6 +163,7 @@ impl Pipeline {
         if !self.told {
             (step.change, self.told) = (self.change, true);
         }
+        step.stretch = self.next_stretch();
         if let Some(answer) = &mut step.provisional {
             answer.widen(self.drift.std());
         }
@@ -179,16 +186,37 @@ impl Pipeline {
         let held = self.spikes.finish().and_then(|held| self.decimator.step(held));
         let event = held.and_then(|block| self.advance(block));
         let event = event.or_else(|| self.decimator.finish().and_then(|block| self.advance(block)));
-        event.or_else(|| self.catch_up()).or_else(|| {
-            let event = self.cycles.finish().or_else(|| {
+        event.or_else(|| self.catch_up()).or_else(|| self.last_event())
+    }
+
+    /// Ends what is left of a test whose events are all given, one stretch a call, until `None`.
+    pub fn finish_stretch(&mut self) -> Option<Stretch> {
+        self.stretches.interrupt(Some(u64::MAX));
+        self.stretches.close();
+        self.next_stretch()
+    }
+
+    /// A complete stretch, in samples.
+    fn next_stretch(&mut self) -> Option<Stretch> {
+        let stretch = self.stretches.next()?;
+        let [start, stop] = [stretch.start, stretch.stop].map(|it| self.decimator.moment(it));
+        Some(Stretch { start, stop, ..stretch })
+    }
+
+    /// The next event of fits that are under way or have to be made.
+    fn last_event(&mut self) -> Option<Event> {
+        loop {
+            let finished = self.cycles.finish().or_else(|| {
                 let (stick, window) = (self.detector.stick(), self.detector.window());
-                let end =
-                    ForcePoint { index: self.detector.last().index + 1, ..self.detector.last() };
+                let last = self.detector.last();
+                let end = ForcePoint { index: last.index + 1, ..last };
                 self.cycles.complete(stick, window, end);
                 self.cycles.finish()
             });
-            event.map(|finished| self.count(finished))
-        })
+            if let Some(event) = self.count(finished?) {
+                return Some(event);
+            }
+        }
     }
 
     /// The result so far.
@@ -260,6 +288,7 @@ impl Pipeline {
         if is_block && slips {
             step.provisional = self.turned(block);
         }
+        self.stretches.take(block);
         let transition = self.detector.step(block.index, block.force_n);
         if transition.is_some() || !self.cycles.is_idle() {
             step.event = self.follow(transition);
@@ -277,6 +306,7 @@ impl Pipeline {
 
     /// Takes a good sample through the detector and on.
     fn advance(&mut self, sample: ForcePoint) -> Option<Event> {
+        self.stretches.take(sample);
         let transition = self.detector.step(sample.index, sample.force_n);
         if transition.is_none() && self.cycles.is_idle() {
             return None;
@@ -296,6 +326,11 @@ impl Pipeline {
     }
 
     fn follow(&mut self, transition: Option<Transition>) -> Option<Event> {
+        if transition.is_some() {
+            let (peak, _) = self.detector.extremes();
+            let is_new = self.detector.is_up_to_date();
+            self.stretches.interrupt(is_new.then(|| peak.index.saturating_sub(1)));
+        }
         let finished = match transition {
             None | Some(Transition::Onset | Transition::Cancelled) => self.cycles.work(),
             Some(Transition::Restick { peak, low }) => {
@@ -306,10 +341,16 @@ impl Pipeline {
                 self.cycles.complete(self.detector.ended(), self.detector.window(), last)
             }
         };
-        finished.map(|finished| self.count(finished))
+        finished.and_then(|finished| self.count(finished))
     }
 
-    fn count(&mut self, finished: Finished) -> Event {
+    /// Counts an event, unless nothing slipped.
+    fn count(&mut self, finished: Finished) -> Option<Event> {
+        if let Some(reason) = finished.event.reason.filter(|reason| reason.is_no_slip()) {
+            self.stretches.refuse(finished.event.onset, finished.event.stop, reason);
+            return None;
+        }
+        self.stretches.close();
         let Finished { mut event, alone, common, change } = finished;
         event.onset = self.decimator.moment(event.onset);
         event.stop = self.decimator.moment(event.stop);
@@ -336,7 +377,7 @@ impl Pipeline {
         let zero = self.drift.std();
         [&mut event.mu_s, &mut event.mu].into_iter().flatten().for_each(|it| it.widen(zero));
         self.onsets = Some((self.onsets.map_or(event.onset, |(first, _)| first), event.onset));
-        event
+        Some(event)
     }
 
     /// `k` from `F' = k w` where the winch speed is known, else from `ω² = k / M`.

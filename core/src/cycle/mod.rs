@@ -6,6 +6,7 @@
 
 mod cycle_fit;
 mod expectations;
+mod refusal;
 mod slip_record;
 
 use core::ops::ControlFlow;
@@ -162,12 +163,19 @@ impl CycleTracker {
         last_hidden: Option<u64>,
     ) -> Option<Finished> {
         let (stick, window) = (detector.ended(), detector.window());
+        let aliased = self.pending.as_ref().is_some_and(|before| {
+            refusal::is_aliased(before.peak.index, peak.index)
+        });
+        if let Some(before) = self.pending.as_mut().filter(|_| aliased) {
+            before.refused = Some(Reason::Aliased);
+        }
         let finished = self.complete(stick, window, peak);
         let mut next = self.slip(stick, detector, (peak, low));
         next.hidden |= last_hidden.is_some_and(|index| index + 4 >= stick.next);
         if let Some((origin, cycle)) = self.early.take() {
             next.know(CycleParams { onset: cycle.onset + since(next.origin, origin), ..cycle });
         }
+        next.refused = aliased.then_some(Reason::Aliased);
         self.pending = Some(next);
         finished
     }
@@ -186,6 +194,9 @@ impl CycleTracker {
         });
         if let Some(pending) = &mut self.pending {
             pending.end_before(stick, window, next_peak.index);
+            let periods = since(pending.low.index, next_peak.index);
+            let refused = refusal::of_fall(pending, stick.highest.force_n, periods);
+            pending.refused = refused.or(pending.refused);
             let after = pending.line_after(stick, window, next_onset);
             self.finishing = Some(CycleFit::new(*pending, after));
         }
@@ -260,7 +271,7 @@ impl CycleTracker {
         let finishing = self.finishing.take()?;
         let pending = finishing.pending;
         let mut load = None;
-        let finished = match outcome {
+        let mut finished = match outcome {
             Outcome::Failed(reason) => self.without_coefficients(&pending, reason).into(),
             Outcome::Fitted { posterior, alone, noise_n2, verdict } => {
                 let site = self.site();
@@ -287,9 +298,21 @@ impl CycleTracker {
                 finished
             }
         };
-        self.last_stop = Some(finished.event.stop);
+        let event = &finished.event;
+        let limit = SampleTime { index: pending.limit, fraction: 0.0 };
+        let overlaps = event.stop > limit || self.last_stop.is_some_and(|it| it > event.onset);
+        let overlaps = overlaps.then_some(Reason::NoFit).filter(|_| event.reason.is_none());
+        if let Some(reason) = refusal::of_event(event).or(overlaps) {
+            finished = self.without_coefficients(&pending, reason).into();
+        }
+        let event = &mut finished.event;
+        event.onset = self.last_stop.map_or(event.onset, |it| later(it, event.onset));
+        event.stop = later(event.onset, earlier(event.stop, limit));
+        self.last_stop = Some(event.stop);
         self.last_load = load.or(self.last_stop);
-        self.count = self.count.saturating_add(1);
+        if !event.reason.is_some_and(Reason::is_no_slip) {
+            self.count = self.count.saturating_add(1);
+        }
         Some(finished)
     }
 
@@ -449,8 +472,8 @@ impl CycleTracker {
 
     /// An event that is only seen, from its highest and lowest sample.
     fn without_coefficients(&self, pending: &SlipRecord, reason: Reason) -> Event {
-        let onset = since(pending.origin, pending.peak.index);
-        let fall = (pending.low.index - pending.peak.index) as f32;
+        let (onset, stop) = pending.fall_edges();
+        let fall = stop - onset;
         let drop = pending.peak.force_n - pending.low.force_n;
         let cycle = CycleParams {
             onset,
@@ -467,6 +490,10 @@ impl CycleTracker {
             rate_change: 0.0,
         };
         let mut event = self.bare(pending, &cycle, &cycle.shape());
+        event.stop = moment(pending.origin, stop);
+        event.slip_s = fall / self.site.rate_hz;
+        (event.peak_force_n, event.restick_force_n) = (pending.peak.force_n, pending.low.force_n);
+        event.slack = false;
         event.quality =
             if reason == Reason::Hidden { Quality::Clipped } else { Quality::Unresolved };
         event.omega_rad_per_s = None;
@@ -479,6 +506,14 @@ impl CycleTracker {
 fn moment(origin: u64, time: f32) -> SampleTime {
     let whole = libm::floorf(time);
     SampleTime { index: origin.saturating_add_signed(whole as i64), fraction: time - whole }
+}
+
+fn earlier(a: SampleTime, b: SampleTime) -> SampleTime {
+    if b < a { b } else { a }
+}
+
+fn later(a: SampleTime, b: SampleTime) -> SampleTime {
+    if b > a { b } else { a }
 }
 
 /// Periods from one moment to another.

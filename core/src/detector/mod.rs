@@ -296,8 +296,10 @@ impl Detector {
         let drop = self.stick.highest.force_n - self.lowest.force_n;
         let fall = self.lowest.index - self.stick.highest.index;
         let rise = now.force_n - self.lowest.force_n;
+        // A block that slides on never lets the force rise: no need to wait as long as it fell.
+        let wait = if rise > OFF_LINE * std && std > 0.0 { 2 } else { fall.div_ceil(2).max(2) };
         let rises = rise > (4.0 * std).min(0.5 * drop).max(CLEAR_RISE * drop);
-        rises || now.index - self.lowest.index >= fall.div_ceil(2).max(2)
+        rises || now.index - self.lowest.index >= wait
     }
 
     /// The newest sample looked at.
@@ -402,7 +404,9 @@ impl Detector {
         None
     }
 
-    fn is_up_to_date(&self) -> bool {
+    /// Has it looked at all that it was given?
+    #[must_use]
+    pub fn is_up_to_date(&self) -> bool {
         self.next > self.newest
     }
 

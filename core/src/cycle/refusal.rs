@@ -1,0 +1,79 @@
+//! Falls of the force that are no slips, and slips that the samples cannot tell: judged
+//! by what the force does before, in and after the fall, before anything is fitted.
+
+use crate::coefficient::Coefficient;
+use crate::cycle::slip_record::SlipRecord;
+use crate::event::{Event, Reason};
+use crate::num::math;
+use crate::stats::line::Line;
+
+/// Fewest periods from slip to slip: two samples of a rest and two of a slip.
+const FEWEST_PERIODS: u64 = 4;
+/// Standard deviations of the noise that are no chance.
+const SURE: f32 = 4.0;
+/// Fewest periods of a fall that shows its shape.
+const SHAPELY: f32 = 6.0;
+/// A coefficient beyond this is no friction: tuned to nothing, ice stays below 2.
+const LARGEST: f32 = 3.0;
+/// A block that slides on a slack cable until friction has taken its speed stays on it for
+/// `Fs (Fs - 2 Fp) / (2 Fp r)`: with `mu` a fifth of `mu_s`, 1.5 times as long as the force took
+/// to rise from nothing. One that stays longer was let go.
+const LEAST_RATIO: f32 = 0.2;
+
+/// Why a fall gives no coefficient, if that can be said without a fit: the highest force
+/// after it, N, and the periods until the next slip or the end.
+pub(crate) fn of_fall(slip: &SlipRecord, next_n: f32, periods: f32) -> Option<Reason> {
+    let noise_n = math::sqrt(slip.noise_n2);
+    let drop_n = slip.peak.force_n - slip.low.force_n;
+    let (from, to) = slip.fall_edges();
+    if slip.peak.force_n < -SURE * noise_n {
+        return Some(Reason::Negative);
+    }
+    let near_zero_n = (SURE * noise_n + slip.rate()).min(0.08 * drop_n);
+    if to - from < 1.5 && slip.low.force_n.abs() < near_zero_n {
+        return Some(Reason::LetGo);
+    }
+    if to - from >= SHAPELY && is_even(slip) {
+        return Some(Reason::WoundBack);
+    }
+    let rise_n = next_n - slip.low.force_n;
+    let possible_n = slip.rate() * periods;
+    let stays = rise_n < 0.6 * drop_n && possible_n > drop_n.max(2.0 * rise_n);
+    stays.then_some(Reason::NoRest)
+}
+
+/// Do slips follow each other too fast for the sampling?
+pub(crate) fn is_aliased(earlier: u64, later: u64) -> bool {
+    later.saturating_sub(earlier) < FEWEST_PERIODS
+}
+
+/// Why a measured event is not believed.
+pub(crate) fn of_event(event: &Event) -> Option<Reason> {
+    let (mu_s, mu) = event.mu_s.zip(event.mu)?;
+    if event.slack && mu.value < LEAST_RATIO * mu_s.value {
+        return Some(Reason::LetGo);
+    }
+    let is_possible = |c: &Coefficient| c.value < LARGEST && c.value > -SURE * c.std;
+    (!is_possible(&mu_s) || !is_possible(&mu)).then_some(Reason::Implausible)
+}
+
+/// Does the force fall as evenly as a winch that turns back lets it, and not along half a
+/// cosine? Between a tenth and nine tenths of the drop both lines, through the same
+/// samples, have two unknowns; what they leave decides. At most as many samples as the
+/// record of a slip holds.
+fn is_even(slip: &SlipRecord) -> bool {
+    /// `acos(0.8)`: where half a cosine has lost a tenth.
+    const FROM: f32 = 0.643_5;
+    let (first, last) = slip.fall_edges();
+    let turn = (core::f32::consts::PI - 2.0 * FROM) / (last - first);
+    let (mut straight, mut cosine) = (Line::default(), Line::default());
+    for (time, force_n) in slip.samples().good() {
+        if time >= first && time <= last {
+            straight.add(time, force_n, 1.0, 1.0);
+            let angle = FROM + turn * (time - first);
+            cosine.add(math::sin_cos(angle).1, force_n, 1.0, 1.0);
+        }
+    }
+    let noise_n2 = straight.count as f32 * slip.noise_n2;
+    straight.count > 4 && 4.0 * straight.residual() < cosine.residual() - noise_n2
+}

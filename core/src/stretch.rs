@@ -1,0 +1,236 @@
+//! Stretches of a record that are no events: a constant force, and what was not understood.
+//!
+//! A cable that is tightened and held and a block that slides evenly are the same constant
+//! force. The samples are taken in blocks of a second or 16 samples; a stretch goes on while
+//! the blocks' means stay within what they scatter and rise by no more than chance. Work per
+//! sample: one mean and one squared difference; nothing is looked at twice.
+
+use crate::event::Reason;
+use crate::num::math::{self, larger};
+use crate::sample::{ForcePoint, SampleTime};
+use crate::stats::line::Line;
+
+/// Fewest samples of a block.
+const LEAST_BLOCK: f32 = 16.0;
+/// Fewest and most blocks of a stretch: what is shorter may be a slow stick, what is longer
+/// is told in parts.
+const BLOCKS: (u32, u32) = (8, 128);
+/// Standard deviations that are no chance.
+const SURE: f32 = 4.0;
+/// A mean that differs by less than this part of the force is the same.
+const SAME: f32 = 0.01;
+/// Largest scatter of the samples, parts of the weight: more of it hides slips.
+const LARGEST_SCATTER: f32 = 0.06;
+/// Longest gap within a stretch, periods.
+const LONGEST_GAP: u64 = 8;
+
+/// A stretch of samples that belongs to no event.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Stretch {
+    /// Its first moment.
+    pub start: SampleTime,
+    /// Its last moment.
+    pub stop: SampleTime,
+    /// What it was.
+    pub kind: StretchKind,
+}
+
+/// What a [`Stretch`] was.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum StretchKind {
+    /// A constant force.
+    Steady {
+        /// Mean force over the weight.
+        force_over_weight: f32,
+        /// One standard deviation of that mean, from the scatter of the means of blocks.
+        std: f32,
+        /// Whether the block moved: with a winch that is known to turn it did. `None`: held
+        /// or sliding, the force alone cannot tell.
+        moving: Option<bool>,
+    },
+    /// Falls of the force that are no slips.
+    NotUnderstood(Reason),
+}
+
+/// Finds constant forces.
+#[derive(Clone, Copy, Debug)]
+struct SteadyForce {
+    /// Samples of a block.
+    block: u32,
+    start: u64,
+    last: ForcePoint,
+    /// Of the block that grows: samples, mean, and squared differences of neighbours, N².
+    count: u32,
+    mean_n: f32,
+    steps_n2: f32,
+    /// The means of the full blocks, by their number; what the noise adds to one of them, N².
+    means: Line,
+    noise_n2: f32,
+}
+
+/// First and last index, and the means of the blocks.
+type Steady = (u64, u64, Line);
+
+impl SteadyForce {
+    fn new(rate_hz: f32) -> Self {
+        Self {
+            block: larger(rate_hz, LEAST_BLOCK) as u32,
+            start: 0,
+            last: ForcePoint::ZERO,
+            count: 0,
+            mean_n: 0.0,
+            steps_n2: 0.0,
+            means: Line::default(),
+            noise_n2: 0.0,
+        }
+    }
+
+    /// Takes a sample; gives a stretch that it ends. `most_n` is the largest scatter.
+    fn take(&mut self, now: ForcePoint, most_n: f32) -> Option<Steady> {
+        let gap = now.index.saturating_sub(self.last.index);
+        let ended = if gap > LONGEST_GAP { self.end(now.index) } else { None };
+        let step_n = if self.count > 0 { now.force_n - self.last.force_n } else { 0.0 };
+        self.last = now;
+        self.count += 1;
+        self.mean_n += (now.force_n - self.mean_n) / self.count as f32;
+        self.steps_n2 += step_n * step_n;
+        if self.count < self.block { ended } else { self.end_block(most_n) }
+    }
+
+    /// Ends the stretch before the block that grows; what follows begins at an index.
+    fn end(&mut self, next: u64) -> Option<Steady> {
+        let (start, means) = (self.start, self.means);
+        let stop = self.last.index.saturating_sub(self.count.into());
+        (self.count, self.mean_n, self.steps_n2) = (0, 0.0, 0.0);
+        (self.start, self.means, self.noise_n2) = (next, Line::default(), 0.0);
+        (means.count >= BLOCKS.0).then_some((start, stop, means))
+    }
+
+    fn end_block(&mut self, most_n: f32) -> Option<Steady> {
+        let (count, mean_n) = (self.count as f32, self.mean_n);
+        // White noise differs from its neighbour by twice its variance.
+        let sample_n2 = 0.5 * self.steps_n2 / (count - 1.0);
+        let noise_n2 = sample_n2 / count;
+        let first = (self.last.index + 1).saturating_sub(self.count.into());
+        let scatters = sample_n2 > most_n * most_n;
+        let ended = (scatters || !self.goes_on(mean_n, noise_n2)).then(|| self.end(first));
+        (self.count, self.mean_n, self.steps_n2) = (0, 0.0, 0.0);
+        if scatters {
+            self.start = self.last.index + 1;
+            return ended.flatten();
+        }
+        let blocks = self.means.count as f32;
+        self.noise_n2 += (noise_n2 - self.noise_n2) / (blocks + 1.0);
+        self.means.add(blocks, mean_n, 1.0, 1.0);
+        if self.means.count == BLOCKS.0 && self.rises(self.noise_n2) {
+            // A slow stick line.
+            (self.start, self.means) = (self.last.index + 1, Line::default());
+        }
+        let is_long = self.means.count >= BLOCKS.1;
+        ended.flatten().or_else(|| if is_long { self.end(self.last.index + 1) } else { None })
+    }
+
+    /// Is a block's mean that of the blocks before it, and have they no slope?
+    fn goes_on(&self, mean_n: f32, noise_n2: f32) -> bool {
+        let means = &self.means;
+        let scatter_n = SURE * math::sqrt(self.scatter_n2(noise_n2));
+        let is_same =
+            (mean_n - means.level_n).abs() < larger(SAME * means.level_n.abs(), scatter_n);
+        means.count == 0 || (is_same && (means.count < BLOCKS.0 || !self.rises(noise_n2)))
+    }
+
+    /// Variance of a block's mean, N².
+    fn scatter_n2(&self, noise_n2: f32) -> f32 {
+        let free = larger(self.means.count as f32 - 2.0, 1.0);
+        larger(self.means.residual() / free, larger(self.noise_n2, noise_n2))
+    }
+
+    fn rises(&self, noise_n2: f32) -> bool {
+        let slope = self.means.slope().unwrap_or(0.0);
+        slope * slope * self.means.slope_weight() > SURE * SURE * self.scatter_n2(noise_n2)
+    }
+}
+
+/// Stretches on their way out, in order: one a step.
+#[derive(Clone, Debug)]
+pub(crate) struct Stretches {
+    steady: SteadyForce,
+    weight_n: f32,
+    moving: Option<bool>,
+    /// What is not understood, as long as it may grow.
+    open: Option<Stretch>,
+    /// Oldest first.
+    ready: [Option<Stretch>; 4],
+}
+
+impl Stretches {
+    /// For a rate in hertz and a weight; `winch` if it is known to turn.
+    pub(crate) fn new(rate_hz: f32, weight_n: f32, winch: bool) -> Self {
+        let steady = SteadyForce::new(rate_hz);
+        Self { steady, weight_n, moving: winch.then_some(true), open: None, ready: [None; 4] }
+    }
+
+    /// Takes a sample.
+    pub(crate) fn take(&mut self, now: ForcePoint) {
+        if let Some(steady) = self.steady.take(now, LARGEST_SCATTER * self.weight_n) {
+            self.tell_steady(steady);
+        }
+    }
+
+    /// The force has left what it was: a stretch ends before this index. `None`: the sample
+    /// is not the newest, so what was taken for a constant force is none.
+    pub(crate) fn interrupt(&mut self, last: Option<u64>) {
+        let next = self.steady.last.index + 1;
+        let Some((start, stop, means)) = self.steady.end(next) else { return };
+        if let Some(last) = last {
+            self.tell_steady((start, stop.min(last), means));
+        }
+    }
+
+    /// Takes a fall that is no slip.
+    pub(crate) fn refuse(&mut self, start: SampleTime, stop: SampleTime, reason: Reason) {
+        let kind = StretchKind::NotUnderstood(reason);
+        match &mut self.open {
+            Some(open) if open.kind == kind => open.stop = stop,
+            _ => {
+                self.close();
+                self.open = Some(Stretch { start, stop, kind });
+            }
+        }
+    }
+
+    /// What was not understood is over: an event follows, or the end.
+    pub(crate) fn close(&mut self) {
+        if let Some(open) = self.open.take() {
+            self.push(open);
+        }
+    }
+
+    /// The oldest one that is complete.
+    pub(crate) fn next(&mut self) -> Option<Stretch> {
+        let [first, second, third, last] = self.ready;
+        self.ready = [second, third, last, None];
+        first
+    }
+
+    fn tell_steady(&mut self, (start, stop, means): Steady) {
+        self.close();
+        let count = means.count as f32;
+        let slope = means.slope().unwrap_or(0.0);
+        let squares_n2 = means.residual() + slope * slope * means.slope_weight();
+        let std = math::sqrt(squares_n2 / (count * (count - 1.0))) / self.weight_n;
+        let force_over_weight = means.level_n / self.weight_n;
+        let kind = StretchKind::Steady { force_over_weight, std, moving: self.moving };
+        let [start, stop] = [start, stop].map(|index| SampleTime { index, fraction: 0.0 });
+        self.push(Stretch { start, stop, kind });
+    }
+
+    /// There is always room: a stretch takes many samples, and each step takes one out.
+    fn push(&mut self, stretch: Stretch) {
+        if let Some(place) = self.ready.iter_mut().find(|place| place.is_none()) {
+            *place = Some(stretch);
+        }
+    }
+}
