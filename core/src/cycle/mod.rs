@@ -234,9 +234,8 @@ impl CycleTracker {
         extremes: (ForcePoint, ForcePoint),
     ) -> SlipRecord {
         let now = detector.last().index;
-        let mut slip = SlipRecord::new(stick, self.start(stick), detector.window(), now, extremes);
-        let noise_n = detector.noise_n().unwrap_or(1.0);
-        slip.noise_n2 = noise_n * noise_n;
+        let (start, noise_n) = (self.start(stick), detector.noise_n().unwrap_or(1.0));
+        let mut slip = SlipRecord::new(stick, start, detector.window(), now, extremes, noise_n);
         slip.wander = detector.wander();
         slip.rest_weight = detector.rest_weight();
         if let Some(previous) = self.unfinished() {

@@ -58,19 +58,18 @@ pub(crate) fn of_event(event: &Event) -> Option<Reason> {
 }
 
 /// Does the force fall as evenly as a winch that turns back lets it, and not along half a
-/// cosine? Between a tenth and nine tenths of the drop both lines, through the same
-/// samples, have two unknowns; what they leave decides. At most as many samples as the
-/// record of a slip holds.
+/// cosine? Both lines, through the same samples, have two unknowns; what they leave decides.
+/// At most as many samples as the record of a slip holds.
 fn is_even(slip: &SlipRecord) -> bool {
-    /// `acos(0.8)`: where half a cosine has lost a tenth.
-    const FROM: f32 = 0.643_5;
+    // Where half a cosine has lost that part.
+    let from = math::acos(1.0 - 2.0 * slip.edge_part());
     let (first, last) = slip.fall_edges();
-    let turn = (core::f32::consts::PI - 2.0 * FROM) / (last - first);
+    let turn = (core::f32::consts::PI - 2.0 * from) / (last - first);
     let (mut straight, mut cosine) = (Line::default(), Line::default());
     for (time, force_n) in slip.samples().good() {
         if time >= first && time <= last {
             straight.add(time, force_n, 1.0, 1.0);
-            let angle = FROM + turn * (time - first);
+            let angle = from + turn * (time - first);
             cosine.add(math::sin_cos(angle).1, force_n, 1.0, 1.0);
         }
     }

@@ -61,9 +61,9 @@ pub(crate) struct Rough {
     pub(crate) slide_std: f32,
     /// Half-way down, periods from the event's origin.
     pub(crate) middle: f32,
-    /// The last sample above nine tenths of the drop before that, and the first one below a
-    /// tenth after it: the highest and the lowest sample may lie anywhere on a slow line.
-    pub(crate) edges: (f32, f32),
+    /// The last sample before that which is still high, and the first one after it which is
+    /// low: the highest and the lowest sample may lie anywhere on a slow line.
+    edges: (f32, f32),
 }
 
 /// A slip that ended on a slack cable.
@@ -113,6 +113,7 @@ impl SlipRecord {
         window: &Window,
         now: u64,
         (peak, low): (ForcePoint, ForcePoint),
+        noise_n: f32,
     ) -> Self {
         let first = stick.next;
         let mut pending = Self {
@@ -124,7 +125,7 @@ impl SlipRecord {
             peak,
             low,
             rough: Rough::new(stick, window, (peak, low)),
-            noise_n2: 0.0,
+            noise_n2: noise_n * noise_n,
             wander: ColoredNoise::NONE,
             rest_weight: 1.0,
             rest_from: since(first, low.index),
@@ -355,10 +356,15 @@ impl SlipRecord {
         begins && ends && is_near(cycle.static_n, peak_n) && is_near(cycle.restick_n(), low_n)
     }
 
-    fn edges(&self) -> (f32, f32) {
-        const PART: f32 = 0.1;
+    /// Part of the drop that begins and ends the fall: beyond what the noise does.
+    pub(crate) fn edge_part(&self) -> f32 {
         let drop_n = self.peak.force_n - self.low.force_n;
-        let (high_n, low_n) = (self.peak.force_n - PART * drop_n, self.low.force_n + PART * drop_n);
+        (0.1 + 3.0 * math::sqrt(self.noise_n2) / drop_n).min(0.3)
+    }
+
+    fn edges(&self) -> (f32, f32) {
+        let part_n = self.edge_part() * (self.peak.force_n - self.low.force_n);
+        let (high_n, low_n) = (self.peak.force_n - part_n, self.low.force_n + part_n);
         let times = (since(self.origin, self.peak.index), since(self.origin, self.low.index));
         let record = self.samples();
         let before = record.good().filter(|&(time, force_n)| {
