@@ -6,6 +6,7 @@ pub mod brute;
 pub mod feed;
 pub mod maths;
 pub mod normal;
+pub mod records;
 pub mod scenes;
 pub mod score;
 pub mod wide;
