@@ -93,9 +93,13 @@ impl fmt::Display for Reason {
             Self::NoFit => "the model does not describe the samples",
             Self::Suspect => "omega is another than before: the block may have changed",
             Self::Aliased => "fewer than four samples from slip to slip: sample faster",
-            Self::NoRest => "the force does not rise after it: the block slid on or the winch stood",
+            Self::NoRest => {
+                "the force does not rise after it: the block slid on or the winch stood"
+            }
             Self::Implausible => "a coefficient above 3 or below 0: check weight, unit and zero",
-            Self::LetGo => "the force falls to nothing at once or stays there: the cable was let go",
+            Self::LetGo => {
+                "the force falls to nothing at once or stays there: the cable was let go"
+            }
             Self::WoundBack => "the force falls evenly: the winch turned back",
             Self::Negative => "the force is below zero: check polarity and zero",
         })

@@ -10,12 +10,12 @@ use crate::estimator::Estimator;
 use crate::event::{Event, Provisional};
 use crate::num::math;
 use crate::report::{Counters, Report};
-use crate::stretch::{Stretch, Stretches};
 use crate::sample::{ForcePoint, ForceSample, Phase, RawSample, SampleFlag, SampleTime};
 use crate::signal::calibrate::Calibrator;
 use crate::signal::decimate::Decimator;
 use crate::signal::derivative::{Central, Rate};
 use crate::signal::spike::{Judged, SpikeFilter, Usual};
+use crate::stretch::{Stretch, Stretches};
 
 /// Standard gravity, m/s²: turns a weight into a mass.
 const GRAVITY: f32 = 9.806_65;

@@ -163,9 +163,10 @@ impl CycleTracker {
         last_hidden: Option<u64>,
     ) -> Option<Finished> {
         let (stick, window) = (detector.ended(), detector.window());
-        let aliased = self.pending.as_ref().is_some_and(|before| {
-            refusal::is_aliased(before.peak.index, peak.index)
-        });
+        let aliased = self
+            .pending
+            .as_ref()
+            .is_some_and(|before| refusal::is_aliased(before.peak.index, peak.index));
         if let Some(before) = self.pending.as_mut().filter(|_| aliased) {
             before.refused = Some(Reason::Aliased);
         }

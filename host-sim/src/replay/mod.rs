@@ -1,17 +1,19 @@
 //! A recorded log through the core: `floe replay`.
 
-use floe_core::{Config, Event, Pipeline, Step};
+use floe_core::{Config, Event, Pipeline, Step, Stretch};
 
 use crate::error::InputError;
 use crate::log::Log;
 
 pub mod batches;
 pub mod result;
+pub mod stretches;
 pub mod table;
 pub mod test;
 pub mod timeline;
 
 use result::{ChangeSummary, EventSummary, LogSummary, ReplayResult, TestSummary};
+use stretches::Stretches;
 use timeline::Timeline;
 
 /// Runs a whole log through the core; constant memory apart from the events.
@@ -32,15 +34,20 @@ pub fn replay(
     let mut pipeline = Pipeline::new(config).map_err(refused)?;
     let mut timeline = Timeline::new(log.rate_hz());
     let (mut events, mut changes) = (Vec::new(), Vec::new());
+    let mut stretches = Stretches::default();
     batches::for_each_sample(log, |sample| {
         timeline.push(sample.raw.index, sample.time_s);
         let step = pipeline.step(sample.raw);
         observe(sample.time_s, &step);
         events.extend(step.event.map(|event| summary(&event, &timeline)));
         changes.extend(step.change.map(|it| ChangeSummary::new(&it, timeline.seconds(it.onset))));
+        step.stretch.iter().for_each(|it| add(&mut stretches, it, &timeline));
     })?;
     while let Some(event) = pipeline.finish() {
         events.push(summary(&event, &timeline));
+    }
+    while let Some(stretch) = pipeline.finish_stretch() {
+        add(&mut stretches, &stretch, &timeline);
     }
     let report = pipeline.report();
     let log_summary = LogSummary {
@@ -56,7 +63,11 @@ pub fn replay(
         weight_n: config.weight_n.into(),
         slope_rad: config.slope_rad.into(),
     };
-    Ok(ReplayResult::new(log_summary, test, &report, events, changes))
+    Ok(ReplayResult::new(log_summary, test, &report, events, changes, stretches))
+}
+
+fn add(stretches: &mut Stretches, it: &Stretch, timeline: &Timeline) {
+    stretches.add(it, timeline.seconds(it.start), timeline.seconds(it.stop));
 }
 
 fn summary(event: &Event, timeline: &Timeline) -> EventSummary {

@@ -6,6 +6,8 @@
 use floe_core::{Cause, Change, Counters, Estimate, Event, Report};
 use serde::{Serialize, Serializer};
 
+use super::stretches::Stretches;
+
 /// Name and version of this format; changes when a meaning changes.
 pub const SCHEMA: &str = "floe-replay/1";
 
@@ -41,6 +43,9 @@ pub struct ReplayResult {
     pub zero_n: Option<f64>,
     /// Where the block or its friction changed, in order.
     pub changes: Vec<ChangeSummary>,
+    /// Stretches of the log that belong to no event: `steady`, `not_understood`.
+    #[serde(flatten)]
+    pub stretches: Stretches,
     /// Every event, in order.
     pub events: Vec<EventSummary>,
 }
@@ -188,6 +193,7 @@ impl ReplayResult {
         report: &Report,
         events: Vec<EventSummary>,
         mut changes: Vec<ChangeSummary>,
+        stretches: Stretches,
     ) -> Self {
         // The ratio is known better in the end than when it was told.
         if let (Some(last), Some(known)) = (changes.last_mut(), &report.change) {
@@ -210,6 +216,7 @@ impl ReplayResult {
             recurrence_s: known(report.recurrence_s),
             zero_n: known(report.zero_n),
             changes,
+            stretches,
             events,
         }
     }

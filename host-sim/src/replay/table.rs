@@ -3,6 +3,7 @@
 use std::fmt::Write;
 
 use super::result::{CoefficientSummary, EventSummary, LogSummary, ReplayResult, zero_sentence};
+use super::stretches::Stretches;
 
 /// Events, then the result with its uncertainty, then what to know about it.
 #[must_use]
@@ -95,7 +96,18 @@ fn notices(out: &mut String, result: &ReplayResult) -> std::fmt::Result {
     if let Some(zero_n) = result.zero_n {
         writeln!(out, "zero   {}", zero_sentence(zero_n))?;
     }
-    if result.changes.is_empty() && result.zero_n.is_none() { Ok(()) } else { writeln!(out) }
+    let Stretches { steady, not_understood } = &result.stretches;
+    for it in steady {
+        writeln!(out, "steady {}", it.sentence(result.test.slope_rad))?;
+    }
+    for it in not_understood {
+        writeln!(out, "not understood {}", it.sentence())?;
+    }
+    let nothing = result.changes.is_empty()
+        && result.zero_n.is_none()
+        && steady.is_empty()
+        && not_understood.is_empty();
+    if nothing { Ok(()) } else { writeln!(out) }
 }
 
 fn coefficients(out: &mut String, result: &ReplayResult) -> std::fmt::Result {
@@ -175,6 +187,7 @@ mod tests {
             recurrence_s: None,
             zero_n: None,
             changes: Vec::new(),
+            stretches: Stretches::default(),
             events,
         }
     }

@@ -247,6 +247,7 @@ fn result(events: Vec<EventSummary>, samples: u64, duration_s: f64) -> ReplayRes
         recurrence_s: Some(1.78),
         zero_n: None,
         changes: Vec::new(),
+        stretches: Default::default(),
         events,
     }
 }
