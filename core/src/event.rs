@@ -64,13 +64,15 @@ pub enum Reason {
     WoundBack,
     /// The force is below zero: no slip.
     Negative,
+    /// The force scatters too much to show a slip.
+    Scatters,
 }
 
 impl Reason {
     /// Does it say that nothing slipped?
     #[must_use]
     pub fn is_no_slip(self) -> bool {
-        matches!(self, Self::LetGo | Self::WoundBack | Self::Negative)
+        matches!(self, Self::LetGo | Self::WoundBack | Self::Negative | Self::Scatters)
     }
 }
 
@@ -101,6 +103,7 @@ impl fmt::Display for Reason {
                 "the force falls to nothing at once or stays there: the cable was let go"
             }
             Self::WoundBack => "the force falls evenly: the winch turned back",
+            Self::Scatters => "the force scatters: noise, or slips too fast for the sampling",
             Self::Negative => "the force is below zero: check polarity and zero",
         })
     }

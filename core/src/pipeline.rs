@@ -288,8 +288,7 @@ impl Pipeline {
         if is_block && slips {
             step.provisional = self.turned(block);
         }
-        self.stretches.take(block);
-        let transition = self.detector.step(block.index, block.force_n);
+        let transition = self.detect(block);
         if transition.is_some() || !self.cycles.is_idle() {
             step.event = self.follow(transition);
         }
@@ -299,6 +298,13 @@ impl Pipeline {
         }
     }
 
+    fn detect(&mut self, sample: ForcePoint) -> Option<Transition> {
+        if self.stretches.take(sample) {
+            self.detector.stays_below(self.stretches.ceiling_n());
+        }
+        self.detector.step(sample.index, sample.force_n)
+    }
+
     /// A first answer if the slip is over with the next sample.
     fn turned(&mut self, next: ForcePoint) -> Option<Provisional> {
         if self.detector.turns_with(next) { self.cycles.turned(&self.detector) } else { None }
@@ -306,8 +312,7 @@ impl Pipeline {
 
     /// Takes a good sample through the detector and on.
     fn advance(&mut self, sample: ForcePoint) -> Option<Event> {
-        self.stretches.take(sample);
-        let transition = self.detector.step(sample.index, sample.force_n);
+        let transition = self.detect(sample);
         if transition.is_none() && self.cycles.is_idle() {
             return None;
         }
@@ -350,9 +355,10 @@ impl Pipeline {
             self.stretches.refuse(finished.event.onset, finished.event.stop, reason);
             return None;
         }
-        self.stretches.close();
+        self.stretches.end_before(finished.event.onset);
+        let onset = self.stretches.onset(&finished.event);
         let Finished { mut event, alone, common, change } = finished;
-        event.onset = self.decimator.moment(event.onset);
+        event.onset = self.decimator.moment(onset);
         event.stop = self.decimator.moment(event.stop);
         if let Some(noise_n) = self.cycles.noise_n() {
             self.detector.fitted_noise(noise_n);

@@ -5,7 +5,7 @@
 //! the blocks' means stay within what they scatter and rise by no more than chance. Work per
 //! sample: one mean and one squared difference; nothing is looked at twice.
 
-use crate::event::Reason;
+use crate::event::{Event, Reason};
 use crate::num::math::{self, larger};
 use crate::sample::{ForcePoint, SampleTime};
 use crate::stats::line::Line;
@@ -21,6 +21,10 @@ const SURE: f32 = 4.0;
 const SAME: f32 = 0.01;
 /// Largest scatter of the samples, parts of the weight: more of it hides slips.
 const LARGEST_SCATTER: f32 = 0.06;
+/// The same of a force in which nothing may slip before it has risen: more of it may be slips.
+const QUIET_SCATTER: f32 = 0.01;
+/// Standard deviations by which the highest of very many samples lies above their mean.
+const HIGHEST: f32 = 4.5;
 /// Longest gap within a stretch, periods.
 const LONGEST_GAP: u64 = 8;
 
@@ -65,13 +69,18 @@ struct SteadyForce {
     count: u32,
     mean_n: f32,
     steps_n2: f32,
+    /// Sum of its squared distances from the mean of all, N²; and all samples' variance.
+    squares_n2: f32,
+    variance_n2: f32,
     /// The means of the full blocks, by their number; what the noise adds to one of them, N².
     means: Line,
     noise_n2: f32,
+    /// The samples scatter too much to be called steady.
+    scatters: bool,
 }
 
-/// First and last index, and the means of the blocks.
-type Steady = (u64, u64, Line);
+/// First and last index, the means of the blocks, and whether their samples scatter.
+type Steady = (u64, u64, Line, bool);
 
 impl SteadyForce {
     fn new(rate_hz: f32) -> Self {
@@ -82,8 +91,11 @@ impl SteadyForce {
             count: 0,
             mean_n: 0.0,
             steps_n2: 0.0,
+            squares_n2: 0.0,
+            variance_n2: 0.0,
             means: Line::default(),
             noise_n2: 0.0,
+            scatters: false,
         }
     }
 
@@ -94,7 +106,9 @@ impl SteadyForce {
         let step_n = if self.count > 0 { now.force_n - self.last.force_n } else { 0.0 };
         self.last = now;
         self.count += 1;
-        self.mean_n += (now.force_n - self.mean_n) / self.count as f32;
+        let off_n = now.force_n - self.mean_n;
+        self.mean_n += off_n / self.count as f32;
+        self.squares_n2 += off_n * (now.force_n - self.mean_n);
         self.steps_n2 += step_n * step_n;
         if self.count < self.block { ended } else { self.end_block(most_n) }
     }
@@ -103,9 +117,23 @@ impl SteadyForce {
     fn end(&mut self, next: u64) -> Option<Steady> {
         let (start, means) = (self.start, self.means);
         let stop = self.last.index.saturating_sub(self.count.into());
-        (self.count, self.mean_n, self.steps_n2) = (0, 0.0, 0.0);
-        (self.start, self.means, self.noise_n2) = (next, Line::default(), 0.0);
-        (means.count >= BLOCKS.0).then_some((start, stop, means))
+        self.clear_block();
+        (self.start, self.means) = (next, Line::default());
+        (self.noise_n2, self.variance_n2) = (0.0, 0.0);
+        (means.count >= BLOCKS.0).then_some((start, stop, means, self.scatters))
+    }
+
+    fn clear_block(&mut self) {
+        (self.count, self.mean_n, self.steps_n2, self.squares_n2) = (0, 0.0, 0.0, 0.0);
+    }
+
+    /// What a force that has been constant for long has to exceed before it has risen: of
+    /// samples that scatter by no more than this.
+    fn ceiling_n(&self, most_n: f32) -> Option<f32> {
+        let variance_n2 = self.variance_n2 + self.scatter_n2(0.0);
+        let is_constant =
+            self.means.count >= BLOCKS.0 && !self.scatters && variance_n2 < most_n * most_n;
+        is_constant.then(|| self.means.level_n + HIGHEST * math::sqrt(variance_n2))
     }
 
     fn end_block(&mut self, most_n: f32) -> Option<Steady> {
@@ -115,21 +143,21 @@ impl SteadyForce {
         let noise_n2 = sample_n2 / count;
         let first = (self.last.index + 1).saturating_sub(self.count.into());
         let scatters = sample_n2 > most_n * most_n;
-        let ended = (scatters || !self.goes_on(mean_n, noise_n2)).then(|| self.end(first));
-        (self.count, self.mean_n, self.steps_n2) = (0, 0.0, 0.0);
-        if scatters {
-            self.start = self.last.index + 1;
-            return ended.flatten();
-        }
+        let block_n2 = self.squares_n2 / count;
+        let goes_on = scatters == self.scatters && (scatters || self.goes_on(mean_n, noise_n2));
+        let ended = (!goes_on).then(|| self.end(first)).flatten();
+        self.clear_block();
+        self.scatters = scatters;
         let blocks = self.means.count as f32;
         self.noise_n2 += (noise_n2 - self.noise_n2) / (blocks + 1.0);
+        self.variance_n2 += (block_n2 - self.variance_n2) / (blocks + 1.0);
         self.means.add(blocks, mean_n, 1.0, 1.0);
-        if self.means.count == BLOCKS.0 && self.rises(self.noise_n2) {
+        if self.means.count == BLOCKS.0 && !scatters && self.rises(self.noise_n2) {
             // A slow stick line.
             (self.start, self.means) = (self.last.index + 1, Line::default());
         }
         let is_long = self.means.count >= BLOCKS.1;
-        ended.flatten().or_else(|| if is_long { self.end(self.last.index + 1) } else { None })
+        ended.or_else(|| if is_long { self.end(self.last.index + 1) } else { None })
     }
 
     /// Is a block's mean that of the blocks before it, and have they no slope?
@@ -161,6 +189,8 @@ pub(crate) struct Stretches {
     moving: Option<bool>,
     /// What is not understood, as long as it may grow.
     open: Option<Stretch>,
+    /// The newest moment that a stretch was told of.
+    told: Option<SampleTime>,
     /// Oldest first.
     ready: [Option<Stretch>; 4],
 }
@@ -169,23 +199,37 @@ impl Stretches {
     /// For a rate in hertz and a weight; `winch` if it is known to turn.
     pub(crate) fn new(rate_hz: f32, weight_n: f32, winch: bool) -> Self {
         let steady = SteadyForce::new(rate_hz);
-        Self { steady, weight_n, moving: winch.then_some(true), open: None, ready: [None; 4] }
+        Self {
+            steady,
+            weight_n,
+            moving: winch.then_some(true),
+            open: None,
+            told: None,
+            ready: [None; 4],
+        }
     }
 
-    /// Takes a sample.
-    pub(crate) fn take(&mut self, now: ForcePoint) {
+    /// Takes a sample; does it end a block?
+    pub(crate) fn take(&mut self, now: ForcePoint) -> bool {
         if let Some(steady) = self.steady.take(now, LARGEST_SCATTER * self.weight_n) {
             self.tell_steady(steady);
         }
+        self.steady.count == 0
+    }
+
+    /// What the force has to exceed before a slip can begin: where it is constant nothing rose.
+    pub(crate) fn ceiling_n(&self) -> Option<f32> {
+        self.steady.ceiling_n(QUIET_SCATTER * self.weight_n)
     }
 
     /// The force has left what it was: a stretch ends before this index. `None`: the sample
     /// is not the newest, so what was taken for a constant force is none.
     pub(crate) fn interrupt(&mut self, last: Option<u64>) {
         let next = self.steady.last.index + 1;
-        let Some((start, stop, means)) = self.steady.end(next) else { return };
-        if let Some(last) = last {
-            self.tell_steady((start, stop.min(last), means));
+        let Some((start, stop, means, scatters)) = self.steady.end(next) else { return };
+        // A slip begins a little before it is seen.
+        if let Some(last) = last.filter(|&last| last > start) {
+            self.tell_steady((start, stop.min(last), means, scatters));
         }
     }
 
@@ -195,13 +239,30 @@ impl Stretches {
         match &mut self.open {
             Some(open) if open.kind == kind => open.stop = stop,
             _ => {
-                self.close();
+                self.end_before(start);
                 self.open = Some(Stretch { start, stop, kind });
             }
         }
     }
 
-    /// What was not understood is over: an event follows, or the end.
+    /// An event begins: it may be older than what was not understood.
+    pub(crate) fn end_before(&mut self, onset: SampleTime) {
+        self.open = self.open.filter(|open| open.start < onset);
+        if let Some(open) = self.open.as_mut().filter(|open| open.stop > onset) {
+            open.stop = onset;
+        }
+        self.close();
+    }
+
+    /// The onset of an event, or where what was told before it ends.
+    pub(crate) fn onset(&self, event: &Event) -> SampleTime {
+        match self.told {
+            Some(told) if event.onset < told && told < event.stop => told,
+            _ => event.onset,
+        }
+    }
+
+    /// What was not understood is over.
     pub(crate) fn close(&mut self) {
         if let Some(open) = self.open.take() {
             self.push(open);
@@ -215,7 +276,15 @@ impl Stretches {
         first
     }
 
-    fn tell_steady(&mut self, (start, stop, means): Steady) {
+    fn tell_steady(&mut self, (start, stop, means, scatters): Steady) {
+        let [start, stop] = [start, stop].map(|index| SampleTime { index, fraction: 0.0 });
+        if scatters {
+            let goes_on = |open: &mut Stretch| open.stop.index + 1 >= start.index;
+            if !self.open.as_mut().is_some_and(goes_on) {
+                self.close();
+            }
+            return self.refuse(start, stop, Reason::Scatters);
+        }
         self.close();
         let count = means.count as f32;
         let slope = means.slope().unwrap_or(0.0);
@@ -223,12 +292,18 @@ impl Stretches {
         let std = math::sqrt(squares_n2 / (count * (count - 1.0))) / self.weight_n;
         let force_over_weight = means.level_n / self.weight_n;
         let kind = StretchKind::Steady { force_over_weight, std, moving: self.moving };
-        let [start, stop] = [start, stop].map(|index| SampleTime { index, fraction: 0.0 });
         self.push(Stretch { start, stop, kind });
     }
 
     /// There is always room: a stretch takes many samples, and each step takes one out.
-    fn push(&mut self, stretch: Stretch) {
+    fn push(&mut self, mut stretch: Stretch) {
+        if self.told.is_some_and(|told| stretch.start < told) {
+            stretch.start = self.told.unwrap_or(stretch.start);
+        }
+        if stretch.start >= stretch.stop {
+            return;
+        }
+        self.told = Some(stretch.stop);
         if let Some(place) = self.ready.iter_mut().find(|place| place.is_none()) {
             *place = Some(stretch);
         }

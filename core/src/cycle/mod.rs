@@ -163,12 +163,12 @@ impl CycleTracker {
         last_hidden: Option<u64>,
     ) -> Option<Finished> {
         let (stick, window) = (detector.ended(), detector.window());
-        let aliased = self
-            .pending
-            .as_ref()
-            .is_some_and(|before| refusal::is_aliased(before.peak.index, peak.index));
-        if let Some(before) = self.pending.as_mut().filter(|_| aliased) {
-            before.refused = Some(Reason::Aliased);
+        let mut refused = None;
+        if let Some(before) = &mut self.pending
+            && refusal::is_aliased(before.peak.index, peak.index)
+        {
+            refused = Some(Reason::Aliased);
+            before.refused = refused;
         }
         let finished = self.complete(stick, window, peak);
         let mut next = self.slip(stick, detector, (peak, low));
@@ -176,7 +176,7 @@ impl CycleTracker {
         if let Some((origin, cycle)) = self.early.take() {
             next.know(CycleParams { onset: cycle.onset + since(next.origin, origin), ..cycle });
         }
-        next.refused = aliased.then_some(Reason::Aliased);
+        next.refused = refused;
         self.pending = Some(next);
         finished
     }
@@ -197,7 +197,7 @@ impl CycleTracker {
             pending.end_before(stick, window, next_peak.index);
             let periods = since(pending.low.index, next_peak.index);
             let refused = refusal::of_fall(pending, stick.highest.force_n, periods);
-            pending.refused = refused.or(pending.refused);
+            pending.refused = pending.refused.or(refused);
             let after = pending.line_after(stick, window, next_onset);
             self.finishing = Some(CycleFit::new(*pending, after));
         }

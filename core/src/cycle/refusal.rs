@@ -13,6 +13,8 @@ const FEWEST_PERIODS: u64 = 4;
 const SURE: f32 = 4.0;
 /// Fewest periods of a fall that shows its shape.
 const SHAPELY: f32 = 6.0;
+/// Twice the logarithm of the likelihoods' ratio beyond which one of two shapes is it.
+const LIKELIER: f32 = 12.0;
 /// A coefficient beyond this is no friction: tuned to nothing, ice stays below 2.
 const LARGEST: f32 = 3.0;
 /// A block that slides on a slack cable until friction has taken its speed stays on it for
@@ -58,7 +60,8 @@ pub(crate) fn of_event(event: &Event) -> Option<Reason> {
 }
 
 /// Does the force fall as evenly as a winch that turns back lets it, and not along half a
-/// cosine? Both lines, through the same samples, have two unknowns; what they leave decides.
+/// cosine? Both lines, through the same samples, have two unknowns; their likelihoods decide,
+/// the noise unknown.
 /// At most as many samples as the record of a slip holds.
 fn is_even(slip: &SlipRecord) -> bool {
     // Where half a cosine has lost that part.
@@ -73,6 +76,7 @@ fn is_even(slip: &SlipRecord) -> bool {
             cosine.add(math::sin_cos(angle).1, force_n, 1.0, 1.0);
         }
     }
-    let noise_n2 = straight.count as f32 * slip.noise_n2;
-    straight.count > 4 && 4.0 * straight.residual() < cosine.residual() - noise_n2
+    let likelier = straight.count as f32 * math::ln(cosine.residual() / straight.residual());
+    // Also not for a force without any noise, or NaN.
+    straight.count > 4 && likelier > LIKELIER
 }

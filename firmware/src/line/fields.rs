@@ -143,6 +143,7 @@ impl Word for Reason {
         (Self::LetGo, "letgo"),
         (Self::WoundBack, "woundback"),
         (Self::Negative, "negative"),
+        (Self::Scatters, "scatters"),
     ];
 }
 
