@@ -21,6 +21,7 @@ const ROOMS: [&str; 19] = [
     "event",
     "stretch",
     "report",
+    "budget",
     "estimator",
     "cycle",
     "pipeline",

@@ -55,7 +55,7 @@ pub(crate) fn of_event(event: &Event) -> Option<Reason> {
     if event.slack && mu.value < LEAST_RATIO * mu_s.value {
         return Some(Reason::LetGo);
     }
-    let is_possible = |c: &Coefficient| c.value < LARGEST && c.value > -SURE * c.std;
+    let is_possible = |c: &Coefficient| c.value < LARGEST && c.value > -SURE * c.combined_std();
     (!is_possible(&mu_s) || !is_possible(&mu)).then_some(Reason::Implausible)
 }
 

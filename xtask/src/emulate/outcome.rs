@@ -6,8 +6,8 @@ use std::path::Path;
 use floe::replay::result::{ChangeSummary, EventSummary, LogSummary, ReplayResult, TestSummary};
 use floe::replay::stretches::Stretches;
 use floe_core::{
-    Change, Config, Counts, Event, Fault, Pipeline, RawSample, Reading, Report, SampleFlag,
-    SampleTime, Stretch,
+    Change, Coefficient, Config, Counts, Event, Fault, Pipeline, RawSample, Reading, Report,
+    SampleFlag, SampleTime, Stretch,
 };
 use floe_firmware::line::{Health, Line};
 
@@ -45,7 +45,7 @@ pub fn decode(shown: &str) -> Result<Outcome> {
     let (mut changes, mut stretches) = (Vec::new(), Vec::new());
     for line in shown.lines() {
         match Line::parse(line).map_err(|e| format!("the board's line '{line}': {e}"))? {
-            Line::Start { settings, .. } => config = Some(settings.config),
+            Line::Start { settings, .. } => config = Some(settings.core_config()),
             Line::Event(event) => events.push(event),
             Line::Change(change) => changes.push(change),
             Line::Stretch(stretch) => stretches.push(stretch),
@@ -160,8 +160,9 @@ impl Outcome {
         self.stretches.iter().for_each(|it| {
             stretches.add(it, seconds(it.start), seconds(it.stop));
         });
-        let (events, changes) = (events.collect(), changes.collect());
-        ReplayResult::new(log, test, &self.report, events, changes, stretches)
+        let inputs = (&self.config, &self.report);
+        let result = ReplayResult::new(log, test, inputs, events.collect(), changes.collect());
+        ReplayResult { stretches, ..result }
     }
 }
 
@@ -189,7 +190,8 @@ fn bits(event: &Event) -> (Vec<Option<u32>>, String) {
         event.omega_rad_per_s,
     ];
     for coefficient in [event.mu_s, event.mu] {
-        numbers.extend([coefficient.map(|c| c.value), coefficient.map(|c| c.std)]);
+        let of = |pick: fn(Coefficient) -> f32| coefficient.map(pick);
+        numbers.extend([of(|c| c.value), of(|c| c.std), of(|c| c.systematic_std)]);
     }
     let places = (event.index, event.onset.index, event.stop.index);
     let words = (event.slack, event.quality, event.reason);
