@@ -299,10 +299,8 @@ impl Detector {
         let drop = self.stick.highest.force_n - self.lowest.force_n;
         let fall = self.lowest.index - self.stick.highest.index;
         let rise = now.force_n - self.lowest.force_n;
-        // A block that slides on never lets the force rise: no need to wait as long as it fell.
-        let wait = if rise > OFF_LINE * std && std > 0.0 { 2 } else { fall.div_ceil(2).max(2) };
         let rises = rise > (4.0 * std).min(0.5 * drop).max(CLEAR_RISE * drop);
-        rises || now.index - self.lowest.index >= wait
+        rises || now.index - self.lowest.index >= fall.div_ceil(2).max(2)
     }
 
     /// The newest sample looked at.
