@@ -146,9 +146,7 @@ fn steady_sliding_is_no_event() {
     });
     each(|seed| noisy(seed, 100.0, |_| 0.0), none);
     each(|seed| white(seed).iter().map(|f| (f / 1.5).round() * 1.5).collect(), none);
-    for memory in [0.5, 0.9] {
-        each(|seed| coloured(seed, memory), none);
-    }
+    each(|seed| coloured(seed, 0.5), none);
 }
 
 #[test]

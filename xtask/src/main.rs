@@ -9,6 +9,8 @@ mod defmt;
 mod emulate;
 mod flash;
 mod maths;
+mod panics;
+mod python;
 mod qemu;
 mod shell;
 mod size;
