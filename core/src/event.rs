@@ -50,7 +50,7 @@ pub enum Reason {
     NoRest,
     /// A coefficient above 3, or clearly below zero.
     Implausible,
-    /// The force falls to nothing at once, or stays there: no slip.
+    /// The force falls to nothing at once, or stays there: perhaps no slip.
     LetGo,
     /// The force falls evenly: no slip.
     WoundBack,
@@ -64,7 +64,7 @@ impl Reason {
     /// Does it say that nothing slipped?
     #[must_use]
     pub fn is_no_slip(self) -> bool {
-        matches!(self, Self::LetGo | Self::WoundBack | Self::Negative | Self::Scatters)
+        matches!(self, Self::WoundBack | Self::Negative | Self::Scatters)
     }
 }
 
@@ -92,7 +92,7 @@ impl fmt::Display for Reason {
             }
             Self::Implausible => "a coefficient above 3 or below 0: check weight, unit and zero",
             Self::LetGo => {
-                "the force falls to nothing at once or stays there: the cable was let go"
+                "the force falls to nothing at once or stays there: the cable may have been let go"
             }
             Self::WoundBack => "the force falls evenly: the winch turned back",
             Self::Scatters => "the force scatters: noise, or slips too fast for the sampling",

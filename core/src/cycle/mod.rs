@@ -68,6 +68,8 @@ pub struct CycleTracker {
     /// The same stop and the force there, N, if it was measured.
     rested: Option<(SampleTime, f32)>,
     count: u32,
+    /// A slip was seen to take time: the block slides, and no hand lets go.
+    slides: bool,
 }
 
 impl CycleTracker {
@@ -86,6 +88,7 @@ impl CycleTracker {
             last_load: None,
             rested: None,
             count: 0,
+            slides: false,
         }
     }
 
@@ -200,8 +203,9 @@ impl CycleTracker {
         if let Some(pending) = &mut self.pending {
             pending.end_before(stick, window, next_peak.index);
             let periods = since(pending.low.index, next_peak.index);
-            let refused = refusal::of_fall(pending, stick.highest.force_n, periods);
+            let refused = refusal::of_fall(pending, stick.highest.force_n, periods, self.slides);
             pending.refused = pending.refused.or(refused);
+            self.slides |= pending.refused.is_none() && refusal::takes_time(pending);
             let after = pending.line_after(stick, window, next_onset);
             self.finishing = Some(CycleFit::new(*pending, after));
         }

@@ -11,6 +11,8 @@ use crate::stats::line::Line;
 const FEWEST_PERIODS: u64 = 4;
 /// Standard deviations of the noise that are no chance.
 const SURE: f32 = 4.0;
+/// Periods of a fall that shows no sample between its ends.
+const INSTANT: f32 = 1.5;
 /// Fewest periods of a fall that shows its shape.
 const SHAPELY: f32 = 6.0;
 /// Twice the logarithm of the likelihoods' ratio beyond which one of two shapes is it.
@@ -18,13 +20,19 @@ const LIKELIER: f32 = 12.0;
 /// A coefficient beyond this is no friction: tuned to nothing, ice stays below 2.
 const LARGEST: f32 = 3.0;
 /// A block that slides on a slack cable until friction has taken its speed stays on it for
-/// `Fs (Fs - 2 Fp) / (2 Fp r)`: with `mu` a fifth of `mu_s`, 1.5 times as long as the force took
+/// `Fs (Fs - 2 Fp) / (2 Fp r)`: with `mu` a tenth of `mu_s`, four times as long as the force took
 /// to rise from nothing. One that stays longer was let go.
-const LEAST_RATIO: f32 = 0.2;
+const LEAST_RATIO: f32 = 0.1;
 
 /// Why a fall gives no coefficient, if that can be said without a fit: the highest force
-/// after it, N, and the periods until the next slip or the end.
-pub(crate) fn of_fall(slip: &SlipRecord, next_n: f32, periods: f32) -> Option<Reason> {
+/// after it, N, the periods until the next slip or the end, and whether a slip of this test
+/// took time.
+pub(crate) fn of_fall(
+    slip: &SlipRecord,
+    next_n: f32,
+    periods: f32,
+    slides: bool,
+) -> Option<Reason> {
     let noise_n = math::sqrt(slip.noise_n2);
     let drop_n = slip.peak.force_n - slip.low.force_n;
     let (from, to) = slip.fall_edges();
@@ -32,7 +40,7 @@ pub(crate) fn of_fall(slip: &SlipRecord, next_n: f32, periods: f32) -> Option<Re
         return Some(Reason::Negative);
     }
     let near_zero_n = (SURE * noise_n + slip.rate()).min(0.08 * drop_n);
-    if to - from < 1.5 && slip.low.force_n.abs() < near_zero_n {
+    if !slides && to - from < INSTANT && slip.low.force_n.abs() < near_zero_n {
         return Some(Reason::LetGo);
     }
     if to - from >= SHAPELY && is_even(slip) {
@@ -42,6 +50,12 @@ pub(crate) fn of_fall(slip: &SlipRecord, next_n: f32, periods: f32) -> Option<Re
     let possible_n = slip.rate() * periods;
     let stays = rise_n < 0.6 * drop_n && possible_n > drop_n.max(2.0 * rise_n);
     stays.then_some(Reason::NoRest)
+}
+
+/// Does a sample show the force on its way down? A hand lets go at once.
+pub(crate) fn takes_time(slip: &SlipRecord) -> bool {
+    let (from, to) = slip.fall_edges();
+    to - from >= INSTANT
 }
 
 /// Do slips follow each other too fast for the sampling?
