@@ -321,6 +321,11 @@ fn events_and_stretches_are_ordered_and_disjoint_in_every_scene() {
     assert!(scenes > 20, "{scenes}");
 }
 
+/// Height, period, part that falls, noise, scatter.
+type Saw = (f64, f64, f64, f64, f64);
+/// Step of the walk, height and period of the swing, level, seed.
+type Rest = (f64, f64, f64, f64, u64);
+
 /// Saws, walks, swings and steps of any size with noise of any size.
 #[test]
 fn events_and_stretches_are_ordered_and_disjoint_whatever_the_force_does() {
@@ -334,7 +339,7 @@ fn events_and_stretches_are_ordered_and_disjoint_whatever_the_force_does() {
     let test = |(
         (saw_n, period, fall, noise_n, scatter),
         (walk_n, swing_n, swing, level_n, seed),
-    ): ((f64, f64, f64, f64, f64), (f64, f64, f64, f64, u64))| {
+    ): (Saw, Rest)| {
         let mut normal = Normal::new(seed);
         let (mut walk, mut phase, mut size) = (0.0, 0.0, 1.0);
         let force_n = |i: u32| {

@@ -3,7 +3,9 @@
 use std::fmt::Write;
 
 use super::quantities::Quantities;
-use super::result::{CoefficientSummary, EventSummary, LogSummary, ReplayResult, zero_sentence};
+use super::result::{
+    CoefficientSummary, EffectSummary, EventSummary, LogSummary, ReplayResult, zero_sentence,
+};
 use super::stretches::Stretches;
 
 /// Events, then the result with its uncertainty, then what to know about it.
@@ -115,6 +117,10 @@ fn notices(out: &mut String, result: &ReplayResult) -> std::fmt::Result {
     if let Some(zero_n) = result.zero_n {
         writeln!(out, "zero   {}", zero_sentence(zero_n))?;
     }
+    let found: Vec<String> = result.effects.iter().filter(|it| it.found).map(effect).collect();
+    if !found.is_empty() {
+        writeln!(out, "shows  {}", found.join("; "))?;
+    }
     let Stretches { steady, not_understood } = &result.stretches;
     for it in steady {
         writeln!(out, "steady {}", it.sentence(result.test.slope_rad))?;
@@ -124,6 +130,7 @@ fn notices(out: &mut String, result: &ReplayResult) -> std::fmt::Result {
     }
     let nothing = result.changes.is_empty()
         && result.zero_n.is_none()
+        && found.is_empty()
         && steady.is_empty()
         && not_understood.is_empty();
     if nothing { Ok(()) } else { writeln!(out) }
@@ -244,6 +251,13 @@ fn samples(out: &mut String, log: &LogSummary) -> std::fmt::Result {
     log.warnings.iter().try_for_each(|warning| writeln!(out, "note          {warning}"))
 }
 
+/// An effect that the data show, with its numbers.
+fn effect(effect: &EffectSummary) -> String {
+    let numbers = effect.parameters.iter();
+    let numbers = numbers.map(|it| format!(" {} {:.3e} ± {:.1e}", it.name, it.value, it.std));
+    format!("{}{}", effect.name, numbers.collect::<String>())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -298,6 +312,7 @@ mod tests {
             zero_n: None,
             changes: Vec::new(),
             stretches: Stretches::default(),
+            effects: Vec::new(),
             events,
         }
     }
