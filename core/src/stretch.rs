@@ -190,7 +190,7 @@ pub(crate) struct Stretches {
     /// What is not understood, as long as it may grow.
     open: Option<Stretch>,
     /// The newest moment that a stretch was told of.
-    told: Option<SampleTime>,
+    told: SampleTime,
     /// Oldest first.
     ready: [Option<Stretch>; 4],
 }
@@ -204,7 +204,7 @@ impl Stretches {
             weight_n,
             moving: winch.then_some(true),
             open: None,
-            told: None,
+            told: SampleTime { index: 0, fraction: 0.0 },
             ready: [None; 4],
         }
     }
@@ -256,10 +256,8 @@ impl Stretches {
 
     /// The onset of an event, or where what was told before it ends.
     pub(crate) fn onset(&self, event: &Event) -> SampleTime {
-        match self.told {
-            Some(told) if event.onset < told && told < event.stop => told,
-            _ => event.onset,
-        }
+        let is_inside = event.onset < self.told && self.told < event.stop;
+        if is_inside { self.told } else { event.onset }
     }
 
     /// What was not understood is over.
@@ -297,13 +295,13 @@ impl Stretches {
 
     /// There is always room: a stretch takes many samples, and each step takes one out.
     fn push(&mut self, mut stretch: Stretch) {
-        if self.told.is_some_and(|told| stretch.start < told) {
-            stretch.start = self.told.unwrap_or(stretch.start);
+        if stretch.start < self.told {
+            stretch.start = self.told;
         }
         if stretch.start >= stretch.stop {
             return;
         }
-        self.told = Some(stretch.stop);
+        self.told = stretch.stop;
         if let Some(place) = self.ready.iter_mut().find(|place| place.is_none()) {
             *place = Some(stretch);
         }

@@ -363,7 +363,7 @@ impl CycleTracker {
             }
         };
         let event = &finished.event;
-        let limit = SampleTime { index: pending.limit, fraction: 0.0 };
+        let limit = moment(pending.origin, pending.limit);
         let overlaps = event.stop > limit || self.last_stop.is_some_and(|it| it > event.onset);
         let overlaps = overlaps.then_some(Reason::NoFit).filter(|_| event.reason.is_none());
         if let Some(reason) = refusal::of_event(event).or(overlaps) {

@@ -46,8 +46,8 @@ pub(crate) struct SlipRecord {
     pub(crate) hidden: bool,
     /// The cycle as far as it was known before the stick line after it.
     pub(crate) early: Option<CycleParams>,
-    /// Index that the event ends before: the next slip's highest sample.
-    pub(crate) limit: u64,
+    /// Where the event ends at the latest, periods: the next slip's highest sample.
+    pub(crate) limit: f32,
     /// Why it is not even fitted.
     pub(crate) refused: Option<Reason>,
 }
@@ -131,7 +131,7 @@ impl SlipRecord {
             rest_from: since(first, low.index),
             hidden: false,
             early: None,
-            limit: u64::MAX,
+            limit: f32::MAX,
             refused: None,
         };
         pending.take(window, start, now);
@@ -175,8 +175,8 @@ impl SlipRecord {
             self.take(window, next, next_peak.saturating_sub(1));
         }
         let peak_time = self.early.map_or(0.0, |cycle| cycle.peak_time());
-        self.limit = next_peak;
-        let end = since(self.origin, next_peak) - peak_time - self.start;
+        self.limit = since(self.origin, next_peak);
+        let end = self.limit - peak_time - self.start;
         self.length = self.length.min(libm::ceilf(end).max(0.0) as usize);
     }
 
