@@ -218,9 +218,10 @@ fn live_line() {
 
 #[test]
 fn scene() {
-    let names = ["dff8-13.toml", "slack.toml", "breaking.toml"];
+    let names = ["dff8-13.toml", "hard/slack.toml", "hard/breaking.toml", "hard/all.toml"];
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../host-sim/scenes/");
-    let seeds: Vec<_> = names.iter().flat_map(|n| std::fs::read(format!("{folder}{n}"))).collect();
+    let read = |name| std::fs::read(format!("{folder}{name}")).expect("a bundled scene");
+    let seeds = names.map(read);
     run("scene", |dice| {
         let mut text = dice.pick(&seeds).clone();
         dice.damage(&mut text, WORDS);

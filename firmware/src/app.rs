@@ -200,6 +200,7 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
     /// board started, if not by being switched on. A test that was not ended goes on.
     #[inline(never)]
     pub fn power_up(&mut self, last_words: Option<&str>) {
+        log::info!("boot: {}", last_words.unwrap_or("power or the button"));
         self.info("floe, help lists the commands");
         if let Some(words) = last_words {
             let words = text(("restarted after: ", words));
@@ -330,6 +331,9 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
         }
         let first_index = *test.first_index.get_or_insert(sample.index);
         let step = pipeline.step(sample.raw(first_index));
+        if step.sample.gap > 0 {
+            log::warn!("{} samples missing before {}", step.sample.gap, sample.index);
+        }
         test.note(&step);
         self.force_n = step.sample.force_n;
         if self.live {

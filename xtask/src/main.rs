@@ -47,6 +47,12 @@ enum Job {
     },
     /// Run a log through the firmware in the emulator
     Emulate(emulate::Args),
+    /// Every bundled log and scene through the firmware, compared with this PC bit for bit
+    Logs {
+        /// Which board
+        #[arg(long, value_enum, default_value_t)]
+        board: emulate::Board,
+    },
     /// What can happen to the user's board, on the image that is flashed: one table
     Faults,
     /// Speed on this PC and on the board, one table
@@ -60,7 +66,11 @@ enum Job {
     /// Errors and speed of the elementary functions, into docs/maths.md
     Maths,
     /// Write the firmware to a NUCLEO-L476RG on USB
-    Flash,
+    Flash {
+        /// Write the one that logs, and follow its log
+        #[arg(long)]
+        log: bool,
+    },
     /// The files to copy onto the board's USB drive: .bin and .hex
     Image,
     /// Decode the firmware's own log of an emulated test
@@ -75,11 +85,12 @@ fn main() -> ExitCode {
     let done = match &cli.job {
         Job::Test { firmware } => test::run(cli.arm, *firmware),
         Job::Emulate(args) => emulate::run(args, cli.arm),
+        Job::Logs { board } => emulate::check_bundled(*board, cli.arm),
         Job::Faults => arm::Route::find(cli.arm).and_then(emulate::check_board),
         Job::Bench => bench::run(cli.arm),
         Job::Budgets { write } => budgets::run(cli.arm, *write),
         Job::Maths => maths::run(cli.arm),
-        Job::Flash => flash::run(cli.arm),
+        Job::Flash { log } => flash::run(cli.arm, *log),
         Job::Image => image::run(cli.arm),
         #[cfg(feature = "defmt")]
         Job::Defmt => defmt::run(cli.arm),

@@ -1,5 +1,6 @@
 //! The user's board, emulated: the very image that is flashed.
 
+use std::env::consts::{DLL_PREFIX, DLL_SUFFIX};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Stdio;
@@ -11,6 +12,7 @@ use floe_board_model::run::{
 use floe_firmware::line::Line;
 use object::{Object, ObjectSymbol};
 
+use super::card::Image;
 use super::directory::Directory;
 use super::machine::{Run, invite, tail};
 use super::record::{NOISE, RATE_HZ, Record};
@@ -84,7 +86,8 @@ impl Nucleo {
         let qemu = qemu::find()?;
         run(cargo().args(["build", "--quiet", "--package", "floe-board-model"]))?;
         let target = std::env::var_os("CARGO_TARGET_DIR").map_or(root().join("target"), Into::into);
-        let plugin = target.join("debug/libfloe_board_model.so");
+        let name = format!("{DLL_PREFIX}floe_board_model{DLL_SUFFIX}");
+        let plugin = target.join("debug").join(name);
         let firmware = Route::find(forced)?.build_firmware("nucleo-l476", features)?;
         let (stack, rtt) = symbols(&firmware)?;
         Ok(Self { qemu, plugin, firmware, stack, rtt })
@@ -113,6 +116,22 @@ impl Nucleo {
             shown: String::from_utf8_lossy(&read(CONSOLE_FILE)?).into_owned(),
             logged: read(LOGGED_FILE)?,
         })
+    }
+
+    /// The image's file.
+    #[cfg(feature = "defmt")]
+    pub fn firmware(&self) -> &Path {
+        &self.firmware
+    }
+
+    /// Deepest stack in a test with events while the log's file of a new card is made.
+    ///
+    /// # Errors
+    /// As [`Nucleo::run`].
+    pub fn stack_used(&self) -> Result<u64> {
+        let image = Image::large("stack")?;
+        let setup = super::machine::Setup { card: Some(image.path()), ..Default::default() };
+        Ok(self.run(&Record::stick_slip(), setup)?.stack)
     }
 
     /// A record from power-up to the end of the test.
