@@ -53,7 +53,8 @@ enum Job {
         #[arg(long, value_enum, default_value_t)]
         board: emulate::Board,
     },
-    /// What can happen to the user's board, on the image that is flashed: one table
+    /// The battery pulled, then what else can happen to the user's board, on the image that is
+    /// flashed: one table
     Faults,
     /// Speed on this PC and on the board, one table
     Bench,
@@ -86,7 +87,9 @@ fn main() -> ExitCode {
         Job::Test { firmware } => test::run(cli.arm, *firmware),
         Job::Emulate(args) => emulate::run(args, cli.arm),
         Job::Logs { board } => emulate::check_bundled(*board, cli.arm),
-        Job::Faults => arm::Route::find(cli.arm).and_then(emulate::check_board),
+        Job::Faults => arm::Route::find(cli.arm).and_then(|route| {
+            emulate::check_card(route).and_then(|()| emulate::check_board(route))
+        }),
         Job::Bench => bench::run(cli.arm),
         Job::Budgets { write } => budgets::run(cli.arm, *write),
         Job::Maths => maths::run(cli.arm),
