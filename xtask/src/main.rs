@@ -9,6 +9,7 @@ mod budgets;
 mod defmt;
 mod emulate;
 mod flash;
+mod libraries;
 mod maths;
 mod panics;
 mod python;
