@@ -10,6 +10,7 @@ use floe::sim::motion::Segments;
 use floe::sim::state::End;
 use floe::sim::{Method, Phase, Sample, Scene, Simulation, TrueEvent, paper, simulate};
 use floe::stiffness::{Measured, Pull, stiffness};
+use floe_core::units::STANDARD_GRAVITY_M_PER_S2 as GRAVITY;
 
 fn scene(name: &str) -> Scene {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../host-sim/scenes/paper");
@@ -24,7 +25,7 @@ fn run(name: &str) -> (Scene, Simulation) {
 }
 
 fn omega(scene: &Scene) -> f64 {
-    (scene.stiffness_n_per_m / (scene.weight_n / 9.81)).sqrt()
+    (scene.stiffness_n_per_m / (scene.weight_n / GRAVITY)).sqrt()
 }
 
 /// Central difference over one sample to each side: the paper's rate.
@@ -189,7 +190,7 @@ fn weighing_a_swinging_block() {
         weighing.damping_per_s = 0.0;
     }
     let amplitude = 5.0_f64.to_radians();
-    let period_s = 2.0 * PI * (3.0_f64 / 9.81).sqrt() * (1.0 + amplitude * amplitude / 16.0);
+    let period_s = 2.0 * PI * (3.0_f64 / GRAVITY).sqrt() * (1.0 + amplitude * amplitude / 16.0);
     still.duration_s = 17.0 * period_s;
     let samples = simulate(&still, 1).unwrap().samples;
     let ratio = samples.iter().map(|s| s.force_n).sum::<f64>() / samples.len() as f64 / 630.0;
@@ -202,7 +203,7 @@ fn large_scale_stress_of_rafting() {
     // mu from the average of all tests; 0.3 m of ice over 10 m.
     let resultant = paper::rafting_resultant_n_per_m(0.56, 0.3, 10.0);
     println!("Rafting: mu 0.56, h 0.3 m, l 10 m: {:.1} kN/m", resultant / 1e3);
-    assert!((resultant - 0.56 * 910.0 * 9.81 * 0.3 * 10.0).abs() < 1e-6);
+    assert!((resultant - 0.56 * 910.0 * GRAVITY * 0.3 * 10.0).abs() < 1e-6);
     let one_more_metre = paper::rafting_resultant_n_per_m(0.56, 0.3, 11.0);
     assert!((one_more_metre / resultant - 1.1).abs() < 1e-12);
 }

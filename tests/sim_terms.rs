@@ -6,6 +6,7 @@ use floe::sim::terms::{
     Breaking, Creep, Drag, HoldTime, RateDependence, Sag, Tilt, Variation, WinchProfile,
 };
 use floe::sim::{Measurement, Phase, Scene, simulate};
+use floe_core::units::STANDARD_GRAVITY_M_PER_S2 as GRAVITY;
 
 /// Steps per sample of the brute force.
 const STEPS: u64 = 1 << 15;
@@ -31,7 +32,7 @@ impl Equations {
             resistance: Box::new(move |_, _| mu * weight),
             static_n: Box::new(move |_, _| mu_s * weight),
             creep: Box::new(|_| 0.0),
-            mass: Box::new(move |_| weight / 9.81),
+            mass: Box::new(move |_| weight / GRAVITY),
         }
     }
 
