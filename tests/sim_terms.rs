@@ -184,7 +184,7 @@ fn tilting_beam() {
 
 #[test]
 fn drag_of_water() {
-    let scene = Scene { drag: Some(Drag { n_s2_per_m2: 500.0 }), ..base() };
+    let scene = Scene { drag: Some(Drag { n_s2_per_m2: 500.0, n_s_per_m: 0.0 }), ..base() };
     let mut e = Equations::linear(&scene);
     e.resistance = Box::new(|v, _| 0.78 * 630.0 + 500.0 * v * v);
     agrees("drag", &scene, &e);

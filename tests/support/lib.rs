@@ -4,6 +4,7 @@ pub mod aims;
 pub mod both;
 pub mod brute;
 pub mod feed;
+pub mod honesty;
 pub mod maths;
 pub mod normal;
 pub mod scenes;

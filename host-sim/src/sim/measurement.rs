@@ -21,7 +21,7 @@ pub struct Measurement {
     pub hum: Option<Hum>,
     /// Time over which the converter averages, from the sample's time on, s.
     pub aperture_s: f64,
-    /// The cell lags behind the force; not together with an aperture.
+    /// The cell lags behind the force; not together with an aperture or jitter.
     pub lag: Option<Lag>,
     /// Zero and scale move evenly.
     pub ramp: Option<Ramp>,
@@ -94,7 +94,7 @@ pub struct Ramp {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Jitter {
-    /// Standard deviation, s, at most a tenth of the sampling period.
+    /// Standard deviation, s, at most a fifth of the sampling period.
     pub std_s: f64,
 }
 
@@ -182,7 +182,10 @@ impl Measurement {
         between("measurement.ramp.zero_n_per_s", ramp.zero_n_per_s, -1e6, 1e6)?;
         between("measurement.ramp.span_per_s", ramp.span_per_s, -1.0, 1.0)?;
         let jitter_s = self.jitter.map_or(0.0, |j| j.std_s);
-        between("measurement.jitter.std_s", jitter_s, 0.0, 0.1 / rate_hz + 1e-12)
+        require(self.lag.is_none() || jitter_s <= 0.0, || {
+            "measurement.lag: not together with measurement.jitter".to_owned()
+        })?;
+        between("measurement.jitter.std_s", jitter_s, 0.0, 0.2 / rate_hz + 1e-12)
     }
 
     fn validate_faults(&self, rate_hz: f64) -> Result<(), SceneError> {

@@ -39,6 +39,7 @@ pub mod stribeck;
 pub mod terms;
 pub mod truth;
 pub mod truth_file;
+pub mod wander;
 mod weighing;
 pub mod winch;
 pub mod write;

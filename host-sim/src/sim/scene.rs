@@ -16,6 +16,7 @@ use super::terms::{
     Breaking, Creep, Drag, HoldTime, PartialSlips, RateDependence, Sag, Snow, Tilt, Variation,
     Weighing,
 };
+use super::wander::Wander;
 use super::winch::WinchProfile;
 
 /// One simulated test. SI units; every term beyond the linear block on a cable
@@ -66,6 +67,8 @@ pub struct Scene {
     pub snow: Option<Snow>,
     /// See [`Variation`].
     pub variation: Option<Variation>,
+    /// See [`Wander`].
+    pub wander: Option<Wander>,
     /// See [`PartialSlips`].
     pub partial_slips: Option<PartialSlips>,
     /// See [`HoldTime`].
@@ -158,6 +161,7 @@ impl Default for Scene {
             weighing: None,
             snow: None,
             variation: None,
+            wander: None,
             partial_slips: None,
             hold_time: None,
             rate_dependence: None,

@@ -14,6 +14,7 @@ impl Scene {
             ("start_sliding", self.start_sliding),
             ("snow", self.snow.is_some()),
             ("variation", self.variation.is_some()),
+            ("wander", self.wander.is_some()),
             ("partial_slips", self.partial_slips.is_some()),
             ("hold_time", self.hold_time.is_some()),
             ("rate_dependence", self.rate_dependence.is_some()),

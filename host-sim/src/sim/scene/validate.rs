@@ -68,6 +68,7 @@ impl Scene {
 
     /// Laws of the friction and of the cable that do not go together are refused.
     fn validate_laws(&self) -> Result<(), SceneError> {
+        self.wander.as_ref().map_or(Ok(()), |w| w.validate())?;
         self.stribeck.as_ref().map_or(Ok(()), |s| s.validate())?;
         self.along_slip.as_ref().map_or(Ok(()), |a| a.validate())?;
         self.rocking.as_ref().map_or(Ok(()), |r| r.validate())?;
