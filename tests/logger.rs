@@ -188,7 +188,7 @@ fn the_card_gives_the_test_back() {
     assert_eq!((found.damaged, found.lost), (0, 0));
     let [test] = tests.as_slice() else { panic!("{} tests", tests.len()) };
     assert_eq!((test.samples.len(), test.missing(), test.overruns), (960, 0, 0));
-    assert_eq!(test.stem(), "test-0001-T-1");
+    assert_eq!(test.stem, "test-0001-T-1");
     assert_eq!(test.settings.config, config());
     // The words are on the card too, every event among them.
     let events = test.lines.lines().filter(|line| line.starts_with("E,")).count();
@@ -309,7 +309,7 @@ fn runs_are_numbered_across_the_power() {
     one_test(&card);
     one_test(&card);
     let (tests, _) = card::tests(Cursor::new(card.bytes.borrow().clone())).expect("readable");
-    let runs: Vec<(u32, usize)> = tests.iter().map(|t| (t.run, t.samples.len())).collect();
+    let runs: Vec<(u32, usize)> = tests.iter().map(|t| (t.part.run, t.samples.len())).collect();
     assert_eq!(runs, [(1, 960), (2, 960)]);
 }
 

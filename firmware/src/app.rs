@@ -10,6 +10,7 @@ use crate::journal::Journal;
 use crate::line::{About, Decimal, Health, Line, LiveSample, Mean, Text};
 use crate::log;
 use crate::period::PeriodMeter;
+use crate::record::Part;
 use crate::sample::{Sample, SampleConsumer, Shared};
 use crate::self_test::SelfTest;
 use crate::settings::Settings;
@@ -26,7 +27,9 @@ pub struct App<'q, P, S> {
     pipeline: &'q mut Option<Pipeline>,
     clock_hz: u32,
     settings: Settings,
-    run: u32,
+    part: Part,
+    /// Stirred by every reading: what makes the identity of the next test.
+    dice: u64,
     live: bool,
     job: Job,
     health: Health,
@@ -102,7 +105,8 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
             pipeline,
             clock_hz,
             settings: Settings::default(),
-            run: 0,
+            part: Part::default(),
+            dice: 0,
             live: true,
             job: Job::Idle,
             health: Health::default(),
@@ -130,7 +134,7 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
     #[inline(never)]
     pub fn power_up(&mut self, last_words: Option<&str>) {
         if let Some(last) = self.journal.last() {
-            self.run = last.run;
+            self.part = last.part;
             self.settings = last.settings;
         }
         self.info("floe, help lists the commands");
@@ -192,9 +196,11 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
 
     fn count(&mut self, sample: &Sample) {
         self.period.add(sample);
+        self.stir(u64::from(sample.stamp));
         self.health.samples = self.health.samples.wrapping_add(1);
         match sample.reading {
             Ok(code) => {
+                self.stir(u64::from(code.0 as u32));
                 let (lowest, highest) = self.settings.config.calibration.range_counts;
                 let full = code.0 <= lowest || code.0 >= highest;
                 self.health.saturated = self.health.saturated.wrapping_add(u32::from(full));
@@ -206,6 +212,13 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
                 self.adc_trouble(sample, fault);
             }
         }
+    }
+
+    /// A step of a multiplicative hash: the noise of the readings and the moments
+    /// at which somebody typed make it different everywhere.
+    fn stir(&mut self, what: u64) {
+        const ODD: u64 = 0x9E37_79B9_7F4A_7C15;
+        self.dice = (self.dice ^ what).wrapping_mul(ODD).rotate_left(29);
     }
 
     fn adc_trouble(&mut self, sample: &Sample, fault: crate::adc::AdcFault) {
@@ -224,7 +237,8 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
             return;
         };
         if test.first_index.is_none() {
-            self.journal.begin(self.run, sample.index, &self.settings);
+            self.part.first_index = sample.index;
+            self.journal.begin(self.part, &self.settings);
         }
         let first_index = *test.first_index.get_or_insert(sample.index);
         let step = pipeline.step(sample.raw(first_index));
@@ -306,9 +320,12 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
     fn start(&mut self) -> Result<(), &'static str> {
         self.make_pipeline()?;
         self.shared.want(crate::adc::Input::Bridge);
-        self.run = self.run.wrapping_add(1);
-        log::info!("test {} starts", self.run);
-        self.journal.begin(self.run, 0, &self.settings);
+        let run = self.part.run.wrapping_add(1);
+        // What was on this card before makes it another one too.
+        self.stir(self.part.id.unwrap_or(0) ^ u64::from(run));
+        self.part = Part { id: Some(self.dice), run, ..Part::default() };
+        log::info!("test {} starts", run);
+        self.journal.begin(self.part, &self.settings);
         self.say_settings();
         self.job = Job::Test(Test { first_index: None, phase: Phase::Unknown, about: None });
         Ok(())
@@ -332,10 +349,10 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
             self.tell(&Line::Report(report));
         }
         self.tell(&Line::Health(self.health()));
-        self.tell(&Line::End { run: self.run });
+        self.tell(&Line::End { run: self.part.run });
         self.job = Job::Idle;
-        log::info!("test {} ends", self.run);
-        let stored = self.journal.flush();
+        log::info!("test {} ends", self.part.run);
+        let stored = self.journal.end();
         self.check_store(stored.is_err());
         Ok(())
     }
@@ -355,7 +372,7 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
 
     /// Only to the console: the card has it all, and a display asks often.
     fn status(&mut self) {
-        let settings = Line::Start { run: self.run, settings: self.settings.clone() };
+        let settings = Line::Start { run: self.part.run, settings: self.settings.clone() };
         self.console.tell(&settings);
         let view = self.view();
         if let Some(report) = view.report {
@@ -447,7 +464,7 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
     }
 
     fn say_settings(&mut self) {
-        let line = Line::Start { run: self.run, settings: self.settings.clone() };
+        let line = Line::Start { run: self.part.run, settings: self.settings.clone() };
         self.tell(&line);
     }
 

@@ -2,7 +2,7 @@
 
 use heapless::String;
 
-use crate::settings::NAME_LEN;
+use crate::settings::{NAME_LEN, fits_name};
 
 /// A value that can be set.
 #[derive(Clone, Debug, PartialEq)]
@@ -154,9 +154,8 @@ fn power_of_two(exponent: i32) -> f32 {
 
 /// Only what can stand in a line's field.
 fn name(text: &str) -> Result<String<NAME_LEN>, &'static str> {
-    let fits = |byte: u8| byte.is_ascii_alphanumeric() || matches!(byte, b'-' | b'_' | b'.');
     match String::try_from(text) {
-        Ok(name) if text.bytes().all(fits) => Ok(name),
+        Ok(name) if text.bytes().all(fits_name) => Ok(name),
         _ => Err("a name has at most 16 letters, digits, - _ ."),
     }
 }

@@ -2,7 +2,7 @@
 
 use heapless::String;
 
-use crate::record::{Record, SECTOR_SAMPLES, TEXT_LEN};
+use crate::record::{Part, Record, SECTOR_SAMPLES, TEXT_LEN};
 use crate::sample::Sample;
 use crate::settings::Settings;
 use crate::store::{Store, StoreError};
@@ -29,11 +29,20 @@ impl<S: Store> Journal<S> {
         Self { store, record, waiting, sectors: 0, failures: 0, lines_lost: 0 }
     }
 
-    /// Everything from here on belongs to this test.
-    pub fn begin(&mut self, run: u32, first_index: u32, settings: &Settings) {
-        self.record.run = run;
-        self.record.first_index = first_index;
+    /// Everything from here on belongs to this part of a test.
+    pub fn begin(&mut self, part: Part, settings: &Settings) {
+        self.record.part = part;
+        self.record.running = true;
         self.record.settings = settings.clone();
+    }
+
+    /// The test is over: what waits is written, and it says so.
+    ///
+    /// # Errors
+    /// As [`Journal::flush`].
+    pub fn end(&mut self) -> Result<(), StoreError> {
+        self.record.running = false;
+        self.flush()
     }
 
     /// Adds a sample; a full sector is written.
@@ -103,13 +112,15 @@ impl<S: Store> Journal<S> {
     fn take_waiting(&mut self) {
         while let Some(end) = self.waiting.bytes().position(|byte| byte == b'\n') {
             let Some(line) = self.waiting.get(..=end) else { return };
-            if self.record.text.push_str(line).is_err() {
+            if self.record.text.len() + line.len() > TEXT_LEN {
                 if self.record.text.is_empty() {
                     // Longer than any sector's room: the next one has the rest.
                     self.take_part();
                 }
                 return;
             }
+            // Cannot fail: there is room.
+            let _ = self.record.text.push_str(line);
             self.waiting.drain(..=end);
         }
     }

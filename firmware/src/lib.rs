@@ -23,6 +23,7 @@ pub mod display;
 pub mod journal;
 pub mod line;
 mod log;
+pub mod notebook;
 pub mod period;
 pub mod record;
 pub mod sample;

@@ -4,6 +4,7 @@ use floe_core::{Config, ConfigError, Counts};
 use heapless::String;
 
 use crate::command::Setting;
+use crate::notebook::{Notes, WeightFrom};
 use crate::sample::RATE_HZ;
 
 /// Longest name of a test.
@@ -16,6 +17,55 @@ pub struct Settings {
     pub config: Config,
     /// Name of the test.
     pub name: String<NAME_LEN>,
+    /// Which effects the core looks for.
+    pub effects: Effects,
+    /// How well the inputs are known.
+    pub stds: Stds,
+    /// What weighed the block.
+    pub weight_from: Option<WeightFrom>,
+    /// The zero of the load cell, measured around the test.
+    pub zero: Zero,
+    /// The notebook.
+    pub notes: Notes,
+}
+
+/// Sets of effects, one bit each; `None` in a log that does not say.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Effects {
+    /// Looked for in this test.
+    pub enabled: Option<u32>,
+    /// Compiled into the program that measured it.
+    pub compiled: Option<u32>,
+}
+
+/// One standard deviation of each input; `None` where nobody said.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Stds {
+    /// Of the weight, N.
+    pub weight_n: Option<f32>,
+    /// Of the slope, rad.
+    pub slope_rad: Option<f32>,
+    /// Of the zero of the load cell, N.
+    pub zero_n: Option<f32>,
+    /// Of the span, as a part of it.
+    pub span: Option<f32>,
+    /// Of the damping ratio of the swing.
+    pub damping: Option<f32>,
+}
+
+impl Stds {
+    pub(crate) fn all(&self) -> [Option<f32>; 5] {
+        [self.weight_n, self.slope_rad, self.zero_n, self.span, self.damping]
+    }
+}
+
+/// Force without a load, N, by the calibration of the test.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Zero {
+    /// Before the test.
+    pub before_n: Option<f32>,
+    /// After it.
+    pub after_n: Option<f32>,
 }
 
 impl Default for Settings {
@@ -23,7 +73,15 @@ impl Default for Settings {
     fn default() -> Self {
         let mut config = Config { rate_hz: RATE_HZ, ..Config::default() };
         config.calibration.counts_per_n = 429.5;
-        Self { config, name: String::new() }
+        Self {
+            config,
+            name: String::new(),
+            effects: Effects::default(),
+            stds: Stds::default(),
+            weight_from: None,
+            zero: Zero::default(),
+            notes: Notes::default(),
+        }
     }
 }
 
@@ -53,11 +111,35 @@ impl Settings {
             Setting::Tare(tare_counts) => config.calibration.tare_counts = tare_counts,
             Setting::Name(name) => changed.name = name,
         }
-        let mut complete = changed.config;
+        changed.check_config()?;
+        Ok(changed)
+    }
+
+    /// What the core will refuse; the weight may still be missing.
+    fn check_config(&self) -> Result<(), ConfigError> {
+        let mut complete = self.config;
         if complete.weight_n == 0.0 {
             complete.weight_n = 1.0;
         }
-        complete.validate()?;
-        Ok(changed)
+        complete.validate()
     }
+
+    /// Whether a logger could have written this: what comes from a card is held to
+    /// the same as what comes from the console.
+    #[must_use]
+    pub fn is_sound(&self) -> bool {
+        let not_negative = |x: &f32| x.is_finite() && *x >= 0.0;
+        let zeros = [self.zero.before_n, self.zero.after_n];
+        self.check_config().is_ok()
+            && self.name.bytes().all(fits_name)
+            && self.stds.all().iter().flatten().all(not_negative)
+            && self.notes.lengths().iter().flatten().all(not_negative)
+            && zeros.iter().flatten().all(|x| x.is_finite())
+    }
+}
+
+/// Whether a letter can stand in a name: in a line's field, and in a file's name.
+#[must_use]
+pub fn fits_name(byte: u8) -> bool {
+    byte.is_ascii_alphanumeric() || matches!(byte, b'-' | b'_' | b'.')
 }

@@ -7,6 +7,7 @@ pub mod feed;
 pub mod honesty;
 pub mod maths;
 pub mod normal;
+pub mod records;
 pub mod scenes;
 pub mod score;
 pub mod wide;

@@ -8,6 +8,7 @@ use heapless::string::StringView;
 
 use super::{Decimal, LineError};
 use crate::adc::Input;
+use crate::notebook::{Kind, Track, WeightFrom, Winch, from_word, word};
 use crate::text::Show;
 
 /// Writes a field per call.
@@ -38,9 +39,15 @@ impl Writer<'_> {
         }
     }
 
+    pub(super) fn put_some_word<T: Word>(&mut self, value: Option<T>) -> fmt::Result {
+        match value {
+            Some(value) => self.put_word(value),
+            None => self.put(""),
+        }
+    }
+
     pub(super) fn put_word<T: Word>(&mut self, value: T) -> fmt::Result {
-        let word = T::WORDS.iter().find(|(v, _)| *v == value).map_or("", |(_, word)| word);
-        self.put(word)
+        self.put(word(T::WORDS, &value))
     }
 }
 
@@ -72,19 +79,23 @@ impl<'a> Reader<'a> {
     }
 
     pub(super) fn take_word<T: Word>(&mut self) -> Result<T, LineError> {
-        word(self.text()?).ok_or(LineError::Field)
+        from_word(T::WORDS, self.text()?).ok_or(LineError::Field)
     }
 
     pub(super) fn take_some_word<T: Word>(&mut self) -> Result<Option<T>, LineError> {
         match self.text()? {
             "" => Ok(None),
-            text => word(text).map(Some).ok_or(LineError::Field),
+            text => from_word(T::WORDS, text).map(Some).ok_or(LineError::Field),
         }
     }
-}
 
-fn word<T: Word>(text: &str) -> Option<T> {
-    T::WORDS.iter().find(|(_, word)| *word == text).map(|(value, _)| *value)
+    /// The same for what lines of older boards end before.
+    pub(super) fn take_late_word<T: Word>(&mut self) -> Result<Option<T>, LineError> {
+        match self.0.next() {
+            None | Some("") => Ok(None),
+            Some(text) => from_word(T::WORDS, text).map(Some).ok_or(LineError::Field),
+        }
+    }
 }
 
 /// A value that is one of a few words.
@@ -132,6 +143,23 @@ impl Word for Reason {
 impl Word for Cause {
     const WORDS: &'static [(Self, &'static str)] =
         &[(Self::Mass, "mass"), (Self::Friction, "friction"), (Self::Unknown, "unknown")];
+}
+
+impl Word for Kind {
+    const WORDS: &'static [(Self, &'static str)] = Self::ALL;
+}
+
+impl Word for Track {
+    const WORDS: &'static [(Self, &'static str)] = Self::ALL;
+}
+
+impl Word for WeightFrom {
+    const WORDS: &'static [(Self, &'static str)] = Self::ALL;
+}
+
+impl Word for Winch {
+    const WORDS: &'static [(Self, &'static str)] =
+        &[(Self::Moving, "moving"), (Self::Held, "held")];
 }
 
 impl Word for Input {

@@ -20,10 +20,11 @@ use heapless::String;
 pub use decimal::Decimal;
 
 use crate::adc::Input;
+use crate::notebook::Winch;
 use crate::settings::Settings;
 
-/// Room for the longest line, an `R` with the longest numbers.
-pub const LINE_LEN: usize = 432;
+/// Room for the longest line, a `T` with the longest numbers.
+pub const LINE_LEN: usize = 480;
 
 /// A line as text, without its end.
 pub type Text = String<LINE_LEN>;
@@ -59,6 +60,31 @@ pub enum Line<'a> {
     Health(Health),
     /// `M`: the mean of a number of readings, for taring and self test.
     Mean(Mean),
+    /// `N`: what somebody wrote down.
+    Note(&'a str),
+    /// `W`: what the winch does from now on.
+    Mark {
+        /// From the start of the test.
+        index: u64,
+        /// Taking up or held.
+        winch: Winch,
+    },
+    /// `Y`: what time it is.
+    Sync {
+        /// From the start of the test.
+        index: u64,
+        /// Milliseconds since 1970 (UTC).
+        unix_ms: u64,
+    },
+    /// `K`: how cold the board is, and how its battery does.
+    Climate {
+        /// From the start of the test.
+        index: u64,
+        /// Temperature of the converter, °C.
+        temperature_c: Option<f32>,
+        /// Supply, V.
+        supply_v: Option<f32>,
+    },
     /// `I`: an answer, in words.
     Info(&'a str),
     /// `!`: something is wrong, in words.
@@ -177,6 +203,8 @@ fn checksum(text: &str) -> u16 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::notebook::{Kind, Notes, Track, WeightFrom};
+    use crate::settings::{Effects, Stds, Zero};
     use floe_core::{
         Calibration, Cause, Coefficient, Config, Counters, Estimate, Pipeline, Quality, Reason,
         SampleTime,
@@ -280,7 +308,52 @@ mod tests {
             range_n: Some(LONG),
             calibration,
         };
-        Settings { config, name: String::try_from("sixteen characte").unwrap() }
+        Settings {
+            config,
+            name: String::try_from("sixteen-characte").unwrap(),
+            effects: Effects { enabled: Some(!0 - 1), compiled: Some(!0 - 1) },
+            stds: Stds {
+                weight_n: Some(LONG),
+                slope_rad: Some(LONG),
+                zero_n: Some(LONG),
+                span: Some(LONG),
+                damping: Some(LONG),
+            },
+            weight_from: Some(WeightFrom::SameCell),
+            zero: Zero { before_n: Some(LONG), after_n: Some(LONG) },
+            notes: Notes {
+                kind: Some(Kind::OverRiding),
+                track: Some(Track::Repeated),
+                snow_mm: Some(LONG),
+                length_m: Some(LONG),
+                width_m: Some(LONG),
+                height_m: Some(LONG),
+                cable_length_m: Some(LONG),
+                cable_ae_n: Some(LONG),
+            },
+        }
+    }
+
+    #[test]
+    fn what_is_told_through_a_test_returns_as_it_was() {
+        returns(&Line::Note("snow on the track, 3 cm; wind"));
+        for winch in [Winch::Moving, Winch::Held] {
+            returns(&Line::Mark { index: 964, winch });
+        }
+        returns(&Line::Sync { index: 0, unix_ms: 1_803_982_500_123 });
+        for temperature_c in [None, Some(-31.25)] {
+            returns(&Line::Climate { index: 960, temperature_c, supply_v: Some(3.7) });
+        }
+    }
+
+    /// Lines of older boards end before what was added.
+    #[test]
+    fn settings_of_an_older_board_are_read() {
+        let text = "T,3,DFF8-13,16,630,0.0349,0.016,,0,429.5,-8388608,8388607";
+        let text = format!("{text}*{:04X}", checksum(text));
+        let Ok(Line::Start { run: 3, settings }) = Line::parse(&text) else { panic!("{text}") };
+        assert_eq!(settings.stds, Stds::default());
+        assert_eq!(settings.config.winch_m_per_s, Some(0.016));
     }
 
     #[test]

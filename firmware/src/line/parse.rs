@@ -8,7 +8,8 @@ use heapless::String;
 
 use super::fields::Reader;
 use super::{About, Health, Line, LineError, LiveSample, Mean, checksum};
-use crate::settings::Settings;
+use crate::notebook::Notes;
+use crate::settings::{Effects, Settings, Stds, Zero};
 
 impl<'a> Line<'a> {
     /// Reads a line back; its end (CR, LF, spaces) may be there or not.
@@ -34,6 +35,14 @@ impl<'a> Line<'a> {
             "Z" => Line::End { run: from.take()? },
             "H" => Line::Health(health(from)?),
             "M" => Line::Mean(mean(from)?),
+            "N" => Line::Note(fields),
+            "W" => Line::Mark { index: from.take()?, winch: from.take_word()? },
+            "Y" => Line::Sync { index: from.take()?, unix_ms: from.take()? },
+            "K" => Line::Climate {
+                index: from.take()?,
+                temperature_c: from.take_some()?,
+                supply_v: from.take_some()?,
+            },
             "I" => Line::Info(fields),
             "!" => Line::Trouble(fields),
             _ => return Err(LineError::UnknownKind),
@@ -55,7 +64,30 @@ fn settings(from: &mut Reader<'_>) -> Result<Settings, LineError> {
             range_counts: (from.take()?, from.take()?),
         },
     };
-    Ok(Settings { config, name })
+    Ok(Settings {
+        config,
+        name,
+        weight_from: from.take_late_word()?,
+        stds: Stds {
+            weight_n: from.take_late()?,
+            slope_rad: from.take_late()?,
+            zero_n: from.take_late()?,
+            span: from.take_late()?,
+            damping: from.take_late()?,
+        },
+        zero: Zero { before_n: from.take_late()?, after_n: from.take_late()? },
+        notes: Notes {
+            kind: from.take_late_word()?,
+            track: from.take_late_word()?,
+            snow_mm: from.take_late()?,
+            length_m: from.take_late()?,
+            width_m: from.take_late()?,
+            height_m: from.take_late()?,
+            cable_length_m: from.take_late()?,
+            cable_ae_n: from.take_late()?,
+        },
+        effects: Effects { enabled: from.take_late()?, compiled: from.take_late()? },
+    })
 }
 
 fn live_sample(from: &mut Reader<'_>) -> Result<LiveSample, LineError> {

@@ -35,6 +35,10 @@ impl Line<'_> {
             Line::End { .. } => "Z",
             Line::Health(_) => "H",
             Line::Mean(_) => "M",
+            Line::Note(_) => "N",
+            Line::Mark { .. } => "W",
+            Line::Sync { .. } => "Y",
+            Line::Climate { .. } => "K",
             Line::Info(_) => "I",
             Line::Trouble(_) => "!",
         }
@@ -52,7 +56,20 @@ impl Line<'_> {
             Line::End { run } => out.put(*run),
             Line::Health(h) => health(out, h),
             Line::Mean(m) => mean(out, m),
-            Line::Info(text) | Line::Trouble(text) => out.put(*text),
+            Line::Mark { index, winch } => {
+                out.put(*index)?;
+                out.put_word(*winch)
+            }
+            Line::Sync { index, unix_ms } => {
+                out.put(*index)?;
+                out.put(*unix_ms)
+            }
+            Line::Climate { index, temperature_c, supply_v } => {
+                out.put(*index)?;
+                out.put_some_f32(*temperature_c)?;
+                out.put_some_f32(*supply_v)
+            }
+            Line::Note(text) | Line::Info(text) | Line::Trouble(text) => out.put(*text),
         }
     }
 }
@@ -70,7 +87,22 @@ fn start(out: &mut Writer<'_>, run: u32, settings: &Settings) -> fmt::Result {
     out.put(calibration.tare_counts)?;
     out.put_f32(calibration.counts_per_n)?;
     out.put(calibration.range_counts.0)?;
-    out.put(calibration.range_counts.1)
+    out.put(calibration.range_counts.1)?;
+    around(out, settings)
+}
+
+/// What is around the computation of a test.
+fn around(out: &mut Writer<'_>, settings: &Settings) -> fmt::Result {
+    let Settings { effects, stds, weight_from, zero, notes, .. } = settings;
+    out.put_some_word(*weight_from)?;
+    stds.all().iter().try_for_each(|&std| out.put_some_f32(std))?;
+    out.put_some_f32(zero.before_n)?;
+    out.put_some_f32(zero.after_n)?;
+    out.put_some_word(notes.kind)?;
+    out.put_some_word(notes.track)?;
+    notes.lengths().iter().try_for_each(|&length| out.put_some_f32(length))?;
+    out.put_some(effects.enabled)?;
+    out.put_some(effects.compiled)
 }
 
 fn live_sample(out: &mut Writer<'_>, sample: &LiveSample) -> fmt::Result {
@@ -103,10 +135,7 @@ fn event(out: &mut Writer<'_>, event: &Event) -> fmt::Result {
     out.put_some_f32(event.omega_rad_per_s)?;
     out.put_word(event.slack)?;
     out.put_word(event.quality)?;
-    match event.reason {
-        Some(reason) => out.put_word(reason),
-        None => out.put(""),
-    }
+    out.put_some_word(event.reason)
 }
 
 fn time(out: &mut Writer<'_>, time: SampleTime) -> fmt::Result {

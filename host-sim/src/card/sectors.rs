@@ -4,19 +4,36 @@ use std::io::{Read, Seek, SeekFrom};
 
 use floe_firmware::record::{MAGIC, Record, RecordError, SECTOR_LEN, Sector};
 
+use super::stretch::{self, Key};
 use crate::error::InputError;
 
 /// What a scan found.
 #[derive(Clone, Debug, Default)]
 pub struct Found {
-    /// Number and offset of every record, in order of the numbers.
-    pub places: Vec<(u32, u64)>,
+    /// Every record once: by test, then by number.
+    pub places: Vec<Place>,
     /// Sectors with the mark but a wrong checksum: torn or damaged.
     pub damaged: u64,
     /// Numbers between the first and the last record that are not there.
     pub lost: u64,
     /// Sectors of a newer version.
     pub newer: u64,
+    /// Sectors with a right checksum and a content that no logger writes.
+    pub unsound: u64,
+    /// Records that are there more than once, as in a file that was copied twice.
+    pub repeated: u64,
+}
+
+/// Where a record is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Place {
+    /// Whose it is.
+    pub key: Key,
+    /// Its number.
+    pub sector: u32,
+    content: u64,
+    /// Its first byte in the input.
+    pub offset: u64,
 }
 
 /// Looks at every sector.
@@ -64,18 +81,28 @@ impl Found {
         }
         let Ok(sector): Result<&Sector, _> = bytes.try_into() else { return };
         match Record::decode(sector) {
-            Ok(record) => self.places.push((record.sector, offset)),
+            Ok(record) if stretch::is_in_order(&record) => self.places.push(Place {
+                key: Key::new(&record),
+                sector: record.sector,
+                content: stretch::hash(bytes),
+                offset,
+            }),
             Err(RecordError::Version(_)) => self.newer += 1,
+            Ok(_) | Err(RecordError::Unsound) => self.unsound += 1,
             Err(RecordError::Corrupt | RecordError::Empty) => self.damaged += 1,
         }
     }
 
-    /// Of two records with one number (an old file's remains) the first stays.
     fn put_in_order(&mut self) {
-        self.places.sort_by_key(|&(number, _)| number);
-        self.places.dedup_by_key(|&mut (number, _)| number);
-        if let (Some(first), Some(last)) = (self.places.first(), self.places.last()) {
-            self.lost = u64::from(last.0 - first.0) + 1 - self.places.len() as u64;
+        let all = self.places.len();
+        self.places.sort();
+        self.places.dedup_by_key(|place| (place.key, place.sector, place.content));
+        self.repeated = (all - self.places.len()) as u64;
+        let mut numbers: Vec<u32> = self.places.iter().map(|place| place.sector).collect();
+        numbers.sort_unstable();
+        numbers.dedup();
+        if let (Some(first), Some(last)) = (numbers.first(), numbers.last()) {
+            self.lost = u64::from(last - first) + 1 - numbers.len() as u64;
         }
     }
 }

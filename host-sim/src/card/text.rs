@@ -1,20 +1,67 @@
 //! The board's log as the text of a CSV log, for everything that reads those.
 
+use std::collections::BTreeSet;
 use std::io::{self, Read};
+use std::sync::{Arc, Mutex};
 
-use floe_firmware::record::{Record, SECTOR_LEN, Sector};
+use floe_firmware::record::{Record, RecordError, SECTOR_LEN, Sector};
 
+use super::stretch::{self, Key, Next, Reached};
 use super::write::{head, row};
 
 /// The column of the readings, in counts of the converter.
 pub const COLUMN: &str = "counts";
+
+/// What a reader of the text should know, complete at its end.
+#[derive(Clone, Debug, Default)]
+pub struct Told(Arc<Mutex<Aside>>);
+
+/// What is not in the text.
+#[derive(Debug, Default)]
+struct Aside {
+    damaged: u64,
+    unsound: u64,
+    newer: u64,
+    repeated: u64,
+    others: BTreeSet<Key>,
+    torn_off: u64,
+}
+
+impl Told {
+    /// In words.
+    #[must_use]
+    pub fn warnings(&self) -> Vec<String> {
+        let Ok(aside) = self.0.lock() else { return Vec::new() };
+        let others = aside.others.len() as u64;
+        let say = |count: u64, what: &str| (count > 0).then(|| format!("{count} {what}"));
+        [
+            say(others, "more recordings are in it: floe recover takes them apart"),
+            say(aside.torn_off, "records of the same test do not go on with it: floe recover"),
+            say(aside.repeated, "records are there again, and were left out"),
+            say(aside.damaged, "damaged sectors were left out"),
+            say(aside.unsound, "sectors that no logger writes were left out"),
+            say(aside.newer, "sectors of a newer version were left out"),
+        ]
+        .into_iter()
+        .flatten()
+        .collect()
+    }
+
+    fn count(&self, add: impl FnOnce(&mut Aside)) {
+        if let Ok(mut aside) = self.0.lock() {
+            add(&mut aside);
+        }
+    }
+}
 
 /// Turns records into lines while they are read. Only the first test of the log is
 /// given; `floe recover` takes them apart.
 #[derive(Debug)]
 pub struct Text<R> {
     input: R,
-    run: Option<u32>,
+    key: Option<Key>,
+    reached: Option<Reached>,
+    told: Told,
     text: Vec<u8>,
     given: usize,
     done: bool,
@@ -23,7 +70,14 @@ pub struct Text<R> {
 impl<R: Read> Text<R> {
     /// Reads from the start of a log file.
     pub fn new(input: R) -> Self {
-        Self { input, run: None, text: Vec::new(), given: 0, done: false }
+        let (told, text) = (Told::default(), Vec::new());
+        Self { input, key: None, reached: None, told, text, given: 0, done: false }
+    }
+
+    /// What there is to know beside the text.
+    #[must_use]
+    pub fn told(&self) -> Told {
+        self.told.clone()
     }
 
     /// The next sector as text. Damaged and empty sectors have none.
@@ -32,29 +86,37 @@ impl<R: Read> Text<R> {
         match self.input.read_exact(&mut sector) {
             Err(error) if error.kind() == io::ErrorKind::UnexpectedEof => self.done = true,
             Err(error) => return Err(error),
-            Ok(()) => {
-                if let Ok(record) = Record::decode(&sector) {
-                    self.take(&record);
-                }
-            }
+            Ok(()) => match Record::decode(&sector) {
+                Ok(record) if stretch::is_in_order(&record) => self.take(&record),
+                Err(RecordError::Empty) => {}
+                Err(RecordError::Corrupt) => self.told.count(|aside| aside.damaged += 1),
+                Ok(_) | Err(RecordError::Unsound) => self.told.count(|aside| aside.unsound += 1),
+                Err(RecordError::Version(_)) => self.told.count(|aside| aside.newer += 1),
+            },
         }
         Ok(())
     }
 
     fn take(&mut self, record: &Record) {
-        if record.samples.is_empty() {
-            return;
+        let Some(sample) = record.samples.first() else { return };
+        let key = Key::new(record);
+        if self.key.is_none() {
+            self.key = Some(key);
+            self.text.extend(head(&record.part, &record.settings).bytes());
         }
-        if self.run.is_none() {
-            self.run = Some(record.run);
-            self.text.extend(head(&record.settings).bytes());
+        if self.key != Some(key) {
+            return self.told.count(|aside| {
+                aside.others.insert(key);
+            });
         }
-        if self.run != Some(record.run) {
-            self.done = true;
-            return;
+        match self.reached.map_or(Next::Follows, |reached| reached.next(sample)) {
+            Next::Follows => {}
+            Next::StepsBack => return self.told.count(|aside| aside.repeated += 1),
+            Next::OtherClock => return self.told.count(|aside| aside.torn_off += 1),
         }
+        self.reached = Reached::end_of(record);
         for sample in &record.samples {
-            let line = row(&record.settings, record.first_index, sample);
+            let line = row(&record.settings, record.part.first_index, sample);
             self.text.extend(line.bytes());
         }
     }

@@ -3,6 +3,8 @@
 use std::fmt::Write;
 
 use floe_firmware::line::Decimal;
+use floe_firmware::notebook::{Kind, Track, WeightFrom, word};
+use floe_firmware::record::Part;
 use floe_firmware::sample::Sample;
 use floe_firmware::settings::Settings;
 
@@ -12,8 +14,8 @@ use super::text::COLUMN;
 /// CSV with everything that is known about the test.
 #[must_use]
 pub fn csv(test: &Test) -> String {
-    let rows = test.samples.iter().map(|s| row(&test.settings, test.first_index, s));
-    std::iter::once(head(&test.settings)).chain(rows).collect()
+    let rows = test.samples.iter().map(|s| row(&test.settings, test.part.first_index, s));
+    std::iter::once(head(&test.part, &test.settings)).chain(rows).collect()
 }
 
 /// Campbell's TOA5. The board has no calendar: time begins on 2000-01-01.
@@ -22,11 +24,11 @@ pub fn toa5(test: &Test) -> String {
     let mut text = format!(
         "\"TOA5\",\"floe\",\"floe\",\"{run}\",\"1\",\"{stem}\",\"1\",\"pull\"\n\
          \"TIMESTAMP\",\"RECORD\",\"force_n\"\n\"TS\",\"RN\",\"N\"\n\"\",\"\",\"Smp\"\n",
-        run = test.run,
-        stem = test.stem(),
+        run = test.part.run,
+        stem = test.stem,
     );
     for sample in &test.samples {
-        let index = sample.index.wrapping_sub(test.first_index);
+        let index = sample.index.wrapping_sub(test.part.first_index);
         let stamp = stamp(f64::from(index) / f64::from(test.settings.config.rate_hz));
         let force = force(&test.settings, sample).unwrap_or_else(|| "\"NAN\"".into());
         let _ = writeln!(text, "\"{stamp}\",{index},{force}");
@@ -41,12 +43,12 @@ pub fn lines(test: &Test) -> &str {
 }
 
 /// Comments and column names of a CSV log.
-pub(super) fn head(settings: &Settings) -> String {
-    let config = &settings.config;
+pub(super) fn head(part: &Part, settings: &Settings) -> String {
     let mut text = String::new();
     if !settings.name.is_empty() {
         let _ = writeln!(text, "# test_id: {}", settings.name);
     }
+    let config = &settings.config;
     let slope_deg = f64::from(config.slope_rad).to_degrees();
     let numbers = [
         ("rate_hz", Some(config.rate_hz)),
@@ -55,15 +57,64 @@ pub(super) fn head(settings: &Settings) -> String {
         ("range_n", config.range_n),
         ("counts_per_n", Some(config.calibration.counts_per_n)),
     ];
-    for (key, value) in numbers {
-        if let Some(value) = value {
-            let _ = writeln!(text, "# {key}: {}", Decimal(value));
-        }
-    }
+    put_numbers(&mut text, &numbers);
     let _ = writeln!(text, "# slope_deg: {slope_deg}");
     let _ = writeln!(text, "# tare_counts: {}", config.calibration.tare_counts);
+    put_part(&mut text, part);
+    put_around(&mut text, settings);
     let _ = writeln!(text, "time_s,force_n,{COLUMN},state");
     text
+}
+
+/// What identifies the recording.
+fn put_part(text: &mut String, part: &Part) {
+    let _ = writeln!(text, "# run: {}", part.run);
+    if let Some(id) = part.id {
+        let _ = writeln!(text, "# identity: {id:016x}");
+    }
+    if let Some(start_ms) = part.start_ms {
+        let _ = writeln!(text, "# start_unix_ms: {start_ms}");
+    }
+    if part.number > 0 {
+        let gap = part.gap.map_or("unknown".to_string(), |periods| periods.to_string());
+        let _ = writeln!(text, "# part: {}", u64::from(part.number) + 1);
+        let _ = writeln!(text, "# samples_lost_before: {gap}");
+    }
+}
+
+/// How well the inputs are known, and the notebook.
+fn put_around(text: &mut String, settings: &Settings) {
+    let Settings { stds, zero, notes, .. } = settings;
+    let numbers = [
+        ("weight_std_n", stds.weight_n),
+        ("slope_std_deg", stds.slope_rad.map(f32::to_degrees)),
+        ("zero_std_n", stds.zero_n),
+        ("span_std_percent", stds.span.map(|part| 100.0 * part)),
+        ("damping_std", stds.damping),
+        ("zero_before_n", zero.before_n),
+        ("zero_after_n", zero.after_n),
+        ("snow_mm", notes.snow_mm),
+        ("length_m", notes.length_m),
+        ("width_m", notes.width_m),
+        ("height_m", notes.height_m),
+        ("cable_length_m", notes.cable_length_m),
+        ("cable_ae_n", notes.cable_ae_n),
+    ];
+    put_numbers(text, &numbers);
+    let words = [
+        ("weight_from", settings.weight_from.map(|it| word(WeightFrom::ALL, &it))),
+        ("kind", notes.kind.map(|it| word(Kind::ALL, &it))),
+        ("track", notes.track.map(|it| word(Track::ALL, &it))),
+    ];
+    for (key, word) in words.iter().filter_map(|&(key, word)| Some((key, word?))) {
+        let _ = writeln!(text, "# {key}: {word}");
+    }
+}
+
+fn put_numbers(text: &mut String, numbers: &[(&str, Option<f32>)]) {
+    for (key, value) in numbers.iter().filter_map(|&(key, value)| Some((key, value?))) {
+        let _ = writeln!(text, "# {key}: {}", Decimal(value));
+    }
 }
 
 /// A sample as a line: its time from the start of the test, force, code, and what

@@ -53,7 +53,7 @@ pub fn run(args: &Args) -> Result<(), InputError> {
 }
 
 fn name(args: &Args, test: &Test, extension: &str) -> PathBuf {
-    args.output.join(format!("{}.{extension}", test.stem()))
+    args.output.join(format!("{}.{extension}", test.stem))
 }
 
 fn refuse_existing(path: &Path) -> Result<(), InputError> {
@@ -74,15 +74,38 @@ fn summary(tests: &[Test], found: &Found) -> String {
         text += &format!(
             "{}: {samples} samples ({seconds:.1} s), {missing} missing ({} overruns), {bad} bad, \
              weight {} N\n",
-            test.stem(),
-            test.overruns,
-            settings.config.weight_n,
+            test.stem, test.overruns, settings.config.weight_n,
         );
     }
     let (whole, damaged, lost) = (found.places.len(), found.damaged, found.lost);
     text += &format!("sectors: {whole} read, {damaged} damaged, {lost} lost");
-    if found.newer > 0 {
-        text += &format!(", {} of a newer version", found.newer);
+    for (count, what) in [
+        (found.newer, "of a newer version"),
+        (found.unsound, "that no logger writes"),
+        (found.repeated, "there again"),
+    ] {
+        if count > 0 {
+            text += &format!(", {count} {what}");
+        }
     }
-    text + "\n"
+    text + "\n" + &conflicts(tests)
+}
+
+/// What is not as one logger writes one card.
+fn conflicts(tests: &[Test]) -> String {
+    let mut text = String::new();
+    for test in tests {
+        if let Some(why) = test.split {
+            text += &format!("{}: taken apart from its number's other samples: {why}\n", test.stem);
+        }
+    }
+    for same in tests.chunk_by(|a, b| a.part.run == b.part.run) {
+        let mut identities: Vec<_> = same.iter().map(|test| test.part.id).collect();
+        identities.dedup();
+        if let (Some(first), true) = (same.first(), identities.len() > 1) {
+            let (run, count) = (first.part.run, identities.len());
+            text += &format!("number {run} is on the card for {count} different tests\n");
+        }
+    }
+    text
 }

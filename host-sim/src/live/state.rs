@@ -154,6 +154,7 @@ impl State {
                     format!("mean code {:.0} of {count} readings, {failed} failed", mean.mean);
                 self.answer = Some((text, now));
             }
+            Line::Note(_) | Line::Mark { .. } | Line::Sync { .. } | Line::Climate { .. } => {}
             Line::Info(text) => self.answer = Some((text.to_string(), now)),
             Line::Trouble(text) => self.complaint = Some((text.to_string(), now)),
         }

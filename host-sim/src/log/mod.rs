@@ -103,6 +103,8 @@ pub struct Log {
     ahead: VecDeque<Row>,
     clock: Clock,
     origin_s: f64,
+    /// What a logger's own log holds beside the test.
+    told: card::Told,
 }
 
 impl Log {
@@ -139,8 +141,10 @@ impl Log {
             unit: Some(Unit::Counts),
             ..options.clone()
         };
-        let rows = begin(Format::Floe, Lines::new(Box::new(card::Text::new(input))), &options)?;
-        Self::start(Format::Floe, rows, &options)
+        let text = card::Text::new(input);
+        let told = text.told();
+        let rows = begin(Format::Floe, Lines::new(Box::new(text)), &options)?;
+        Ok(Self { told, ..Self::start(Format::Floe, rows, &options)? })
     }
 
     /// The next sample, `None` at the end.
@@ -202,7 +206,7 @@ impl Log {
         let rate_hz = self.rate_hz();
         let misfits = (misfits > 0)
             .then(|| format!("{misfits} time stamps do not fit {rate_hz} samples per second"));
-        truncated.into_iter().chain(misfits).collect()
+        truncated.into_iter().chain(misfits).chain(self.told.warnings()).collect()
     }
 
     /// Reads the head and finds the timing in it.
@@ -222,7 +226,14 @@ impl Log {
         let timing = timing::find(&head, rate_hz, rows.layout().resolution_s)?;
         let calendar = !matches!(rows.layout().time, TimeCells::Seconds(_));
         let origin_s = if calendar { timing.start_s } else { 0.0 };
-        Ok(Self { format, rows, ahead: head.into(), clock: Clock::new(timing), origin_s })
+        Ok(Self {
+            format,
+            rows,
+            ahead: head.into(),
+            clock: Clock::new(timing),
+            origin_s,
+            told: card::Told::default(),
+        })
     }
 }
 

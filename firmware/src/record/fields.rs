@@ -1,0 +1,154 @@
+//! The fields of a sector, there and back.
+
+use floe_core::{Calibration, Config, Counts};
+use heapless::String;
+
+use super::bytes::{Reader, Writer};
+use super::{Part, Record};
+use crate::adc::{AdcFault, Input};
+use crate::notebook::{Kind, Notes, Track, WeightFrom};
+use crate::sample::Sample;
+use crate::settings::{Effects, NAME_LEN, Settings, Stds, Zero};
+
+/// Every version has these: bytes 8 to 84.
+pub(super) fn put_first(out: &mut Writer<'_>, record: &Record) {
+    let Record { sector, part, clock_hz, overruns, adc_faults, settings, .. } = record;
+    let numbers = [*sector, part.run, part.first_index, *clock_hz, *overruns, *adc_faults];
+    numbers.iter().for_each(|&n| out.put_u32(n));
+    put_config(out, &settings.config);
+    let mut name = [0; NAME_LEN];
+    name.iter_mut().zip(settings.name.bytes()).for_each(|(to, from)| *to = from);
+    out.put(name);
+}
+
+/// `None`: the name is none.
+pub(super) fn take_first(from: &mut Reader<'_>, record: &mut Record) -> Option<()> {
+    record.sector = from.u32();
+    record.part.run = from.u32();
+    record.part.first_index = from.u32();
+    record.clock_hz = from.u32();
+    record.overruns = from.u32();
+    record.adc_faults = from.u32();
+    record.settings.config = take_config(from);
+    let bytes: [u8; NAME_LEN] = from.take();
+    let text = core::str::from_utf8(&bytes).ok()?;
+    record.settings.name = String::try_from(text.trim_end_matches('\0')).ok()?;
+    Some(())
+}
+
+/// What version 2 added.
+pub(super) fn put_second(out: &mut Writer<'_>, record: &Record) {
+    let Record { part, settings, running, .. } = record;
+    let Settings { effects, stds, weight_from, zero, notes, .. } = settings;
+    out.put([u8::from(*running)]);
+    out.put_choice(WeightFrom::ALL, *weight_from);
+    out.put_choice(Kind::ALL, notes.kind);
+    out.put_choice(Track::ALL, notes.track);
+    out.put([0; 2]);
+    out.put_some_u64(part.id);
+    out.put_some_u64(part.start_ms);
+    out.put_u32(part.number);
+    out.put_some_u32(part.gap);
+    out.put_some_u32(effects.enabled);
+    out.put_some_u32(effects.compiled);
+    stds.all().iter().for_each(|&std| out.put_some_f32(std));
+    out.put_some_f32(zero.before_n);
+    out.put_some_f32(zero.after_n);
+    notes.lengths().iter().for_each(|&length| out.put_some_f32(length));
+}
+
+pub(super) fn take_second(from: &mut Reader<'_>, record: &mut Record) {
+    let [running] = from.take();
+    record.running = running == 1;
+    let weight_from = from.choice(WeightFrom::ALL);
+    let (kind, track) = (from.choice(Kind::ALL), from.choice(Track::ALL));
+    let _spare: [u8; 2] = from.take();
+    let Part { run, first_index, .. } = record.part;
+    let (id, start_ms) = (from.some_u64(), from.some_u64());
+    let (number, gap) = (from.some_u32().unwrap_or(0), from.some_u32());
+    // There is nothing before the first part.
+    let gap = if number == 0 { Some(0) } else { gap };
+    record.part = Part { id, run, number, gap, first_index, start_ms };
+    let settings = &mut record.settings;
+    settings.effects = Effects { enabled: from.some_u32(), compiled: from.some_u32() };
+    settings.stds = Stds {
+        weight_n: from.some_f32(),
+        slope_rad: from.some_f32(),
+        zero_n: from.some_f32(),
+        span: from.some_f32(),
+        damping: from.some_f32(),
+    };
+    settings.weight_from = weight_from;
+    settings.zero = Zero { before_n: from.some_f32(), after_n: from.some_f32() };
+    settings.notes = Notes {
+        kind,
+        track,
+        snow_mm: from.some_f32(),
+        length_m: from.some_f32(),
+        width_m: from.some_f32(),
+        height_m: from.some_f32(),
+        cable_length_m: from.some_f32(),
+        cable_ae_n: from.some_f32(),
+    };
+}
+
+/// The winch's speed and the cell's range have always been zero when unknown.
+fn put_config(out: &mut Writer<'_>, config: &Config) {
+    out.put_f32(config.rate_hz);
+    out.put_f32(config.weight_n);
+    out.put_f32(config.slope_rad);
+    out.put_f32(config.winch_m_per_s.unwrap_or(0.0));
+    out.put_f32(config.range_n.unwrap_or(0.0));
+    let calibration = &config.calibration;
+    out.put(calibration.tare_counts.to_le_bytes());
+    out.put(calibration.range_counts.0.to_le_bytes());
+    out.put(calibration.range_counts.1.to_le_bytes());
+    out.put_f32(calibration.counts_per_n);
+}
+
+fn take_config(from: &mut Reader<'_>) -> Config {
+    let known = |value: f32| (value != 0.0).then_some(value);
+    Config {
+        rate_hz: from.f32(),
+        weight_n: from.f32(),
+        slope_rad: from.f32(),
+        winch_m_per_s: known(from.f32()),
+        range_n: known(from.f32()),
+        calibration: {
+            let tare_counts = from.i32();
+            let range_counts = (from.i32(), from.i32());
+            Calibration { tare_counts, counts_per_n: from.f32(), range_counts }
+        },
+    }
+}
+
+pub(super) fn put_sample(out: &mut Writer<'_>, sample: &Sample) {
+    out.put_u32(sample.index);
+    out.put_u32(sample.stamp);
+    let code = sample.reading.map_or(0, |counts| counts.0);
+    let [b0, b1, b2, _] = code.to_le_bytes();
+    let state = match sample.reading {
+        Ok(_) => 0,
+        Err(AdcFault::Silent) => 1,
+        Err(AdcFault::NotReady) => 2,
+        Err(AdcFault::Garbled) => 3,
+        Err(AdcFault::Stuck) => 4,
+        Err(AdcFault::Registers) => 5,
+    };
+    out.put([b0, b1, b2, state]);
+}
+
+pub(super) fn take_sample(from: &mut Reader<'_>) -> Sample {
+    let (index, stamp) = (from.u32(), from.u32());
+    let [b0, b1, b2, state] = from.take();
+    let code = i32::from_le_bytes([0, b0, b1, b2]) >> 8;
+    let reading = match state {
+        0 => Ok(Counts(code)),
+        1 => Err(AdcFault::Silent),
+        2 => Err(AdcFault::NotReady),
+        4 => Err(AdcFault::Stuck),
+        5 => Err(AdcFault::Registers),
+        _ => Err(AdcFault::Garbled),
+    };
+    Sample { index, stamp, input: Input::Bridge, reading }
+}
