@@ -152,7 +152,7 @@ impl Row {
             Check::least(name, "share with coefficients or a reason", answered, 0.95),
         ];
         checks.extend(self.interval_checks(exact, "", *kind == Kind::Events));
-        checks.extend(self.interval_checks(drawn, ", drawn inputs", false));
+        checks.extend(self.interval_checks(drawn, "; drawn inputs", false));
         checks
     }
 

@@ -5,7 +5,7 @@ use floe::sim::motion::{Segment, Segments};
 use floe::sim::{Method, Phase, Scene, simulate, simulate_by};
 use floe_core::units::STANDARD_GRAVITY_M_PER_S2 as GRAVITY;
 
-const INTEGRATOR: Method = Method::Integrator { tolerance: 1e-13 };
+const INTEGRATOR: Method = Method::Integrator { tolerance: 5e-14 };
 
 /// Largest difference of the forces, relative to the weight, and of the event
 /// times.

@@ -135,12 +135,16 @@ impl Judged {
         if kind == Kind::Refused { self.wrong_coefficients } else { self.detection.false_alarms }
     }
 
-    fn add(&mut self, truths: &[TrueEvent], found: &[Event], hz: f64) {
-        let (pairs, detection) = pair(truths, found, hz);
-        self.detection.add(detection);
-        let is_paired = |f: usize| pairs.iter().any(|p| p.1 == f);
+    /// Only the first `judged` of the true events count, and what was found there.
+    fn add(&mut self, truths: &[TrueEvent], judged: usize, found: &[Event], hz: f64) {
+        let (mut pairs, Detection { false_alarms, .. }) = pair(truths, found, hz);
+        let is_paired = |f: usize, pairs: &[(usize, usize)]| pairs.iter().any(|p| p.1 == f);
+        let paired: Vec<bool> = (0..found.len()).map(|f| is_paired(f, &pairs)).collect();
+        pairs.retain(|(t, _)| *t < judged);
+        let hits = pairs.len();
+        self.detection.add(Detection { hits, false_alarms, misses: judged - hits });
         let has_value = |e: &Event| e.mu_s.is_some() || e.mu.is_some();
-        let wrong = found.iter().enumerate().filter(|(f, e)| !is_paired(*f) && has_value(e));
+        let wrong = found.iter().enumerate().filter(|(f, e)| !paired[*f] && has_value(e));
         self.wrong_coefficients += wrong.count();
         for &(t, f) in &pairs {
             let (truth, found) = (&truths[t], &found[f]);
@@ -176,10 +180,10 @@ pub struct Class {
     pub drawn: Judged,
 }
 
-/// One record.
+/// One record; its first events are judged.
 struct Record {
     simulation: Simulation,
-    truths: Vec<TrueEvent>,
+    judged: usize,
 }
 
 impl Class {
@@ -197,7 +201,9 @@ impl Class {
                 [(&mut class.exact, [0.0; 4]), (&mut class.drawn, input_errors(seed))]
             {
                 let (found, report) = read(scene, record, errors);
-                judged.add(&record.truths, &found, scene.rate_hz);
+                let truths =
+                    if kind == Kind::Refused { &[][..] } else { &record.simulation.events };
+                judged.add(truths, record.judged, &found, scene.rate_hz);
                 if kind == Kind::Events || kind == Kind::Unseen {
                     judged.add_means(&report, population);
                 }
@@ -214,9 +220,9 @@ fn record(scene: &Scene, kind: Kind, seed: u64) -> Record {
     let rate = scene.stiffness_n_per_m * scene.winch_m_per_s;
     scene.start_force_n += phase * rate / scene.rate_hz;
     let simulation = simulate(&scene, seed).expect("a scene");
-    let judged = |e: &&TrueEvent| kind != Kind::Refused && e.stop_s + AFTER_S < scene.duration_s;
-    let truths = simulation.events.iter().filter(judged).cloned().collect();
-    Record { simulation, truths }
+    let is_judged = |e: &TrueEvent| e.stop_s + AFTER_S < scene.duration_s;
+    let judged = simulation.events.partition_point(is_judged);
+    Record { simulation, judged: if kind == Kind::Refused { 0 } else { judged } }
 }
 
 /// What the mean of a record estimates: the scene's coefficients, or where a law makes
@@ -231,7 +237,7 @@ fn population(scene: &Scene, records: &[Record]) -> [f64; 2] {
         let (mu_s, mu) = scene.coefficients();
         return [mu_s, mu];
     }
-    let events: Vec<&TrueEvent> = records.iter().flat_map(|r| &r.truths).collect();
+    let events: Vec<&TrueEvent> = records.iter().flat_map(|r| &r.simulation.events).collect();
     let mean = |of: fn(&TrueEvent) -> f64| {
         events.iter().map(|e| of(e)).sum::<f64>() / events.len().max(1) as f64
     };

@@ -17,7 +17,7 @@ use super::state::{End, Phase, State};
 use super::step::{COUNT, NODES, Step, Vector, to_state, to_vector};
 
 /// Relative tolerance of a step unless told otherwise.
-pub const TOLERANCE: f64 = 1e-13;
+pub const TOLERANCE: f64 = 5e-14;
 
 pub(super) type Method = ExplicitRungeKutta<Ordinary, Adaptive, f64, Vector, 9, 16, 21>;
 
