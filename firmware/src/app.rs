@@ -334,7 +334,7 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
     // On its own: while it is made, a good part of it is on the stack.
     #[inline(never)]
     fn make_pipeline(&mut self) -> Result<(), &'static str> {
-        *self.pipeline = Some(Pipeline::new(&self.settings.config).map_err(config_error)?);
+        *self.pipeline = Some(Pipeline::new(&self.settings.core_config()).map_err(config_error)?);
         Ok(())
     }
 
@@ -388,7 +388,12 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
             return self.trouble("no tare: the converter gave no readings");
         }
         let mut settings = self.settings.clone();
-        settings.config.calibration.tare_counts = mean.mean as i32;
+        let calibration = &mut settings.config.calibration;
+        calibration.tare_counts = mean.mean as i32;
+        // What the mean of these readings leaves open, and the rounding to a whole code.
+        let codes = mean.deviation * mean.deviation / mean.count as f32 + 1.0 / 12.0;
+        let zero_std_n = floe_core::num::math::sqrt(codes) / calibration.counts_per_n.abs();
+        settings.stds.zero_n = Some(zero_std_n).filter(|std| std.is_finite());
         self.change(settings);
     }
 
@@ -494,7 +499,7 @@ fn text(content: impl Show) -> Text {
 }
 
 fn config_error(error: floe_core::ConfigError) -> &'static str {
-    use floe_core::ConfigError::{Calibration, Range, Rate, Slope, Weight, Winch};
+    use floe_core::ConfigError::{Calibration, Range, Rate, Slope, Std, Weight, Winch};
     match error {
         Rate => "the rate must be 1 to 2000 Hz",
         Weight => "set weight N first: the weight of the block",
@@ -502,5 +507,6 @@ fn config_error(error: floe_core::ConfigError) -> &'static str {
         Winch => "the winch speed must be above zero, in m/s",
         Range => "the range must be above zero, in N",
         Calibration => "the span must not be zero",
+        Std => "a standard deviation must not be below zero",
     }
 }

@@ -2,6 +2,7 @@
 
 use heapless::String;
 
+use crate::notebook::{WeightFrom, from_word};
 use crate::settings::{NAME_LEN, fits_name};
 
 /// A value that can be set.
@@ -21,6 +22,18 @@ pub enum Setting {
     Tare(i32),
     /// `set name WORD`: name of the test.
     Name(String<NAME_LEN>),
+    /// `set weight-std N`: one standard deviation of the weight, N; 0: exactly known.
+    WeightStd(f32),
+    /// `set slope-std DEG`: of the slope; here in rad.
+    SlopeStd(f32),
+    /// `set zero-std N`: of the load cell's zero, N.
+    ZeroStd(f32),
+    /// `set span-std PERCENT`: of its span; here as a part of it.
+    SpanStd(f32),
+    /// `set damping-std D`: of the cable's damping, a part of the critical one.
+    DampingStd(f32),
+    /// `set weight-from same_cell|other`: what weighed the block.
+    WeightFrom(WeightFrom),
 }
 
 /// A line from the console.
@@ -51,8 +64,12 @@ pub enum Command {
 }
 
 /// One line of help.
-pub const HELP: &str = "set weight|slope|winch|range|span|tare|name X; start; stop; status; \
+pub const HELP: &str = "set weight|slope|winch|range|span|tare|name X; \
+set weight|slope|zero|span|damping-std X; set weight-from same_cell|other; start; stop; status; \
 live on|off; tare; calibrate N; accept; abort; self-test";
+
+const SET: &str =
+    "set weight|slope|winch|range|span|tare|name, or weight|slope|zero|span|damping-std";
 
 impl Command {
     /// Reads a line; words are separated by spaces.
@@ -99,7 +116,15 @@ impl Setting {
             "span" => Self::Span(number(value)?),
             "tare" => Self::Tare(value.parse().map_err(|_| "a whole number of codes")?),
             "name" => Self::Name(name(value)?),
-            _ => return Err("set weight|slope|winch|range|span|tare|name"),
+            "weight-std" => Self::WeightStd(number(value)?),
+            "slope-std" => Self::SlopeStd(number(value)?.to_radians()),
+            "zero-std" => Self::ZeroStd(number(value)?),
+            "span-std" => Self::SpanStd(0.01 * number(value)?),
+            "damping-std" => Self::DampingStd(number(value)?),
+            "weight-from" => Self::WeightFrom(
+                from_word(WeightFrom::ALL, value).ok_or("weight-from same_cell, or other")?,
+            ),
+            _ => return Err(SET),
         })
     }
 }

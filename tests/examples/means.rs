@@ -1,4 +1,4 @@
-//! Is the error of a whole test's mean what it says? Many seeds of every linear and hard
+//! Is the uncertainty of a whole test's mean what it says? Many seeds of every linear and hard
 //! scene.
 //!
 //! `cargo run --release -p floe-tests --example means -- [SEEDS]` (400 unless given)
@@ -7,19 +7,37 @@ use floe::sim::Scene;
 use floe_core::Estimate;
 use floe_tests::score::{rms, run};
 
-/// Errors of the means of a scene in their standard errors: of `mu_s` and of `mu`.
-fn errors(scene: &Scene, seeds: u64) -> [Vec<f64>; 2] {
-    let mut errors = [Vec::new(), Vec::new()];
+/// Errors of the means of a coefficient in their combined standard deviations, and how
+/// many of the 95 % intervals hold the truth.
+#[derive(Default)]
+struct Means {
+    errors: Vec<f64>,
+    covered: usize,
+}
+
+impl Means {
+    fn add(&mut self, got: Option<Estimate>, truth: f64) {
+        let stated = got.and_then(|e| Some((e.mean, e.combined_std()?, e.ci95()?)));
+        let Some((mean, std, (low, high))) = stated else { return };
+        self.errors.push((f64::from(mean) - truth) / f64::from(std));
+        self.covered += usize::from((f64::from(low)..=f64::from(high)).contains(&truth));
+    }
+
+    fn coverage(&self) -> f64 {
+        self.covered as f64 / self.errors.len().max(1) as f64
+    }
+}
+
+/// Of `mu_s` and of `mu`.
+fn means(scene: &Scene, seeds: u64) -> [Means; 2] {
+    let mut means = [Means::default(), Means::default()];
     let (mu_s, mu) = scene.coefficients();
     for seed in 1..=seeds {
         let report = run(scene, seed).report;
-        let add = |errors: &mut Vec<f64>, got: Option<Estimate>, truth: f64| {
-            errors.extend(got.map(|e| (f64::from(e.mean) - truth) / f64::from(e.std_error)));
-        };
-        add(&mut errors[0], report.mu_s, mu_s);
-        add(&mut errors[1], report.mu, mu);
+        means[0].add(report.mu_s, mu_s);
+        means[1].add(report.mu, mu);
     }
-    errors
+    means
 }
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -36,17 +54,15 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     println!("|---|---:|---:|---:|---:|---:|");
     for file in files {
         let scene = Scene::from_toml(&std::fs::read_to_string(&file)?)?;
-        let [mu_s, mu] = errors(&scene, seeds);
-        let covered =
-            |z: &[f64]| z.iter().filter(|z| z.abs() <= 1.96).count() as f64 / z.len().max(1) as f64;
+        let [mu_s, mu] = means(&scene, seeds);
         println!(
             "| {} | {} | {:.2} | {:.2} | {:.3} | {:.3} |",
             file.file_stem().unwrap_or_default().display(),
-            mu_s.len(),
-            rms(&mu_s),
-            rms(&mu),
-            covered(&mu_s),
-            covered(&mu)
+            mu_s.errors.len(),
+            rms(&mu_s.errors),
+            rms(&mu.errors),
+            mu_s.coverage(),
+            mu.coverage()
         );
     }
     Ok(())

@@ -57,9 +57,10 @@ fn case(random: &mut Normal) -> Case {
     Case { scene, slip: slip_s * hz, recurrence: (stick_s + slip_s) * hz, noise }
 }
 
-/// How far a mean is off, in its standard errors.
+/// How far a mean is off, in its combined standard deviations.
 fn off(got: Option<Estimate>, truth: f64) -> Option<f64> {
-    got.map(|e| (f64::from(e.mean) - truth) / f64::from(e.std_error))
+    let mean = got?;
+    Some((f64::from(mean.mean) - truth) / f64::from(mean.combined_std()?))
 }
 
 /// Why there is no mean: what the events say most often.
@@ -96,7 +97,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let offs = [off(tried.report.mu_s, s.mu_s), off(tried.report.mu, s.mu)];
         if offs.iter().flatten().any(|z| z.abs() > 5.0) {
             far.push(format!(
-                "{about}: {:.1?} standard errors off",
+                "{about}: {:.1?} standard deviations off",
                 offs.map(|z| z.unwrap_or(0.0))
             ));
         }
@@ -113,7 +114,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         }
     }
     println!("{scenes} scenes, seed {seed}");
-    println!("\n{} with a mean more than 5 standard errors off:", far.len());
+    println!("\n{} with a mean more than 5 combined standard deviations off:", far.len());
     far.iter().for_each(|line| println!("- {line}"));
     println!("\n{} without a mean of both coefficients:", refused.len());
     refused.iter().for_each(|line| println!("- {line}"));

@@ -7,7 +7,7 @@ use floe::bench::Found;
 use floe::bench::matching::{Detection, matched};
 use floe::bench::scenes::Truth;
 use floe::sim::{Scene, Simulation, TrueEvent, simulate};
-use floe_core::{Coefficient, Config, Estimate, Event, Report};
+use floe_core::{Coefficient, Config, Estimate, Event, InputStd, Report};
 
 use crate::normal::Normal;
 use crate::score::{quantile, rms};
@@ -16,8 +16,8 @@ use crate::{both, feed};
 /// Time after a stop that an event needs to be judged, s: some of the line after it.
 const AFTER_S: f64 = 0.6;
 
-/// What is stated about the inputs: relative weight, slope in degrees, zero as a part of
-/// the largest force, relative span.
+/// What is stated about the inputs, the core's defaults: relative weight, slope in degrees,
+/// zero as a part of the largest force, relative span.
 const INPUTS: [f64; 4] = [0.003, 0.2, 0.001, 0.001];
 
 /// What a class asks for.
@@ -34,23 +34,19 @@ pub enum Kind {
     Refused,
 }
 
-/// What is judged: the interval and the standard deviation that are stated for it. This is
-/// the one place to change when the core states more.
+/// What is judged: the combined standard deviation and the 95 % interval.
 mod stated {
     use super::{Coefficient, Estimate};
 
     pub fn event(c: &Coefficient) -> (f64, (f64, f64)) {
-        normal(c.value, c.std)
+        let (low, high) = c.ci95();
+        (c.combined_std().into(), (low.into(), high.into()))
     }
 
     /// `None`: the core says that it knows none.
     pub fn mean(e: &Estimate) -> Option<(f64, (f64, f64))> {
-        Some(normal(e.mean, e.std_error))
-    }
-
-    fn normal(value: f32, std: f32) -> (f64, (f64, f64)) {
-        let (value, std) = (f64::from(value), f64::from(std));
-        (std, (value - 1.96 * std, value + 1.96 * std))
+        let (std, (low, high)) = e.combined_std().zip(e.ci95())?;
+        Some((std.into(), (low.into(), high.into())))
     }
 }
 
@@ -197,10 +193,13 @@ impl Class {
         let population = population(scene, &records);
         let mut class = Self::default();
         for (seed, record) in (1..).zip(&records) {
-            for (judged, errors) in
-                [(&mut class.exact, [0.0; 4]), (&mut class.drawn, input_errors(seed))]
-            {
-                let (found, report) = read(scene, record, errors);
+            // The prior of the losses is asked where there are some.
+            let damping = if kind == Kind::Unseen { InputStd::default().damping } else { 0.0 };
+            for (judged, errors, std) in [
+                (&mut class.exact, [0.0; 4], InputStd { damping, ..InputStd::EXACT }),
+                (&mut class.drawn, input_errors(seed), InputStd { damping, ..InputStd::default() }),
+            ] {
+                let (found, report) = read(scene, record, errors, std);
                 let truths =
                     if kind == Kind::Refused { &[][..] } else { &record.simulation.events };
                 judged.add(truths, record.judged, &found, scene.rate_hz);
@@ -250,11 +249,11 @@ fn input_errors(seed: u64) -> [f64; 4] {
     INPUTS.map(|std| std * normal.sample())
 }
 
-fn read(scene: &Scene, record: &Record, errors: [f64; 4]) -> (Vec<Event>, Report) {
+fn read(scene: &Scene, record: &Record, errors: [f64; 4], std: InputStd) -> (Vec<Event>, Report) {
     let [weight, slope_deg, zero, span] = errors;
     let forces = record.simulation.samples.iter().map(|s| s.force_n.abs());
     let zero_n = zero * forces.fold(0.0, f64::max);
-    let mut config: Config = both::config(scene);
+    let mut config = Config { std, ..both::config(scene) };
     config.weight_n *= 1.0 + weight as f32;
     config.slope_rad += slope_deg.to_radians() as f32;
     let seen = |force_n: f64| (1.0 + span) * force_n + zero_n;

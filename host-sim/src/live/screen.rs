@@ -120,9 +120,11 @@ fn force(state: &State) -> Number {
 fn mean(name: &str, estimate: Option<Estimate>) -> Number {
     let text = estimate.map(|estimate| format!("{:.4}", estimate.mean));
     let below = estimate.map(|estimate| {
-        let (error, events) = (estimate.std_error, estimate.events);
-        let (events, plural) = (events, if events == 1 { "" } else { "s" });
-        format!("± {error:.4} ({events} event{plural})")
+        let events = estimate.events;
+        match estimate.combined_std() {
+            Some(std) => format!("± {std:.4} ({events} events)"),
+            None => "one event: no ± yet".to_string(),
+        }
     });
     (format!("{name}, mean"), text, below.unwrap_or_default())
 }
@@ -170,7 +172,7 @@ fn event(state: &State) -> String {
     let Some(event) = &state.event else { return "no slip yet".to_string() };
     let at = state.seconds(event.onset);
     let text = |name: &str, value: Option<Coefficient>| match value {
-        Some(value) => format!("   {name} {:.4} ± {:.4}", value.value, value.std),
+        Some(value) => format!("   {name} {:.4} ± {:.4}", value.value, value.combined_std()),
         None => format!("   {name} -"),
     };
     let reason = event.reason.map(|reason| format!(": {reason}")).unwrap_or_default();
@@ -184,7 +186,7 @@ fn about(state: &State) -> Line<'static> {
     let Some(about) = &state.about else { return Line::default() };
     let at = about.index as f64 / state.rate_hz();
     let text = |name: &str, value: &Coefficient| {
-        format!("   {name} ~ {:.3} ± {:.3}", value.value, value.std)
+        format!("   {name} ~ {:.3} ± {:.3}", value.value, value.combined_std())
     };
     let mu_s = text("mu_s", &about.answer.mu_s);
     let mu = about.answer.mu.map(|mu| text("mu", &mu)).unwrap_or_default();
@@ -195,7 +197,7 @@ fn quantities(state: &State) -> String {
     let Some(report) = &state.report else { return String::new() };
     let parts = [
         ("noise", report.noise_n, "N", 1),
-        ("loading", report.loading_rate_n_per_s, "N/s", 0),
+        ("loading", report.loading_rate_n_per_s.map(|rate| rate.value), "N/s", 0),
         ("a slip every", report.recurrence_s, "s", 2),
         ("k", report.stiffness_n_per_m.map(|k| k / 1000.0), "kN/m", 1),
     ];
