@@ -59,8 +59,11 @@ fn truths(path: &str) -> Result<Vec<Truth>, Box<dyn Error>> {
         .collect()
 }
 
-/// Events of a log, with the log's own time of their onsets, s.
-fn found(args: &Args) -> Result<(Vec<(f64, Event)>, f64), Box<dyn Error>> {
+/// An event with the log's own time of its onset, s.
+type Timed = (f64, Event);
+
+/// Events of a log, and its rate.
+fn found(args: &Args) -> Result<(Vec<Timed>, f64), Box<dyn Error>> {
     let input = Box::new(File::open(&args.log).map_err(|e| format!("{}: {e}", args.log))?);
     let (column, unit) = (args.column.clone(), args.unit);
     let mut log = Log::from_reader(input, &LogOptions { column, unit, ..LogOptions::default() })?;

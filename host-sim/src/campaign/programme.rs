@@ -63,7 +63,7 @@ pub fn scene(seed: u64, campaign: u32, test: u32) -> (Scene, u64) {
     let normal = |random: &mut ChaCha8Rng| -> f64 { StandardNormal.sample(random) };
 
     // Weights spread over their range within each group.
-    let snow = test % 2 == 0;
+    let snow = test.is_multiple_of(2);
     let in_group = f64::from(if snow { TESTS.div_ceil(2) } else { TESTS / 2 });
     let weight_n = weight_n((f64::from(test / 2) + uniform(&mut random)) / in_group).round();
     let level = trend(weight_n, snow) / mean_trend(snow);
