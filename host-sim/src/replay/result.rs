@@ -85,6 +85,9 @@ pub struct LogSummary {
     /// What else a reader should know, one sentence each (a truncated last line,
     /// stamps that do not fit the rate, ...).
     pub warnings: Vec<String>,
+    /// What a simulator says of a log that it made, with its seed; `None` for a measured
+    /// one.
+    pub synthetic: Option<String>,
 }
 
 /// What was pulled.
@@ -255,8 +258,8 @@ impl ReplayResult {
 pub fn zero_sentence(zero_n: f64) -> String {
     let decimals = usize::from(zero_n < 10.0);
     format!(
-        "the zero of the load cell may have moved by {zero_n:.decimals$} N, which is in every ±; \
-         take it again"
+        "the zero of the load cell may have moved by {zero_n:.decimals$} N, which is in the budget; \
+         take it before and after a test (--zero-before-n, --zero-after-n)"
     )
 }
 
