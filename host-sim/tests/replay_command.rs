@@ -294,11 +294,11 @@ fn without_arguments_the_bundled_log_is_replayed_and_reported() {
     assert!(!said.contains("written") && fs::read_dir(&dir).unwrap().next().is_none(), "{said}");
     // In the repository the report goes where the build puts its files.
     fs::create_dir_all(dir.join("host-sim/logs")).unwrap();
-    fs::write(dir.join("host-sim/logs/dff8-13.csv"), "").unwrap();
+    fs::write(dir.join("host-sim/logs/fig6-7.csv"), "").unwrap();
     fs::create_dir(dir.join("target")).unwrap();
     assert!(text(&run().stdout).ends_with("written       target/floe-report.html\n"));
     let report = fs::read_to_string(dir.join("target/floe-report.html")).unwrap();
-    let log = fs::read(concat!(env!("CARGO_MANIFEST_DIR"), "/logs/dff8-13.csv")).unwrap();
+    let log = fs::read(concat!(env!("CARGO_MANIFEST_DIR"), "/logs/fig6-7.csv")).unwrap();
     let sum: String = Sha256::digest(&log).iter().map(|byte| format!("{byte:02x}")).collect();
     for part in ["SIMULATED", "computed, not measured; seed 1", sum.as_str(), "Made at"] {
         assert!(report.contains(part), "{part}");
