@@ -1,9 +1,12 @@
 //! Helpers shared by the tests across the crates.
 
 pub mod aims;
+pub mod board;
 pub mod both;
 pub mod brute;
+pub mod fat;
 pub mod feed;
+pub mod fuzz;
 pub mod honesty;
 pub mod maths;
 pub mod normal;

@@ -9,6 +9,7 @@ mod defmt;
 mod emulate;
 mod flash;
 mod maths;
+mod panics;
 mod python;
 mod qemu;
 mod shell;

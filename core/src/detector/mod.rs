@@ -706,7 +706,8 @@ impl Detector {
         let low = if floor.is_some() { self.first_low(peak.index) } else { self.lowest };
         let fall = low.index - peak.index;
         if self.usual_drop_n > 0.0 {
-            let change = (drop - self.usual_drop_n).clamp(-0.5 * self.usual_drop_n, drop);
+            // Not `clamp`, which panics at a limit that is no number.
+            let change = (drop - self.usual_drop_n).max(-0.5 * self.usual_drop_n).min(drop);
             self.usual_drop_n = (self.usual_drop_n + 0.25 * change).max(0.5 * drop);
             self.usual_fall += 0.25 * (fall as f32 - self.usual_fall);
         } else {

@@ -377,8 +377,9 @@ fn add_line(
 }
 
 fn moved(cycle: &CycleParams, step: &Gradient) -> CycleParams {
-    // Omega and the rate stay positive by never losing more than two thirds at once.
-    let grown = |value: f32, by: f32| (value + by).clamp(0.33 * value, 3.0 * value);
+    // Omega and the rate stay positive by never losing more than two thirds at once. Not
+    // `clamp`, which panics at a limit that is no number.
+    let grown = |value: f32, by: f32| (value + by).max(0.33 * value).min(3.0 * value);
     CycleParams {
         onset: cycle.onset + step[0].clamp(-1.0, 1.0),
         rate: grown(cycle.rate, step[1]),

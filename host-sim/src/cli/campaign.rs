@@ -67,6 +67,15 @@ impl Source {
         }
     }
 
+    /// All that is read: the list, and every log.
+    fn files<'a>(&'a self, args: &'a Args) -> Vec<&'a Path> {
+        let logs = match self {
+            Self::Programme { .. } => &[],
+            Self::Logs(logs) => logs.as_slice(),
+        };
+        args.logs.iter().chain(logs).map(PathBuf::as_path).collect()
+    }
+
     fn len(&self) -> u64 {
         match self {
             Self::Programme { tests, .. } => *tests,
@@ -94,12 +103,10 @@ impl Source {
 /// One line for the user.
 pub fn run(args: &Args) -> Result<(), InputError> {
     let json = args.json.as_deref().filter(|path| *path != Path::new(STANDARD));
-    let mut taken: Vec<&Path> = args.logs.iter().map(PathBuf::as_path).collect();
-    for path in [json, args.report.as_deref(), args.parquet.as_deref()].into_iter().flatten() {
-        output::check(path, &taken)?;
-        taken.push(path);
-    }
     let source = Source::new(args)?;
+    let outputs = [json, args.report.as_deref(), args.parquet.as_deref()];
+    let outputs: Vec<&Path> = outputs.into_iter().flatten().collect();
+    let older = output::check(&outputs, &source.files(args))?;
     let started = Instant::now();
     let mut tests = Vec::new();
     let mut events = 0;
@@ -110,6 +117,7 @@ pub fn run(args: &Args) -> Result<(), InputError> {
     let seed = args.logs.is_none().then_some(args.seed);
     let summary = Summary::new(&tests, events, seed);
     write(args, &summary, &tests)?;
+    older.tell();
     let seconds = started.elapsed().as_secs_f64();
     eprintln!("{} tests, {events} events in {seconds:.2} s", tests.len());
     Ok(())

@@ -33,5 +33,12 @@ pub(super) fn not_negative(name: &str, value: f64) -> Result<(), SceneError> {
 
 /// Refuses unless `value` is finite and within the limits.
 pub(super) fn between(name: &str, value: f64, low: f64, high: f64) -> Result<(), SceneError> {
-    require((low..=high).contains(&value), || format!("{name} = {value}: must be {low} to {high}"))
+    require((low..=high).contains(&value), || {
+        format!("{name} = {}: must be {} to {}", short(value), short(low), short(high))
+    })
+}
+
+/// Without hundreds of digits.
+fn short(value: f64) -> String {
+    if value.abs() < 1e9 { format!("{value}") } else { format!("{value:e}") }
 }

@@ -1,0 +1,127 @@
+//! The application on this PC: a converter that gives codes from a list, a console, a
+//! store of the test's choice.
+
+use std::cell::RefCell;
+use std::collections::VecDeque;
+use std::convert::Infallible;
+use std::rc::Rc;
+
+use embedded_io::{ErrorType, Read, ReadReady, Write};
+use floe_core::Counts;
+use floe_firmware::adc::{AdcFault, BridgeAdc};
+use floe_firmware::app::{App, View};
+use floe_firmware::line::Line;
+use floe_firmware::sample::{SampleQueue, Shared};
+use floe_firmware::sampler::{Sampler, Tick};
+use floe_firmware::store::Store;
+
+/// What is typed and what is said.
+#[derive(Clone, Debug, Default)]
+pub struct Terminal {
+    keys: Rc<RefCell<VecDeque<u8>>>,
+    screen: Rc<RefCell<Vec<u8>>>,
+}
+
+impl ErrorType for Terminal {
+    type Error = Infallible;
+}
+
+impl ReadReady for Terminal {
+    fn read_ready(&mut self) -> Result<bool, Infallible> {
+        Ok(!self.keys.borrow().is_empty())
+    }
+}
+
+impl Read for Terminal {
+    fn read(&mut self, buffer: &mut [u8]) -> Result<usize, Infallible> {
+        let (Some(slot), Some(key)) = (buffer.first_mut(), self.keys.borrow_mut().pop_front())
+        else {
+            return Ok(0);
+        };
+        *slot = key;
+        Ok(1)
+    }
+}
+
+impl Write for Terminal {
+    fn write(&mut self, bytes: &[u8]) -> Result<usize, Infallible> {
+        self.screen.borrow_mut().extend(bytes);
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> Result<(), Infallible> {
+        Ok(())
+    }
+}
+
+/// Codes over and over, one a tick: the sample with index `i` has code `i`, modulo their
+/// number.
+#[derive(Debug)]
+struct Codes<'a> {
+    codes: &'a [i32],
+    next: usize,
+}
+
+impl BridgeAdc for Codes<'_> {
+    fn tick(&mut self) -> Result<Option<Counts>, AdcFault> {
+        let before = self.next.checked_sub(1);
+        self.next += 1;
+        Ok(before.map(|at| Counts(self.codes[at % self.codes.len()])))
+    }
+}
+
+/// A board that is switched on.
+#[expect(missing_debug_implementations, reason = "the application has none")]
+pub struct Board<'q, 'c, S> {
+    sampler: Sampler<'q, Codes<'c>>,
+    app: App<'q, Terminal, S>,
+    terminal: Terminal,
+    ticks: u32,
+}
+
+impl<S: Store> Board<'_, '_, S> {
+    /// A sampling period: the tick, and what the main loop makes of it.
+    pub fn tick(&mut self) {
+        self.sampler.tick(self.ticks.wrapping_mul(62_500));
+        self.ticks = self.ticks.wrapping_add(1);
+        self.app.turn();
+    }
+
+    /// Types, and lets the board read it.
+    pub fn type_in(&mut self, keys: &[u8]) {
+        self.terminal.keys.borrow_mut().extend(keys);
+        self.app.turn();
+    }
+
+    /// What it has said since this was last asked.
+    pub fn said(&mut self) -> String {
+        let said = std::mem::take(&mut *self.terminal.screen.borrow_mut());
+        String::from_utf8_lossy(&said).into_owned()
+    }
+
+    /// What its display shows.
+    pub fn view(&self) -> View {
+        self.app.view()
+    }
+}
+
+/// Switches a board on, for as long as something is done with it.
+pub fn with_board<S: Store, T>(
+    store: S,
+    codes: &[i32],
+    use_it: impl FnOnce(&mut Board<'_, '_, S>) -> T,
+) -> T {
+    let (shared, mut queue, mut pipeline) = (Shared::new(), SampleQueue::new(), None);
+    let (producer, consumer) = queue.split();
+    let sampler = Sampler::new(Codes { codes, next: 0 }, producer, &shared);
+    let terminal = Terminal::default();
+    let port = terminal.clone();
+    let mut app = App::new(consumer, &shared, &mut pipeline, port, store, 1_000_000);
+    app.power_up(None);
+    use_it(&mut Board { sampler, app, terminal, ticks: 0 })
+}
+
+/// Every whole line in a text.
+pub fn lines(said: &str) -> impl Iterator<Item = Line<'_>> {
+    said.lines().map(|text| Line::parse(text).unwrap_or_else(|error| panic!("{text}: {error}")))
+}
