@@ -248,7 +248,8 @@ impl Integrator {
         let slope = (after - before) / (2.0 * near * step.length_s);
         let shift_s = -value(length_s, y) / slope;
         let mut t = length_s;
-        if shift_s.abs() < 1e-6 * step.length_s {
+        // Right at the start of a step it must not lead to before it.
+        if shift_s.abs() < 1e-6 * step.length_s && t + shift_s >= 0.0 {
             let mut rate = [0.0; 4];
             equations.diff(start_s + t, &y, &mut rate);
             for (value, rate) in y.iter_mut().zip(rate) {
