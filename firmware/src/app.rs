@@ -13,7 +13,7 @@ use crate::period::PeriodMeter;
 use crate::record::Part;
 use crate::sample::{Sample, SampleConsumer, Shared};
 use crate::self_test::SelfTest;
-use crate::settings::Settings;
+use crate::settings::{Effects, Settings};
 use crate::store::Store;
 use crate::text::Show;
 
@@ -346,6 +346,7 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
         self.stir(self.part.id.unwrap_or(0) ^ u64::from(run));
         self.part = Part { id: Some(self.dice), run, ..Part::default() };
         log::info!("test {} starts", run);
+        self.settings.effects = Effects::of(self.settings.effects.in_use());
         self.begin();
         Ok(())
     }
