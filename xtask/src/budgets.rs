@@ -85,7 +85,10 @@ pub fn run(forced: Option<Route>, write: bool) -> Result<()> {
     if write {
         let costs = counted.iter().map(|c| (c.name.clone(), c.cost)).collect();
         budgets.measured.insert(compiler, costs);
-        let text = toml::to_string(&budgets).map_err(|e| e.to_string())?;
+        let head: String =
+            text.lines().take_while(|line| line.starts_with('#')).collect::<Vec<_>>().join("\n");
+        let table = toml::to_string(&budgets).map_err(|e| e.to_string())?;
+        let text = format!("{head}\n{table}");
         fs::write(&place, text).map_err(|e| format!("{}: {e}", place.display()))?;
     } else if let Some(before) = budgets.measured.get(&compiler) {
         over.extend(risen(before, &counted));

@@ -11,11 +11,11 @@ use crate::emulate::machine::Machine;
 use crate::panics;
 
 /// Limits for the board, bytes.
-const FLASH_LIMIT: u64 = 96 * 1024;
-const RAM_LIMIT: u64 = 24 * 1024;
+const FLASH_LIMIT: u64 = 128 * 1024;
+const RAM_LIMIT: u64 = 32 * 1024;
 /// The stack that the emulated board does not need: other drivers in the interrupt,
 /// the display, and paths that the emulated test did not take.
-const STACK_SPARE: u64 = 2 * 1024;
+const STACK_SPARE: u64 = 4 * 1024;
 
 /// Prints the sizes and fails if one is over its limit.
 ///
