@@ -14,3 +14,6 @@ pub struct Counts(pub i32);
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Newtons(pub f32);
+
+/// Standard gravity, m/s²: what turns a weight into a mass, here and in all tools.
+pub const STANDARD_GRAVITY_M_PER_S2: f64 = 9.806_65;

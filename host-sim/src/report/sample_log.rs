@@ -42,7 +42,7 @@ impl Noise {
 }
 
 fn omega() -> f64 {
-    (STIFFNESS_N_PER_M / (WEIGHT_N / 9.81)).sqrt()
+    (STIFFNESS_N_PER_M / (WEIGHT_N / floe_core::units::STANDARD_GRAVITY_M_PER_S2)).sqrt()
 }
 
 /// The event that follows a re-stick at `from_s` with `from_n`.
@@ -267,6 +267,7 @@ fn result(events: Vec<EventSummary>, samples: u64, duration_s: f64) -> ReplayRes
         means,
         zero_n: None,
         changes: Vec::new(),
+        stretches: Default::default(),
         effects: Vec::new(),
         events,
     }
