@@ -165,7 +165,7 @@ function nearest(points, x, y, place, told) {
 
 function follow(plot, x, y, find) {
   const box = plot.viewBox.baseVal;
-  const note = make("text", { class: "note end", x: box.width - 14, y: 16, "aria-hidden": "true" }, plot);
+  const note = make("text", { class: "note end", x: box.width - 14, y: 11, "aria-hidden": "true" }, plot);
   const ring = make("circle", { class: "here", r: 5, visibility: "hidden" }, plot);
   plot.addEventListener("pointermove", (event) => {
     const place = inside(plot, event);
