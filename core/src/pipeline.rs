@@ -21,7 +21,7 @@ use crate::stats::quantity::Quantity;
 use crate::stretch::{Stretch, Stretches};
 
 /// Standard gravity, m/s²: turns a weight into a mass.
-const GRAVITY: f32 = 9.806_65;
+const GRAVITY: f32 = crate::units::STANDARD_GRAVITY_M_PER_S2 as f32;
 
 /// Indices beyond this one are refused as duplicates: it takes a billion years.
 const LAST_INDEX: u64 = u64::MAX / 2;
@@ -29,6 +29,7 @@ const LAST_INDEX: u64 = u64::MAX / 2;
 /// What one sample led to.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Step {
     /// The sample after calibration. It may still be declared a spike by the
     /// next one, see [`Step::spike`].
