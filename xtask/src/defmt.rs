@@ -5,43 +5,30 @@ use defmt_decoder::{DecodeError, Table};
 use crate::Result;
 use crate::arm::Route;
 use crate::emulate::machine::{Machine, Setup};
-use crate::emulate::nucleo::Nucleo;
 use crate::emulate::record::Record;
 
-/// Runs a test with a converter that falls silent once, on both boards, decodes every
-/// frame and looks for what has to be there.
+/// Runs a test with a converter that falls silent once, decodes every frame and
+/// looks for what has to be there: start and end, each event, the silence.
 ///
 /// # Errors
 /// A frame that cannot be decoded, or one that is missing.
 pub fn run(forced: Option<Route>) -> Result<()> {
+    let machine = Machine::with_features(forced, "mps2-an386,defmt")?;
     let mut record = Record::stick_slip();
     if let Some(code) = record.codes.get_mut(500) {
         *code = None;
     }
-    let machine = Machine::with_features(forced, "mps2-an386,defmt")?;
     let run = machine.run(&record, Setup::default())?;
-    check("mps2-an386", &decode(machine.firmware(), &run.logged)?, &[])?;
-    let nucleo = Nucleo::with_features(forced, "nucleo-l476,defmt")?;
-    // From the buffer in the emulated memory, as a probe reads it.
-    let run = nucleo.run(&record, Setup::default())?;
-    let frames = decode(nucleo.firmware(), &run.logged)?;
-    check("nucleo-l476", &frames, &["boot:", "tick by", "card:", "stack:"])
-}
-
-/// Start and end, each event, the silence, and what else is expected.
-fn check(board: &str, frames: &[String], more: &[&str]) -> Result<()> {
+    let frames = decode(machine.firmware(), &run.logged)?;
     let count = |words: &str| frames.iter().filter(|frame| frame.contains(words)).count();
-    for frame in frames.iter().take(5).chain(frames.last()) {
-        println!("defmt: {board}: {frame}");
+    for frame in frames.iter().take(3).chain(frames.last()) {
+        println!("defmt: {frame}");
     }
     let found = (count("starts"), count("ends"), count("Event"), count("Silent"));
-    println!("defmt: {board}: {} frames, {} events among them", frames.len(), found.2);
-    if let Some(missing) = more.iter().find(|words| count(words) == 0) {
-        return Err(format!("{board}: nothing was logged with '{missing}'"));
-    }
+    println!("defmt: {} frames, {} events among them", frames.len(), found.2);
     match found {
         (1, 1, 20.., 1..) => Ok(()),
-        _ => Err(format!("{board}: starts, ends, events, silences: {found:?}")),
+        _ => Err(format!("starts, ends, events, silences: {found:?}")),
     }
 }
 
