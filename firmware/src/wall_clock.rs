@@ -1,0 +1,202 @@
+//! The time of day, counted in sampling periods of the crystal.
+//!
+//! It is set from outside and is not known before: a board without power has no clock.
+
+use core::fmt;
+
+use heapless::string::StringView;
+
+use crate::text::{Show, whole};
+
+/// Milliseconds of two sampling periods, 16 a second.
+const MS_OF_TWO: u64 = 125;
+const DAY_MS: u64 = 86_400_000;
+
+/// The time of day, once it is set.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct WallClock {
+    /// A moment, ms since 1970 (UTC), and the number of the sample that began then.
+    set: Option<(u64, u32)>,
+}
+
+impl WallClock {
+    /// From now on it is known: the sample of this number begins at `unix_ms`.
+    pub fn set(&mut self, unix_ms: u64, index: u32) {
+        self.set = Some((unix_ms, index));
+    }
+
+    /// When a sample began, ms since 1970 (UTC); `None` if nobody has set the clock.
+    #[must_use]
+    pub fn at(&self, index: u32) -> Option<u64> {
+        let (unix_ms, from) = self.set?;
+        // Half of all numbers lie before: samples since, or shortly before.
+        let since = index.wrapping_sub(from) as i32;
+        let ms = u64::from(since.unsigned_abs()) * MS_OF_TWO / 2;
+        Some(if since < 0 { unix_ms.saturating_sub(ms) } else { unix_ms.saturating_add(ms) })
+    }
+}
+
+/// A moment, ms since 1970 (UTC), as text: `2027-03-02T10:15:00.000Z`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Moment(pub u64);
+
+impl Moment {
+    /// Reads `2027-03-02T10:15:00Z`, with or without a fraction of the second; years 2000
+    /// to 2099.
+    #[must_use]
+    pub fn parse(text: &str) -> Option<Self> {
+        let (date, time) = text.strip_suffix('Z')?.split_once('T')?;
+        let [year, month, day] = numbers(date, '-')?;
+        let (time, fraction) = time.split_once('.').unwrap_or((time, "0"));
+        let [hour, minute, second] = numbers(time, ':')?;
+        let leap = u32::from(year % 4 == 0);
+        let days = DAYS_BEFORE.get(month.checked_sub(1)? as usize)?;
+        let last = DAYS_BEFORE.get(month as usize).copied().unwrap_or(365) - days;
+        let last = if month == 2 { last + leap } else { last };
+        let good = (2000..2100).contains(&year) && (1..=last).contains(&day);
+        if !good || hour > 23 || minute > 59 || second > 59 {
+            return None;
+        }
+        let years = year - 2000;
+        let extra = years.div_ceil(4) + if month > 2 { leap } else { 0 };
+        let days = DAYS_TO_2000 + 365 * years + extra + days + day - 1;
+        let seconds = 3600 * hour + 60 * minute + second;
+        Some(Self(u64::from(days) * DAY_MS + u64::from(seconds) * 1000 + thousandths(fraction)?))
+    }
+}
+
+const DAYS_TO_2000: u32 = 10_957;
+/// Days of a common year before each month.
+const DAYS_BEFORE: [u32; 12] = [0, 31, 59, 90, 120, 151, 181, 212, 243, 273, 304, 334];
+
+/// Three whole numbers with a separator between them.
+fn numbers(text: &str, separator: char) -> Option<[u32; 3]> {
+    let mut parts = text.split(separator);
+    let mut next = || parts.next().filter(|part| (1..=4).contains(&part.len()))?.parse().ok();
+    let all = [next()?, next()?, next()?];
+    parts.next().is_none().then_some(all)
+}
+
+/// Digits behind the point as ms; what is finer is left out.
+fn thousandths(digits: &str) -> Option<u64> {
+    let good = !digits.is_empty() && digits.bytes().all(|digit| digit.is_ascii_digit());
+    let digit = |place: usize| digits.as_bytes().get(place).map_or(0, |digit| digit - b'0');
+    let ms = [0, 1, 2].map(digit).iter().fold(0, |ms, &digit| 10 * ms + u64::from(digit));
+    good.then_some(ms)
+}
+
+impl Show for Moment {
+    fn show(&self, out: &mut StringView) -> fmt::Result {
+        let (mut day, ms) = ((self.0 / DAY_MS) as u32, (self.0 % DAY_MS) as u32);
+        let mut year = 1970;
+        let leap = |year: u32| u32::from(year % 4 == 0 && (year % 100 != 0 || year % 400 == 0));
+        while day >= 365 + leap(year) {
+            day -= 365 + leap(year);
+            year += 1;
+        }
+        let before = |month: usize| {
+            let days = DAYS_BEFORE.get(month).copied().unwrap_or(365);
+            if month > 1 { days + leap(year) } else { days }
+        };
+        let month = (0..12).rev().find(|&month| before(month) <= day).unwrap_or(0);
+        whole(out, year.into(), 4)?;
+        for number in [month as u32 + 1, day - before(month) + 1] {
+            "-".show(out)?;
+            whole(out, number.into(), 2)?;
+        }
+        ("T", TimeOfDay(self.0), ".").show(out)?;
+        whole(out, (ms % 1000).into(), 3)?;
+        "Z".show(out)
+    }
+}
+
+/// The time of day of a moment, ms since 1970 (UTC), as text: `10:15:00`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct TimeOfDay(pub u64);
+
+impl Show for TimeOfDay {
+    fn show(&self, out: &mut StringView) -> fmt::Result {
+        let seconds = (self.0 % DAY_MS / 1000) as u32;
+        whole(out, (seconds / 3600).into(), 2)?;
+        ":".show(out)?;
+        whole(out, (seconds / 60 % 60).into(), 2)?;
+        ":".show(out)?;
+        whole(out, (seconds % 60).into(), 2)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use heapless::String;
+
+    fn text(moment: Moment) -> String<32> {
+        let mut text = String::new();
+        moment.show(&mut text).unwrap();
+        text
+    }
+
+    /// Unix seconds from `date -u -d TEXT +%s`.
+    #[test]
+    fn moments_are_those_of_the_calendar() {
+        for (said, seconds) in [
+            ("2000-01-01T00:00:00Z", 946_684_800),
+            ("2000-02-29T23:59:59Z", 951_868_799),
+            ("2000-03-01T00:00:00Z", 951_868_800),
+            ("2024-12-31T12:00:00Z", 1_735_646_400),
+            ("2027-03-02T10:15:00Z", 1_803_982_500),
+            ("2099-12-31T23:59:59Z", 4_102_444_799),
+        ] {
+            let moment = Moment::parse(said).expect(said);
+            assert_eq!(moment.0, seconds * 1000, "{said}");
+            assert_eq!(text(moment).as_str(), said.replace('Z', ".000Z"));
+        }
+        let fine = Moment::parse("2027-03-02T10:15:00.12345Z").unwrap();
+        assert_eq!(text(fine).as_str(), "2027-03-02T10:15:00.123Z");
+        assert_eq!(text(Moment(0)).as_str(), "1970-01-01T00:00:00.000Z");
+    }
+
+    #[test]
+    fn every_day_there_and_back() {
+        for day in (10_957..47_482).step_by(1) {
+            let moment = Moment(day * DAY_MS + 45_296_789);
+            assert_eq!(Moment::parse(&text(moment)), Some(moment));
+        }
+    }
+
+    #[test]
+    fn what_is_no_moment_is_refused() {
+        for wrong in [
+            "",
+            "Z",
+            "2027-03-02",
+            "2027-03-02T10:15:00",
+            "2027-03-02 10:15:00Z",
+            "2027-02-29T10:15:00Z",
+            "2027-00-02T10:15:00Z",
+            "2027-13-02T10:15:00Z",
+            "2027-03-32T10:15:00Z",
+            "1999-03-02T10:15:00Z",
+            "2027-03-02T24:15:00Z",
+            "2027-03-02T10:60:00Z",
+            "2027-03-02T10:15:60Z",
+            "2027-03-02T10:15:00.Z",
+            "2027-03-02T10:15:00.1xZ",
+            "2027-03-02T10:15:00:00Z",
+            "2027--3-02T10:15:00Z",
+            "99999999999-03-02T10:15:00Z",
+        ] {
+            assert_eq!(Moment::parse(wrong), None, "{wrong}");
+        }
+    }
+
+    #[test]
+    fn samples_have_times_once_it_is_set() {
+        let mut clock = WallClock::default();
+        assert_eq!(clock.at(5), None);
+        clock.set(1_000_000, u32::MAX - 3);
+        assert_eq!(clock.at(u32::MAX - 3), Some(1_000_000));
+        assert_eq!(clock.at(12), Some(1_001_000));
+        assert_eq!(clock.at(u32::MAX - 5), Some(1_000_000 - 125));
+    }
+}
