@@ -287,10 +287,15 @@ fn mistakes_are_told() {
 #[test]
 fn tare_and_calibration_survive_the_power() {
     let card = Card::default();
-    let mut codes = vec![12_345; 60];
-    codes.extend(vec![12_345 + 4_000 * 98; 60]);
-    let script =
-        [(1, "tare\n"), (64, "calibrate 98\n"), (110, "accept\n"), (111, "set weight 300\n")];
+    let mut codes = vec![12_345; 180];
+    codes.extend(vec![12_345 + 4_000 * 98; 180]);
+    let script = [
+        (1, "tare\n"),
+        (150, "accept\n"),
+        (184, "set span 4100\ncalibrate 98\n"),
+        (340, "accept\n"),
+        (341, "set weight 300\n"),
+    ];
     let first = run(cell(&codes), Schedule::default(), &card, &script);
     assert!(first.says("accept, or abort"), "{}", first.screen);
     let again = run(cell(&codes), Schedule::default(), &card, &[(0, "status\n")]);

@@ -110,6 +110,14 @@ impl Show for Moment {
     }
 }
 
+impl fmt::Display for Moment {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mut text = heapless::String::<24>::new();
+        self.show(&mut text)?;
+        f.write_str(&text)
+    }
+}
+
 /// The time of day of a moment, ms since 1970 (UTC), as text: `10:15:00`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TimeOfDay(pub u64);
@@ -128,14 +136,6 @@ impl Show for TimeOfDay {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use heapless::String;
-
-    fn text(moment: Moment) -> String<32> {
-        let mut text = String::new();
-        moment.show(&mut text).unwrap();
-        text
-    }
-
     /// Unix seconds from `date -u -d TEXT +%s`.
     #[test]
     fn moments_are_those_of_the_calendar() {
@@ -149,18 +149,18 @@ mod tests {
         ] {
             let moment = Moment::parse(said).expect(said);
             assert_eq!(moment.0, seconds * 1000, "{said}");
-            assert_eq!(text(moment).as_str(), said.replace('Z', ".000Z"));
+            assert_eq!(moment.to_string(), said.replace('Z', ".000Z"));
         }
         let fine = Moment::parse("2027-03-02T10:15:00.12345Z").unwrap();
-        assert_eq!(text(fine).as_str(), "2027-03-02T10:15:00.123Z");
-        assert_eq!(text(Moment(0)).as_str(), "1970-01-01T00:00:00.000Z");
+        assert_eq!(fine.to_string(), "2027-03-02T10:15:00.123Z");
+        assert_eq!(Moment(0).to_string(), "1970-01-01T00:00:00.000Z");
     }
 
     #[test]
     fn every_day_there_and_back() {
         for day in (10_957..47_482).step_by(1) {
             let moment = Moment(day * DAY_MS + 45_296_789);
-            assert_eq!(Moment::parse(&text(moment)), Some(moment));
+            assert_eq!(Moment::parse(&moment.to_string()), Some(moment));
         }
     }
 

@@ -62,7 +62,7 @@ pub enum Line<'a> {
     Health(Health),
     /// `M`: the mean of a number of readings, for taring and self test.
     Mean(Mean),
-    /// `B`: the block's weight so far.
+    /// `G`: the block's weight so far.
     Weighed(Weighed),
     /// `N`: what somebody wrote down.
     Note(&'a str),

@@ -37,7 +37,7 @@ impl<'a> Line<'a> {
             "Z" => Line::End { run: from.take()? },
             "H" => Line::Health(health(from)?),
             "M" => Line::Mean(mean(from)?),
-            "B" => Line::Weighed(weighed(from)?),
+            "G" => Line::Weighed(weighed(from)?),
             "N" => Line::Note(fields),
             "W" => Line::Mark { index: from.take()?, winch: from.take_word()? },
             "Y" => Line::Sync { index: from.take()?, unix_ms: from.take()? },

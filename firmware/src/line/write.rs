@@ -35,7 +35,7 @@ impl Line<'_> {
             Line::End { .. } => "Z",
             Line::Health(_) => "H",
             Line::Mean(_) => "M",
-            Line::Weighed(_) => "B",
+            Line::Weighed(_) => "G",
             Line::Note(_) => "N",
             Line::Mark { .. } => "W",
             Line::Sync { .. } => "Y",

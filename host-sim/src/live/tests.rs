@@ -42,11 +42,13 @@ fn settings(run: u32, weight_n: f32) -> Line<'static> {
 }
 
 fn sample(index: u64, force_n: f32, phase: Phase) -> LiveSample {
-    LiveSample { index, force_n: Some(force_n), flag: SampleFlag::Good, phase, gap: 0 }
+    let (force_n, rate_n_per_s) = (Some(force_n), None);
+    LiveSample { index, force_n, flag: SampleFlag::Good, phase, gap: 0, rate_n_per_s }
 }
 
 fn flagged(index: u64, flag: SampleFlag) -> LiveSample {
-    LiveSample { index, force_n: None, flag, phase: Phase::Stick, gap: 0 }
+    let (force_n, rate_n_per_s) = (None, None);
+    LiveSample { index, force_n, flag, phase: Phase::Stick, gap: 0, rate_n_per_s }
 }
 
 fn report() -> Report {
