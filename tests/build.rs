@@ -18,16 +18,22 @@ fn main() {
 /// All modules that `lib.rs` declares, and what it re-exports.
 fn widened_core(source: &Path) -> Result<String, String> {
     let root = read(&source.join("lib.rs"))?;
+    let exports = root.lines().filter(|line| line.starts_with("pub use "));
+    let exports = exports.map(|line| format!("{line}\n")).collect::<String>();
+    Ok(widened_modules(&root, source)? + &exports)
+}
+
+/// The modules that a text declares, each in the text of a module of its own: from
+/// `folder/name.rs`, or `folder/name/mod.rs` with what that declares inside it.
+fn widened_modules(text: &str, folder: &Path) -> Result<String, String> {
     let mut wide = String::new();
-    for line in root.lines() {
-        if let Some(name) = declared_module(line) {
-            let file = source.join(format!("{name}.rs"));
-            let text =
-                widened(&read(&file)?).map_err(|what| format!("core/src/{name}.rs{what}"))?;
-            wide += &format!("/// [`floe_core::{name}`].\npub mod {name} {{\n{text}}}\n");
-        } else if line.starts_with("pub use ") {
-            wide += &format!("{line}\n");
-        }
+    for name in text.lines().filter_map(declared_module) {
+        let (file, inner) = (folder.join(format!("{name}.rs")), folder.join(name));
+        let file = if file.is_file() { file } else { inner.join("mod.rs") };
+        let text = read(&file)?;
+        let body = widened(&text).map_err(|what| format!("{}{what}", file.display()))?;
+        let nested = widened_modules(&text, &inner)?;
+        wide += &format!("/// `{name}` of the core.\npub mod {name} {{\n{body}{nested}}}\n");
     }
     Ok(wide)
 }
@@ -37,7 +43,8 @@ fn read(path: &Path) -> Result<String, String> {
 }
 
 fn declared_module(line: &str) -> Option<&str> {
-    line.trim_start_matches("pub ").strip_prefix("mod ")?.strip_suffix(';')
+    let line = line.trim_start_matches("pub ").trim_start_matches("pub(crate) ");
+    line.strip_prefix("mod ")?.strip_suffix(';')
 }
 
 /// A module without its tests, in double precision.
@@ -70,8 +77,8 @@ fn widened_line(line: &str) -> Result<String, String> {
     if line.trim_start().starts_with(r#"#[cfg_attr(feature = "defmt""#) {
         return Ok(String::new());
     }
-    if declared_module(line.trim_start()).is_some() {
-        return Err("a module within a module".to_owned());
+    if declared_module(line).is_some() {
+        return Ok(String::new());
     }
     let mut wide = String::new();
     for piece in words(line) {

@@ -8,9 +8,9 @@ use floe::sim::motion::{Method, Segment, Segments};
 use floe::sim::scene::GRAVITY_M_PER_S2;
 use floe::sim::truth::{EventBuilder, TrueEvent};
 use floe::sim::{Phase, Scene};
-use floe_core::corner::Corner;
-use floe_core::math;
-use floe_core::model::{self, Cycle};
+use floe_core::model::corner::Corner;
+use floe_core::model::{self, CycleParams};
+use floe_core::num::math;
 use floe_tests::brute::{Block, Pull, State, Truth};
 use floe_tests::scenes;
 
@@ -51,15 +51,15 @@ fn omega(pull: &Pull) -> f64 {
 }
 
 /// The case as the core's closed form sees it, in seconds.
-fn closed(pull: &Pull) -> Cycle {
+fn closed(pull: &Pull) -> CycleParams {
     let drop_n = pull.weight_n * pull.slope_rad.cos() * (pull.mu_s - pull.mu);
-    Cycle {
+    CycleParams {
         onset: 0.0,
         rate: (pull.stiffness_n_per_m * pull.winch_m_per_s) as f32,
         static_n: pull.resistance_n(pull.mu_s) as f32,
         half_drop_n: drop_n as f32,
         omega: omega(pull) as f32,
-        bend: 0.0,
+        rate_change: 0.0,
     }
 }
 
@@ -335,9 +335,9 @@ fn simulator_on_a_cable_that_goes_slack() {
 }
 
 /// Test DFF8-13 in sampling periods of 1/16 s.
-fn dff8_13() -> Cycle {
+fn dff8_13() -> CycleParams {
     let (static_n, half_drop_n) = (781.2, 289.8);
-    Cycle { onset: 0.0, rate: 22.5, static_n, half_drop_n, omega: 1.1828, bend: 0.0 }
+    CycleParams { onset: 0.0, rate: 22.5, static_n, half_drop_n, omega: 1.1828, rate_change: 0.0 }
 }
 
 /// `F' = r (1 - f exp((F - Fs) / c))` back from the onset, and Newton's law from there on.

@@ -9,7 +9,8 @@
 //! unknowns free. What the events share makes less of it possible.
 
 use floe::sim::{bound, simulate};
-use floe_core::{Config, Event, Quality, math, model};
+use floe_core::num::math;
+use floe_core::{Config, Event, Quality, model};
 use floe_tests::brute::{self, Pull};
 use floe_tests::score::rms;
 use floe_tests::{feed, scenes};

@@ -1,6 +1,6 @@
 //! The table in `docs/maths.md` holds, and what the core uses is good enough.
 
-use floe_core::math;
+use floe_core::num::math;
 use floe_tests::maths::{Error, FUNCTIONS, Function, bearable, columns, is_used};
 
 /// Distance of `f32` numbers just above one.

@@ -127,7 +127,7 @@ fn correlations(events: &[Coefficient], mean: f64, variance: f64) -> f64 {
         products / (n - lag) as f64 / variance
     };
     let least = 2.0 / (n as f64).sqrt();
-    (1..=(n / 4).min(floe_core::correlation::LAGS))
+    (1..=(n / 4).min(floe_core::estimator::autocovariance::LAGS))
         .map(correlation)
         .take_while(|c| *c > least)
         .map(|c| c.min(1.0))

@@ -2,36 +2,8 @@
 
 use core::fmt;
 
-use crate::math;
-
-/// A moment between samples: an index and a fraction of a period, 0 to below 1.
-///
-/// Kept apart so that a month of samples costs no resolution.
-#[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct SampleTime {
-    /// The sample at or before the moment.
-    pub index: u64,
-    /// Fraction of a sampling period after it.
-    pub fraction: f32,
-}
-
-/// A coefficient and its standard deviation.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Coefficient {
-    /// The estimate.
-    pub value: f32,
-    /// One standard deviation of this event's estimate.
-    pub std: f32,
-}
-
-impl Coefficient {
-    /// With one more independent error of such a standard deviation.
-    pub(crate) fn widen(&mut self, std: f32) {
-        self.std = math::hypotenuse(self.std, std);
-    }
-}
+use crate::coefficient::Coefficient;
+use crate::sample::SampleTime;
 
 /// A first answer while the slip is still going on or has just ended, from the samples
 /// so far and what the other events told; the event itself follows when the next slip

@@ -1,19 +1,20 @@
 //! The one entry point: a sample in, what is known out.
 
-use crate::calibrate::Calibrator;
-use crate::change::Change;
+use crate::coefficient::Site;
 use crate::config::{Config, ConfigError};
-use crate::cycle::{Cycles, Finished, Site};
-use crate::decimate::Decimator;
-use crate::derivative::{Central, Rate};
-use crate::detector::{Detector, Extreme, Transition};
-use crate::drift::Drift;
+use crate::cycle::{CycleTracker, Finished};
+use crate::detector::{Detector, Transition};
+use crate::effects::level_shift::Change;
+use crate::effects::zero_drift::Drift;
 use crate::estimator::Estimator;
-use crate::event::{Event, Provisional, SampleTime};
-use crate::math;
+use crate::event::{Event, Provisional};
+use crate::num::math;
 use crate::report::{Counters, Report};
-use crate::sample::{ForceSample, Phase, RawSample, SampleFlag};
-use crate::spike::{Judged, SpikeFilter, Usual};
+use crate::sample::{ForcePoint, ForceSample, Phase, RawSample, SampleFlag, SampleTime};
+use crate::signal::calibrate::Calibrator;
+use crate::signal::decimate::Decimator;
+use crate::signal::derivative::{Central, Rate};
+use crate::signal::spike::{Judged, SpikeFilter, Usual};
 
 /// Standard gravity, m/s²: turns a weight into a mass.
 const GRAVITY: f32 = 9.806_65;
@@ -75,7 +76,7 @@ pub struct Pipeline {
     block_root: f32,
     derivative: Central,
     detector: Detector,
-    cycles: Cycles,
+    cycles: CycleTracker,
     mu_s: Estimator,
     mu: Estimator,
     /// What the zero may have moved by widens every interval.
@@ -113,7 +114,7 @@ impl Pipeline {
             block_root: math::sqrt(decimator.factor()),
             derivative: Central::new(config.rate_hz),
             detector: Detector::new(rate_hz),
-            cycles: Cycles::new(site),
+            cycles: CycleTracker::new(site),
             mu_s: Estimator::default(),
             mu: Estimator::default(),
             drift: Drift::default(),
@@ -139,7 +140,7 @@ impl Pipeline {
     #[inline(never)]
     fn take(&mut self, step: &mut Step) {
         if let Some(force_n) = step.sample.force_n {
-            let newest = Extreme { index: step.sample.index, force_n };
+            let newest = ForcePoint { index: step.sample.index, force_n };
             let (detector, root) = (&self.detector, self.block_root);
             match self.spikes.step(newest, || Usual::of(detector, root)) {
                 Judged::Nothing => {}
@@ -166,7 +167,9 @@ impl Pipeline {
     fn phase(&self, ForceSample { index, force_n, .. }: ForceSample) -> Phase {
         let each = self.block_root <= 1.0;
         match force_n.filter(|_| each) {
-            Some(force_n) if self.detector.foresees_slip(Extreme { index, force_n }) => Phase::Slip,
+            Some(force_n) if self.detector.foresees_slip(ForcePoint { index, force_n }) => {
+                Phase::Slip
+            }
             _ => self.detector.phase(),
         }
     }
@@ -179,7 +182,8 @@ impl Pipeline {
         event.or_else(|| self.catch_up()).or_else(|| {
             let event = self.cycles.finish().or_else(|| {
                 let (stick, window) = (self.detector.stick(), self.detector.window());
-                let end = Extreme { index: self.detector.last().index + 1, ..self.detector.last() };
+                let end =
+                    ForcePoint { index: self.detector.last().index + 1, ..self.detector.last() };
                 self.cycles.complete(stick, window, end);
                 self.cycles.finish()
             });
@@ -248,7 +252,7 @@ impl Pipeline {
     }
 
     /// Takes a good sample on; `newest` is the one that may yet be a spike.
-    fn good(&mut self, good: Extreme, newest: Extreme, step: &mut Step) {
+    fn good(&mut self, good: ForcePoint, newest: ForcePoint, step: &mut Step) {
         let Some(block) = self.decimator.step(good) else { return };
         let slips = self.detector.phase() == Phase::Slip;
         // A sample of a block is no block: there the answer comes with the block itself.
@@ -267,12 +271,12 @@ impl Pipeline {
     }
 
     /// A first answer if the slip is over with the next sample.
-    fn turned(&mut self, next: Extreme) -> Option<Provisional> {
+    fn turned(&mut self, next: ForcePoint) -> Option<Provisional> {
         if self.detector.turns_with(next) { self.cycles.turned(&self.detector) } else { None }
     }
 
     /// Takes a good sample through the detector and on.
-    fn advance(&mut self, sample: Extreme) -> Option<Event> {
+    fn advance(&mut self, sample: ForcePoint) -> Option<Event> {
         let transition = self.detector.step(sample.index, sample.force_n);
         if transition.is_none() && self.cycles.is_idle() {
             return None;

@@ -1,28 +1,7 @@
 //! The result so far, for a display, a log or a host tool.
 
-use crate::change::Change;
-use crate::math;
-
-/// Mean of a coefficient over the events of a test.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Estimate {
-    /// Mean.
-    pub mean: f32,
-    /// Standard error of the mean, including the variation between events.
-    pub std_error: f32,
-    /// Standard deviation between events, noise removed; needs two events.
-    pub spread: Option<f32>,
-    /// How many events count.
-    pub events: u32,
-}
-
-impl Estimate {
-    /// With one more independent error of such a standard deviation.
-    pub(crate) fn widened(self, std: f32) -> Self {
-        Self { std_error: math::hypotenuse(self.std_error, std), ..self }
-    }
-}
+use crate::coefficient::Estimate;
+use crate::effects::level_shift::Change;
 
 /// What happened to the samples.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -85,3 +85,34 @@ pub enum Phase {
     /// The block moves.
     Slip,
 }
+
+/// A moment between samples: an index and a fraction of a period, 0 to below 1.
+///
+/// Kept apart so that a month of samples costs no resolution.
+#[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct SampleTime {
+    /// The sample at or before the moment.
+    pub index: u64,
+    /// Fraction of a sampling period after it.
+    pub fraction: f32,
+}
+
+/// A sample and where it was.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ForcePoint {
+    /// Index of the sample.
+    pub index: u64,
+    /// Its force, N.
+    pub force_n: f32,
+}
+
+impl ForcePoint {
+    /// None yet.
+    pub(crate) const ZERO: Self = Self { index: 0, force_n: 0.0 };
+}
+
+/// Periods from an origin to an index, which may lie before it.
+pub(crate) fn since(origin: u64, index: u64) -> f32 {
+    index.wrapping_sub(origin).cast_signed() as f32
+}

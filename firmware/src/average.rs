@@ -51,7 +51,7 @@ impl Average {
             count: self.codes.len() as u32,
             failed: self.failed,
             mean: first as f32 + mean,
-            deviation: floe_core::math::sqrt(square),
+            deviation: floe_core::num::math::sqrt(square),
             different,
         }
     }

@@ -1,6 +1,6 @@
 //! The weight of a block from a recording of it on the tripod.
 
-use floe_core::calibrate::Calibrator;
+use floe_core::signal::calibrate::Calibrator;
 use floe_core::weighing::{Load, Unrest, Weighing};
 use serde::Serialize;
 

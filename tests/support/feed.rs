@@ -1,6 +1,6 @@
 //! Samples into the core, events and report out.
 
-use floe_core::window::WINDOW;
+use floe_core::signal::window::WINDOW;
 use floe_core::{Config, Event, Newtons, Pipeline, RawSample, Reading, Report};
 
 /// What came out of a pipeline.

@@ -1,6 +1,6 @@
 //! What hangs there, without what its swing adds.
 
-use crate::math::{atan2, hypotenuse, sqrt};
+use crate::num::math::{atan2, hypotenuse, sqrt};
 
 use super::{Rest, Unrest};
 

@@ -3,7 +3,7 @@
 //! Time runs from the middle of the window, so that cosine and mean go together, and sine
 //! and slope, but not the one pair with the other: two equations of two unknowns each.
 
-use crate::math::{hypotenuse, larger, sin_cos, smaller, sqrt};
+use crate::num::math::{hypotenuse, larger, sin_cos, smaller, sqrt};
 
 use super::window::Window;
 

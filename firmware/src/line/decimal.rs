@@ -3,7 +3,7 @@
 
 use core::fmt;
 
-use floe_core::division::divide;
+use floe_core::num::long_division::divide;
 use heapless::String;
 use heapless::string::StringView;
 

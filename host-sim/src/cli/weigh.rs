@@ -4,7 +4,7 @@ use std::fs::File;
 use std::path::PathBuf;
 
 use floe_core::Config;
-use floe_core::calibrate::Calibrator;
+use floe_core::signal::calibrate::Calibrator;
 
 use crate::error::InputError;
 use crate::log::{Log, LogOptions, Unit};

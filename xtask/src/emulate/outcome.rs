@@ -58,6 +58,10 @@ pub fn decode(shown: &str) -> Result<Outcome> {
             | Line::Spike(_)
             | Line::About(_)
             | Line::Mean(_)
+            | Line::Note(_)
+            | Line::Mark { .. }
+            | Line::Sync { .. }
+            | Line::Climate { .. }
             | Line::Info(_)
             | Line::Trouble(_) => {}
         }

@@ -6,7 +6,7 @@
 
 use core::fmt;
 
-use floe_core::math;
+use floe_core::num::math;
 use micromath::F32Ext;
 
 use super::hardware;

@@ -1,0 +1,287 @@
+//! What the events of a test have told so far, as expectations for the next one.
+
+use crate::cycle::slip_record::SlipRecord;
+use crate::effects::corner::CornerEstimator;
+use crate::effects::mass_change::{Mass, Told, Verdict};
+use crate::effects::sag::Sag;
+use crate::fit::correction::Correction;
+use crate::fit::posterior::Posterior;
+use crate::fit::residuals::Residuals;
+use crate::fit::{Data, Fit, rounding_n2};
+use crate::model::CycleParams;
+use crate::num::math;
+use crate::stats::fading_trend::FadingTrend;
+use crate::stats::line::Line;
+use crate::stats::normal_equations::UNKNOWNS;
+use crate::stats::prior::{Prior, without_prior};
+
+/// Loading rate, swing `1/ω` and bend that the events share, and the noise.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Expectations {
+    pub(crate) rate: FadingTrend,
+    pub(crate) mass: Mass,
+    rate_change: FadingTrend,
+    pub(crate) corner: CornerEstimator,
+    pub(crate) sag: Sag,
+    /// Loading rate as the newest event alone tells it, and its variance.
+    pub(crate) own_rate: Option<(f32, f32)>,
+    pub(crate) residuals: Residuals,
+    /// Events in a row that did not fit.
+    misfits: u8,
+    /// The residuals are those of weighted samples.
+    weighted: bool,
+}
+
+/// So many events in a row that do not fit: what was expected is no longer true.
+const CHANGED: u8 = 3;
+/// Least part of a fitted precision that has to be the event's own: a smaller part is
+/// the difference of two numbers that the fit's last step may have left unsettled.
+const LEAST_OWN: f32 = 0.01;
+/// The same to judge whether it is another block, which differs by far.
+const LEAST_JUDGED: f32 = 0.003;
+
+impl Expectations {
+    /// Variance of the noise, as if it were white: from the fits so far, else the
+    /// detector's. Never below what single precision leaves of a force.
+    pub(crate) fn noise_n2(&self, pending: &SlipRecord) -> f32 {
+        let noise_n2 = self.residuals.variance_n2().unwrap_or(pending.noise_n2);
+        (pending.white_share() * noise_n2).max(rounding_n2(pending.peak.force_n))
+    }
+
+    /// The same from the fits alone. Before the first of them next to nothing, so that
+    /// rough expectations hardly count.
+    pub(crate) fn fitted_noise_n2(&self, pending: &SlipRecord) -> f32 {
+        const HARDLY: f32 = 1e-3;
+        match self.residuals.variance_n2() {
+            Some(_) => self.noise_n2(pending),
+            None => HARDLY * pending.noise_n2,
+        }
+    }
+
+    /// What was left before the samples had their weights is no measure any more.
+    pub(crate) fn weigh(&mut self, pending: &SlipRecord) {
+        if pending.rest_weight < 1.0 && !self.weighted {
+            self.weighted = true;
+            self.residuals = Residuals::new();
+        }
+    }
+
+    /// Does an event leave far more than the others do? The winch paused or started, the
+    /// block hit something; or, after several of them, all is different from now on, and
+    /// nothing is expected any more.
+    pub(crate) fn is_misfit(&mut self, pending: &SlipRecord, squares_n2: f32, free: f32) -> bool {
+        let rounding_n2 = rounding_n2(pending.peak.force_n);
+        if !self.residuals.is_outlier(squares_n2, free, rounding_n2) {
+            self.misfits = 0;
+            return false;
+        }
+        self.misfits += 1;
+        if self.misfits == CHANGED {
+            self.misfits = 0;
+            [self.rate, self.rate_change] = [FadingTrend::default(); 2];
+            self.mass.forget_all();
+            self.corner = CornerEstimator::default();
+        }
+        true
+    }
+
+    /// An event's samples and lines with what is expected of it.
+    pub(crate) fn data<'a>(
+        &self,
+        pending: &'a SlipRecord,
+        after: &'a Line,
+        noise_n2: f32,
+    ) -> Data<'a> {
+        let rough = pending.rough(after);
+        let rate = expected(self.rate.prior(noise_n2), rough.rate, 0.7 * rough.rate, noise_n2);
+        let known_swing = if self.knows_omega() {
+            self.mass.inverse_omega().prior(noise_n2)
+        } else {
+            Prior::default()
+        };
+        let inverse_omega = expected(
+            known_swing,
+            rough.slide * core::f32::consts::FRAC_1_PI,
+            rough.slide_std * core::f32::consts::FRAC_1_PI,
+            noise_n2,
+        );
+        Data {
+            before: &pending.before,
+            samples: pending.samples(),
+            after,
+            wander: pending.wander,
+            rate: rate.loosened(pending.wander.slope),
+            inverse_omega,
+            rate_change: self.bend_prior(rough.rate, noise_n2).loosened(4.0 * pending.wander.slope),
+            onset: rough.onset(noise_n2),
+            corner: self.corner.expected(rate.mean, inverse_omega.mean),
+        }
+    }
+
+    /// Until the events tell otherwise the winch turns steadily.
+    fn bend_prior(&self, rough_rate: f32, noise_n2: f32) -> Prior {
+        const STEADY: f32 = 0.003;
+        let learnt = self.rate_change.prior_around_zero(noise_n2);
+        if learnt.weight > 0.0 {
+            return learnt;
+        }
+        let spread = STEADY * self.rate.mean().unwrap_or(rough_rate);
+        Prior { mean: 0.0, weight: noise_n2 / (spread * spread) }
+    }
+
+    /// How far `Fp` lies above the middle of `Fs` and `Fe`, N, because a cable that gets shorter
+    /// gets stiffer as the block slides: `d b / 6 r`, from `∫ (F − Fp) dF / k = 0` with `k` going
+    /// evenly from one rate to the other. A bend that stays is the cable's: the winch turns
+    /// through rests as well.
+    pub(crate) fn stiffening_n(&self, cycle: &CycleParams) -> f32 {
+        // Cables that a slip shortens by more are none.
+        const MOST: f32 = 0.1;
+        let part = self.rate_change.prior_around_zero(1.0).mean / cycle.rate;
+        // Also not for a rate of zero.
+        if part.abs() < MOST { cycle.half_drop_n * part / 6.0 } else { 0.0 }
+    }
+
+    /// Is the swing known from earlier events?
+    pub(crate) fn knows_omega(&self) -> bool {
+        self.mass.inverse_omega().is_well_known()
+    }
+
+    /// Carries the event's own loading rate, swing and bend to the next ones, unless it
+    /// is a suspect. `strained` as from [`is_strained`].
+    pub(crate) fn learn(
+        &mut self,
+        data: &Data<'_>,
+        posterior: &Posterior,
+        noise_n2: f32,
+        strained: bool,
+    ) -> Verdict {
+        let Posterior { cycle, unknowns: [_, rate, _, _, inverse_omega, rate_change], .. } =
+            *posterior;
+        self.rate.forget();
+        self.rate_change.forget();
+        self.sag.forget();
+        if posterior.is_resolved() {
+            self.mass.forget();
+        }
+        let own =
+            |value, variance, prior, least| without_prior(value, variance, prior, noise_n2, least);
+        // The loading rate and the swing are above zero; the bend may have any sign.
+        let positive = |own: &(f32, f32)| own.0 > 0.0;
+        // What hardly resolved slips tell of the swing is what was expected of them.
+        let own_swing = |least| {
+            let own = own(cycle.inverse_omega(), inverse_omega, data.inverse_omega, least)
+                .filter(positive);
+            own.filter(|_| posterior.is_resolved())
+        };
+        let mut told = Told {
+            // A known swing hides another one: little of its own is enough to judge. A
+            // cable cannot push.
+            inverse_omega: own_swing(LEAST_JUDGED).filter(|_| cycle.restick_n() > 0.0),
+            dynamic_n: cycle.dynamic_n(),
+            same_cable: self.is_usual_rate(cycle.rate),
+            strained: strained && cycle.restick_n() > 0.0,
+        };
+        let verdict = self.mass.judge(&told);
+        let on_trial = self.mass.is_on_trial();
+        let own_rate = own(cycle.rate, rate, data.rate, LEAST_OWN).filter(positive);
+        self.own_rate = own_rate;
+        if strained || (verdict == Verdict::Suspect && !on_trial) {
+            return verdict;
+        }
+        if let Some((value, variance)) = own_rate {
+            self.rate.add(value, variance);
+        }
+        if let Some((value, variance)) =
+            own(cycle.rate_change, rate_change, data.rate_change, LEAST_OWN)
+        {
+            self.rate_change.add(value, variance);
+        }
+        told.inverse_omega = own_swing(LEAST_OWN).filter(|_| !on_trial || is_clear(posterior));
+        self.mass.learn(&told).unwrap_or(verdict)
+    }
+
+    /// Carries what the event's residuals tell of the corners to the next ones. All that
+    /// was learnt moves along.
+    pub(crate) fn learn_corner(&mut self, data: &Data<'_>, fit: &Fit, noise_n2: f32) -> Correction {
+        let effect = self.corner.learn(data, fit, noise_n2);
+        let [_, rate, _, _, inverse_omega, rate_change] = effect.moved;
+        self.rate.translate(rate);
+        self.mass.translate(inverse_omega);
+        self.rate_change.translate(rate_change);
+        effect
+    }
+
+    /// Periods before an onset in which the force lacks more than a fifth of the noise.
+    pub(crate) fn creep_periods(&self) -> f32 {
+        const PART: f32 = 0.2;
+        let known = self.rate.mean().zip(self.residuals.variance_n2());
+        known
+            .map_or(0.0, |(rate, noise_n2)| self.corner.creep_n(PART * math::sqrt(noise_n2)) / rate)
+    }
+
+    /// Is the loading rate what it was, as far as winches turn steadily?
+    fn is_usual_rate(&self, rate: f32) -> bool {
+        const STEADY: f32 = 0.1;
+        self.rate.mean().is_none_or(|usual| (rate - usual).abs() < STEADY * usual)
+    }
+}
+
+/// Does the slip have samples enough to tell a small change of the swing from what the
+/// sampling makes of it?
+pub(crate) fn is_clear(posterior: &Posterior) -> bool {
+    const CLEAR: f32 = 2.0;
+    posterior.slide_time > CLEAR && posterior.cycle.restick_n() > 0.0
+}
+
+/// Are the samples around the slip, with these squared residuals, far from the fit?
+pub(crate) fn is_strained(data: &Data<'_>, around_n2: f32, noise_n2: f32) -> bool {
+    const STRAINED: f32 = 10.0;
+    // The lines are two observations each.
+    let observations = data.samples.good().count() as f32 + 4.0;
+    around_n2 > STRAINED * observations * noise_n2
+}
+
+/// What earlier events tell of a quantity, else a guess and its standard deviation.
+fn expected(learnt: Prior, guess: f32, spread: f32, noise_n2: f32) -> Prior {
+    if learnt.weight > 0.0 {
+        return learnt;
+    }
+    Prior { mean: guess, weight: noise_n2 / (spread * spread) }
+}
+
+/// Squared residuals of an event that no other event counts, N², and their degrees of
+/// freedom: observations less unknowns, as far as these come from the samples and not
+/// from what was expected.
+pub(crate) fn own_residuals(data: &Data<'_>, fit: &Fit) -> (f32, f32) {
+    let (mut squares, mut unknowns) = (fit.cost() + data.after.residual(), UNKNOWNS as f32);
+    for ((prior, value), variance) in data.priors(&fit.cycle).into_iter().zip(fit.variances) {
+        squares -= prior.weight * (prior.mean - value) * (prior.mean - value);
+        unknowns -= prior.weight * variance;
+    }
+    let lines = data.before.count.min(2) as f32 + data.after.weight;
+    (squares.max(0.0), data.samples.good().count() as f32 + lines - unknowns)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_a_cable_gets_stiffer() {
+        let mut learnt = Expectations::default();
+        (0..20).for_each(|_| learnt.rate_change.add(0.2, 1e-6));
+        let cycle = |rate| CycleParams {
+            onset: 0.0,
+            rate,
+            static_n: 781.2,
+            half_drop_n: 289.8,
+            omega: 1.18,
+            rate_change: 0.0,
+        };
+        let expected_n = 289.8 * 0.2 / (6.0 * 22.5);
+        assert!((learnt.stiffening_n(&cycle(22.5)) / expected_n - 1.0).abs() < 0.01);
+        for rate in [1.0, 1e-9, 0.0, -1e-9] {
+            assert!(learnt.stiffening_n(&cycle(rate)).abs() < 1e-9, "{rate}");
+        }
+    }
+}

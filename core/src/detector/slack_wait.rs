@@ -1,0 +1,94 @@
+//! A force that lies at zero after a slip: the cable hangs slack.
+//!
+//! The stick line starts only where the force has risen again; until then the samples
+//! tell nothing of the loading rate. A force that rises at once, or that never was
+//! near zero, starts its line at once.
+
+use crate::sample::ForcePoint;
+
+/// Rise that shows that the cable is taut, standard deviations of the noise.
+const RISE: f32 = 5.0;
+/// Most that it has to be, parts of the slip's drop: where the block never rests what
+/// is known of the noise is only a bound.
+const MOST_RISE: f32 = 0.25;
+/// A slip that ends within so many parts of its drop and of the rise of zero may have
+/// ended on a slack cable; a small error of the cell's zero is allowed for.
+const NEAR_ZERO: f32 = 0.1;
+const NEAR: f32 = 0.4;
+/// The line starts where the force has risen by less than this part: the rest is room
+/// for noise.
+const SURE: f32 = 0.7;
+
+/// So many samples at zero in a row are no turning point.
+const LONG: u32 = 5;
+
+/// Waits for the rise.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct SlackWait {
+    mean_n: f32,
+    count: u32,
+    rise_n: f32,
+    /// The last sample was above the floor.
+    above: bool,
+}
+
+impl SlackWait {
+    /// After a slip with this drop, N, whose lowest sample is near zero; else `None`.
+    pub(crate) fn under(low: ForcePoint, drop_n: f32, std_n: Option<f32>) -> Option<Self> {
+        let most_n = MOST_RISE * drop_n;
+        let rise_n = std_n.map_or(most_n, |std| most_n.min(RISE * std));
+        let is_near = low.force_n.abs() < NEAR_ZERO * drop_n + NEAR * rise_n;
+        is_near.then_some(Self { mean_n: low.force_n, count: 1, rise_n, above: false })
+    }
+
+    /// Has the force stayed down? A cell that reads no force below zero cuts the noise.
+    pub(crate) fn is_long(&self) -> bool {
+        self.count >= LONG
+    }
+
+    /// Takes the next sample; gives how far the force has risen, N, when it has. Two
+    /// samples in a row decide.
+    pub(crate) fn risen_n(&mut self, force_n: f32) -> Option<f32> {
+        let height_n = force_n - self.mean_n;
+        let was_above = core::mem::replace(&mut self.above, height_n > self.rise_n);
+        if !self.above {
+            self.count = self.count.saturating_add(1);
+            self.mean_n += height_n / self.count as f32;
+        }
+        (self.above && was_above).then_some(height_n)
+    }
+}
+
+/// Periods since a force has risen surely, at so many newtons a period.
+pub(crate) fn periods_above(risen_n: f32, rate: f32) -> u64 {
+    let periods = SURE * risen_n / rate;
+    if periods > 0.0 { periods as u64 } else { 0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn floor(low_n: f32) -> Option<SlackWait> {
+        SlackWait::under(ForcePoint { index: 7, force_n: low_n }, 600.0, Some(2.0))
+    }
+
+    #[test]
+    fn only_a_slip_down_to_zero_is_waited_for() {
+        for (low_n, waits) in [(-2.0, true), (0.0, true), (30.0, true), (200.0, false)] {
+            assert_eq!(floor(low_n).is_some(), waits, "{low_n}");
+        }
+        assert!(SlackWait::under(ForcePoint { index: 7, force_n: 0.0 }, 600.0, None).is_some());
+    }
+
+    #[test]
+    fn two_samples_in_a_row_are_a_rise_and_one_is_none() {
+        let mut floor = floor(-1.0).unwrap();
+        let forces_n = [1.0, 0.5, 40.0, -1.0, 2.0, 1.0, 15.0, 37.0];
+        let risen = forces_n.map(|force_n| floor.risen_n(force_n));
+        assert!(risen.iter().take(7).all(Option::is_none) && floor.is_long());
+        assert!(risen[7].is_some_and(|height_n| (height_n - 37.0).abs() < 1.0), "{risen:?}");
+        assert_eq!(periods_above(37.0, 10.0), 2);
+        assert_eq!(periods_above(37.0, -1.0), 0);
+    }
+}

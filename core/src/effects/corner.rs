@@ -1,0 +1,394 @@
+//! How much the corners of a test's events are rounded off, from what the fits leave over.
+//!
+//! The score of a fitted event, all six unknowns free, tells its own `κ`, `h` and `ln c`;
+//! the scores of the events add up. `κ` and `h` are zero until they are significantly
+//! above it; before that they widen the intervals. What the events told of rate,
+//! swing and bend, and the event's own fit, move along with them, to first order.
+
+#![allow(clippy::needless_range_loop, reason = "an index is that of rows and columns alike")]
+
+use crate::fit::correction::Correction;
+use crate::fit::{DYNAMIC, Data, Fit, STATIC};
+use crate::model::corner::{Corner, NUMBERS};
+use crate::num::math;
+use crate::stats::normal_equations::{Factor, Gradient, Normal, dot};
+use crate::stats::prior::surely;
+
+/// What the events share.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct CornerEstimator {
+    /// What the events of a fading past tell of the three numbers: their normal equations,
+    /// in units of the noise. The other unknowns are zero.
+    told: Normal,
+    /// Number of these events, and Σ of the squared surprises of their scores.
+    count: f32,
+    surprise: f32,
+    /// The range's logarithm is that of its ratio to this, N: all is as exact whatever the
+    /// size of the forces.
+    unit_n: f32,
+    /// The most likely numbers.
+    best: Gradient,
+    /// What the next event is expected to have.
+    corner: Corner,
+    /// Variances of `κ` and `h` while they are only possible.
+    possible: [f32; 2],
+    /// Events that could tell, also those that were not asked.
+    events: u32,
+}
+
+/// Without any sign of a round corner so many events are asked, and then one of so many.
+const FIRST: u32 = 12;
+const SELDOM: u32 = 16;
+/// Part that is left of the past with every event that is asked.
+const FADE: f32 = 1.0 - 1.0 / 40.0;
+/// Events before which nothing counts.
+const LEAST_EVENTS: f32 = 2.5;
+/// Standard errors beyond which a number counts, and beyond which it is possible.
+const SIGNIFICANT: f32 = 3.0;
+const POSSIBLE: f32 = 1.0;
+/// What a number that does not count is held at zero with, times its own information.
+const HELD: f32 = 1e12;
+/// The creep is thought to last so many swings before the events tell it, and one over the
+/// variance of its logarithm.
+const RANGE: f32 = 1.5;
+const RANGE_KNOWN: f32 = 2.0;
+/// Largest `κ`, periods²: a mean over more than a period.
+const MOST_SMOOTHING: f32 = 0.1;
+/// Least range, parts of `h`.
+const LEAST_RANGE: f32 = 0.125;
+/// Most that an event changes `ln c`, and that it moves its onset and its swing, swings:
+/// beyond that first order is not enough.
+const MOST_STEP: f32 = 0.7;
+const MOST_ONSET: f32 = 0.4;
+const MOST_SWING: f32 = 0.1;
+
+impl CornerEstimator {
+    /// What the next event's corners are expected to be, where its rate and swing are so.
+    pub(crate) fn expected(&self, rate: f32, inverse_omega: f32) -> Corner {
+        if self.count > 0.0 {
+            return self.corner;
+        }
+        Corner { range_n: RANGE * rate * inverse_omega, ..Corner::default() }
+    }
+
+    /// What the force lacks at the onset, N.
+    pub(crate) fn missing_n(&self) -> f32 {
+        self.corner.missing_n
+    }
+
+    /// How far below `Fs` the force of the creeping block lacks so many newtons, N.
+    pub(crate) fn creep_n(&self, lacking_n: f32) -> f32 {
+        let Corner { missing_n, range_n, .. } = self.corner;
+        if missing_n > lacking_n { range_n * math::ln(missing_n / lacking_n) } else { 0.0 }
+    }
+
+    /// Takes what an event's residuals tell.
+    pub(crate) fn learn(&mut self, data: &Data<'_>, fit: &Fit, noise_n2: f32) -> Correction {
+        self.events = self.events.wrapping_add(1);
+        let is_sharp = data.corner.is_sharp() && self.possible.iter().all(|&v| v <= 0.0);
+        if is_sharp && self.events > FIRST && !self.events.is_multiple_of(SELDOM) {
+            return Correction::default();
+        }
+        let effect = Score::of(data, fit).and_then(|score| self.take(&score, noise_n2));
+        let effect = effect.unwrap_or_default();
+        let Corner { smoothing, missing_n, range_n } = self.corner;
+        if effect.is_finite() && (smoothing + missing_n + range_n).is_finite() {
+            return effect;
+        }
+        // Numbers that overflow tell nothing.
+        *self = Self::default();
+        Correction::default()
+    }
+
+    /// Before the first event that tells anything: only the range is thought to be known.
+    fn begin(&mut self, corner: &Corner) {
+        (self.corner, self.unit_n) = (*corner, corner.range_n);
+        self.best = self.numbers(corner);
+        let diagonal = [0.0, 0.0, RANGE_KNOWN, 1.0, 1.0, 1.0];
+        for (i, entry) in diagonal.into_iter().enumerate() {
+            self.told.matrix[i][i] = entry;
+        }
+    }
+
+    fn numbers(&self, corner: &Corner) -> Gradient {
+        let range = math::ln(corner.range_n / self.unit_n);
+        [corner.smoothing, corner.missing_n, range, 0.0, 0.0, 0.0]
+    }
+
+    fn take(&mut self, score: &Score, noise_n2: f32) -> Option<Correction> {
+        if self.count <= 0.0 {
+            self.begin(&score.corner);
+        }
+        let used = self.numbers(&score.corner);
+        let told = score.told(&used);
+        self.add(score, &told, &used, noise_n2);
+        let free = self.told.factor(0.0)?;
+        let best = free.solve(&self.told.right);
+        let (before, after) = (score.times(&self.best), score.times(&best));
+        self.surprise *= FADE;
+        for k in 0..2 {
+            // How far off the event was before times how far it is after it: on average
+            // the variance of the noise.
+            let squared = (told[k] - before[k]) * (told[k] - after[k]);
+            self.surprise += 0.5 * squared / (score.normal.matrix[k][k] * noise_n2);
+        }
+        self.best = best;
+        // More than the noise explains: so much less is known.
+        let excess = (self.surprise / (self.count - 1.0).max(1.0)).max(1.0);
+        let factor = self.decide(&free, excess, &used)?;
+        let moved = self.limited(score, &used);
+        let variance = |force: &Gradient| {
+            let by = score.response.map(|response| dot(&response, force));
+            let possible = self.possible.iter().zip(by).fold(0.0, |sum, (v, by)| sum + v * by * by);
+            let by = [by[0], by[1], by[2], 0.0, 0.0, 0.0];
+            excess * factor.variance(&by, 0) + possible
+        };
+        let (static_n2, dynamic_n2) = (variance(&STATIC.0), variance(&DYNAMIC.0));
+        Some(Correction { moved, static_n2, dynamic_n2 })
+    }
+
+    /// Adds what an event tells.
+    fn add(&mut self, score: &Score, told: &Gradient, used: &Gradient, noise_n2: f32) {
+        self.count = FADE * self.count + 1.0;
+        for i in 0..NUMBERS {
+            for j in 0..=i {
+                let sum = &mut self.told.matrix[i][j];
+                *sum = FADE * *sum + score.normal.matrix[i][j] / noise_n2;
+            }
+            self.told.right[i] = FADE * self.told.right[i] + told[i] / noise_n2;
+        }
+        // While nothing tells the range it stays what it was thought to be.
+        self.told.matrix[2][2] += (1.0 - FADE) * RANGE_KNOWN;
+        self.told.right[2] += (1.0 - FADE) * RANGE_KNOWN * used[2];
+    }
+
+    /// Which numbers count, and what they then are.
+    fn decide(&mut self, free: &Factor, excess: f32, used: &Gradient) -> Option<Factor> {
+        let mut likely = self.told;
+        let mut counts = [false; 2];
+        let variances = free.variances();
+        for k in 0..2 {
+            let square = self.best[k] * self.best[k];
+            let variance = excess * variances[k];
+            let may_count = self.count > LEAST_EVENTS && self.best[k] > 0.0;
+            let beyond = |errors: f32| {
+                if may_count { surely(square, errors * errors * variance) } else { 0.0 }
+            };
+            let sure = beyond(SIGNIFICANT);
+            counts[k] = sure > 0.0;
+            self.possible[k] = (1.0 - sure) * beyond(POSSIBLE) * square;
+            // Around zero, within its own size as far as it counts.
+            let own = &mut likely.matrix[k][k];
+            *own += if counts[k] { 1.0 / (sure * square) } else { HELD * *own };
+        }
+        let factor = likely.factor(0.0)?;
+        let numbers = factor.solve(&likely.right);
+        let counted = |k: usize| if counts[k] { numbers[k].max(0.0) } else { 0.0 };
+        let missing_n = counted(1);
+        let range = used[2] + (numbers[2] - used[2]).clamp(-MOST_STEP, MOST_STEP);
+        self.corner = Corner {
+            smoothing: counted(0).min(MOST_SMOOTHING),
+            missing_n,
+            range_n: (self.unit_n * math::exp(range)).max(LEAST_RANGE * missing_n),
+        };
+        Some(factor)
+    }
+
+    /// Goes from the numbers that were used to those that count now, no farther than first
+    /// order holds. Gives by how much the event's unknowns move.
+    fn limited(&mut self, score: &Score, used: &Gradient) -> Gradient {
+        let mut steps = self.numbers(&self.corner);
+        steps.iter_mut().zip(used).for_each(|(step, used)| *step -= used);
+        let mut moved = score.moved(&steps);
+        let [onset, _, _, _, inverse_omega, _] = moved;
+        let far = (onset / MOST_ONSET).abs().max((inverse_omega / MOST_SWING).abs())
+            / score.inverse_omega;
+        if far > 1.0 {
+            let part = 1.0 / far;
+            moved.iter_mut().for_each(|moved| *moved *= part);
+            self.corner = Corner {
+                smoothing: used[0] + part * steps[0],
+                missing_n: used[1] + part * steps[1],
+                range_n: self.unit_n * math::exp(used[2] + part * steps[2]),
+            };
+        }
+        moved
+    }
+}
+
+/// What an event tells of the corners by itself.
+struct Score {
+    /// The corners that it was fitted with, and its swing.
+    corner: Corner,
+    inverse_omega: f32,
+    /// Normal equations of the three numbers' steps from there, the unknowns free.
+    normal: Normal,
+    /// By how much the unknowns fall when a number grows by one.
+    response: [Gradient; NUMBERS],
+}
+
+/// A number of which less than this part of the information is left when the unknowns are
+/// free is lost in rounding.
+const LEAST_OWN: f32 = 1e-3;
+
+impl Score {
+    fn of(data: &Data<'_>, fit: &Fit) -> Option<Self> {
+        let (corner, cycle) = (data.corner, &fit.cycle);
+        let shape = cycle.shape();
+        let mut products = [Gradient::default(); NUMBERS];
+        let mut normal = Normal::default();
+        for (time, force_n, weight) in data.levels() {
+            let since_onset = time - cycle.onset;
+            let (force, mut gradient) = shape.force(time);
+            let shift = corner.shift(&shape, since_onset);
+            gradient[0] -= shift.rate;
+            let [smoothing, missing, range] = shift.by;
+            normal.add(
+                force_n - force - shift.force_n,
+                &[smoothing, missing, range, 0.0, 0.0, 0.0],
+                weight,
+            );
+            for (product, by) in products.iter_mut().zip(shift.by) {
+                product.iter_mut().zip(gradient).for_each(|(sum, g)| *sum += weight * by * g);
+            }
+        }
+        let (alone, right) = fit.alone(data);
+        let alone = alone.factor(0.0)?;
+        let response = products.map(|product| alone.solve(&product));
+        for i in 0..NUMBERS {
+            let whole = normal.matrix[i][i];
+            for j in 0..=i {
+                normal.matrix[i][j] -= dot(&products[i], &response[j]);
+            }
+            normal.right[i] -= dot(&response[i], &right);
+            // Without creep its range is not known at all.
+            let own = normal.matrix[i][i];
+            if i < 2 && (own <= LEAST_OWN * whole || own.is_nan()) {
+                return None;
+            }
+        }
+        Some(Self { corner, inverse_omega: cycle.inverse_omega(), normal, response })
+    }
+
+    /// By how much the unknowns move when the numbers do.
+    fn moved(&self, steps: &Gradient) -> Gradient {
+        let mut moved = Gradient::default();
+        for (response, step) in self.response.iter().zip(steps) {
+            moved.iter_mut().zip(response).for_each(|(moved, by)| *moved -= step * by);
+        }
+        moved
+    }
+
+    /// The score as if the fit had used sharp corners.
+    fn told(&self, used: &Gradient) -> Gradient {
+        let mut told = self.times(used);
+        told.iter_mut().zip(self.normal.right).for_each(|(told, right)| *told += right);
+        told
+    }
+
+    /// The information times the numbers.
+    #[inline(never)]
+    fn times(&self, numbers: &Gradient) -> Gradient {
+        let mut product = Gradient::default();
+        for (i, sum) in product.iter_mut().enumerate().take(NUMBERS) {
+            for (j, number) in numbers.iter().enumerate().take(NUMBERS) {
+                *sum += self.normal.matrix[i.max(j)][i.min(j)] * number;
+            }
+        }
+        product
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fit::Samples;
+    use crate::model::CycleParams;
+    use crate::noise::ripple::ColoredNoise;
+    use crate::stats::line::Line;
+    use crate::stats::prior::Prior;
+
+    const NOISE_N: f32 = 2.0;
+
+    /// Nearly normal: the sum of twelve even numbers.
+    struct Noise(u32);
+
+    impl Noise {
+        fn next_n(&mut self) -> f32 {
+            let even = (0..12).fold(0.0, |sum, _| {
+                self.0 = self.0.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+                sum + (self.0 >> 8) as f32 / 16_777_216.0
+            });
+            NOISE_N * (even - 6.0)
+        }
+    }
+
+    /// So many events with these corners: how many were taken for round, and what is
+    /// learnt in the end.
+    fn learnt(events: u16, truth: &Corner) -> (u16, CornerEstimator) {
+        let (mut learnt, mut noise) = (CornerEstimator::default(), Noise(1));
+        let mut round = 0;
+        for event in 0..events {
+            let onset = (0.618_034 * f32::from(event)).fract() - 1.0;
+            let (static_n, half_drop_n) = (781.2, 289.8);
+            let cycle = CycleParams {
+                onset,
+                rate: 22.5,
+                static_n,
+                half_drop_n,
+                omega: 1.1828,
+                rate_change: 0.0,
+            };
+            let shape = cycle.shape();
+            let mut sample_n = |time: f32| {
+                let shift_n = truth.shift(&shape, time - onset).force_n;
+                shape.force(time).0 + shift_n + noise.next_n()
+            };
+            let mut line = |from: i16, to: i16| {
+                let mut line = Line::default();
+                (from..to).for_each(|t| line.add(t.into(), sample_n(t.into()), 1.0, 1.0));
+                line
+            };
+            let (before, after) = (line(-30, -8), line(6, 24));
+            let forces_n: [f32; 14] = core::array::from_fn(|i| sample_n(i as f32 - 8.0));
+            let free = Prior::default();
+            let data = Data {
+                before: &before,
+                samples: Samples::new(-8.0, &forces_n),
+                after: &after,
+                wander: ColoredNoise::NONE,
+                rate: free,
+                inverse_omega: free,
+                rate_change: Prior { mean: 0.0, weight: 1e3 },
+                onset: free,
+                corner: learnt.expected(22.5, cycle.inverse_omega()),
+            };
+            let noise_n2 = NOISE_N * NOISE_N;
+            let Some(fit) = data.fit(&cycle, noise_n2) else { continue };
+            learnt.learn(&data, &fit, noise_n2);
+            round += u16::from(!learnt.corner.is_sharp());
+        }
+        (round, learnt)
+    }
+
+    #[test]
+    fn white_noise_rounds_no_corner() {
+        let sharp = Corner { range_n: 30.0, ..Corner::default() };
+        let (round, _) = learnt(4000, &sharp);
+        assert!(round < 40, "{round}");
+    }
+
+    #[test]
+    fn creep_and_aperture_are_told_apart() {
+        let near = |got: f32, truth: f32, within: f32| (got - truth).abs() < within;
+        let creep = Corner { smoothing: 0.0, missing_n: 20.8, range_n: 30.0 };
+        let (round, CornerEstimator { corner, .. }) = learnt(60, &creep);
+        assert!(round > 55 && corner.smoothing < 0.01, "{round} {corner:?}");
+        assert!(near(corner.missing_n, 20.8, 2.0) && near(corner.range_n, 30.0, 8.0), "{corner:?}");
+
+        let aperture = Corner { smoothing: 0.0267, missing_n: 0.0, range_n: 30.0 };
+        let (round, CornerEstimator { corner, .. }) = learnt(60, &aperture);
+        assert!(round > 45 && corner.missing_n < 2.0, "{round} {corner:?}");
+        assert!(near(corner.smoothing, 0.0267, 0.008), "{corner:?}");
+    }
+}

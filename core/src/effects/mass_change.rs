@@ -1,0 +1,412 @@
+//! Does the swing still tell the same mass?
+//!
+//! While the block slides `ω² = k / M`. The cable does not change from one event to
+//! the next (the loading rate `k w` would show it), so the swing `1/ω` goes with the
+//! square root of the mass: `M'/M = (ω/ω')²`, whatever the friction does.
+//!
+//! An event far off is a suspect and gives no coefficient; the next one is fitted
+//! without what was known of the swing. If it is off as well, and its force `Fp` is
+//! nearer to the new weight's than to the old one's, the mass has changed, and the
+//! weight is corrected by the measured ratio, whose uncertainty is common to all later
+//! events. Where single events tell too little of the swing, a change of the forces'
+//! level starts a trial: the swings before and after it decide.
+
+use crate::stats::fading_trend::FadingTrend;
+use crate::stats::prior::Prior;
+
+/// Standard deviations by which the swing of one event, or the mean of a trial, has
+/// to be off.
+const FAR: f32 = 6.0;
+const FAR_MEAN: f32 = 4.0;
+/// A smaller change of the mass is not claimed: sag and wear change the stiffness
+/// like that.
+const LEAST: f32 = 0.05;
+/// Events that must have told their swing before.
+const FEWEST: u32 = 5;
+/// Events whose swings make the ratio; later ones may have another cable length.
+const MOST: u32 = 16;
+/// Suspects in a row without a mass that explains them: something else has changed.
+const ODD: u32 = 3;
+/// The same for events that do not tell their swing.
+const SILENT: u32 = 8;
+
+/// What an event tells.
+#[derive(Clone, Copy, Debug)]
+pub struct Told {
+    /// Its swing and the variance of that, periods, with nothing from other events.
+    pub inverse_omega: Option<(f32, f32)>,
+    /// `Fp`, N.
+    pub dynamic_n: f32,
+    /// The loading rate is what it was: so are cable and winch.
+    pub same_cable: bool,
+    /// The model, with what is known of the swing, is far from the samples.
+    pub strained: bool,
+}
+
+/// What becomes of it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Verdict {
+    /// Nothing new.
+    Same,
+    /// Not known yet whether the mass has changed.
+    Suspect,
+    /// The mass has changed since the first suspect, or the start of the trial.
+    Mass,
+    /// The trial says that the mass is the same.
+    SameMass,
+    /// The cable or the winch has changed, or there is no telling.
+    Unknown,
+}
+
+/// The weight in use over the one that was given.
+#[derive(Clone, Copy, Debug)]
+struct Ratio {
+    value: f32,
+    /// Relative variance.
+    variance: f32,
+}
+
+/// Weighted mean of the swings since the last change.
+#[derive(Clone, Copy, Debug, Default)]
+struct Since {
+    count: u32,
+    mean: f32,
+    weight: f32,
+    /// Mean `Fp`, N.
+    dynamic_n: f32,
+}
+
+impl Since {
+    fn add(&mut self, (value, variance): (f32, f32), dynamic_n: f32) {
+        let weight = 1.0 / variance;
+        self.weight += weight;
+        self.mean += weight / self.weight * (value - self.mean);
+        self.count += 1;
+        self.dynamic_n += (dynamic_n - self.dynamic_n) / self.count as f32;
+    }
+}
+
+#[derive(Clone, Copy, Debug)]
+enum State {
+    Steady,
+    /// With the swing as it was, and how many suspects there are.
+    Suspect(FadingTrend, u32),
+    /// After so many events.
+    Trial(u32),
+}
+
+/// Follows the swing, and the mass with it.
+#[derive(Clone, Copy, Debug)]
+pub struct Mass {
+    /// What the next event may expect.
+    inverse_omega: FadingTrend,
+    state: State,
+    /// Events that told `swing`.
+    seen: u32,
+    /// Mean `Fp` of the recent events, N.
+    dynamic_n: f32,
+    /// The weight in use over the given one, up to the last change.
+    base: Ratio,
+    /// The swing before the last change of mass or the trial, and the swings since.
+    before: Option<Prior>,
+    since: Since,
+}
+
+impl Mass {
+    /// Before the first event: the weight is the given one.
+    #[must_use]
+    pub fn new() -> Self {
+        Self {
+            inverse_omega: FadingTrend::default(),
+            state: State::Steady,
+            seen: 0,
+            dynamic_n: 0.0,
+            base: Ratio { value: 1.0, variance: 0.0 },
+            before: None,
+            since: Since::default(),
+        }
+    }
+
+    /// What the events since the last change tell of the swing.
+    #[must_use]
+    pub fn inverse_omega(&self) -> &FadingTrend {
+        &self.inverse_omega
+    }
+
+    /// Every event since the last change would have told a swing longer by so much.
+    pub fn translate(&mut self, by: f32) {
+        self.inverse_omega.translate(by);
+    }
+
+    /// Lets the past swings count for less, see [`FadingTrend::forget`].
+    pub fn forget(&mut self) {
+        self.inverse_omega.forget();
+    }
+
+    /// All is different from now on.
+    pub fn forget_all(&mut self) {
+        self.inverse_omega = FadingTrend::default();
+        self.state = State::Steady;
+        self.start(None);
+    }
+
+    /// Judges an event. What is [`Verdict::Suspect`] outside a trial is not learnt.
+    pub fn judge(&mut self, told: &Told) -> Verdict {
+        match self.state {
+            State::Trial(_) => Verdict::Suspect,
+            State::Steady => self.judge_steady(told),
+            State::Suspect(kept, odd) => self.judge_suspect(told, &kept, odd),
+        }
+    }
+
+    fn judge_steady(&mut self, told: &Told) -> Verdict {
+        if self.seen < FEWEST || !(told.strained || told.is_off(self.inverse_omega.prior(1.0))) {
+            return Verdict::Same;
+        }
+        self.state = State::Suspect(core::mem::take(&mut self.inverse_omega), 1);
+        Verdict::Suspect
+    }
+
+    /// The event after a suspect.
+    fn judge_suspect(&mut self, told: &Told, kept: &FadingTrend, odd: u32) -> Verdict {
+        let before = kept.prior(1.0);
+        let (verdict, state) =
+            if told.strained || (told.inverse_omega.is_some() && !told.is_off(before)) {
+                self.inverse_omega = *kept;
+                // One that the model cannot describe is not to be learnt from either.
+                (if told.strained { Verdict::Suspect } else { Verdict::Same }, State::Steady)
+            } else if told.explains(before, self.dynamic_n) {
+                self.start(Some(before));
+                (Verdict::Mass, State::Steady)
+            } else if odd >= if told.inverse_omega.is_some() { ODD } else { SILENT } {
+                self.start(None);
+                (Verdict::Unknown, State::Steady)
+            } else {
+                (Verdict::Suspect, State::Suspect(*kept, odd + 1))
+            };
+        self.state = state;
+        verdict
+    }
+
+    /// Learns from an event, and may end the trial.
+    pub fn learn(&mut self, told: &Told) -> Option<Verdict> {
+        self.seen = self.seen.saturating_add(1);
+        if let Some((inverse_omega, variance)) = told.inverse_omega {
+            self.inverse_omega.add(inverse_omega, variance);
+            if self.before.is_some() && self.since.count < MOST {
+                self.since.add((inverse_omega, variance), told.dynamic_n);
+            }
+        }
+        if let State::Trial(events) = self.state {
+            self.state = State::Trial(events + 1);
+            let verdict = self.tried(events + 1)?;
+            self.dynamic_n = self.since.dynamic_n;
+            return Some(verdict);
+        }
+        let share = 1.0 / self.seen.clamp(1, 8) as f32;
+        self.dynamic_n += share * (told.dynamic_n - self.dynamic_n);
+        None
+    }
+
+    /// The forces have changed; `Fp` was so much before: starts a trial. `false` if the
+    /// swing is known too little to tell anything.
+    pub fn doubt(&mut self, dynamic_before_n: f32) -> bool {
+        let before = self.inverse_omega.prior(1.0);
+        let known = before.weight * before.mean * before.mean * LEAST * LEAST > 1.0;
+        if known && matches!(self.state, State::Steady) {
+            self.start(Some(before));
+            self.dynamic_n = dynamic_before_n;
+            self.inverse_omega = FadingTrend::default();
+            self.state = State::Trial(0);
+        }
+        known
+    }
+
+    /// Is a trial under way?
+    #[must_use]
+    pub fn is_on_trial(&self) -> bool {
+        matches!(self.state, State::Trial(_))
+    }
+
+    /// The weight over the given one, and its relative standard deviation.
+    #[must_use]
+    pub fn weight_ratio(&self) -> (f32, f32) {
+        let ratio = if self.is_on_trial() { self.base } else { self.ratio() };
+        (ratio.value, crate::num::math::sqrt(ratio.variance))
+    }
+
+    /// What the trial says so far.
+    fn tried(&mut self, events: u32) -> Option<Verdict> {
+        let Ratio { value, variance } = self.ratio();
+        let (value, variance) = (value / self.base.value, variance - self.base.variance);
+        let (off, forces) = (value - 1.0, self.since.dynamic_n / self.dynamic_n);
+        let is_off =
+            self.since.count > 1 && off * off > FAR_MEAN * FAR_MEAN * variance * value * value;
+        let verdict = if is_off && off.abs() > LEAST && is_nearer(forces, value) {
+            Verdict::Mass
+        } else if self.since.count > 1 && variance < 0.25 * LEAST * LEAST && off.abs() < LEAST {
+            Verdict::SameMass
+        } else if is_off || events >= MOST {
+            Verdict::Unknown
+        } else {
+            return None;
+        };
+        if verdict != Verdict::Mass {
+            self.before = None;
+        }
+        self.state = State::Steady;
+        Some(verdict)
+    }
+
+    fn ratio(&self) -> Ratio {
+        let Some(before) = self.before.filter(|_| self.since.count > 0) else { return self.base };
+        let inverse_omega = self.since.mean / before.mean;
+        let since = 1.0 / (self.since.weight * self.since.mean * self.since.mean);
+        let variance = since + 1.0 / (before.weight * before.mean * before.mean);
+        Ratio {
+            value: self.base.value * inverse_omega * inverse_omega,
+            variance: self.base.variance + 4.0 * variance,
+        }
+    }
+
+    /// From here on the swings count anew.
+    fn start(&mut self, before: Option<Prior>) {
+        self.base = self.ratio();
+        (self.before, self.seen, self.since) = (before, 0, Since::default());
+    }
+}
+
+impl Default for Mass {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+/// Is a ratio of the masses nearer than one to that of the forces?
+fn is_nearer(forces: f32, masses: f32) -> bool {
+    (forces - masses).abs() < (forces - 1.0).abs()
+}
+
+impl Told {
+    /// Is the swing off by more than its noise, and by more than a cable may vary?
+    fn is_off(&self, expected: Prior) -> bool {
+        let Some((inverse_omega, variance)) = self.inverse_omega.filter(|_| expected.weight > 0.0)
+        else {
+            return false;
+        };
+        let off = inverse_omega - expected.mean;
+        off * off > FAR * FAR * (variance + 1.0 / expected.weight)
+            && (self.mass_ratio(expected) - 1.0).abs() > LEAST
+    }
+
+    /// Has the mass changed: with the same cable, and the force with it?
+    fn explains(&self, before: Prior, dynamic_before_n: f32) -> bool {
+        let forces = self.dynamic_n / dynamic_before_n;
+        self.inverse_omega.is_some()
+            && self.same_cable
+            && is_nearer(forces, self.mass_ratio(before))
+    }
+
+    /// Mass over that of the expected swing.
+    fn mass_ratio(&self, expected: Prior) -> f32 {
+        let ratio =
+            self.inverse_omega.map_or(1.0, |(inverse_omega, _)| inverse_omega / expected.mean);
+        ratio * ratio
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn measured(i: usize, inverse_omega: f32, noise: f32, dynamic_n: f32) -> Told {
+        let value = inverse_omega + noise * ((i * 7 % 5) as f32 - 2.0);
+        let inverse_omega = Some((value, 2.5 * noise * noise));
+        Told { inverse_omega, dynamic_n, same_cable: true, strained: false }
+    }
+
+    fn take(mass: &mut Mass, told: &Told) -> Verdict {
+        mass.forget();
+        let verdict = mass.judge(told);
+        if verdict != Verdict::Suspect {
+            mass.learn(told);
+        }
+        verdict
+    }
+
+    /// Swings measured to 0.006 periods, the forces going with the mass.
+    fn taken<const N: usize>(swings: [f32; N]) -> (Mass, [Verdict; N]) {
+        let mut mass = Mass::new();
+        let told = core::array::from_fn(|i| {
+            let inverse_omega = swings[i];
+            take(
+                &mut mass,
+                &measured(i, inverse_omega, 0.004, 500.0 * inverse_omega * inverse_omega),
+            )
+        });
+        (mass, told)
+    }
+
+    #[test]
+    fn a_lighter_block_is_told_by_its_second_event() {
+        let mut swings = [0.845; 30];
+        swings[12..].fill(0.845 * 0.8165);
+        let (mass, told) = taken(swings);
+        assert_eq!((told[12], told[13]), (Verdict::Suspect, Verdict::Mass));
+        assert_eq!(told.iter().filter(|&&verdict| verdict == Verdict::Same).count(), 28);
+        let (ratio, std) = mass.weight_ratio();
+        assert!((ratio / 0.6667 - 1.0).abs() < 2.5 * std && std < 0.01, "{ratio} {std}");
+    }
+
+    #[test]
+    fn two_changes_multiply() {
+        let mut swings = [0.9; 40];
+        swings[14..].fill(0.8);
+        swings[28..].fill(0.6);
+        let (ratio, std) = taken(swings).0.weight_ratio();
+        assert!((ratio * 9.0 / 4.0 - 1.0).abs() < 2.5 * std && std < 0.01, "{ratio} {std}");
+    }
+
+    #[test]
+    fn one_odd_event_changes_nothing() {
+        let mut swings = [0.845; 30];
+        swings[12] = 0.6;
+        let (mass, told) = taken(swings);
+        assert_eq!((told[12], told[13]), (Verdict::Suspect, Verdict::Same));
+        assert_eq!(mass.weight_ratio(), (1.0, 0.0));
+        assert!((mass.inverse_omega().mean().unwrap() - 0.845).abs() < 0.003);
+    }
+
+    #[test]
+    fn a_shortening_cable_is_no_change() {
+        let (mass, told) = taken(core::array::from_fn::<f32, 200, _>(|i| 0.845 - 0.001 * i as f32));
+        assert!(told.iter().all(|&verdict| verdict == Verdict::Same));
+        assert_eq!(mass.weight_ratio(), (1.0, 0.0));
+    }
+
+    #[test]
+    fn forces_that_stay_contradict_another_mass() {
+        let mut mass = Mass::new();
+        let told: [Verdict; 20] = core::array::from_fn(|i| {
+            let inverse_omega = if i < 14 { 0.845 } else { 0.4 };
+            take(&mut mass, &measured(i, inverse_omega, 0.004, 490.0))
+        });
+        assert!(!told.contains(&Verdict::Mass) && told.contains(&Verdict::Unknown));
+        assert_eq!(mass.weight_ratio(), (1.0, 0.0));
+    }
+
+    /// Each swing is known to 4 % only.
+    #[test]
+    fn a_trial_tells_a_lighter_block_from_another_friction() {
+        for (inverse_omega, expected) in [(0.69, Verdict::Mass), (0.845, Verdict::SameMass)] {
+            let mut mass = Mass::new();
+            (0..30).for_each(|i| assert_eq!(mass.learn(&measured(i, 0.845, 0.02, 490.0)), None));
+            assert!(mass.doubt(490.0));
+            let ended = (0..60).find_map(|i| mass.learn(&measured(i, inverse_omega, 0.02, 327.0)));
+            assert_eq!(ended, Some(expected));
+            let (ratio, std) = mass.weight_ratio();
+            let truth = if expected == Verdict::Mass { 0.6667 } else { 1.0 };
+            assert!((ratio / truth - 1.0).abs() <= 2.5 * std && std < 0.15, "{ratio} {std}");
+        }
+    }
+}

@@ -1,0 +1,7 @@
+//! What makes an event depart from line, ellipse, line, and what changes between events.
+
+pub mod corner;
+pub mod level_shift;
+pub mod mass_change;
+pub(crate) mod sag;
+pub(crate) mod zero_drift;

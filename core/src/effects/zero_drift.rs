@@ -1,0 +1,236 @@
+//! How far may the zero of the load cell have moved?
+//!
+//! The zero is taken before the test. When it moves it adds the same force to `Fs` and
+//! `Fp`, the same number to both coefficients, and nothing to their difference, the drop.
+//! Friction that scatters from event to event does not last, and friction that changes
+//! for good changes the drop, unless it does so in a most peculiar way. So a lasting move
+//! of `mu` that the drop does not go with may be the zero's. It cannot be taken off, for
+//! friction may do the same: it widens the intervals.
+//!
+//! The move is the mean of the last `K` events less that of the first `K`, `K` = 1, 4 and
+//! 16, as far as it is significant; what moves smoothly has no second differences, which
+//! tell the scatter. Of it friction explains, where the drop `D = mu_s − mu` has moved by
+//! `δD`, up to `δD mu/D` in the same direction (both coefficients in proportion), and up to
+//! `δD` in the other one (`mu` alone). What is left is extended to the whole test, from the
+//! zero's last known value to the newest event, as if it had grown evenly.
+
+use crate::coefficient::Coefficient;
+use crate::num::math;
+use crate::stats::prior::surely;
+
+/// Events in which the core still learns what events share: they are no reference.
+const LEARNING: f32 = 2.0;
+/// Events over which a mean is taken.
+const SPANS: [f32; 3] = [1.0, 4.0, 16.0];
+/// So many second differences tell a scatter beyond the stated one: with fewer it needs to
+/// be taken for more.
+const FEW: f32 = 20.0;
+/// Least part of the drop's scatter that `mu` has: a few events may happen to lie on a line.
+const LEAST_SHARE: f32 = 0.25;
+/// Events over which the past is forgotten: how they scatter, and a move that was seen.
+const FADE: f32 = 1.0 - 1.0 / 40.0;
+/// Standard errors beyond which a move counts, and those of a move of the drop.
+const SIGNIFICANT: f32 = 3.5;
+const DROP_SIGNIFICANT: f32 = 2.0;
+/// Of a move without a cause: all of it is the zero's or nothing, one as likely as the
+/// other. Mean square of the zero's part.
+const SHARE: f32 = 0.5;
+/// Least part of the test that a move is extended from to the whole.
+const LEAST_PART: f32 = 0.5;
+
+/// `mu`, the drop `mu_s − mu`, and the stated variances of the two: of an event, or means.
+type Values = [f32; 4];
+
+/// Means over the first and over the last events.
+#[derive(Clone, Copy, Debug, Default)]
+struct Span {
+    first: Values,
+    last: Values,
+}
+
+/// Follows what may be a drift of the zero.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Drift {
+    /// Events with both coefficients.
+    events: f32,
+    spans: [Span; SPANS.len()],
+    /// The last event and the one before it.
+    before: [Values; 2],
+    /// Sums of the squared second differences of `mu` and of the drop, less what the stated
+    /// variances make of them, in variances of an event; and how many there are.
+    bends: [f32; 2],
+    count: f32,
+    /// Mean of the moves since the test began, and the square of the largest, of a fading
+    /// past; in units of the coefficients.
+    mean: f32,
+    square: f32,
+}
+
+impl Drift {
+    /// Standard deviation that the zero's drift gives to both coefficients.
+    pub(crate) fn std(&self) -> f32 {
+        math::sqrt(SHARE * self.square)
+    }
+
+    /// The same for the means over all events.
+    pub(crate) fn mean_std(&self) -> f32 {
+        math::sqrt(SHARE) * self.mean.abs()
+    }
+
+    /// Takes an event.
+    pub(crate) fn take(&mut self, mu_s: Coefficient, mu: Coefficient) {
+        let variance = mu.std * mu.std;
+        let event = [mu.value, mu_s.value - mu.value, variance, variance + mu_s.std * mu_s.std];
+        if !event.iter().all(|value| value.is_finite()) {
+            return;
+        }
+        self.events += 1.0;
+        let taken = self.events - LEARNING;
+        if taken <= 0.0 {
+            return;
+        }
+        self.bend(event, taken);
+        let [of_mu, of_drop] = self.bends.map(|sum| self.scatter(sum));
+        let scatter = [math::larger(of_mu, LEAST_SHARE * of_drop), of_drop];
+        let mut moved = 0.0_f32;
+        for (span, length) in self.spans.iter_mut().zip(SPANS) {
+            span.take(event, taken, length);
+            if taken > length && self.count > 0.0 {
+                let lag = LEARNING + 1.5 * length - 0.5;
+                let part = math::larger(1.0 - lag / self.events, LEAST_PART);
+                let whole = span.moved(scatter, length) / part;
+                if whole.abs() > moved.abs() {
+                    moved = whole;
+                }
+            }
+        }
+        self.mean += (moved - self.mean) / self.events;
+        // The zero may come back, and friction may hide it: what was seen holds for a while.
+        self.square = math::larger(moved * moved, FADE * self.square);
+    }
+
+    /// Takes the second differences that end with an event.
+    fn bend(&mut self, event: Values, taken: f32) {
+        let [last, older] = self.before;
+        self.before = [event, last];
+        if taken < 3.0 {
+            return;
+        }
+        self.count = FADE * self.count + 1.0;
+        for (i, sum) in self.bends.iter_mut().enumerate() {
+            let bend = event[i] - 2.0 * last[i] + older[i];
+            let stated = event[i + 2] + 4.0 * last[i + 2] + older[i + 2];
+            *sum = FADE * *sum + (bend * bend - stated) / 6.0;
+        }
+    }
+
+    /// Variance of an event beyond the stated one, with room for what few tell.
+    fn scatter(&self, sum: f32) -> f32 {
+        let few = FEW / self.count;
+        math::larger(sum / self.count, 0.0) * (1.0 + few * few)
+    }
+}
+
+impl Span {
+    /// Takes an event, the one with this number, into means over so many.
+    fn take(&mut self, event: Values, number: f32, length: f32) {
+        let share = 1.0 / math::smaller(number, length);
+        mix(&mut self.last, event, share);
+        if number <= length {
+            self.first = self.last;
+        }
+    }
+
+    /// Move of `mu` that friction does not explain, as far as it is significant.
+    fn moved(&self, [mu_scatter, drop_scatter]: [f32; 2], length: f32) -> f32 {
+        let by = |i: usize| self.last[i] - self.first[i];
+        let variance =
+            |i: usize, scatter: f32| (self.last[i] + self.first[i] + 2.0 * scatter) / length;
+        let (mu, drop, [level, usual_drop, ..]) = (by(0), by(1), self.last);
+        let limit = DROP_SIGNIFICANT * DROP_SIGNIFICANT * variance(3, drop_scatter);
+        let sure = surely(drop * drop, limit);
+        let most = sure * (drop.abs() + math::rough_sqrt(limit));
+        let same = (mu > 0.0) == (drop > 0.0);
+        let friction = if same { most * level / usual_drop } else { most };
+        let rest = mu.abs() - math::larger(friction, 0.0);
+        let limit = SIGNIFICANT * SIGNIFICANT * variance(2, mu_scatter);
+        math::larger(rest, 0.0).copysign(mu) * surely(rest * rest, limit)
+    }
+}
+
+fn mix(mean: &mut Values, event: Values, share: f32) {
+    for (mean, value) in mean.iter_mut().zip(event) {
+        *mean += share * (value - *mean);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const STD: f32 = 0.001;
+
+    /// Uniform, of variance one.
+    fn noise(state: &mut u32) -> f32 {
+        *state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        3.464 * ((*state >> 8) as f32 / 16_777_216.0 - 0.5)
+    }
+
+    /// After events whose coefficients `(mu_s, mu)` have moved by so much, each with its
+    /// noise and a scatter of its own, relative to the coefficients.
+    fn after(events: u32, scatter: f32, moved: impl Fn(f32) -> (f32, f32)) -> Drift {
+        let (mut drift, mut state) = (Drift::default(), 1);
+        for i in 0..events {
+            let (mu_s, mu) = moved(i as f32);
+            let mut measured = |value: f32| {
+                let value = value * (1.0 + scatter * noise(&mut state)) + STD * noise(&mut state);
+                Coefficient { value, std: STD }
+            };
+            drift.take(measured(1.24 + mu_s), measured(0.78 + mu));
+        }
+        drift
+    }
+
+    #[test]
+    fn a_move_of_both_coefficients_may_be_the_zeros() {
+        for moved in [
+            |i: f32| 0.0005 * i,
+            |i: f32| 0.03 * (i / 20.0).sin(),
+            |i: f32| if i < 30.0 { 0.0 } else { 0.03 },
+        ] {
+            let drift = after(60, 0.0, |i| (moved(i), moved(i)));
+            assert!(drift.std() * 1.96 > moved(59.0).abs(), "{drift:?}");
+            assert!(drift.std() < 0.04 && drift.mean_std() < drift.std(), "{drift:?}");
+        }
+    }
+
+    #[test]
+    fn friction_is_no_drift() {
+        let slow = |i: f32| 0.1 * (i / 20.0).sin();
+        for (what, drift) in [
+            ("steady", after(400, 0.0, |_| (0.0, 0.0))),
+            ("scatters", after(400, 0.1, |_| (0.0, 0.0))),
+            ("mu_s alone", after(100, 0.0, |i| (slow(i), 0.0))),
+            ("mu alone", after(100, 0.0, |i| (0.0, slow(i)))),
+            ("in proportion", after(100, 0.0, |i| (1.24 * slow(i), 0.78 * slow(i)))),
+        ] {
+            // Less than a twentieth of what friction does.
+            assert!(drift.std() < 0.004, "{what}: {drift:?}");
+        }
+    }
+
+    #[test]
+    fn a_scatter_hides_what_is_smaller_and_not_what_is_larger() {
+        let drifts = |size: f32| after(300, 0.02, |i| (size * i / 300.0, size * i / 300.0)).std();
+        assert!(drifts(0.002) < STD && drifts(0.1) > 0.05, "{} {}", drifts(0.002), drifts(0.1));
+    }
+
+    #[test]
+    fn what_is_no_number_is_left_out() {
+        let mut drift = after(20, 0.0, |_| (0.0, 0.0));
+        let odd = |value, std| Coefficient { value, std };
+        drift.take(odd(f32::NAN, STD), odd(0.78, STD));
+        drift.take(odd(1.24, f32::INFINITY), odd(0.78, STD));
+        assert!(drift.std().abs() < STD && drift.spans[0].last[0].is_finite());
+    }
+}

@@ -1,0 +1,215 @@
+//! Correlation between the events of a test, in order.
+//!
+//! Neighbouring events share a stick line, and real friction wanders: a mean over
+//! correlated values is less certain than its count suggests. The autocovariances
+//! of the last [`LAGS`] lags are kept as running sums, so that they can be had for
+//! any mean and merged at any split.
+
+use crate::num::double_single::DoubleSingle;
+use crate::num::math;
+
+/// Largest distance between two events whose correlation is followed.
+pub const LAGS: usize = 24;
+
+/// Running sums of products of values `x_i` with `x_{i+k}`, relative to a reference.
+#[derive(Clone, Copy, Debug)]
+pub struct Correlation {
+    /// The first value: all others are kept relative to it.
+    reference: f32,
+    count: u32,
+    sum: DoubleSingle,
+    /// The first values, and the last ones, newest first; zero before they are known.
+    first: [f32; LAGS],
+    last: [f32; LAGS],
+    /// `Σ x_i x_{i+k}` for k = 1..=LAGS.
+    products: [DoubleSingle; LAGS],
+}
+
+impl Correlation {
+    /// Nothing yet.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self {
+            reference: 0.0,
+            count: 0,
+            sum: DoubleSingle::ZERO,
+            first: [0.0; LAGS],
+            last: [0.0; LAGS],
+            products: [DoubleSingle::ZERO; LAGS],
+        }
+    }
+
+    /// Takes the next value.
+    pub fn add(&mut self, value: f32) {
+        if self.count == 0 {
+            self.reference = value;
+        }
+        let x = value - self.reference;
+        self.pair_with_last(x, 0);
+        if let Some(slot) = self.first.get_mut(self.count as usize) {
+            *slot = x;
+        }
+        self.append(x);
+        self.sum += x;
+        self.count = self.count.saturating_add(1);
+    }
+
+    /// Adds the products of a value, so many places after the next one, with the
+    /// values before it.
+    fn pair_with_last(&mut self, x: f32, places: usize) {
+        for (product, last) in self.products.iter_mut().skip(places).zip(self.last) {
+            *product += x * last;
+        }
+    }
+
+    /// Makes a value the newest one.
+    fn append(&mut self, x: f32) {
+        self.last.copy_within(..LAGS - 1, 1);
+        self.last[0] = x;
+    }
+
+    /// Takes the values of another one, which came after its own.
+    pub fn merge(&mut self, later: &Self) {
+        if self.count == 0 {
+            *self = *later;
+            return;
+        }
+        let shift = DoubleSingle::from(later.reference) - self.reference.into();
+        let heads = (later.count as usize).min(LAGS);
+        for (place, &x) in later.first.iter().enumerate().take(heads) {
+            self.pair_with_last(x + shift.rounded(), place);
+        }
+        for lag in 1..=heads {
+            let pairs = later.count.saturating_sub(lag as u32);
+            if pairs > 0 {
+                let (sums, pairs) = (later.sums(lag), DoubleSingle::from(pairs));
+                self.products[lag - 1] += later.products[lag - 1] + shift * (sums + shift * pairs);
+            }
+        }
+        self.append_ends(later, heads, shift);
+        self.sum += later.sum + shift * DoubleSingle::from(later.count);
+        self.count = self.count.saturating_add(later.count);
+    }
+
+    /// The first and last values of both.
+    fn append_ends(&mut self, later: &Self, heads: usize, shift: DoubleSingle) {
+        for (place, &x) in later.first.iter().enumerate().take(heads) {
+            if let Some(slot) = self.first.get_mut(self.count as usize + place) {
+                *slot = x + shift.rounded();
+            }
+        }
+        later.last.iter().take(heads).rev().for_each(|x| self.append(x + shift.rounded()));
+    }
+
+    /// `Σ x_i` over the leading ones plus the same over the lagging ones of all pairs
+    /// at a lag.
+    fn sums(&self, lag: usize) -> DoubleSingle {
+        let ends = self.first.iter().zip(&self.last).take(lag);
+        ends.fold(self.sum + self.sum, |sum, (first, last)| sum - DoubleSingle::from(first + last))
+    }
+
+    /// Mean of `(x_i − mean)(x_{i+k} − mean)`; `None` beyond the lags or the values.
+    #[must_use]
+    pub fn covariance(&self, lag: usize, mean: DoubleSingle) -> Option<DoubleSingle> {
+        let pairs = self.count.saturating_sub(lag as u32);
+        if lag == 0 || lag > LAGS || pairs == 0 {
+            return None;
+        }
+        let m = mean - self.reference.into();
+        Some((self.products[lag - 1] - m * self.sums(lag)) / DoubleSingle::from(pairs) + m * m)
+    }
+
+    /// By how much the variance of the mean exceeds that of independent values, 1 or
+    /// more: `1 + 2 Σ ρ_k` over the lags up to the first one whose correlation cannot
+    /// be told from none (Geyer's initial positive sequence, cut at two standard
+    /// errors), tapered as a quarter of the values is reached.
+    #[must_use]
+    pub fn inflation(&self, mean: DoubleSingle, variance: DoubleSingle) -> f32 {
+        if variance <= DoubleSingle::ZERO {
+            return 1.0;
+        }
+        let longest = (self.count as usize / 4).min(LAGS);
+        let least = 2.0 / math::sqrt(self.count as f32);
+        let correlations = (1..=longest).map_while(|lag| {
+            let correlation = (self.covariance(lag, mean)? / variance).rounded();
+            (correlation > least).then_some(correlation.min(1.0))
+        });
+        1.0 + 2.0 * correlations.sum::<f32>()
+    }
+}
+
+impl Default for Correlation {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A wandering row of numbers.
+    fn value(i: usize) -> f64 {
+        let x = i as f64;
+        f64::from((0.8 + 0.05 * (0.1 * x).sin() + 0.01 * (1.7 * x * x).cos()) as f32)
+    }
+
+    fn all(from: usize, to: usize) -> Correlation {
+        let mut c = Correlation::new();
+        (from..to).for_each(|i| c.add(value(i) as f32));
+        c
+    }
+
+    fn covariance(c: &Correlation, lag: usize, mean: f64) -> Option<f64> {
+        c.covariance(lag, mean.into()).map(f64::from)
+    }
+
+    fn direct(n: usize, lag: usize, mean: f64) -> f64 {
+        let d = |i: usize| value(i) - mean;
+        (0..n - lag).map(|i| d(i) * d(i + lag)).sum::<f64>() / (n - lag) as f64
+    }
+
+    #[test]
+    fn covariances_are_those_of_the_definition() {
+        for n in [2, 3, LAGS - 1, LAGS, LAGS + 1, 64, 200] {
+            for lag in [1, 2, 7, LAGS - 1, LAGS] {
+                let got = covariance(&all(0, n), lag, 0.81);
+                if lag >= n {
+                    assert_eq!(got, None);
+                } else {
+                    let error = (got.unwrap() - direct(n, lag, 0.81)).abs();
+                    assert!(error < 1e-9, "{n} {lag} {error}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn merging_at_any_split_is_the_whole() {
+        for n in [5, 40, 100] {
+            for split in 0..=n {
+                let mut merged = all(0, split);
+                merged.merge(&all(split, n));
+                for lag in 1..=LAGS.min(n - 1) {
+                    let error = covariance(&merged, lag, 0.8).unwrap() - direct(n, lag, 0.8);
+                    assert!(error.abs() < 1e-9, "{n} {split} {lag} {error}");
+                }
+                merged.add(value(n) as f32);
+                let error = covariance(&merged, 1, 0.8).unwrap() - direct(n + 1, 1, 0.8);
+                assert!(error.abs() < 1e-9);
+            }
+        }
+    }
+
+    #[test]
+    fn a_wandering_mean_is_less_certain() {
+        let c = all(0, 200);
+        let mean = (0..200).map(value).sum::<f64>() / 200.0;
+        let variance = (0..200).map(|i| (value(i) - mean).powi(2)).sum::<f64>() / 199.0;
+        let inflation = c.inflation(mean.into(), variance.into());
+        assert!(inflation > 10.0, "{inflation}");
+        let mut alternating = Correlation::new();
+        (0..200).for_each(|i| alternating.add((i % 2) as f32));
+        assert!((alternating.inflation(0.5_f32.into(), 0.25_f32.into()) - 1.0).abs() < 1e-9);
+    }
+}

@@ -1,0 +1,232 @@
+//! From events to a coefficient: a mean with an honest error.
+//!
+//! The events differ by their own noise, which each states, and by real variation
+//! of the friction, which has to be found out: random effects. All sums are kept to
+//! 48 bits ([`DoubleSingle`]), relative to the running mean, so a million events lose
+//! nothing, and two estimators can be merged. What one event adds is rounded to 24 bits.
+//!
+//! With `s_i` an event's standard deviation, `τ²` the variance between events:
+//!
+//! - `τ² = max(0, S² − mean s_i²)`, `S²` the sample variance (method of moments);
+//! - mean `m = λ m_w + (1 − λ) m_1`: `m_w` weighted by `1/s_i²`, `m_1` plain,
+//!   `λ = s̄²/(s̄² + τ²)` with `s̄²` the harmonic mean of `s_i²`; either is the best
+//!   mean at its end of the scale;
+//! - errors that are common to the events, as that of a weight which was measured
+//!   after a change, stay in the mean: their mean size is added squared;
+//! - variance of `m` from the same weights, times `1 + 2 Σ ρ_k` with the correlations
+//!   `ρ_k` of the events in order: two neighbours share the stick line between them,
+//!   and real friction wanders.
+
+pub mod autocovariance;
+
+use crate::coefficient::{Coefficient, Estimate};
+use crate::estimator::autocovariance::Correlation;
+use crate::num::double_single::DoubleSingle;
+use crate::num::math;
+
+const ONE: DoubleSingle = DoubleSingle::ONE;
+
+/// Running mean of one coefficient over events.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Estimator {
+    count: u32,
+    /// Plain mean and Σ (x − mean)².
+    mean: DoubleSingle,
+    squares: DoubleSingle,
+    /// Mean of the events' variances.
+    variance: DoubleSingle,
+    /// Weighted mean, Σ w, Σ w².
+    weighted_mean: DoubleSingle,
+    weight: DoubleSingle,
+    weight_squares: DoubleSingle,
+    correlation: Correlation,
+    /// Mean of the parts of the events' standard deviations that are common to them.
+    common: DoubleSingle,
+}
+
+impl Estimator {
+    /// Takes an event's coefficient. One without a finite value, or with a standard
+    /// deviation that is nothing (below 1e-9) or all (above 1e9), is left out.
+    pub fn add(&mut self, event: Coefficient) {
+        self.add_with_common(event, 0.0);
+    }
+
+    /// The same, for an event that shares a part of its standard deviation with
+    /// others: however many there are, the mean keeps that part.
+    pub fn add_with_common(&mut self, event: Coefficient, common_std: f32) {
+        if !(event.value.is_finite() && (1e-9..=1e9).contains(&event.std)) {
+            return;
+        }
+        let (value, variance) = (event.value, event.std * event.std);
+        self.correlation.add(value);
+        // One event moves a mean by a part of its distance: that part may be rounded, the
+        // mean is not.
+        let n = self.count as f32;
+        self.count = self.count.saturating_add(1);
+        let share = 1.0 / self.count as f32;
+        let from = |mean: DoubleSingle, value: f32| (DoubleSingle::from(value) - mean).rounded();
+        let step = from(self.mean, value);
+        self.squares += n * share * step * step;
+        self.mean += share * step;
+        self.variance += share * from(self.variance, variance);
+        self.common += share * from(self.common, common_std);
+        let weight = 1.0 / variance;
+        self.weight += weight;
+        self.weighted_mean += weight / self.weight.rounded() * from(self.weighted_mean, value);
+        self.weight_squares += weight * weight;
+    }
+
+    /// Takes the events of another estimator, which came after its own.
+    pub fn merge(&mut self, later: &Self) {
+        self.correlation.merge(&later.correlation);
+        if later.count == 0 {
+            return;
+        }
+        let (n, m) = (DoubleSingle::from(self.count), DoubleSingle::from(later.count));
+        let share = m / (n + m);
+        let step = later.mean - self.mean;
+        self.squares += later.squares + n * share * step * step;
+        self.mean += share * step;
+        self.variance += share * (later.variance - self.variance);
+        self.common += share * (later.common - self.common);
+        let weight = self.weight + later.weight;
+        self.weighted_mean += later.weight / weight * (later.weighted_mean - self.weighted_mean);
+        self.weight = weight;
+        self.weight_squares += later.weight_squares;
+        self.count = self.count.saturating_add(later.count);
+    }
+
+    /// Number of events that count.
+    #[must_use]
+    pub fn count(&self) -> u32 {
+        self.count
+    }
+
+    /// Mean, standard error and spread; `None` without events.
+    #[must_use]
+    pub fn estimate(&self) -> Option<Estimate> {
+        if self.count == 0 {
+            return None;
+        }
+        let n = DoubleSingle::from(self.count);
+        let between = self.between().unwrap_or_default();
+        let typical = n / self.weight;
+        let lambda = typical / (typical + between);
+        let mean = self.mean + lambda * (self.weighted_mean - self.mean);
+        let (rest, square) = (ONE - lambda, lambda * lambda);
+        let uneven = typical * typical * self.weight_squares / n - ONE;
+        let noise = typical + rest * rest * (self.variance - typical);
+        let independent = (noise + between + between * square * uneven) / n;
+        let variance = independent * self.inflation(lambda.rounded()).into();
+        let squared = variance + self.common * self.common;
+        Some(Estimate {
+            mean: mean.rounded(),
+            std_error: math::sqrt(squared.rounded()),
+            spread: self.between().map(|variance| math::sqrt(variance.rounded())),
+            events: self.count,
+        })
+    }
+
+    /// Variance between events, noise removed; needs two events.
+    fn between(&self) -> Option<DoubleSingle> {
+        let free = self.count.checked_sub(2)? + 1;
+        Some((self.squares / DoubleSingle::from(free) - self.variance).or_zero())
+    }
+
+    /// Factor on the variance of the mean because the events are correlated: what is
+    /// seen, once there are enough, and at least neighbours by a third of the share of
+    /// the noise: they share one of two stick lines, which makes a half at most
+    /// (measured: `means_of_whole_tests`).
+    fn inflation(&self, noise_share: f32) -> f32 {
+        const ENOUGH: u32 = 30;
+        const NEIGHBOURS: f32 = 0.35;
+        let shared_line = if self.count > 1 { 1.0 + 2.0 * NEIGHBOURS * noise_share } else { 1.0 };
+        if self.count < ENOUGH {
+            return shared_line;
+        }
+        let variance = self.squares / DoubleSingle::from(self.count);
+        self.correlation.inflation(self.mean, variance).max(shared_line)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn coefficient(value: f32, std: f32) -> Coefficient {
+        Coefficient { value, std }
+    }
+
+    fn all(values: &[(f32, f32)]) -> Estimator {
+        let mut e = Estimator::default();
+        values.iter().for_each(|&(v, s)| e.add(coefficient(v, s)));
+        e
+    }
+
+    const VALUES: [(f32, f32); 7] = [
+        (1.24, 0.01),
+        (1.21, 0.02),
+        (1.29, 0.01),
+        (1.18, 0.05),
+        (1.25, 0.01),
+        (1.22, 0.03),
+        (1.27, 0.02),
+    ];
+
+    #[test]
+    fn nothing_in_nothing_out() {
+        let mut e = all(&[(f32::NAN, 1.0), (1.0, 0.0), (1.0, f32::INFINITY)]);
+        assert_eq!(e.estimate(), None);
+        e.add(coefficient(0.5, 0.1));
+        let one = e.estimate().unwrap();
+        assert!((one.mean - 0.5).abs() < 1e-6 && (one.std_error - 0.1).abs() < 1e-6);
+        assert_eq!((one.spread, one.events), (None, 1));
+    }
+
+    #[test]
+    fn merging_at_any_split_equals_the_whole() {
+        let whole = all(&VALUES).estimate().unwrap();
+        for split in 0..=VALUES.len() {
+            let mut a = all(&VALUES[..split]);
+            a.merge(&all(&VALUES[split..]));
+            let merged = a.estimate().unwrap();
+            assert!((merged.mean - whole.mean).abs() < 1e-6);
+            assert!((merged.std_error - whole.std_error).abs() < 1e-6);
+            assert!((merged.spread.unwrap() - whole.spread.unwrap()).abs() < 1e-6);
+        }
+    }
+
+    #[test]
+    fn equals_the_batch_formulas() {
+        let x = VALUES.map(|v| f64::from(v.0));
+        let n = x.len() as f64;
+        let mean = x.iter().sum::<f64>() / n;
+        let e = all(&VALUES);
+        let noise = VALUES.iter().map(|v| f64::from(v.1).powi(2)).sum::<f64>() / n;
+        let spread = (x.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (n - 1.0) - noise).sqrt();
+        assert!((f64::from(e.estimate().unwrap().spread.unwrap()) - spread).abs() < 1e-6);
+    }
+
+    #[test]
+    fn pure_noise_is_weighted_and_real_variation_is_not() {
+        // No variation beyond the noise: a precise event dominates.
+        let noise = all(&[(1.0, 0.001), (1.05, 0.1), (0.95, 0.1), (1.0, 0.1)]).estimate().unwrap();
+        assert!((noise.mean - 1.0).abs() < 1e-3 && noise.spread == Some(0.0));
+        // Much more variation than noise: all events count alike.
+        let real = all(&[(1.0, 0.001), (1.5, 0.01), (0.5, 0.01), (1.4, 0.01)]).estimate().unwrap();
+        assert!((real.mean - 1.1).abs() < 1e-3, "{}", real.mean);
+        assert!(real.std_error > 0.2);
+    }
+
+    #[test]
+    fn a_million_events_do_not_stagnate() {
+        let mut e = Estimator::default();
+        for i in 0..1_000_000_u32 {
+            // The second half is higher by a thousandth.
+            let value = 0.78 + if i < 500_000 { 0.0 } else { 0.001 };
+            e.add(coefficient(value, 0.0005));
+        }
+        let mean = e.estimate().unwrap().mean;
+        assert!((mean - 0.7805).abs() < 1e-6, "{mean}");
+    }
+}

@@ -1,0 +1,19 @@
+//! What is learnt of an event after its fit, and moves its forces.
+
+use crate::stats::normal_equations::Gradient;
+
+/// What is known of the corners after an event, for this event.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Correction {
+    /// By how much its unknowns move.
+    pub(crate) moved: Gradient,
+    /// Variances of `Fs` and `Fp` because of the corners, N².
+    pub(crate) static_n2: f32,
+    pub(crate) dynamic_n2: f32,
+}
+
+impl Correction {
+    pub(crate) fn is_finite(&self) -> bool {
+        (self.static_n2 + self.dynamic_n2).is_finite() && self.moved.iter().all(|x| x.is_finite())
+    }
+}

@@ -1,0 +1,105 @@
+//! What the fits leave over: the noise that is reported and that scales every
+//! standard deviation.
+
+use crate::stats::quantile::Quantile;
+
+/// Pooled residuals of the events' fits.
+///
+/// The mean square over all degrees of freedom, without events that fit badly (a
+/// start in the middle of things, a slip that was none).
+#[derive(Clone, Copy, Debug)]
+pub struct Residuals {
+    squares_n2: f32,
+    free: f32,
+    median_n2: Quantile,
+}
+
+/// Degrees of freedom after which old events fade.
+const MEMORY: f32 = 8000.0;
+/// An event with so many times the median event's residuals is left out.
+const LIMIT: f32 = 6.0;
+/// An event with so many times the usual residuals does not fit.
+const MISFIT: f32 = 50.0;
+
+/// The first events may leave so many times more than the rough noise.
+const ROUGH: f32 = 3.0;
+
+impl Residuals {
+    /// Nothing yet.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self { squares_n2: 0.0, free: 0.0, median_n2: Quantile::new(0.5) }
+    }
+
+    /// Takes an event's squared residuals and their degrees of freedom, one or more.
+    ///
+    /// `rough_n2` is a rough variance of the noise, for the first events.
+    pub fn add(&mut self, squares_n2: f32, free: f32, rough_n2: f32) {
+        // Median of χ²/ν over its mean (Wilson and Hilferty).
+        let skew = 1.0 - 2.0 / (9.0 * free);
+        self.median_n2.add(squares_n2 / (free * skew * skew * skew));
+        let limit = LIMIT * self.median_n2.value().unwrap_or(ROUGH * rough_n2);
+        if self.free > MEMORY {
+            self.squares_n2 *= 0.5;
+            self.free *= 0.5;
+        }
+        if self.squares_n2 > limit * self.free {
+            // What was pooled before the median was known does not belong.
+            self.free = self.free.min(2.0);
+            self.squares_n2 = limit / LIMIT * self.free;
+        }
+        if squares_n2 <= limit * free {
+            self.squares_n2 += squares_n2;
+            self.free += free;
+        }
+    }
+
+    /// Does an event leave so much more than the others that the model cannot be what
+    /// its samples show? The winch paused or started, the block hit something.
+    ///
+    /// `rounding_n2` is the variance of what single precision leaves of its forces.
+    #[must_use]
+    pub fn is_outlier(&self, squares_n2: f32, free: f32, rounding_n2: f32) -> bool {
+        let usual = self.median_n2.value().zip(self.variance_n2());
+        usual.is_some_and(|(median, mean)| {
+            squares_n2 > MISFIT * (median.max(mean) + rounding_n2) * free.max(1.0)
+        })
+    }
+
+    /// Variance of the noise, N²; `None` before the first event.
+    #[must_use]
+    pub fn variance_n2(&self) -> Option<f32> {
+        (self.free >= 1.0).then(|| self.squares_n2 / self.free)
+    }
+}
+
+impl Default for Residuals {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pools_all_degrees_of_freedom() {
+        let mut pool = Residuals::new();
+        assert_eq!(pool.variance_n2(), None);
+        pool.add(8.0, 2.0, 1.0);
+        pool.add(12.0, 8.0, 1.0);
+        assert!((pool.variance_n2().unwrap() - 2.0).abs() < 1e-6);
+    }
+
+    #[test]
+    fn a_bad_start_and_single_bad_events_are_left_out() {
+        let mut pool = Residuals::new();
+        (0..3).for_each(|_| pool.add(1e4, 5.0, 4.0));
+        for i in 0..400 {
+            pool.add(if i % 20 == 0 { 1e5 } else { 20.0 }, 5.0, 4.0);
+        }
+        let variance = pool.variance_n2().unwrap();
+        assert!((3.5..5.5).contains(&variance), "{variance}");
+    }
+}

@@ -1,0 +1,131 @@
+//! What rounds off the corners between stick line and slip.
+//!
+//! *Creep*: before it slips the block already moves, at `f w exp((F − Fs)/c)`. On the
+//! stick line then, with `h = −c ln(1 − f)` and the time `t ≤ 0` to the onset,
+//!
+//! `F = Fs + r t + h − c ln(1 + y)`, `y = (exp(h/c) − 1) exp(r t / c)`
+//!
+//! so the line, continued to the onset, is `h` above `Fs`, and the slip begins with the
+//! force rate `(1 − f) r`. *Aperture*: the converter takes means over a time `τ`. It shows
+//! `F + κ F''`, `κ = τ²/24`: lines stay as they are, and the ellipse shrinks by `κ ω²`.
+
+use crate::model::Shape;
+use crate::num::math;
+
+/// Numbers that describe the corners: `κ`, `h` and `ln c`.
+pub const NUMBERS: usize = 3;
+
+/// How much the corners are rounded off; nothing by default.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Corner {
+    /// `κ`, periods².
+    pub smoothing: f32,
+    /// `h`, N: what the force lacks at the onset.
+    pub missing_n: f32,
+    /// `c`, N: below `Fs` by so much the creep is slower by `e`. Above zero, unless all is.
+    pub range_n: f32,
+}
+
+/// What the corners add to the force at a time.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Shift {
+    /// Force, N.
+    pub force_n: f32,
+    /// Its rate, N per period.
+    pub rate: f32,
+    /// Derivatives of the force by `κ`, `h` and `ln c`.
+    pub by: [f32; NUMBERS],
+}
+
+impl Corner {
+    /// Are the corners sharp?
+    #[must_use]
+    pub fn is_sharp(&self) -> bool {
+        self.smoothing <= 0.0 && self.missing_n <= 0.0
+    }
+
+    /// What is added to the force of a cycle at a time since its onset.
+    #[must_use]
+    pub fn shift(&self, shape: &Shape, since_onset: f32) -> Shift {
+        let cycle = shape.cycle();
+        let slipping = since_onset.max(0.0).min(shape.slide_time());
+        let (sin, cos) = math::sin_cos(cycle.omega * slipping);
+        let q_sin_n = cycle.rate / cycle.omega * sin;
+        let by_smoothing = -cycle.omega
+            * cycle.omega
+            * (cycle.half_drop_n * cos + q_sin_n)
+            * self.seen(since_onset)
+            * self.seen(shape.slide_time() - since_onset);
+
+        let (h, c) = (self.missing_n, self.range_n);
+        let rise = math::exp(h / c);
+        let mut shift = if since_onset <= 0.0 {
+            let growth = math::exp(cycle.rate * since_onset / c);
+            let y = (rise - 1.0) * growth;
+            let missing_n = c * math::ln(1.0 + y);
+            let by_missing = rise * growth / (1.0 + y);
+            let rate = -cycle.rate * y / (1.0 + y);
+            let by_range = h * by_missing - rate * since_onset - missing_n;
+            Shift { force_n: h - missing_n, rate, by: [0.0, 1.0 - by_missing, by_range] }
+        } else {
+            // The ellipse's q is less by the part f; the stop keeps what it is then.
+            let f = 1.0 - 1.0 / rise;
+            let rate = if since_onset < shape.slide_time() { -f * cycle.rate * cos } else { 0.0 };
+            let by_missing = -q_sin_n / (c * rise);
+            Shift { force_n: -f * q_sin_n, rate, by: [0.0, by_missing, -h * by_missing] }
+        };
+        shift.force_n += self.smoothing * by_smoothing;
+        shift.by[0] = by_smoothing;
+        shift
+    }
+
+    /// Part of `κ F''` that a mean over `τ` shows at a time since `F''` began.
+    fn seen(&self, since: f32) -> f32 {
+        // Half of τ; without any, what a usual converter has.
+        const LEAST: f32 = 0.3;
+        let half = math::sqrt(6.0 * self.smoothing).max(LEAST);
+        let z = (since / half).clamp(-1.0, 1.0);
+        let inside = z.max(0.0);
+        0.5 * (1.0 + z) * (1.0 + z) * (1.0 + z) - 3.0 * inside * inside
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::CycleParams;
+
+    #[test]
+    fn the_derivatives_are_difference_quotients() {
+        let (static_n, half_drop_n) = (781.2, 289.8);
+        let cycle = CycleParams {
+            onset: 0.0,
+            rate: 22.5,
+            static_n,
+            half_drop_n,
+            omega: 1.18,
+            rate_change: 0.0,
+        };
+        let shape = cycle.shape();
+        let corner = Corner { smoothing: 0.02, missing_n: 20.0, range_n: 30.0 };
+        let more = [
+            Corner { smoothing: 0.0202, ..corner },
+            Corner { missing_n: 20.2, ..corner },
+            Corner { range_n: 30.3, ..corner },
+        ];
+        // Away from the corners, where kappa changes how much of it is seen.
+        for time in [-4.0, -2.0, -0.8, 1.0, 1.4, 4.0] {
+            let shift = corner.shift(&shape, time);
+            for (k, (more, step)) in more.iter().zip([2e-4, 0.2, 0.01]).enumerate() {
+                let quotient = (more.shift(&shape, time).force_n - shift.force_n) / step;
+                let error = (quotient - shift.by[k]).abs();
+                assert!(error < 0.02 * quotient.abs() + 0.02, "{time} {k} {quotient} {shift:?}");
+            }
+            let later = corner.shift(&shape, time + 1e-2).force_n;
+            let rate = (later - shift.force_n) / 1e-2;
+            let blurred = 22.5 * corner.smoothing * 1.18 * 1.18 * 15.0;
+            assert!((rate - shift.rate).abs() < 0.3 + blurred, "{time} {rate} {shift:?}");
+        }
+        assert!(Corner::default().is_sharp() && !corner.is_sharp());
+    }
+}

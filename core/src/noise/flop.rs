@@ -1,0 +1,213 @@
+//! How much more the first samples after a re-stick scatter than later ones.
+//!
+//! After a slip the cable flops: the force swings while the block rests, and the swing
+//! dies away. What a straight line through a stick leaves has the variance
+//! `sigma² (1 + excess e^(−decay age))`. `sigma²` is that of the second halves of the
+//! sticks; excess and decay come from two moments of the first halves, the sum of
+//! `r² − sigma²` and its mean age, tapered over the length of a stick. What is within
+//! chance, or no more than `sigma²` itself, is none: then every sample counts alike.
+
+use crate::num::math;
+use crate::stats::line::Line;
+use crate::stats::prior::surely;
+
+/// Sticks after which the past has faded.
+const MEMORY: f32 = 16.0;
+/// Fewest samples of a stick, and fewest sticks, that tell anything.
+const FEWEST: u32 = 8;
+const FEWEST_STICKS: f32 = 2.5;
+/// Standard errors that count, and the least excess that does.
+const SIGNIFICANT: f32 = 4.0;
+const LEAST: f32 = 1.0;
+/// After so many sticks that scatter alike only one of eight is looked at.
+const SETTLED: f32 = 8.0;
+const SELDOM: u8 = 8;
+/// A square counts for no more than so many usual ones.
+const LARGEST: f32 = 10.0;
+
+/// Scatter of a resting block's samples by their age since the re-stick, periods.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct FlopProfile {
+    /// Variance at age zero over that of late samples, less one; zero: all alike.
+    excess: f32,
+    /// Rate at which the excess dies away, per period.
+    decay: f32,
+    early: Early,
+    /// Σ r² of the second halves, N², and their number of samples.
+    late_n2: f32,
+    late: f32,
+    sticks: f32,
+    /// Sticks in all, looked at or not.
+    seen: u8,
+}
+
+/// Sums over the first halves: `v`, `v age`, `v r²` and `v age r²` with a taper `v`.
+#[derive(Clone, Copy, Debug, Default)]
+struct Early {
+    sums: [f32; 2],
+    squares_n2: [f32; 2],
+}
+
+impl FlopProfile {
+    /// Do all samples scatter alike?
+    #[must_use]
+    pub fn is_flat(&self) -> bool {
+        self.excess <= 0.0
+    }
+
+    /// Variance of a sample over that of a late one.
+    #[must_use]
+    pub fn variance(&self, age: f32) -> f32 {
+        if self.is_flat() { 1.0 } else { 1.0 + self.excess * math::exp(-self.decay * age) }
+    }
+
+    /// Weight of a sample, one over that.
+    #[must_use]
+    pub fn weight(&self, age: f32) -> f32 {
+        if self.is_flat() { 1.0 } else { 1.0 / self.variance(age) }
+    }
+
+    /// Shall the stick that has ended be looked at?
+    #[must_use]
+    pub fn is_due(&mut self) -> bool {
+        self.seen = self.seen.wrapping_add(1);
+        !self.is_flat() || self.sticks < SETTLED || self.seen.is_multiple_of(SELDOM)
+    }
+
+    /// Takes a stick: its forces, N, one a period; `None` is missing.
+    pub fn learn(&mut self, forces_n: impl Iterator<Item = Option<f32>> + Clone) {
+        let samples = || (0_u16..).map(f32::from).zip(forces_n.clone());
+        let mut line = Line::default();
+        for (age, force_n) in samples() {
+            let weight = self.weight(age);
+            if let Some(force_n) = force_n {
+                line.add(age, force_n, weight, weight);
+            }
+        }
+        let Some(slope) = line.slope().filter(|_| line.count >= FEWEST) else { return };
+        let usual_n2 = if self.late > 0.0 { self.late_n2 / self.late } else { f32::INFINITY };
+        self.fade();
+        let half = 0.5 * line.count as f32;
+        let taper = self.taper(half);
+        let (mut v, step) = (1.0, math::exp(-taper));
+        for (age, force_n) in samples() {
+            if let Some(force_n) = force_n {
+                let variance = self.variance(age);
+                let off_n = force_n - line.at(age, slope);
+                let free = (1.0 - line.leverage(age) / variance).max(0.1);
+                let square_n2 = (off_n * off_n / free).min(LARGEST * usual_n2 * variance);
+                if age > half {
+                    self.late_n2 += square_n2;
+                    self.late += 1.0;
+                } else {
+                    self.early.add(v, age, square_n2);
+                }
+            }
+            v *= step;
+        }
+        self.solve(taper);
+    }
+
+    fn fade(&mut self) {
+        const FADE: f32 = 1.0 - 1.0 / MEMORY;
+        let Early { sums: [a, b], squares_n2: [c, d] } = &mut self.early;
+        for sum in [a, b, c, d, &mut self.late_n2, &mut self.late, &mut self.sticks] {
+            *sum *= FADE;
+        }
+        self.sticks += 1.0;
+    }
+
+    /// One over half the usual length of a stick, when the newest one has this half.
+    fn taper(&self, half: f32) -> f32 {
+        self.sticks / (self.late + half)
+    }
+
+    /// Excess and decay from the moments.
+    fn solve(&mut self, taper: f32) {
+        let usual_n2 = self.late_n2 / self.late;
+        let Early { sums, squares_n2 } = self.early;
+        let [all, by_age] = [0, 1].map(|i| squares_n2[i] / usual_n2 - sums[i]);
+        // Variance of `all` by chance; Σ v² is about half of Σ v.
+        let chance = sums[0] + 2.0 * sums[0] * sums[0] / self.late;
+        let limit = SIGNIFICANT * math::sqrt(chance);
+        let is_new = self.is_flat() && self.sticks < FEWEST_STICKS;
+        self.excess = 0.0;
+        // Also not for NaN.
+        let is_sure = all > limit;
+        if !is_sure || is_new {
+            return;
+        }
+        // Decay and taper together make the mean age R: their sum is ln(1 + 1/R), as the
+        // first two terms of 2 artanh(1/(2 R + 1)).
+        let inverse = all / (2.0 * by_age.max(0.0) + all);
+        let both = 2.0 * inverse * (1.0 + inverse * inverse / 3.0);
+        self.decay = (both - taper).max(0.25 * taper);
+        let [both, taper] = [self.decay + taper, taper].map(|rate| 1.0 - math::exp(-rate));
+        let excess = all / sums[0] * both / taper;
+        self.excess = surely(all, limit) * surely(excess, LEAST) * excess;
+    }
+}
+
+impl Early {
+    fn add(&mut self, v: f32, age: f32, square_n2: f32) {
+        for (i, by) in [v, v * age].into_iter().enumerate() {
+            self.sums[i] += by;
+            self.squares_n2[i] += by * square_n2;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// After sticks of white noise and a swing that dies away.
+    fn seen(amplitude_n: f32, decay: f32, length: usize, sticks: u32) -> FlopProfile {
+        let (mut profile, mut state) = (FlopProfile::default(), 1_u32);
+        let mut noise_n = || {
+            (0..12).fold(-6.0, |sum, _| {
+                state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+                sum + (state >> 8) as f32 / 16_777_216.0
+            })
+        };
+        for _ in 0..sticks {
+            let forces_n: [Option<f32>; 192] = core::array::from_fn(|i| {
+                let age = i as f32;
+                let inverse_omega = (-decay * age).exp() * (1.3 * age + 3.0).sin();
+                (i % 11 != 5).then(|| 200.0 + 22.0 * age + amplitude_n * inverse_omega + noise_n())
+            });
+            profile.learn(forces_n.into_iter().take(length));
+        }
+        profile
+    }
+
+    #[test]
+    fn white_noise_counts_alike() {
+        for sticks in 1..200 {
+            assert!(seen(0.0, 1.0, 25, sticks).is_flat(), "{sticks}");
+        }
+        assert!((FlopProfile::default().variance(0.0) - 1.0).abs() < f32::EPSILON);
+    }
+
+    #[test]
+    fn a_dying_swing_counts_for_little_at_first_and_in_full_at_last() {
+        for (amplitude_n, decay, length) in [(8.0, 0.2, 26), (30.0, 0.1, 100), (20.0, 0.05, 192)] {
+            let profile = seen(amplitude_n, decay, length, 30);
+            for age in [0.0, 4.0, 8.0, 12.0] {
+                let truth = 1.0 + 0.5 * amplitude_n * amplitude_n * (-2.0 * decay * age).exp();
+                let ratio = profile.variance(age) / truth;
+                assert!((0.4..2.5).contains(&ratio), "{age} {ratio} {profile:?}");
+            }
+            assert!(profile.variance(length as f32) < 1.2, "{profile:?}");
+        }
+    }
+
+    #[test]
+    fn one_odd_stick_and_short_ones_tell_nothing() {
+        assert!(seen(30.0, 0.2, 26, 1).is_flat());
+        assert!(seen(30.0, 0.2, 7, 50).is_flat());
+        let mut profile = FlopProfile::default();
+        (0..20).for_each(|_| profile.learn((0..20).map(|_| Some(5.0))));
+        assert!(profile.is_flat(), "a force without noise");
+    }
+}

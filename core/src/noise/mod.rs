@@ -1,0 +1,7 @@
+//! What strays from the stick line: how much, how long, and in which shape.
+
+pub mod flop;
+pub mod forgetting;
+pub mod ripple;
+pub mod scale;
+mod time_asymmetry;

@@ -1,0 +1,156 @@
+//! How the force strays from a straight stick line, beside the noise.
+//!
+//! A winch that ripples or a cable that sags bends the stick line. That is in the force
+//! itself: neighbouring samples have it in common, and what counts at the onset is the force
+//! there, not the line's. White noise differs from sample to sample. So the second
+//! difference of the line's innovations, `e − 2 e' + e''`, shows the noise alone (6 times its
+//! variance), and what the innovations have beyond that wanders slowly.
+
+/// How far the force wanders about its line; variances in units of that of the noise.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ColoredNoise {
+    /// The noise's part of the variance of a sample about the line.
+    pub white_share: f32,
+    /// Variance of the force about the line.
+    pub level: f32,
+    /// Variance of the force's slope, per period squared.
+    pub slope: f32,
+}
+
+impl ColoredNoise {
+    /// The line is straight.
+    pub const NONE: Self = Self { white_share: 1.0, level: 0.0, slope: 0.0 };
+}
+
+/// Running sums of squares of the innovations and of their first two differences, of a
+/// fading past.
+#[derive(Clone, Copy, Debug)]
+pub struct Ripple {
+    /// The last innovations, newest first; NaN where there is none.
+    last: [f32; FAR],
+    squares: f32,
+    steps: f32,
+    bends: f32,
+    /// Sum and number of the squares of the differences so many samples apart.
+    far_steps: f32,
+    far_count: f32,
+    count: f32,
+}
+
+/// Samples between which a slow wander shows its slope.
+const FAR: usize = 4;
+/// Samples over which the past is forgotten.
+const MEMORY: f32 = 2000.0;
+/// Standard errors beyond which the force wanders; that of the noise's mean square is
+/// about `2 / √count` of it.
+const SIGNIFICANT: f32 = 4.0;
+/// A swing of fewer than six samples changes too fast to be followed from one to the next:
+/// the mean of the line is better. This is its variance of the slope over that of the level.
+const FASTEST: f32 = 0.8;
+/// Fewest samples that show it.
+const FEWEST: f32 = 24.0;
+
+impl Ripple {
+    /// Takes the innovation of the sample after the last one, with its weight.
+    pub fn add(&mut self, innovation: f32, weight: f32) {
+        let innovation = weight * innovation;
+        const FADE: f32 = 1.0 - 1.0 / MEMORY;
+        let [last, before, earlier, far] = self.last;
+        self.last = [innovation, last, before, earlier];
+        let step = innovation - last;
+        let second_difference = step - (last - before);
+        if second_difference.is_nan() {
+            return;
+        }
+        let far_step = innovation - far;
+        if !far_step.is_nan() {
+            self.far_steps = FADE * self.far_steps + far_step * far_step;
+            self.far_count = FADE * self.far_count + weight;
+        }
+        self.squares = FADE * self.squares + innovation * innovation;
+        self.steps = FADE * self.steps + step * step;
+        self.bends = FADE * self.bends + second_difference * second_difference;
+        self.count = FADE * self.count + weight;
+    }
+
+    /// The next sample has no neighbour before it.
+    pub fn interrupt(&mut self) {
+        self.last = [f32::NAN; FAR];
+    }
+
+    /// What the innovations show; nothing unless it is clear.
+    #[must_use]
+    pub fn wander(&self) -> ColoredNoise {
+        let white = self.bends / 6.0;
+        let slow = self.squares - white;
+        let limit = 2.0 * SIGNIFICANT * white;
+        let sure = self.count >= FEWEST && slow * slow * self.count > limit * limit;
+        if white <= 0.0 || slow <= 0.0 || !sure {
+            return ColoredNoise::NONE;
+        }
+        let (level, step) = (slow / white, self.steps / white - 2.0);
+        if step > FASTEST * level {
+            return ColoredNoise::NONE;
+        }
+        // A slow one's slope is lost in the noise of single steps.
+        let sure = step * step * self.count > 4.0 * SIGNIFICANT * SIGNIFICANT;
+        let far = self.far_steps / white * self.count / self.far_count - 2.0;
+        let slope = (far / (FAR * FAR) as f32).max(if sure { step } else { 0.0 }).max(0.0);
+        ColoredNoise { white_share: white / self.squares, level, slope }
+    }
+}
+
+impl Default for Ripple {
+    fn default() -> Self {
+        let (squares, steps, bends, count) = (0.0, 0.0, 0.0, 0.0);
+        let (far_steps, far_count) = (0.0, 0.0);
+        Self { last: [f32::NAN; FAR], squares, steps, bends, far_steps, far_count, count }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// White noise of variance 1/12 and a swing.
+    fn seen(amplitude: f32, period: f32, samples: u32) -> ColoredNoise {
+        let (mut whiteness, mut state) = (Ripple::default(), 1_u32);
+        for i in 0..samples {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            let noise = (state >> 8) as f32 / 16_777_216.0 - 0.5;
+            let angle = core::f32::consts::TAU * (i as f32 / period).fract();
+            whiteness.add(noise + amplitude * angle.sin(), 1.0);
+        }
+        whiteness.wander()
+    }
+
+    #[test]
+    fn white_noise_does_not_wander() {
+        for samples in [3, 10, 100, 1000, 10_000] {
+            assert_eq!(seen(0.0, 9.0, samples), ColoredNoise::NONE, "{samples}");
+        }
+    }
+
+    #[test]
+    fn a_swing_is_told_from_the_noise() {
+        // Variances of the swing and of its slope over that of the noise.
+        let (level, slope) = (0.5 * 12.0, 0.5 * 12.0 * (core::f32::consts::TAU / 20.0).powi(2));
+        let wander = seen(1.0, 20.0, 4000);
+        assert!((wander.level / level - 1.0).abs() < 0.15, "{wander:?}");
+        assert!((wander.slope / slope - 1.0).abs() < 0.25, "{wander:?}");
+        assert!((wander.white_share * (1.0 + wander.level) - 1.0).abs() < 1e-3);
+    }
+
+    #[test]
+    fn a_swing_of_a_few_samples_is_not_followed() {
+        for period in [3.3, 4.5, 5.5] {
+            assert_eq!(seen(1.0, period, 4000), ColoredNoise::NONE, "{period}");
+        }
+    }
+
+    #[test]
+    fn nothing_is_believed_of_a_few_samples_or_of_none() {
+        assert_eq!(seen(1.0, 20.0, 8), ColoredNoise::NONE);
+        assert_eq!(Ripple::default().wander(), ColoredNoise::NONE);
+    }
+}

@@ -1,0 +1,300 @@
+//! How far samples scatter, learnt online.
+//!
+//! Running quantiles of a size, moved by a constant factor up or down: no threshold
+//! in newtons, no division, and neither slips nor spikes can carry them away. Good
+//! to about 10 %, for the detector's limits; what is reported comes from the
+//! residuals of the fits.
+//!
+//! Where the block rests long enough the innovations of the stick line tell the
+//! noise. Where it never does, the line does not describe the force, and three other
+//! measures do, until the first fits are there: the smallest second differences, if
+//! they are far smaller than the usual one (a steep saw: some triples lie on one
+//! tooth), or the fourth difference, if it is small against the second (a smooth
+//! swing). White noise shows neither. The third is how fast slips fall (`arrow.rs`).
+
+use crate::noise::time_asymmetry::TimeAsymmetry;
+use crate::num::math::{larger, smaller};
+use crate::stats::quantile::Quantile;
+
+/// The larger of the last two blocks' third smallest of 32 numbers.
+#[derive(Clone, Copy, Debug)]
+struct Smallest {
+    now: [f32; 3],
+    count: u32,
+    blocks: [f32; 2],
+    full: u32,
+}
+
+impl Smallest {
+    const BLOCK: u32 = 32;
+
+    const fn new() -> Self {
+        Self { now: [f32::MAX; 3], count: 0, blocks: [0.0; 2], full: 0 }
+    }
+
+    fn add(&mut self, size: f32) {
+        let [a, b, c] = self.now;
+        self.now = [a.min(size), b.min(a.max(size)), c.min(b.max(size))];
+        self.count += 1;
+        if self.count == Self::BLOCK {
+            self.blocks = [self.blocks[1], self.now[2]];
+            (self.now, self.count) = ([f32::MAX; 3], 0);
+            self.full = self.full.saturating_add(1);
+        }
+    }
+
+    /// `None` before two blocks are full.
+    fn value(&self) -> Option<f32> {
+        (self.full > 1).then(|| self.blocks.into_iter().fold(0.0, f32::max))
+    }
+}
+
+/// Running robust standard deviation.
+#[derive(Clone, Copy, Debug)]
+pub struct Noise {
+    innovation: Quantile,
+    /// The same, upper quartile: of the coarse steps of a converter the median tells
+    /// little. Until the first fit.
+    upper: Quantile,
+    smallest: Smallest,
+    arrow: TimeAsymmetry,
+    second: Quantile,
+    fourth: Quantile,
+    /// The newest samples in a row, newest last.
+    row: [f32; 5],
+    filled: usize,
+    /// Smallest step between samples that was seen, N: the resolution.
+    resolution_n: f32,
+    /// Two samples in a row were the same.
+    repeats: bool,
+    /// From the residuals of fits, and of how many, up to [`TRUSTED`].
+    fitted_n: Option<f32>,
+    fits: u8,
+}
+
+/// Events whose residuals are the noise whatever the samples themselves tell: one
+/// event of a block that never rests may fit badly, and with too large a noise there
+/// would be no other.
+const TRUSTED: u8 = 16;
+
+/// Median and upper quartile of |x|, for a normal distribution.
+const MEDIAN: f32 = 0.674_49;
+const QUARTILE: f32 = 1.150_35;
+/// Noise over the mean of [`Smallest`] of |second differences|.
+const STD_PER_SMALLEST: f32 = 1.0 / 0.42;
+/// Noise over the upper quartile of |second difference|, 1.150 √6.
+const STD_PER_SECOND: f32 = 1.0 / 2.818;
+/// Noise over the median of |fourth difference|, 0.6745 √70.
+const STD_PER_FOURTH: f32 = 1.0 / 5.643;
+/// A steep saw: the smallest second differences are below this part of what white
+/// noise would give.
+const SAW: f32 = 0.06;
+/// Most noise of slips, parts of their usual fall in a sample: with more of it none could
+/// be told from noise.
+const SLIP: f32 = 1.0 / 12.0;
+/// A smooth swing: the same for the fourth difference.
+const SWING: f32 = 0.5;
+
+impl Noise {
+    /// Nothing known.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self {
+            innovation: Quantile::new(0.5),
+            upper: Quantile::new(0.75),
+            smallest: Smallest::new(),
+            arrow: TimeAsymmetry::new(),
+            second: Quantile::new(0.75),
+            fourth: Quantile::new(0.5),
+            row: [0.0; 5],
+            filled: 0,
+            resolution_n: 0.0,
+            repeats: false,
+            fitted_n: None,
+            fits: 0,
+        }
+    }
+
+    /// Takes an innovation, already divided by its own spread relative to a sample.
+    pub fn add(&mut self, innovation_n: f32) {
+        self.innovation.add(innovation_n.abs());
+        if self.fits == 0 {
+            self.upper.add(innovation_n.abs());
+        }
+    }
+
+    /// Takes the noise that the fits of the events leave, N.
+    pub fn fitted(&mut self, noise_n: f32) {
+        self.fitted_n = Some(noise_n);
+        self.fits = self.fits.saturating_add(1).min(TRUSTED);
+    }
+
+    /// Takes a sample; `in_a_row` if it follows the one before without a gap.
+    pub fn see(&mut self, force_n: f32, in_a_row: bool) {
+        let ([_, a, b, c, d], e) = (self.row, force_n);
+        let step = (e - d).abs();
+        let is_step = in_a_row && self.filled > 0;
+        if is_step && step > 0.0 && (step < self.resolution_n || self.resolution_n <= 0.0) {
+            self.resolution_n = step;
+        }
+        // The differences tell the noise until the fits do.
+        if self.fits < TRUSTED {
+            self.row = [a, b, c, d, e];
+            self.filled = if in_a_row { (self.filled + 1).min(5) } else { 1 };
+            self.repeats |= is_step && step <= 0.0;
+            self.difference();
+        } else {
+            self.row[4] = e;
+        }
+    }
+
+    /// Takes the newest samples' differences.
+    #[inline(never)]
+    fn difference(&mut self) {
+        let [a, b, c, d, e] = self.row;
+        if self.filled >= 2 {
+            self.arrow.add(e - d);
+        }
+        if self.filled >= 3 {
+            let second = (c - 2.0 * d + e).abs();
+            self.second.add(second);
+            self.smallest.add(second);
+        }
+        if self.filled >= 5 {
+            self.fourth.add((a - 4.0 * b + 6.0 * c - 4.0 * d + e).abs());
+        }
+    }
+
+    /// Two standard deviations, N: of the innovations of the stick line, and of the
+    /// samples, which is less where the line does not describe the force.
+    ///
+    /// Never below the resolution's own, nor below the rounding of a force of this
+    /// size. `None` until enough was seen.
+    #[must_use]
+    pub fn std_n(&self, force_n: f32) -> (Option<f32>, Option<f32>) {
+        let floor = larger(0.3 * self.resolution_n, 4e-7 * force_n.abs());
+        let std = |value| self.innovation.caution() * value;
+        let line = self.innovation.value().map(|value| larger(std(value / MEDIAN), floor));
+        let upper = self.upper.value().filter(|_| self.fits == 0).map(|value| value / QUARTILE);
+        let samples = line.map(|line| larger(line, upper.map_or(0.0, std)));
+        // The fits allow for what a line does not.
+        let fitted = self.fitted_n.map(|fitted| 1.5 * fitted);
+        let own = if self.fits < TRUSTED { self.without_line_n() } else { None };
+        let bound = least(fitted, own).map(|std| larger(std, floor));
+        (line, least(samples, bound))
+    }
+
+    /// Standard deviation where there is no line to be followed, N.
+    fn without_line_n(&self) -> Option<f32> {
+        if !self.fourth.is_settled() {
+            return None;
+        }
+        let second = self.second.value()? * STD_PER_SECOND;
+        // Coarse steps make differences of zero: they are as large as a step.
+        let step_n = if self.repeats { self.resolution_n } else { 0.0 };
+        let smallest = self.smallest.value().map(|size| (size + step_n) * STD_PER_SMALLEST);
+        let fourth = self.fourth.value().map(|size| size * STD_PER_FOURTH);
+        let slips = self.arrow.slip_n().map(|slip_n| SLIP * slip_n);
+        let smooth = least(
+            smallest.filter(|&smallest| smallest < SAW * second),
+            fourth.filter(|&fourth| fourth < SWING * second),
+        );
+        least(slips, smooth)
+    }
+}
+
+impl Default for Noise {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+fn least(a: Option<f32>, b: Option<f32>) -> Option<f32> {
+    match (a, b) {
+        (Some(a), Some(b)) => Some(smaller(a, b)),
+        (one, other) => one.or(other),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Approximately normal numbers from a fixed recurrence.
+    fn normal(state: &mut u32) -> f32 {
+        (0..12).fold(-6.0, |sum, _| {
+            *state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            sum + (*state >> 8) as f32 / 16_777_216.0
+        })
+    }
+
+    /// Mean of 500 estimates after 2000 samples.
+    fn settled(mut take: impl FnMut(&mut Noise, f32)) -> f32 {
+        let (mut noise, mut state) = (Noise::new(), 7);
+        (0..2000).for_each(|_| take(&mut noise, normal(&mut state)));
+        (0..500)
+            .map(|_| {
+                take(&mut noise, normal(&mut state));
+                noise.std_n(0.0).1.unwrap() / 500.0
+            })
+            .sum()
+    }
+
+    #[test]
+    fn settles_on_the_standard_deviation_whatever_its_size() {
+        for std in [1e-4, 2.0, 300.0] {
+            let line = settled(|noise, x| noise.add(std * x));
+            assert!((line / std - 1.0).abs() < 0.1, "{line} {std}");
+        }
+    }
+
+    #[test]
+    fn white_noise_is_neither_a_saw_nor_a_swing() {
+        let (mut noise, mut state) = (Noise::new(), 5);
+        for i in 0..20_000 {
+            noise.see(normal(&mut state), true);
+            assert_eq!(noise.without_line_n(), None, "{i}");
+        }
+    }
+
+    #[test]
+    fn a_steep_saw_shows_its_noise() {
+        let (mut noise, mut state) = (Noise::new(), 5);
+        (0..400).for_each(|i| {
+            let saw = 2000.0 * (i as f32 * (2.0 / 7.0)).fract();
+            noise.see(saw + 2.0 * normal(&mut state), true);
+        });
+        let std = noise.without_line_n().unwrap();
+        assert!((1.0..40.0).contains(&std), "{std}");
+    }
+
+    #[test]
+    fn a_force_that_never_rests_still_bounds_the_noise() {
+        let (mut noise, mut state) = (Noise::new(), 3);
+        for i in 0..400 {
+            let inverse_omega = 400.0 * (1.1 * i as f32).sin();
+            noise.see(inverse_omega + 2.0 * normal(&mut state), true);
+            // A line through it sees the swing as noise.
+            noise.add(inverse_omega);
+        }
+        assert!(noise.std_n(0.0).1.unwrap() < 90.0, "{:?}", noise.std_n(0.0));
+    }
+
+    #[test]
+    fn a_wild_start_and_later_outliers_do_not_stay() {
+        let (mut noise, mut state) = (Noise::new(), 9);
+        noise.add(1e4);
+        (0..300).for_each(|i| noise.add(if i % 20 == 0 { 500.0 } else { normal(&mut state) }));
+        let std = noise.std_n(0.0).1.unwrap();
+        assert!((0.6..1.6).contains(&std), "{std}");
+    }
+
+    #[test]
+    fn coarse_steps_set_a_floor() {
+        let mut noise = Noise::new();
+        (0..50).for_each(|_| noise.add(0.0));
+        noise.see(0.0, false);
+        noise.see(5.0, true);
+        assert!(noise.std_n(0.0).1.unwrap() >= 1.5);
+    }
+}

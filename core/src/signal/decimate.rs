@@ -1,0 +1,120 @@
+//! Fast logs, averaged to a rate that the window holds.
+//!
+//! A slip lasts a tenth of a second to a few seconds; at 2000 Hz that is thousands of
+//! samples that tell hardly more than their means over a few milliseconds. Above
+//! [`FASTEST_HZ`] the samples of equal blocks of indices are averaged; a block with
+//! fewer than half its samples is missing. Up to that rate a sample is a block and
+//! nothing is computed. Delay: one block.
+
+use crate::num::long_division::divide;
+use crate::sample::{ForcePoint, SampleTime};
+
+/// Fastest rate at which samples are taken as they come, Hz.
+pub const FASTEST_HZ: f32 = 128.0;
+
+/// Averages blocks of samples.
+#[derive(Clone, Copy, Debug)]
+pub struct Decimator {
+    factor: u16,
+    block: u64,
+    mean_n: f32,
+    count: u16,
+}
+
+impl Decimator {
+    /// For a rate of 1 to 2000 Hz.
+    #[must_use]
+    pub fn new(rate_hz: f32) -> Self {
+        let factor = libm::ceilf(rate_hz / FASTEST_HZ).max(1.0) as u16;
+        Self { factor, block: 0, mean_n: 0.0, count: 0 }
+    }
+
+    /// Samples per block.
+    #[must_use]
+    pub fn factor(&self) -> f32 {
+        f32::from(self.factor)
+    }
+
+    /// Block of an index.
+    #[must_use]
+    pub fn block(&self, index: u64) -> u64 {
+        divide(index, self.factor).0
+    }
+
+    /// Takes a good sample with an index past all earlier ones; gives a block, with
+    /// the block's number as its index, when one is complete.
+    #[inline]
+    pub fn step(&mut self, sample: ForcePoint) -> Option<ForcePoint> {
+        if self.factor == 1 { Some(sample) } else { self.average(sample) }
+    }
+
+    fn average(&mut self, sample: ForcePoint) -> Option<ForcePoint> {
+        let (block, place) = divide(sample.index, self.factor);
+        let complete = if block == self.block { None } else { self.finish() };
+        self.block = block;
+        self.count += 1;
+        self.mean_n += (sample.force_n - self.mean_n) / f32::from(self.count);
+        if place == self.factor - 1 { self.finish() } else { complete }
+    }
+
+    /// Ends the block begun, if it holds enough samples.
+    pub fn finish(&mut self) -> Option<ForcePoint> {
+        let block = ForcePoint { index: self.block, force_n: self.mean_n };
+        let enough = self.count * 2 >= self.factor && self.count > 0;
+        (self.count, self.mean_n) = (0, 0.0);
+        enough.then_some(block)
+    }
+
+    /// A moment in blocks, as a moment in samples: a block's mean belongs to the middle
+    /// of its samples.
+    #[must_use]
+    pub fn moment(&self, blocks: SampleTime) -> SampleTime {
+        if self.factor == 1 {
+            return blocks;
+        }
+        let after = blocks.fraction * self.factor() + 0.5 * (self.factor() - 1.0);
+        let whole = libm::floorf(after);
+        SampleTime {
+            index: blocks.index.saturating_mul(self.factor.into()).saturating_add(whole as u64),
+            fraction: after - whole,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn sample(index: u64) -> ForcePoint {
+        ForcePoint { index, force_n: 100.0 + index as f32 }
+    }
+
+    #[test]
+    fn slow_samples_pass_as_they_are() {
+        let mut d = Decimator::new(16.0);
+        assert_eq!(d.step(sample(7)), Some(sample(7)));
+        assert_eq!(d.finish(), None);
+        let moment = SampleTime { index: 3, fraction: 0.25 };
+        assert_eq!(d.moment(moment), moment);
+    }
+
+    #[test]
+    fn a_block_is_the_line_at_its_middle() {
+        let mut d = Decimator::new(512.0);
+        let blocks: [Option<ForcePoint>; 9] = core::array::from_fn(|i| d.step(sample(i as u64)));
+        assert_eq!(blocks.iter().flatten().count(), 2);
+        let block = blocks[7].unwrap();
+        let middle = d.moment(SampleTime { index: block.index, fraction: 0.0 });
+        assert!((block.force_n - (100.0 + middle.index as f32 + middle.fraction)).abs() < 1e-4);
+    }
+
+    #[test]
+    fn half_empty_blocks_are_missing() {
+        let mut d = Decimator::new(512.0);
+        assert_eq!(d.step(sample(0)), None);
+        // Block 0 has one of four samples, block 1 two, the last of which ends it.
+        assert_eq!(d.step(sample(6)), None);
+        assert_eq!(d.step(sample(7)).map(|block| block.index), Some(1));
+        assert_eq!(d.finish(), None);
+    }
+}

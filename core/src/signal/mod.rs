@@ -1,0 +1,8 @@
+//! From converter codes to clean forces: calibration, spikes, decimation, derivative, and
+//! the window of the last samples.
+
+pub mod calibrate;
+pub mod decimate;
+pub mod derivative;
+pub mod spike;
+pub mod window;

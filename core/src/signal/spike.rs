@@ -1,0 +1,162 @@
+//! One sample far from both its neighbours is a spike.
+//!
+//! A cable cannot do that: the force never rises faster than the winch stretches
+//! it, `F' ≤ k w`, and falls no further than a slip's drop. A sample is therefore
+//! held back by one period and left out when it stands out against the one before
+//! and the one after, both on the same side, by more than the noise, the usual rise
+//! and a part of the usual drop. Delay: one good sample.
+
+use crate::num::math::{larger, smaller};
+use crate::sample::ForcePoint;
+use crate::stats::quantile::Quantile;
+
+/// Standard deviations of the noise that a spike exceeds.
+const NOISES: f32 = 10.0;
+/// Part of the usual drop that a spike exceeds.
+const PART_OF_DROP: f32 = 0.25;
+/// Usual rises per sample that a spike exceeds.
+const RISES: f32 = 3.0;
+
+/// What the filter needs to know of the force.
+#[derive(Clone, Copy, Debug)]
+pub struct Usual {
+    /// Standard deviation of the noise, N; `None`: nothing is a spike yet.
+    pub noise_n: Option<f32>,
+    /// Usual drop of a slip, N.
+    pub drop_n: f32,
+}
+
+/// Holds one sample back.
+#[derive(Clone, Copy, Debug)]
+pub struct SpikeFilter {
+    before: ForcePoint,
+    held: ForcePoint,
+    /// How many of these two there are.
+    count: u8,
+    /// Upper quartile of the rises between neighbours, N.
+    rises: Quantile,
+}
+
+/// What became of the sample held back.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Judged {
+    /// There was none.
+    Nothing,
+    /// A good one.
+    Good(ForcePoint),
+    /// A spike.
+    Spike(ForcePoint),
+}
+
+impl SpikeFilter {
+    /// Before the first sample.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self {
+            before: ForcePoint::ZERO,
+            held: ForcePoint::ZERO,
+            count: 0,
+            rises: Quantile::new(0.75),
+        }
+    }
+
+    /// Takes a sample and gives the one before it; `usual` is asked if that stands out at all.
+    pub fn step(&mut self, sample: ForcePoint, usual: impl FnOnce() -> Usual) -> Judged {
+        let (before, held) = (self.before, core::mem::replace(&mut self.held, sample));
+        if self.count < 2 {
+            (self.before, self.count) = (held, self.count + 1);
+            return if self.count == 1 { Judged::Nothing } else { Judged::Good(held) };
+        }
+        if self.stands_out(before, held, sample, usual) {
+            return Judged::Spike(held);
+        }
+        self.before = held;
+        if held.force_n > before.force_n && held.index == before.index + 1 {
+            self.rises.add(held.force_n - before.force_n);
+        }
+        Judged::Good(held)
+    }
+
+    /// Gives the last sample: without a neighbour it is good.
+    pub fn finish(&mut self) -> Option<ForcePoint> {
+        let held = (self.count > 0).then_some(self.held);
+        self.count = 0;
+        held
+    }
+
+    fn stands_out(
+        &self,
+        before: ForcePoint,
+        held: ForcePoint,
+        after: ForcePoint,
+        usual: impl FnOnce() -> Usual,
+    ) -> bool {
+        let (left, right) = (held.force_n - before.force_n, held.force_n - after.force_n);
+        // Neighbours further away say less: only within a few periods.
+        let span = after.index - before.index;
+        if left * right <= 0.0 || span > 4 {
+            return false;
+        }
+        let usual = usual();
+        let (Some(noise_n), Some(rise_n)) = (usual.noise_n, self.rises.value()) else {
+            return false;
+        };
+        let rises = RISES * rise_n * span as f32 / 2.0;
+        let least = larger(larger(NOISES * noise_n, PART_OF_DROP * usual.drop_n), rises);
+        smaller(left.abs(), right.abs()) > least
+    }
+}
+
+impl Default for SpikeFilter {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const USUAL: Usual = Usual { noise_n: Some(2.0), drop_n: 200.0 };
+
+    /// Index of the spike after a rise of 10 N a sample to 500 N.
+    fn spike_in(forces: [f32; 6], usual: &Usual) -> Option<usize> {
+        let mut filter = SpikeFilter::new();
+        let rise = (0..20).map(|i| 300.0 + 10.0 * i as f32);
+        rise.chain(forces).enumerate().fold(None, |found, (i, force_n)| {
+            match filter.step(ForcePoint { index: i as u64, force_n }, || *usual) {
+                Judged::Spike(spike) => Some(spike.index as usize - 20),
+                Judged::Nothing | Judged::Good(_) => found,
+            }
+        })
+    }
+
+    #[test]
+    fn spikes_are_found_and_slips_are_not() {
+        for (forces, spike) in [
+            ([500.0, 510.0, 900.0, 530.0, 540.0, 550.0], Some(2)),
+            ([500.0, 510.0, -1.0, 530.0, 540.0, 550.0], Some(2)),
+            ([500.0, 510.0, 300.0, 200.0, 210.0, 220.0], None),
+            ([500.0, 510.0, 200.0, 210.0, 220.0, 230.0], None),
+            ([500.0, 510.0, 540.0, 530.0, 540.0, 550.0], None),
+        ] {
+            assert_eq!(spike_in(forces, &USUAL), spike, "{forces:?}");
+        }
+    }
+
+    #[test]
+    fn nothing_is_judged_before_the_noise_is_known() {
+        let usual = Usual { noise_n: None, ..USUAL };
+        assert_eq!(spike_in([500.0, 1e6, 520.0, 530.0, 540.0, 550.0], &usual), None);
+    }
+
+    #[test]
+    fn a_steep_saw_has_no_spikes() {
+        let mut filter = SpikeFilter::new();
+        for i in 0..300 {
+            let force_n = 200.0 + 225.0 * (i as f32 * (2.0 / 7.0)).fract() * 3.5;
+            let judged = filter.step(ForcePoint { index: i, force_n }, || USUAL);
+            assert!(!matches!(judged, Judged::Spike(_)), "{i}");
+        }
+    }
+}

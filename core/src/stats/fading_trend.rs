@@ -1,0 +1,217 @@
+//! What the events of a test share: the loading rate and omega.
+//!
+//! Each event measures both; the next one may expect them again, within what they
+//! vary from event to event. Old events are forgotten slowly, so a cable that
+//! shortens or a winch that tires is followed. A single event that is far off (the
+//! winch had paused) teaches nothing; several in a row are how things are now.
+//!
+//! What counts only when it is significant grows from its limit to twice that: no
+//! expectation jumps because of a last digit.
+
+use crate::num::math;
+use crate::stats::line::Line;
+use crate::stats::prior::{Prior, surely};
+
+/// Events over which the past is forgotten.
+const MEMORY: f32 = 40.0;
+/// Events before which nothing is expected.
+const LEAST_EVENTS: f32 = 1.5;
+/// Standard errors beyond which a value that should be zero, or a trend, counts: the
+/// trend is looked at with every event.
+const SIGNIFICANT: f32 = 3.0;
+const TREND: f32 = 5.0;
+/// Standard deviations beyond which an event is far off.
+const FAR_OFF: f32 = 6.0;
+/// So many far off in a row: all that was before is forgotten.
+const CHANGED: u8 = 3;
+
+/// Running mean of a quantity that events share, its trend, and how much it varies.
+///
+/// A weighted line over the events with weights `1/(s² + τ²)`: `s²` the event's own
+/// variance, `τ²` the variance between events, estimated alongside with the squared
+/// weights. The trend counts once it is significant.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct FadingTrend {
+    /// Over the events so far, the newest at time −1.
+    line: Line,
+    /// Variance of the first event: weights are in units of one over it, so that their
+    /// squares are numbers whatever the size of the forces.
+    unit: f32,
+    /// Number of events, at most [`MEMORY`].
+    count: f32,
+    /// Σ w² (step² − s²) and Σ w²; a step without what the expectation adds to it.
+    excess: f32,
+    weight_squares: f32,
+    between: f32,
+    /// Events in a row that were far off.
+    strangers: u8,
+}
+
+impl FadingTrend {
+    /// Lets the past count for less: once an event, whether or not it tells anything, so
+    /// that no expectation, once too sure of itself, shuts out what could correct it.
+    pub fn forget(&mut self) {
+        const FADE: f32 = 1.0 - 1.0 / MEMORY;
+        self.line.fade(FADE);
+        self.line.shift(1.0);
+        self.count *= FADE;
+        self.excess *= FADE;
+        self.weight_squares *= FADE;
+    }
+
+    /// Takes the newest event's own measurement and its variance.
+    pub fn add(&mut self, value: f32, variance: f32) {
+        if !(value.is_finite() && variance.is_normal() && variance > 0.0) {
+            return;
+        }
+        if self.is_far_off(value, variance) {
+            self.strangers += 1;
+            if self.strangers < CHANGED {
+                return;
+            }
+            self.count = 0.0;
+        }
+        self.strangers = 0;
+        if self.count <= 0.0 {
+            *self = Self { unit: variance, ..Self::default() };
+        }
+        let weight = self.unit / (variance + self.between);
+        let square = weight * weight;
+        if !square.is_normal() {
+            return;
+        }
+        let (expected, expected_variance) = self.at(NEWEST);
+        self.line.add(NEWEST, value, weight, 1.0);
+        self.count += 1.0;
+        // The first value has nothing to differ from.
+        if self.count > 1.0 {
+            let step = value - expected;
+            let share = 1.0 / (1.0 + weight * expected_variance / self.unit);
+            self.excess += square * (share * step * step - variance);
+            self.weight_squares += square;
+            self.between = self.significant_excess();
+        }
+    }
+
+    /// Is a measurement not one of these?
+    fn is_far_off(&self, value: f32, variance: f32) -> bool {
+        let (expected, expected_variance) = self.at(NEWEST);
+        let step = value - expected;
+        let usual = variance + self.between + expected_variance;
+        self.is_known() && step * step > FAR_OFF * FAR_OFF * usual
+    }
+
+    /// The value at a time and its variance, without the variation between events: on
+    /// the line as far as its slope is significant.
+    fn at(&self, time: f32) -> (f32, f32) {
+        let slope = self.line.slope().unwrap_or(0.0);
+        let size = slope * slope * self.line.slope_weight();
+        let near = surely(size, TREND * TREND * self.unit) * (time - self.line.time);
+        let time = self.line.time + near;
+        (self.line.at(time, slope), self.unit * self.line.leverage(time))
+    }
+
+    /// Variance between events, as far as it is more than so few events can feign.
+    fn significant_excess(&self) -> f32 {
+        let between = self.excess / self.weight_squares;
+        let own = self.count * self.unit / self.line.weight;
+        let feigned = own * math::sqrt(2.0 / (self.count - 1.0));
+        between.max(0.0) * surely(between, feigned)
+    }
+
+    /// The value now; `None` before the first event.
+    #[must_use]
+    pub fn mean(&self) -> Option<f32> {
+        (self.count > 0.0).then(|| self.at(NEXT).0)
+    }
+
+    /// Do three events agree on it? What single events may be far off in wants that.
+    pub(crate) fn is_well_known(&self) -> bool {
+        self.count > LEAST_EVENTS + 1.0
+    }
+
+    /// Is there anything to expect?
+    #[must_use]
+    pub fn is_known(&self) -> bool {
+        self.count >= LEAST_EVENTS
+    }
+
+    /// What the next event may expect, in units of one over `noise_n2`: its variance
+    /// is that between events plus that of the mean.
+    #[must_use]
+    pub fn prior(&self, noise_n2: f32) -> Prior {
+        if !self.is_known() {
+            return Prior::default();
+        }
+        let (mean, variance) = self.at(NEXT);
+        Prior { mean, weight: noise_n2 / (self.between + variance) }
+    }
+
+    /// Every event would have told so much more.
+    pub fn translate(&mut self, by: f32) {
+        self.line.level_n += by;
+    }
+
+    /// The same for a quantity that is zero unless the events say otherwise.
+    #[must_use]
+    pub fn prior_around_zero(&self, noise_n2: f32) -> Prior {
+        let prior = self.prior(noise_n2);
+        let mean = self.line.level_n;
+        let limit = SIGNIFICANT * SIGNIFICANT * self.unit / self.line.weight;
+        let sure = surely(mean * mean, limit);
+        // No sign of anything: a quarter of the standard error of the mean that says so.
+        Prior { mean: sure * prior.mean, weight: (16.0 - 15.0 * sure) * prior.weight }
+    }
+}
+
+/// Times of the line: the event that is being learnt, and the one after it.
+const NEWEST: f32 = -1.0;
+const NEXT: f32 = 0.0;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::stats::prior::without_prior;
+
+    #[test]
+    fn equal_measurements_sharpen_the_expectation_and_scatter_widens_it() {
+        let prior_after = |scatter: f32, events: u32| {
+            let mut shared = FadingTrend::default();
+            (0..events).for_each(|i| {
+                shared.forget();
+                shared.add(10.0 + scatter * (i % 2) as f32, 1.0);
+            });
+            shared.prior(1.0)
+        };
+        assert!(prior_after(1.0, 1).weight <= 0.0);
+        let (few, many) = (prior_after(1.0, 6), prior_after(1.0, 40));
+        assert!(many.weight > few.weight && many.weight > 10.0, "{many:?}");
+        let wide = prior_after(20.0, 40);
+        assert!(wide.weight < 0.02, "{wide:?}");
+        assert!((many.mean - 10.5).abs() < 0.1);
+    }
+
+    #[test]
+    fn one_far_off_teaches_nothing_and_three_in_a_row_begin_anew() {
+        let mut shared = FadingTrend::default();
+        (0..20).for_each(|i| shared.add(22.5 + 0.01 * (i % 2) as f32, 1e-3));
+        for (times, mean) in [(1, 22.5), (1, 22.5), (1, 30.0)] {
+            (0..times).for_each(|_| shared.add(30.0, 1e-12));
+            assert!((shared.mean().unwrap() - mean).abs() < 0.01, "{shared:?}");
+        }
+        assert!(shared.prior(1.0).weight <= 0.0);
+        (0..5).for_each(|_| shared.add(30.0, 1e-3));
+        assert!((shared.mean().unwrap() - 30.0).abs() < 0.01 && shared.prior(1.0).weight > 0.0);
+    }
+
+    #[test]
+    fn a_measurement_without_its_prior_is_the_measurement() {
+        // Measured 12 ± 1, expected 10 ± 2 (noise variance 3).
+        let prior = Prior { mean: 10.0, weight: 3.0 / 4.0 };
+        let variance = 1.0 / (1.0 + 0.25);
+        let mean = (12.0 + 10.0 * 0.25) * variance;
+        let (value, own) = without_prior(mean, variance, prior, 3.0, 0.1).unwrap();
+        assert!((value - 12.0).abs() < 1e-5 && (own - 1.0).abs() < 1e-5);
+        assert!(without_prior(10.0, 4.0, prior, 3.0, 0.1).is_none());
+    }
+}

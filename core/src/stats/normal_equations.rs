@@ -1,0 +1,203 @@
+//! The normal equations of the event fit.
+
+/// Number of unknowns of a cycle.
+pub const UNKNOWNS: usize = 6;
+
+/// Gradient of the force with respect to the unknowns of the fit: onset, rate, `Fs`,
+/// `d`, swing `1/ω` and bend. The swing, not ω: times are proportional to it, so what
+/// few samples tell of it is close to a normal distribution.
+pub type Gradient = [f32; UNKNOWNS];
+
+/// A symmetric matrix of the fit's size.
+pub type Matrix = [[f32; UNKNOWNS]; UNKNOWNS];
+
+/// `Σ w g gᵀ`, `Σ w g r` and `Σ w r²` of weighted residuals.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Normal {
+    /// `Σ w g gᵀ`, lower triangle.
+    pub matrix: Matrix,
+    /// `Σ w g r`.
+    pub right: Gradient,
+    /// `Σ w r²`.
+    pub cost: f32,
+}
+
+impl Normal {
+    /// Takes one residual (measured minus model) with its gradient and weight.
+    pub fn add(&mut self, residual: f32, gradient: &Gradient, weight: f32) {
+        self.cost += weight * residual * residual;
+        for (i, row) in self.matrix.iter_mut().enumerate() {
+            let scaled = weight * gradient[i];
+            for (j, entry) in row.iter_mut().enumerate().take(i + 1) {
+                *entry += scaled * gradient[j];
+            }
+            self.right[i] += scaled * residual;
+        }
+    }
+
+    /// Takes a residual that depends on one unknown alone.
+    pub fn add_one(&mut self, residual: f32, unknown: usize, weight: f32) {
+        self.cost += weight * residual * residual;
+        let diagonal = self.matrix.get_mut(unknown).and_then(|row| row.get_mut(unknown));
+        if let (Some(diagonal), Some(right)) = (diagonal, self.right.get_mut(unknown)) {
+            *diagonal += weight;
+            *right += weight * residual;
+        }
+    }
+
+    /// Factors the matrix with its diagonal raised by `damping` times itself.
+    ///
+    /// `None` when it is singular to working precision.
+    #[must_use]
+    pub fn factor(&self, damping: f32) -> Option<Factor> {
+        Factor::new(&self.matrix, damping)
+    }
+}
+
+/// `A = L D Lᵀ` with a unit diagonal in `L`. Neither the result nor its rounding
+/// depends on the units of the unknowns, so newtons, periods and radians do not
+/// disturb each other in single precision.
+#[derive(Clone, Copy, Debug)]
+pub struct Factor {
+    /// Below the diagonal.
+    lower: Matrix,
+    /// One over the diagonal of `D`.
+    inverse: Gradient,
+}
+
+/// A pivot below this part of its diagonal element is lost in rounding.
+const SMALLEST_PIVOT: f32 = 1e-6;
+
+impl Factor {
+    fn new(matrix: &Matrix, damping: f32) -> Option<Self> {
+        let mut lower = Matrix::default();
+        let mut inverse = Gradient::default();
+        let raise = 1.0 + damping;
+        for i in 0..UNKNOWNS {
+            // The row of L D first, its products with L as they are known.
+            let mut row = Gradient::default();
+            let mut pivot = matrix[i][i] * raise;
+            for j in 0..i {
+                let mut sum = matrix[i][j];
+                for k in 0..j {
+                    sum -= row[k] * lower[j][k];
+                }
+                row[j] = sum;
+                lower[i][j] = sum * inverse[j];
+                pivot -= sum * lower[i][j];
+            }
+            // Also false for NaN.
+            if !(pivot > SMALLEST_PIVOT * matrix[i][i] && pivot < f32::MAX) {
+                return None;
+            }
+            inverse[i] = 1.0 / pivot;
+        }
+        Some(Self { lower, inverse })
+    }
+
+    /// Solves `A x = right`.
+    #[must_use]
+    pub fn solve(&self, right: &Gradient) -> Gradient {
+        let mut x = *right;
+        for i in 1..UNKNOWNS {
+            for k in 0..i {
+                x[i] -= self.lower[i][k] * x[k];
+            }
+        }
+        for i in (0..UNKNOWNS).rev() {
+            x[i] *= self.inverse[i];
+            for k in i + 1..UNKNOWNS {
+                x[i] -= self.lower[k][i] * x[k];
+            }
+        }
+        x
+    }
+
+    /// Variances of the unknowns, the diagonal of `A⁻¹`, in units of the variance of
+    /// weight one.
+    #[must_use]
+    pub fn variances(&self) -> Gradient {
+        core::array::from_fn(|unknown| {
+            let mut unit = Gradient::default();
+            unit[unknown] = 1.0;
+            self.variance(&unit, unknown)
+        })
+    }
+
+    /// `uᵀ A⁻¹ u`, the variance of a combination of unknowns, none of them before the
+    /// first one.
+    #[must_use]
+    pub fn variance(&self, u: &Gradient, first: usize) -> f32 {
+        // Σ (L⁻¹ u)² / D: forward substitution is enough.
+        let (mut x, mut sum_of_squares) = (*u, 0.0);
+        for i in first..UNKNOWNS {
+            for k in first..i {
+                x[i] -= self.lower[i][k] * x[k];
+            }
+            sum_of_squares += x[i] * x[i] * self.inverse[i];
+        }
+        sum_of_squares
+    }
+}
+
+/// Scalar product.
+#[must_use]
+pub fn dot(u: &Gradient, v: &Gradient) -> f32 {
+    u.iter().zip(v).fold(0.0, |sum, (a, b)| sum + a * b)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn example() -> Normal {
+        let mut normal = Normal::default();
+        let rows = [
+            ([-360.0, 0.1, 1.0, 0.0, 0.0, 0.0], 1.0),
+            ([-350.0, 0.2, 1.0, -0.3, 2.0, 0.0], -2.0),
+            ([5000.0, 0.05, 1.0, -0.9, -11.0, 0.0], 3.0),
+            ([-360.0, 0.4, 1.0, -1.9, 3.0, 0.2], 0.5),
+            ([-360.0, 1.4, 1.0, -1.9, 3.1, 1.2], 0.0),
+            ([0.0, 9.0, 0.0, 0.0, 0.0, 0.0], 1.5),
+            ([0.0, 0.0, 0.0, 0.0, 0.0, 7.0], 0.3),
+        ];
+        rows.iter().for_each(|(g, r)| normal.add(*r, g, 0.7));
+        normal
+    }
+
+    #[test]
+    fn the_solution_satisfies_the_equations() {
+        let normal = example();
+        let x = normal.factor(0.0).unwrap().solve(&normal.right);
+        for i in 0..UNKNOWNS {
+            let full = |i: usize, j: usize| normal.matrix[i.max(j)][i.min(j)];
+            let left = (0..UNKNOWNS).fold(0.0, |sum, j| sum + full(i, j) * x[j]);
+            let size = (0..UNKNOWNS).fold(1e-3, |sum, j| sum + (full(i, j) * x[j]).abs());
+            assert!(
+                (left - normal.right[i]).abs() < 1e-4 * size,
+                "{i}: {left} {}",
+                normal.right[i]
+            );
+        }
+    }
+
+    #[test]
+    fn the_variances_are_the_diagonal_of_the_inverse() {
+        let factor = example().factor(0.0).unwrap();
+        for (unknown, direct) in factor.variances().into_iter().enumerate() {
+            let mut unit = Gradient::default();
+            unit[unknown] = 1.0;
+            let solved = dot(&unit, &factor.solve(&unit));
+            assert!((direct / solved - 1.0).abs() < 1e-4, "{unknown}: {direct} {solved}");
+        }
+    }
+
+    #[test]
+    fn a_singular_matrix_is_refused_and_damping_mends_it() {
+        let mut normal = Normal::default();
+        normal.add(1.0, &[1.0; UNKNOWNS], 1.0);
+        assert!(normal.factor(0.0).is_none());
+        assert!(normal.factor(0.1).is_some());
+        assert!(Normal::default().factor(0.1).is_none());
+    }
+}

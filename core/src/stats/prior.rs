@@ -1,0 +1,47 @@
+//! What is known of a quantity beforehand, and how sure a finding is.
+
+/// What is known of a quantity beforehand.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Prior {
+    /// Expected value.
+    pub mean: f32,
+    /// One over its variance, in units of one over the noise variance; zero: unknown.
+    pub weight: f32,
+}
+
+impl Prior {
+    /// With more variance, in units of the noise variance.
+    pub(crate) fn loosened(self, variance: f32) -> Self {
+        Self { weight: loosened(self.weight, variance), ..self }
+    }
+}
+
+/// A weight, one over a variance, where another variance is added to that.
+pub(crate) fn loosened(weight: f32, variance: f32) -> f32 {
+    weight / (1.0 + variance * weight)
+}
+
+/// From 0 where a size is within a limit to 1 where it is twice that.
+pub(crate) fn surely(size: f32, limit: f32) -> f32 {
+    if size > limit { (size / limit - 1.0).min(1.0) } else { 0.0 }
+}
+
+/// What an event measured by itself, without the expectation it was fitted with.
+///
+/// `mean` and `variance` are the fitted ones; the precisions subtract. `None` when
+/// less than the given part of the fitted precision is the event's own; up to twice
+/// that part it counts for less.
+#[must_use]
+pub fn without_prior(
+    mean: f32,
+    variance: f32,
+    prior: Prior,
+    noise_n2: f32,
+    least: f32,
+) -> Option<(f32, f32)> {
+    let (fitted, expected) = (1.0 / variance, prior.weight / noise_n2);
+    let own = fitted - expected;
+    let sure = surely(own, least * fitted);
+    // The difference of the means keeps its digits, that of the products would not.
+    (sure > 0.0).then(|| (mean + expected / own * (mean - prior.mean), 1.0 / (sure * own)))
+}

@@ -1,0 +1,91 @@
+//! A quantile, online: moved by a constant factor up or down, no threshold and no division.
+
+use crate::num::math::larger;
+
+/// A running quantile of positive numbers.
+#[derive(Clone, Copy, Debug)]
+pub struct Quantile {
+    value: f32,
+    count: u32,
+    /// The first numbers, in order of size.
+    first: [f32; FEWEST as usize],
+    /// Probability of the quantile.
+    part: f32,
+    /// Factors up and down, once settled.
+    up: f32,
+    down: f32,
+}
+
+/// Final step of a quantile: settles to 8 % within a hundred samples.
+const SMALLEST_GAIN: f32 = 0.08;
+/// Numbers after which the step is final.
+const SETTLED: u32 = 40;
+/// Fewest numbers that tell a quantile.
+const FEWEST: u32 = 8;
+
+impl Quantile {
+    /// For a probability.
+    #[must_use]
+    pub const fn new(part: f32) -> Self {
+        let (up, down) = factors(SMALLEST_GAIN, part);
+        Self { value: 0.0, count: 0, first: [f32::MAX; FEWEST as usize], part, up, down }
+    }
+
+    /// Takes a number at or above zero.
+    pub fn add(&mut self, size: f32) {
+        if self.count < SETTLED {
+            return self.start(size);
+        }
+        self.follow(size, (self.up, self.down));
+    }
+
+    fn follow(&mut self, size: f32, (up, down): (f32, f32)) {
+        let factor = if size > self.value { up } else { down };
+        // Zero (a noiseless start) could not grow by a factor alone.
+        self.value = larger(self.value * factor, 1e-3 * size);
+    }
+
+    /// Sorts the first numbers in: their quantile is where to start from. Larger steps at
+    /// first.
+    #[inline(never)]
+    fn start(&mut self, mut size: f32) {
+        if self.count >= FEWEST {
+            self.count += 1;
+            let gain = (4.0 / self.count as f32).max(SMALLEST_GAIN);
+            return self.follow(size, factors(gain, self.part));
+        }
+        for entry in &mut self.first {
+            (*entry, size) = (entry.min(size), entry.max(size));
+        }
+        self.count += 1;
+        let place = self.part * (self.count - 1) as f32 + 0.5;
+        self.value = self.first.get(place as usize).copied().unwrap_or(size);
+    }
+
+    /// What few numbers tell may be far too small: from 2 at the first value to 1 when
+    /// settled.
+    #[must_use]
+    pub fn caution(&self) -> f32 {
+        match SETTLED.checked_sub(self.count) {
+            Some(missing) => 1.0 + missing as f32 / (SETTLED - FEWEST) as f32,
+            None => 1.0,
+        }
+    }
+
+    /// Are its steps the final ones?
+    #[must_use]
+    pub fn is_settled(&self) -> bool {
+        self.count >= SETTLED
+    }
+
+    /// The quantile so far; `None` until eight numbers were seen.
+    #[must_use]
+    pub fn value(&self) -> Option<f32> {
+        (self.count >= FEWEST).then_some(self.value)
+    }
+}
+
+/// Factors that balance when a part of the numbers lies below the quantile.
+const fn factors(gain: f32, part: f32) -> (f32, f32) {
+    (1.0 + gain * part, 1.0 / (1.0 + gain * (1.0 - part)))
+}
