@@ -20,6 +20,9 @@ use crate::wall_clock::WallClock;
 
 mod around;
 
+/// Periods between two lines of temperature and supply: a minute.
+const CLIMATE_PERIODS: u64 = 960;
+
 /// Everything but the sampling interrupt and the board.
 #[expect(missing_debug_implementations, reason = "the queue has none")]
 pub struct App<'q, P, S> {
@@ -267,6 +270,9 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
         if begins {
             self.sync(sample.index);
         }
+        if step.sample.index % CLIMATE_PERIODS == 0 {
+            self.say_climate(step.sample.index);
+        }
         if self.live {
             self.show(&step);
         }
@@ -275,8 +281,7 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
         }
         if let Some(event) = step.event {
             log::debug!("{}", event);
-            self.tell(&Line::Event(event));
-            self.sync(first_index.wrapping_add(event.onset.index as u32));
+            self.tell_event(event);
         }
         if let Some(change) = step.change {
             self.tell(&Line::Change(change));
@@ -368,7 +373,7 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
             return Err("no test is running");
         }
         while let Some(event) = self.finish_event() {
-            self.tell(&Line::Event(event));
+            self.tell_event(event);
         }
         if let Some(report) = self.view().report {
             self.tell(&Line::Report(report));
@@ -381,6 +386,14 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
         let stored = self.journal.end();
         self.check_store(stored.is_err());
         Ok(())
+    }
+
+    /// Says an event, and when its onset was.
+    fn tell_event(&mut self, event: Event) {
+        self.tell(&Line::Event(event));
+        if let Job::Test(Test { first_index: Some(first), .. }) = self.job {
+            self.sync(first.wrapping_add(event.onset.index as u32));
+        }
     }
 
     /// What the pipeline still holds back.

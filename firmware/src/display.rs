@@ -194,6 +194,8 @@ fn health(view: &View) -> Row {
 }
 
 #[cfg(test)]
+mod pictures;
+#[cfg(test)]
 mod tests {
     use super::*;
     use embedded_graphics::Drawable;
@@ -203,7 +205,7 @@ mod tests {
     use floe_core::weighing::{Load, Swing};
     use floe_core::{Coefficient, Provisional, SampleTime};
 
-    fn nothing() -> View {
+    pub(super) fn nothing() -> View {
         View {
             force_n: None,
             rate_n_per_s: None,

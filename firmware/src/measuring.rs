@@ -3,7 +3,7 @@
 //! All three are the mean of a load at rest ([`floe_core::weighing`]), which grows sharper
 //! until somebody says `accept` or `abort`. Nothing changes before.
 
-use floe_core::calibrate::Calibrator;
+use floe_core::signal::calibrate::Calibrator;
 use floe_core::weighing::{Load, Rest, Unrest, Weighing};
 use floe_core::{Counts, Reading};
 use heapless::Vec;
@@ -52,8 +52,10 @@ pub struct Measuring {
     weights: Vec<(f32, Load), MOST_WEIGHTS>,
     /// The newest reading is beyond the range.
     saturated: bool,
-    /// Since it began, whatever came between.
-    seconds: u32,
+    /// Samples since it began, whatever came between.
+    samples: u32,
+    /// The block as it was at the last full second.
+    weighed: Weighed,
 }
 
 /// Codes of a force, and how well they are known.
@@ -72,7 +74,9 @@ impl Measuring {
         let range_counts = settings.config.calibration.range_counts;
         let calibrator = Calibrator::new(&settings.config);
         let (weighing, weights) = (Weighing::new(RATE_HZ), Vec::new());
-        Self { task, weighing, calibrator, range_counts, weights, saturated: false, seconds: 0 }
+        let weighed = Weighed { duration_s: 0.0, load: Err(Hindrance::Short) };
+        let (saturated, samples) = (false, 0);
+        Self { task, weighing, calibrator, range_counts, weights, saturated, samples, weighed }
     }
 
     /// Goes on with another known weight; the one before is kept.
@@ -110,28 +114,33 @@ impl Measuring {
         let inside = |code: &Counts| lowest < code.0 && code.0 < highest;
         self.saturated = sample.reading.is_ok_and(|code| !inside(&code));
         let code = sample.reading.ok().filter(inside);
-        let second = self.weighing.add(match self.task {
+        self.weighing.add(match self.task {
             Task::Tare | Task::Calibrate(_) => code.map(|code| code.0 as f32),
             Task::Weigh => {
                 code.and_then(|code| self.calibrator.force_n(Reading::Counts(code)).ok())
             }
         });
-        self.seconds = self.seconds.saturating_add(u32::from(second));
+        self.samples = self.samples.wrapping_add(1);
+        let second = self.samples % RATE_HZ as u32 == 0;
+        if second && self.task == Task::Weigh {
+            let duration_s = self.weighing.duration_s();
+            self.weighed = Weighed { duration_s, load: self.load_above(0.0) };
+        }
         second
     }
 
     /// The block's weight so far, as it is shown once a second.
     #[must_use]
     pub fn weighed(&self) -> Option<Weighed> {
-        let duration_s = self.weighing.duration_s();
-        (self.task == Task::Weigh).then(|| Weighed { duration_s, load: self.load_above(0.0) })
+        (self.task == Task::Weigh).then_some(self.weighed)
     }
 
     /// What to say of it now, if there is anything.
     #[must_use]
     pub fn news(&self, settings: &Settings) -> Option<Text> {
         // Said when twice as long has made it sharper, and every minute.
-        let due = [8, 16, 32].contains(&self.seconds) || self.seconds % 64 == 0;
+        let seconds = self.samples / RATE_HZ as u32;
+        let due = [8, 16, 32].contains(&seconds) || seconds % 64 == 0;
         let news = match self.task {
             Task::Tare if due => self.zero().map(|rest| tare_news(&rest, settings)),
             Task::Calibrate(force_n) if due => {
@@ -217,7 +226,7 @@ impl Measuring {
         let counts_per_n = products / squares;
         let residual = |(force_n, load): (f32, Load)| (load.value / counts_per_n - force_n).abs();
         let residual_n = all().map(residual).fold(0.0, f32::max);
-        let std = floe_core::math::sqrt(variance) / squares;
+        let std = floe_core::num::math::sqrt(variance) / squares;
         let good = counts_per_n.is_finite() && counts_per_n != 0.0;
         let span = Span { counts_per_n, std, residual_n };
         if good { Ok((span, newest)) } else { Err("the weights do not make a span") }

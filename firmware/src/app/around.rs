@@ -4,6 +4,7 @@ use embedded_io::{Read, ReadReady, Write};
 use heapless::String;
 
 use super::{App, Job, config_error};
+use crate::adc::Climate;
 use crate::console::INPUT_LEN;
 use crate::line::Line;
 use crate::measuring::{Measuring, Task};
@@ -111,6 +112,16 @@ impl<P: Read + ReadReady + Write, S: Store> App<'_, P, S> {
             None => self.info("the clock is not set: clock 2027-03-02T10:15:00Z"),
         }
         Ok(())
+    }
+
+    /// How cold the converter is and what feeds it, if it can tell.
+    pub(super) fn say_climate(&mut self, index: u64) {
+        let Climate { temperature_256, supply_mv } = self.shared.climate();
+        let temperature_c = temperature_256.map(|code| code as f32 / 256.0);
+        let supply_v = supply_mv.map(|supply_mv| supply_mv as f32 / 1000.0);
+        if temperature_c.is_some() || supply_v.is_some() {
+            self.tell(&Line::Climate { index, temperature_c, supply_v });
+        }
     }
 
     /// Says during a test when a sample was taken, if the clock is set.

@@ -31,7 +31,7 @@ enum Column {
 use Column::{Integer, Maybe, Number, Text, Truth};
 
 /// The columns. Units are in the names, as everywhere.
-const COLUMNS: [(&str, Column); 27] = [
+const COLUMNS: [(&str, Column); 32] = [
     ("campaign", Integer(|(t, _)| t.campaign)),
     ("test", Integer(|(t, _)| t.test)),
     ("test_id", Text(|(t, _)| &t.test_id)),
@@ -59,6 +59,11 @@ const COLUMNS: [(&str, Column); 27] = [
     ("reason", Text(|(_, e)| e.measured.reason.as_deref().unwrap_or_default())),
     ("true_mu_s", Maybe(|(_, e)| e.true_mu_s)),
     ("true_mu", Maybe(|(_, e)| e.true_mu)),
+    ("kind", Text(|(t, _)| t.kind.as_deref().unwrap_or_default())),
+    ("track", Text(|(t, _)| t.track.as_deref().unwrap_or_default())),
+    ("cable_length_m", Maybe(|(t, _)| t.cable_length_m)),
+    ("start_time", Text(|(t, _)| t.start_time.as_deref().unwrap_or_default())),
+    ("temperature_c", Maybe(|(t, _)| t.temperature_c)),
 ];
 
 fn schema() -> Result<TypePtr> {

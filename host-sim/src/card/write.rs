@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use floe_firmware::line::Decimal;
+use floe_firmware::line::{Decimal, Line};
 use floe_firmware::notebook::{Kind, Track, WeightFrom, word};
 use floe_firmware::record::Part;
 use floe_firmware::sample::Sample;
@@ -15,7 +15,25 @@ use super::text::COLUMN;
 #[must_use]
 pub fn csv(test: &Test) -> String {
     let rows = test.samples.iter().map(|s| row(&test.settings, test.part.first_index, s));
-    std::iter::once(head(&test.part, &test.settings)).chain(rows).collect()
+    let heads = [said(&test.lines), head(&test.part, &test.settings)];
+    heads.into_iter().chain(rows).collect()
+}
+
+/// What the board noted while it measured: when, how cold, and what somebody wrote down.
+fn said(lines: &str) -> String {
+    let (mut text, mut cold) = (String::new(), Vec::new());
+    for line in lines.lines().filter_map(|line| Line::parse(line).ok()) {
+        if let Line::Note(note) = line {
+            let _ = writeln!(text, "# note: {note}");
+        } else if let Line::Climate { temperature_c, .. } = line {
+            cold.extend(temperature_c.map(f64::from));
+        }
+    }
+    if !cold.is_empty() {
+        let mean = cold.iter().sum::<f64>() / cold.len() as f64;
+        let _ = writeln!(text, "# temperature_c: {mean:.2}");
+    }
+    text
 }
 
 /// Campbell's TOA5. The board has no calendar: time begins on 2000-01-01.

@@ -43,9 +43,8 @@ pub fn wrapped(text: &str, width: u16) -> Vec<String> {
 pub fn flow(parts: Vec<Span<'static>>, width: u16) -> Vec<Line<'static>> {
     let mut rows: Vec<Line<'static>> = Vec::new();
     for part in parts.into_iter().filter(|part| !part.content.is_empty()) {
-        let fits = |row: &&mut Line<'_>| {
-            row.width() + GAP.len() + part.width() <= usize::from(width)
-        };
+        let fits =
+            |row: &&mut Line<'_>| row.width() + GAP.len() + part.width() <= usize::from(width);
         match rows.last_mut().filter(fits) {
             Some(row) => row.spans.extend([Span::raw(GAP), part]),
             None if part.width() <= usize::from(width) => rows.push(Line::from(part)),
@@ -75,7 +74,8 @@ mod tests {
 
     #[test]
     fn parts_stay_whole() {
-        let parts = || ["noise 1.9 N", "loading 360 N/s", "", "k 23.0 kN/m"].map(Span::raw).to_vec();
+        let parts =
+            || ["noise 1.9 N", "loading 360 N/s", "", "k 23.0 kN/m"].map(Span::raw).to_vec();
         let rows = |width| flow(parts(), width).iter().map(ToString::to_string).collect::<Vec<_>>();
         assert_eq!(rows(80), ["noise 1.9 N   loading 360 N/s   k 23.0 kN/m"]);
         assert_eq!(rows(30), ["noise 1.9 N   loading 360 N/s", "k 23.0 kN/m"]);

@@ -17,6 +17,14 @@ pub struct Metadata {
     pub winch_m_per_s: Option<f64>,
     /// Length of the cable, m.
     pub cable_length_m: Option<f64>,
+    /// How the block was pulled: `sliding`, `rafting` or `over-riding`.
+    pub kind: Option<String>,
+    /// The ice under it: `fresh` or `repeated`.
+    pub track: Option<String>,
+    /// When the test was started, ms since 1970 (UTC).
+    pub start_unix_ms: Option<f64>,
+    /// Mean temperature of the converter, °C.
+    pub temperature_c: Option<f64>,
     /// Depth of the snow cover, mm.
     pub snow_mm: Option<f64>,
     /// Samples per second.
@@ -40,8 +48,13 @@ impl Metadata {
             return Ok(());
         };
         let (key, value) = (key.trim().to_ascii_lowercase(), value.trim());
+        let text = Some(value.to_string()).filter(|text| !text.is_empty());
         if key == "test_id" {
-            self.test_id = Some(value.to_string()).filter(|id| !id.is_empty());
+            self.test_id = text;
+        } else if key == "kind" {
+            self.kind = text;
+        } else if key == "track" {
+            self.track = text;
         } else if let Some(field) = self.field(&key) {
             *field = Some(finite(value.as_bytes()).ok_or_else(|| not_a_number(&key, value))?);
         }
@@ -54,6 +67,8 @@ impl Metadata {
             "slope_deg" => &mut self.slope_deg,
             "winch_m_per_s" => &mut self.winch_m_per_s,
             "cable_length_m" => &mut self.cable_length_m,
+            "start_unix_ms" => &mut self.start_unix_ms,
+            "temperature_c" => &mut self.temperature_c,
             "snow_mm" => &mut self.snow_mm,
             "rate_hz" => &mut self.rate_hz,
             "range_n" => &mut self.range_n,

@@ -59,6 +59,7 @@ pub fn decode(shown: &str) -> Result<Outcome> {
             | Line::About(_)
             | Line::Mean(_)
             | Line::Note(_)
+            | Line::Weighed(_)
             | Line::Mark { .. }
             | Line::Sync { .. }
             | Line::Climate { .. }
