@@ -184,7 +184,7 @@ fn board_display_and_card_agree() {
     assert!((f64::from(after_n) - MOVED_N).abs() < 0.05, "{after_n}");
     assert!(test.lines.contains("N,wind from the side*"), "{}", test.lines);
     // Once a minute how cold it is, and no sample is lost for it.
-    assert!(test.lines.lines().any(|line| line.starts_with("K,0,-12,3.3")), "{}", test.lines);
+    assert!(test.lines.lines().any(|line| line.starts_with("K,0,-12,3.3*")), "{}", test.lines);
     assert_eq!((test.missing(), test.samples.len()), (0, 960));
     let at = |line| if let Line::Sync { unix_ms, .. } = line { Some(unix_ms) } else { None };
     let times: Vec<u64> = board.lines().filter_map(at).collect();
@@ -251,8 +251,7 @@ const CALIBRATE: [(u64, &str); 6] = [
 #[test]
 fn a_swinging_calibration_takes_the_excess_off() {
     let board = says(swinging(40.0), SPAN, &CALIBRATE);
-    let swings = ["4.9", "5.0", "5.1"].map(|degrees| board.says(&format!("swing {degrees} deg")));
-    assert!(swings.contains(&true), "{}", board.screen);
+    assert!(board.says("swing 4.") || board.says("swing 5."), "{}", board.screen);
     let span = f64::from(last_settings(&board).config.calibration.counts_per_n);
     // A fiftieth of a percent is what a weighing reaches; the excess is a fifth of one.
     assert!((span / SPAN - 1.0).abs() < 6e-4, "{span}");
@@ -294,8 +293,7 @@ fn two_weights_make_one_span() {
     let script = [
         (0, "set tare 12345\nset span 400\n"),
         (1, "calibrate 500\n"),
-        (180, "\n"),
-        (190, "calibrate 1000\n"),
+        (200, "calibrate 1000\n"),
         (360, "accept\n"),
         (361, "status\n"),
     ];

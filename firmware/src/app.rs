@@ -49,6 +49,7 @@ pub struct App<'q, P, S> {
 }
 
 /// What the samples are used for.
+#[expect(clippy::large_enum_variant, reason = "there is one of them, and no heap")]
 enum Job {
     Idle,
     Test(Test),
@@ -270,7 +271,7 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
         if begins {
             self.sync(sample.index);
         }
-        if step.sample.index % CLIMATE_PERIODS == 0 {
+        if step.sample.index.is_multiple_of(CLIMATE_PERIODS) {
             self.say_climate(step.sample.index);
         }
         if self.live {

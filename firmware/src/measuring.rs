@@ -3,6 +3,7 @@
 //! All three are the mean of a load at rest ([`floe_core::weighing`]), which grows sharper
 //! until somebody says `accept` or `abort`. Nothing changes before.
 
+use floe_core::num::math::{hypotenuse, sqrt};
 use floe_core::signal::calibrate::Calibrator;
 use floe_core::weighing::{Load, Rest, Unrest, Weighing};
 use floe_core::{Counts, Reading};
@@ -28,6 +29,9 @@ const FEW: f32 = 0.05;
 const LOADED: f32 = 0.02;
 /// The span of a cell does not double.
 const USUAL: core::ops::Range<f32> = 0.5..2.0;
+
+/// Standard deviation of what rounding to a whole code leaves open, codes.
+const WHOLE_CODE: f32 = 0.289;
 
 /// What is looked for.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -56,6 +60,10 @@ pub struct Measuring {
     samples: u32,
     /// The block as it was at the last full second.
     weighed: Weighed,
+    /// Code of the zero.
+    tare: f32,
+    /// The known weight, codes, when it last rested.
+    rested: Option<Load>,
 }
 
 /// Codes of a force, and how well they are known.
@@ -75,17 +83,28 @@ impl Measuring {
         let calibrator = Calibrator::new(&settings.config);
         let (weighing, weights) = (Weighing::new(RATE_HZ), Vec::new());
         let weighed = Weighed { duration_s: 0.0, load: Err(Hindrance::Short) };
-        let (saturated, samples) = (false, 0);
-        Self { task, weighing, calibrator, range_counts, weights, saturated, samples, weighed }
+        Self {
+            task,
+            weighing,
+            calibrator,
+            range_counts,
+            weights,
+            saturated: false,
+            samples: 0,
+            weighed,
+            tare: settings.config.calibration.tare_counts as f32,
+            rested: None,
+        }
     }
 
-    /// Goes on with another known weight; the one before is kept.
+    /// Goes on with another known weight, which may hang there already; the one before is
+    /// kept as it last rested.
     ///
     /// # Errors
-    /// It does not rest yet, or there is no room for another.
+    /// It has not rested, or there is no room for another.
     pub fn another(&mut self, force_n: f32, settings: &Settings) -> Result<(), &'static str> {
         if let Task::Calibrate(before_n) = self.task {
-            let load = self.load(settings)?;
+            let load = self.rested.ok_or(Hindrance::Short.words())?;
             self.weights.push((before_n, load)).map_err(|_| "four weights are enough: accept")?;
         }
         let weights = core::mem::take(&mut self.weights);
@@ -121,12 +140,23 @@ impl Measuring {
             }
         });
         self.samples = self.samples.wrapping_add(1);
-        let second = self.samples % RATE_HZ as u32 == 0;
-        if second && self.task == Task::Weigh {
-            let duration_s = self.weighing.duration_s();
-            self.weighed = Weighed { duration_s, load: self.load_above(0.0) };
+        let second = self.samples.is_multiple_of(RATE_HZ as u32);
+        if second {
+            self.look();
         }
         second
+    }
+
+    /// Once a second: what hangs there now.
+    fn look(&mut self) {
+        match self.task {
+            Task::Tare => {}
+            Task::Calibrate(_) => self.rested = self.load().ok().or(self.rested),
+            Task::Weigh => {
+                let duration_s = self.weighing.duration_s();
+                self.weighed = Weighed { duration_s, load: self.load_above(0.0) };
+            }
+        }
     }
 
     /// The block's weight so far, as it is shown once a second.
@@ -140,11 +170,11 @@ impl Measuring {
     pub fn news(&self, settings: &Settings) -> Option<Text> {
         // Said when twice as long has made it sharper, and every minute.
         let seconds = self.samples / RATE_HZ as u32;
-        let due = [8, 16, 32].contains(&seconds) || seconds % 64 == 0;
+        let due = [8, 16, 32].contains(&seconds) || seconds.is_multiple_of(64);
         let news = match self.task {
             Task::Tare if due => self.zero().map(|rest| tare_news(&rest, settings)),
             Task::Calibrate(force_n) if due => {
-                self.span(settings).map(|(span, load)| span_news(force_n, span, &load, settings))
+                self.span().map(|(span, load)| span_news(force_n, span, &load, settings))
             }
             Task::Tare | Task::Calibrate(_) | Task::Weigh => return None,
         };
@@ -162,10 +192,10 @@ impl Measuring {
                 let rest = self.zero()?;
                 let span = settings.config.calibration.counts_per_n;
                 settings.config.calibration.tare_counts = rounded(rest.mean);
-                settings.stds.zero_n = Some(rest.std / span.abs());
+                settings.stds.zero_n = Some(hypotenuse(rest.std, WHOLE_CODE) / span.abs());
             }
             Task::Calibrate(_) => {
-                settings.config.calibration.counts_per_n = self.span(&settings)?.0.counts_per_n;
+                settings.config.calibration.counts_per_n = self.span()?.0.counts_per_n;
             }
             Task::Weigh => {
                 let load = self.hanging()?;
@@ -198,9 +228,8 @@ impl Measuring {
     }
 
     /// A known weight, codes.
-    fn load(&self, settings: &Settings) -> Result<Load, &'static str> {
-        let tare = settings.config.calibration.tare_counts as f32;
-        let load = self.load_above(tare).map_err(Hindrance::words)?;
+    fn load(&self) -> Result<Load, &'static str> {
+        let load = self.load_above(self.tare).map_err(Hindrance::words)?;
         let hangs = load.value.abs() > SURE * load.std;
         hangs.then_some(load).ok_or("nothing hangs there: tare first, then hang a known weight")
     }
@@ -216,9 +245,9 @@ impl Measuring {
     }
 
     /// The line through zero and all weights, and the newest of them.
-    fn span(&self, settings: &Settings) -> Result<(Span, Load), &'static str> {
+    fn span(&self) -> Result<(Span, Load), &'static str> {
         let Task::Calibrate(force_n) = self.task else { return Err("no calibration") };
-        let newest = self.load(settings)?;
+        let newest = self.load()?;
         let all = || self.weights.iter().copied().chain([(force_n, newest)]);
         let squares: f32 = all().map(|(force_n, _)| force_n * force_n).sum();
         let products: f32 = all().map(|(force_n, load)| force_n * load.value).sum();
@@ -226,7 +255,7 @@ impl Measuring {
         let counts_per_n = products / squares;
         let residual = |(force_n, load): (f32, Load)| (load.value / counts_per_n - force_n).abs();
         let residual_n = all().map(residual).fold(0.0, f32::max);
-        let std = floe_core::num::math::sqrt(variance) / squares;
+        let std = sqrt(variance) / squares;
         let good = counts_per_n.is_finite() && counts_per_n != 0.0;
         let span = Span { counts_per_n, std, residual_n };
         if good { Ok((span, newest)) } else { Err("the weights do not make a span") }
@@ -300,7 +329,7 @@ fn span_news(force_n: f32, span: Span, load: &Load, settings: &Settings) -> Text
     let swing_deg = load.swing.map_or(0.0, |swing| swing.amplitude_rad.to_degrees());
     let line = ("span ", Decimal(counts_per_n), (" +- ", Fixed(std, 4), " codes per N, off by "));
     let found = (Fixed(residual_n, 3), " N, swing ", (Fixed(swing_deg, 1), " deg", warning));
-    text((line, found, ": accept, abort, or hang more and calibrate N"))
+    text((line, found, ": accept, abort, or hang another and calibrate N"))
 }
 
 fn rounded(value: f32) -> i32 {

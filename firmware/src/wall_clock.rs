@@ -49,7 +49,7 @@ impl Moment {
         let [year, month, day] = numbers(date, '-')?;
         let (time, fraction) = time.split_once('.').unwrap_or((time, "0"));
         let [hour, minute, second] = numbers(time, ':')?;
-        let leap = u32::from(year % 4 == 0);
+        let leap = u32::from(year.is_multiple_of(4));
         let days = DAYS_BEFORE.get(month.checked_sub(1)? as usize)?;
         let last = DAYS_BEFORE.get(month as usize).copied().unwrap_or(365) - days;
         let last = if month == 2 { last + leap } else { last };
@@ -89,7 +89,10 @@ impl Show for Moment {
     fn show(&self, out: &mut StringView) -> fmt::Result {
         let (mut day, ms) = ((self.0 / DAY_MS) as u32, (self.0 % DAY_MS) as u32);
         let mut year = 1970;
-        let leap = |year: u32| u32::from(year % 4 == 0 && (year % 100 != 0 || year % 400 == 0));
+        let leap = |year: u32| {
+            let by = |years: u32| year.is_multiple_of(years);
+            u32::from(by(4) && (!by(100) || by(400)))
+        };
         while day >= 365 + leap(year) {
             day -= 365 + leap(year);
             year += 1;

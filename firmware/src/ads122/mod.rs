@@ -173,7 +173,7 @@ impl<B: Bus, D: DelayNs> Ads122<B, D> {
             }
             Some(Aside::Supply) => {
                 // A quarter of it, as a part of 2048 mV, in 23 bits.
-                self.climate.supply_mv = Some(self.beside(SUPPLY)? >> 10);
+                self.climate.supply_mv = Some((self.beside(SUPPLY)? + (1 << 9)) >> 10);
             }
         }
         Ok(())
