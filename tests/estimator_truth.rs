@@ -291,7 +291,7 @@ fn check_means(name: &str, pull: &Pull) {
         let report = feed::replay(&config, feed::in_a_row(&test.forces_n)).report;
         let error = |got: Option<floe_core::Estimate>, truth: f64| {
             let got = got.unwrap();
-            (f64::from(got.mean) - truth) / f64::from(got.std_error)
+            (f64::from(got.mean) - truth) / f64::from(got.std_error.unwrap())
         };
         mu_s.push(error(report.mu_s, pull.mu_s));
         mu.push(error(report.mu, pull.mu));

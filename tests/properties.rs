@@ -80,7 +80,8 @@ fn incremental_equals_batch_in_any_chunks() {
 
 /// Events as they come: values around one, with errors of their own.
 fn coefficients(most: usize) -> impl Strategy<Value = Vec<Coefficient>> {
-    let one = (0.2..1.6_f32, 1e-4..0.1_f32).prop_map(|(value, std)| Coefficient { value, std });
+    let one =
+        (0.2..1.6_f32, 1e-4..0.1_f32).prop_map(|(value, std)| Coefficient::random(value, std));
     proptest::collection::vec(one, 1..most)
 }
 
@@ -136,7 +137,8 @@ fn correlations(events: &[Coefficient], mean: f64, variance: f64) -> f64 {
 
 fn result(estimator: &Estimator) -> [f64; 3] {
     let estimate = estimator.estimate().unwrap();
-    [estimate.mean, estimate.std_error, estimate.spread.unwrap_or(0.0)].map(f64::from)
+    let (std_error, spread) = (estimate.std_error.unwrap_or(0.0), estimate.spread.unwrap_or(0.0));
+    [estimate.mean, std_error, spread].map(f64::from)
 }
 
 /// Equal to the rounding of the single precision in which results are given.
@@ -340,15 +342,21 @@ fn numbers_of_an_event(event: &Event) -> Vec<f32> {
         event.loading_rate_n_per_s,
     ];
     numbers.extend(event.stick_s.into_iter().chain(event.omega_rad_per_s));
-    numbers.extend([event.mu_s, event.mu].into_iter().flatten().flat_map(|c| [c.value, c.std]));
+    let coefficients = [event.mu_s, event.mu].into_iter().flatten();
+    numbers.extend(coefficients.flat_map(|c| [c.value, c.std, c.systematic_std]));
     numbers
 }
 
 fn numbers_of_a_report(report: &Report) -> Vec<f32> {
     let estimates = [report.mu_s, report.mu].into_iter().flatten();
     let mut numbers: Vec<f32> = estimates
-        .flat_map(|e| [Some(e.mean), Some(e.std_error), e.spread])
-        .chain([report.noise_n, report.loading_rate_n_per_s, report.omega_rad_per_s])
+        .flat_map(|e| {
+            let (low, high) = e.ci95().unzip();
+            [Some(e.mean), e.std_error, e.spread, Some(e.systematic_std), low, high]
+        })
+        .chain([report.loading_rate_n_per_s, report.omega_rad_per_s].map(|q| q.map(|q| q.value)))
+        .chain([report.loading_rate_n_per_s, report.omega_rad_per_s].map(|q| q.map(|q| q.std)))
+        .chain([report.noise_n, Some(report.zero_std_n), Some(report.zero_drift_n)])
         .chain([report.stiffness_n_per_m, report.recurrence_s, report.zero_n])
         .flatten()
         .collect();

@@ -99,9 +99,10 @@ fn summary(result: &ReplayResult) -> String {
         s.about(&format!("{name} std quantiles"), &stds, typical);
     }
     s.about("noise_n", &[result.noise_n], 0.0);
-    let (rate, omega) = (result.loading_rate_n_per_s, result.omega_rad_per_s);
-    s.about("loading rate, omega, stiffness", &[rate, omega, result.stiffness_n_per_m], 0.0);
-    s.about("recurrence_s", &[result.recurrence_s], 0.0);
+    let q = &result.quantities;
+    let (rate, omega) = (q.loading_rate_n_per_s, q.omega_rad_per_s);
+    s.about("loading rate, omega, stiffness", &[rate, omega, q.stiffness_n_per_m], 0.0);
+    s.about("recurrence_s", &[q.recurrence_s], 0.0);
     s.about("stick_s quantiles", &quantiles(events, |e| e.stick_s), 0.02);
     s.about("slip_s quantiles", &quantiles(events, |e| Some(e.slip_s)), 0.02);
     s.about("peak force quantiles", &quantiles(events, |e| Some(e.peak_force_n)), 0.0);

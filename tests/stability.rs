@@ -207,7 +207,7 @@ fn means(both: &Both, scene: &Scene) {
     {
         let (single, double) = (single.unwrap(), double.unwrap());
         let mean = f64::from(single.mean);
-        let std_error = double.std_error;
+        let std_error = double.std_error.unwrap();
         let (error, rounding) = ((mean - truth) / std_error, (mean - double.mean) / std_error);
         println!(
             "{name}: {mean:.8} ± {std_error:.1e} from {} events, {error:+.2} standard errors \
@@ -304,7 +304,7 @@ fn a_million_events() {
     for i in 0..1_000_000_u32 {
         let std = if i % 3 == 0 { 0.001 } else { 0.0005 };
         let value = (0.78 + 0.002 * random.sample() + f64::from(std) * random.sample()) as f32;
-        estimator.add(Coefficient { value, std });
+        estimator.add(Coefficient::random(value, std));
         values.push((f64::from(value), f64::from(std).powi(2)));
     }
     let n = values.len() as f64;

@@ -65,6 +65,6 @@ fn the_report_says_how_far_the_zero_may_have_moved() {
     assert_eq!(steady.zero_n, None);
     // The mean is off by half of what the zero has moved by in the end.
     let mean = drifted.mu.unwrap();
-    let off = (f64::from(mean.mean) - 0.78) / f64::from(mean.std_error);
+    let off = (f64::from(mean.mean) - 0.78) / f64::from(mean.combined_std().unwrap());
     assert!(off > 0.5 && off < 1.96, "{off}");
 }

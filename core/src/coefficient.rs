@@ -2,6 +2,7 @@
 
 use crate::model;
 use crate::num::math;
+use crate::stats::student::t95;
 
 /// A coefficient and its standard deviation.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -9,14 +10,31 @@ use crate::num::math;
 pub struct Coefficient {
     /// The estimate.
     pub value: f32,
-    /// One standard deviation of this event's estimate.
+    /// One standard deviation of this event's estimate, the random part alone.
     pub std: f32,
+    /// One standard deviation of what is the same in all events: weight, slope, zero, span,
+    /// damping.
+    pub systematic_std: f32,
 }
 
 impl Coefficient {
-    /// With one more independent error of such a standard deviation.
-    pub(crate) fn widen(&mut self, std: f32) {
-        self.std = math::hypotenuse(self.std, std);
+    /// With a random part alone.
+    #[must_use]
+    pub const fn random(value: f32, std: f32) -> Self {
+        Self { value, std, systematic_std: 0.0 }
+    }
+
+    /// One standard deviation of all.
+    #[must_use]
+    pub fn combined_std(&self) -> f32 {
+        math::hypotenuse(self.std, self.systematic_std)
+    }
+
+    /// The 95 % interval. The noise is known from many samples: it is a normal one.
+    #[must_use]
+    pub fn ci95(&self) -> (f32, f32) {
+        let half = t95(f32::INFINITY) * self.combined_std();
+        (self.value - half, self.value + half)
     }
 }
 
@@ -26,8 +44,16 @@ impl Coefficient {
 pub struct Estimate {
     /// Mean.
     pub mean: f32,
-    /// Standard error of the mean, including the variation between events.
-    pub std_error: f32,
+    /// Standard error of the mean, the random part alone, including the variation between
+    /// events. One event tells nothing of that variation: `None`.
+    pub std_error: Option<f32>,
+    /// Degrees of freedom of `std_error`.
+    pub freedom: f32,
+    /// Standard deviation of what is the same in all events, which no number of them
+    /// averages out.
+    pub systematic_std: f32,
+    /// Part of it that the events share beyond the inputs: what the model learns from them.
+    pub common_std: f32,
     /// Standard deviation between events, noise removed; needs two events.
     pub spread: Option<f32>,
     /// How many events count.
@@ -35,9 +61,20 @@ pub struct Estimate {
 }
 
 impl Estimate {
-    /// With one more independent error of such a standard deviation.
-    pub(crate) fn widened(self, std: f32) -> Self {
-        Self { std_error: math::hypotenuse(self.std_error, std), ..self }
+    /// One standard deviation of all; `None` with one event.
+    #[must_use]
+    pub fn combined_std(&self) -> Option<f32> {
+        self.std_error.map(|random| math::hypotenuse(random, self.systematic_std))
+    }
+
+    /// The 95 % interval by Student's t, the degrees of freedom by Welch and Satterthwaite:
+    /// those of the inputs are endless. `None` with one event.
+    #[must_use]
+    pub fn ci95(&self) -> Option<(f32, f32)> {
+        let (random, combined) = self.std_error.zip(self.combined_std())?;
+        let ratio = combined / math::larger(random, 1e-3 * combined);
+        let half = t95(self.freedom * ratio * ratio * ratio * ratio) * combined;
+        Some((self.mean - half, self.mean + half))
     }
 }
 
@@ -48,8 +85,6 @@ pub struct Site {
     pub weight_n: f32,
     /// Sine and cosine of the slope of the ice.
     pub slope: (f32, f32),
-    /// Relative standard deviation of the weight; zero for the given one.
-    pub weight_spread: f32,
     /// Samples per second.
     pub rate_hz: f32,
 }
@@ -57,23 +92,12 @@ pub struct Site {
 impl Site {
     /// A force and its variance as a coefficient (26 to 28).
     pub(crate) fn coefficient(&self, force_n: f32, variance_n2: f32) -> Coefficient {
-        Coefficient {
-            value: model::coefficient(force_n, self.weight_n, self.slope),
-            std: math::sqrt(variance_n2) / (self.weight_n * self.slope.1),
-        }
+        let value = model::coefficient(force_n, self.weight_n, self.slope);
+        Coefficient::random(value, self.std(variance_n2))
     }
 
-    /// Standard deviation of a force's coefficient because of the weight's, and of a
-    /// variance that the events share.
-    pub(crate) fn common_std(&self, force_n: f32, shared_n2: f32) -> f32 {
-        let weight_n = self.weight_spread * force_n;
-        math::sqrt(weight_n * weight_n + shared_n2) / (self.weight_n * self.slope.1)
-    }
-
-    /// The same with the weight's uncertainty in the standard deviation.
-    pub(crate) fn whole(&self, force_n: f32, variance_n2: f32) -> Coefficient {
-        let mut whole = self.coefficient(force_n, variance_n2);
-        whole.widen(self.common_std(force_n, 0.0));
-        whole
+    /// Standard deviation of a coefficient whose force has such a variance.
+    pub(crate) fn std(&self, variance_n2: f32) -> f32 {
+        math::sqrt(variance_n2) / (self.weight_n * self.slope.1)
     }
 }

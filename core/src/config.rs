@@ -25,6 +25,67 @@ impl Default for Calibration {
     }
 }
 
+/// Standard deviations of what the pipeline is told; 0 means exactly known.
+///
+/// They are in every combined uncertainty, never in the random one ([`crate::budget`]).
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct InputStd {
+    /// Of the weight, relative. Default 0.3 %.
+    pub weight: f32,
+    /// Of the slope, rad. Default 0.2°.
+    pub slope_rad: f32,
+    /// Of the zero, N; `None`: 0.1 % of the largest force.
+    pub zero_n: Option<f32>,
+    /// Of the span of the load cell, relative. Default 0.1 %. 0 where the block was weighed
+    /// with the same cell: a wrong span is then wrong in force and weight alike.
+    pub span: f32,
+    /// Of the cable's damping, a part of the critical one: half-normal about 0, and never
+    /// taken off. Default 0.5 %.
+    pub damping: f32,
+    /// Of the winch speed, relative. Default 1 %.
+    pub winch: f32,
+}
+
+impl Default for InputStd {
+    /// Ordinary care.
+    fn default() -> Self {
+        Self {
+            weight: 0.003,
+            slope_rad: 0.003_490_659,
+            zero_n: None,
+            span: 0.001,
+            damping: 0.005,
+            winch: 0.01,
+        }
+    }
+}
+
+impl InputStd {
+    /// Everything is exactly known.
+    pub const EXACT: Self = Self {
+        weight: 0.0,
+        slope_rad: 0.0,
+        zero_n: Some(0.0),
+        span: 0.0,
+        damping: 0.0,
+        winch: 0.0,
+    };
+
+    /// The zero's, N, where the largest force was so much.
+    pub(crate) fn zero_n(&self, largest_n: f32) -> f32 {
+        const PART: f32 = 1e-3;
+        self.zero_n.unwrap_or(PART * largest_n)
+    }
+
+    /// Is every one a finite number at or above zero?
+    fn are_valid(&self) -> bool {
+        let Self { weight, slope_rad, zero_n, span, damping, winch } = *self;
+        let all = [weight, slope_rad, zero_n.unwrap_or(0.0), span, damping, winch];
+        all.iter().all(|std| std.is_finite() && *std >= 0.0)
+    }
+}
+
 /// Everything the pipeline has to be told.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -41,6 +102,8 @@ pub struct Config {
     pub range_n: Option<f32>,
     /// For readings in counts.
     pub calibration: Calibration,
+    /// How well all this is known.
+    pub std: InputStd,
 }
 
 impl Default for Config {
@@ -53,6 +116,7 @@ impl Default for Config {
             winch_m_per_s: None,
             range_n: None,
             calibration: Calibration::default(),
+            std: InputStd::default(),
         }
     }
 }
@@ -73,6 +137,8 @@ pub enum ConfigError {
     Range,
     /// `calibration` has a span of zero, or an empty range.
     Calibration,
+    /// A standard deviation in `std` is not a finite number at or above zero.
+    Std,
 }
 
 impl fmt::Display for ConfigError {
@@ -84,6 +150,7 @@ impl fmt::Display for ConfigError {
             Self::Winch => "the winch speed must be a number above zero",
             Self::Range => "the load cell's range must be a number above zero",
             Self::Calibration => "the calibration needs a span that is not zero and a range",
+            Self::Std => "a standard deviation must be a number at or above zero",
         })
     }
 }
@@ -106,6 +173,15 @@ impl Config {
         let calibration = &self.calibration;
         let span = calibration.counts_per_n;
         let range = calibration.range_counts;
-        check(span.is_finite() && span != 0.0 && range.0 < range.1, ConfigError::Calibration)
+        check(span.is_finite() && span != 0.0 && range.0 < range.1, ConfigError::Calibration)?;
+        self.validate_std()
+    }
+
+    /// Checks the standard deviations alone.
+    ///
+    /// # Errors
+    /// One is not a finite number at or above zero.
+    pub fn validate_std(&self) -> Result<(), ConfigError> {
+        if self.std.are_valid() { Ok(()) } else { Err(ConfigError::Std) }
     }
 }

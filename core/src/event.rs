@@ -17,14 +17,6 @@ pub struct Provisional {
     pub mu: Option<Coefficient>,
 }
 
-impl Provisional {
-    /// See [`Coefficient::widen`].
-    pub(crate) fn widen(&mut self, std: f32) {
-        self.mu_s.widen(std);
-        self.mu.iter_mut().for_each(|mu| mu.widen(std));
-    }
-}
-
 /// How far an event can be trusted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]

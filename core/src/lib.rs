@@ -15,6 +15,7 @@
 #![no_std]
 #![forbid(unsafe_code)]
 
+pub mod budget;
 pub mod coefficient;
 pub mod config;
 pub mod cycle;
@@ -34,11 +35,13 @@ pub mod stats;
 pub mod units;
 pub mod weighing;
 
+pub use budget::{Entry, Input, budget};
 pub use coefficient::{Coefficient, Estimate};
-pub use config::{Calibration, Config, ConfigError};
+pub use config::{Calibration, Config, ConfigError, InputStd};
 pub use effects::level_shift::{Cause, Change};
 pub use event::{Event, Provisional, Quality, Reason};
 pub use pipeline::{Pipeline, Step};
 pub use report::{Counters, Report};
 pub use sample::{Fault, ForceSample, Phase, RawSample, Reading, SampleFlag, SampleTime};
+pub use stats::quantity::Quantity;
 pub use units::{Counts, Newtons};

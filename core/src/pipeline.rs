@@ -1,6 +1,7 @@
 //! The one entry point: a sample in, what is known out.
 
-use crate::coefficient::Site;
+use crate::budget::Known;
+use crate::coefficient::{Coefficient, Estimate, Site};
 use crate::config::{Config, ConfigError};
 use crate::cycle::{CycleTracker, Finished};
 use crate::detector::{Detector, Transition};
@@ -15,6 +16,7 @@ use crate::signal::calibrate::Calibrator;
 use crate::signal::decimate::Decimator;
 use crate::signal::derivative::{Central, Rate};
 use crate::signal::spike::{Judged, SpikeFilter, Usual};
+use crate::stats::quantity::Quantity;
 
 /// Standard gravity, m/s²: turns a weight into a mass.
 const GRAVITY: f32 = 9.806_65;
@@ -79,8 +81,12 @@ pub struct Pipeline {
     cycles: CycleTracker,
     mu_s: Estimator,
     mu: Estimator,
-    /// What the zero may have moved by widens every interval.
+    /// What the zero may have moved by.
     drift: Drift,
+    /// Largest force of the events, N.
+    largest_n: f32,
+    /// Relative standard deviation of the weight by changes of the block: mean over events.
+    weight_std: f32,
     events: u32,
     /// The newest change, and whether a step has told it.
     change: Option<Change>,
@@ -97,12 +103,8 @@ impl Pipeline {
         config.validate()?;
         let decimator = Decimator::new(config.rate_hz);
         let rate_hz = config.rate_hz / decimator.factor();
-        let site = Site {
-            weight_n: config.weight_n,
-            slope: math::sin_cos(config.slope_rad),
-            weight_spread: 0.0,
-            rate_hz,
-        };
+        let site =
+            Site { weight_n: config.weight_n, slope: math::sin_cos(config.slope_rad), rate_hz };
         Ok(Self {
             config: *config,
             calibrator: Calibrator::new(config),
@@ -118,6 +120,8 @@ impl Pipeline {
             mu_s: Estimator::default(),
             mu: Estimator::default(),
             drift: Drift::default(),
+            largest_n: 0.0,
+            weight_std: 0.0,
             events: 0,
             change: None,
             told: true,
@@ -157,8 +161,8 @@ impl Pipeline {
         if !self.told {
             (step.change, self.told) = (self.change, true);
         }
-        if let Some(answer) = &mut step.provisional {
-            answer.widen(self.drift.std());
+        if let Some(Provisional { mu_s, mu }) = &mut step.provisional {
+            self.add_systematic(Some(mu_s), mu.as_mut());
         }
         step.phase = self.phase(step.sample);
     }
@@ -196,22 +200,66 @@ impl Pipeline {
     pub fn report(&self) -> Report {
         let (loading_rate, omega) = self.cycles.shared();
         let noise_n = self.cycles.noise_n().or(self.detector.noise_n());
-        let zero = self.drift.mean_std();
+        let known = Known {
+            weight_ratio: (self.cycles.weight_ratio().0, self.weight_std),
+            drift_n: self.cycles.force_n(self.drift.mean_std()),
+            ..self.known()
+        };
+        let (mu_s, mu) = self.estimates(&known);
         Report {
             counters: self.counters,
             events: self.events,
-            mu_s: self.mu_s.estimate().map(|mean| mean.widened(zero)),
-            mu: self.mu.estimate().map(|mean| mean.widened(zero)),
+            mu_s,
+            mu,
             noise_n: noise_n.map(|noise_n| noise_n * self.block_root),
             loading_rate_n_per_s: loading_rate,
-            omega_rad_per_s: omega,
+            omega_rad_per_s: omega.filter(|omega| omega.std < omega.value / 3.0),
             stiffness_n_per_m: self.stiffness(loading_rate, omega),
             recurrence_s: self.recurrence_s(),
             zero_n: noise_n.and_then(|noise_n| self.zero_n(noise_n)),
+            zero_std_n: known.zero_n,
+            zero_drift_n: known.drift_n,
+            weight_ratio: known.weight_ratio.0,
+            weight_ratio_std: known.weight_ratio.1,
             change: self.change.map(|change| {
                 let (weight_ratio, relative) = self.cycles.weight_ratio();
                 Change { weight_ratio, weight_ratio_std: relative * weight_ratio, ..change }
             }),
+        }
+    }
+
+    /// The means with what is systematic about them.
+    fn estimates(&self, known: &Known<'_>) -> (Option<Estimate>, Option<Estimate>) {
+        let (mut mu_s, mut mu) = (self.mu_s.estimate(), self.mu.estimate());
+        let means = [mu_s.or(mu), mu.or(mu_s)].map(|it| it.map_or(0.0, |it| it.mean));
+        for (estimate, std) in [&mut mu_s, &mut mu].into_iter().zip(known.std(means)) {
+            if let Some(it) = estimate {
+                it.systematic_std = math::hypotenuse(it.common_std, std);
+            }
+        }
+        (mu_s, mu)
+    }
+
+    /// The inputs as they are known now.
+    fn known(&self) -> Known<'_> {
+        Known {
+            config: &self.config,
+            weight_ratio: self.cycles.weight_ratio(),
+            zero_n: self.config.std.zero_n(self.largest_n),
+            drift_n: self.cycles.force_n(self.drift.std()),
+        }
+    }
+
+    /// What is systematic about the coefficients of an event.
+    fn add_systematic(&self, mu_s: Option<&mut Coefficient>, mu: Option<&mut Coefficient>) {
+        let value = |it: &Option<&mut Coefficient>| it.as_ref().map(|it| it.value);
+        let (a, b) = (value(&mu_s), value(&mu));
+        let values = [a.or(b), b.or(a)].map(Option::unwrap_or_default);
+        let stds = self.known().std(values);
+        for (coefficient, std) in [mu_s, mu].into_iter().zip(stds) {
+            if let Some(it) = coefficient {
+                it.systematic_std = std;
+            }
         }
     }
 
@@ -333,19 +381,23 @@ impl Pipeline {
         if let Some(mu) = mu {
             self.mu.add_with_common(mu, common.1);
         }
-        let zero = self.drift.std();
-        [&mut event.mu_s, &mut event.mu].into_iter().flatten().for_each(|it| it.widen(zero));
+        self.largest_n = math::larger(self.largest_n, event.peak_force_n.abs());
+        if mu_s.or(mu).is_some() {
+            let events = self.mu_s.count().max(self.mu.count()) as f32;
+            self.weight_std += (self.cycles.weight_ratio().1 - self.weight_std) / events;
+        }
+        self.add_systematic(event.mu_s.as_mut(), event.mu.as_mut());
         self.onsets = Some((self.onsets.map_or(event.onset, |(first, _)| first), event.onset));
         event
     }
 
     /// `k` from `F' = k w` where the winch speed is known, else from `ω² = k / M`.
-    fn stiffness(&self, loading_rate: Option<f32>, omega: Option<f32>) -> Option<f32> {
+    fn stiffness(&self, rate: Option<Quantity>, omega: Option<Quantity>) -> Option<f32> {
         let (ratio, _) = self.cycles.weight_ratio();
         let mass_kg = ratio * self.config.weight_n / GRAVITY;
         match self.config.winch_m_per_s {
-            Some(winch) => loading_rate.map(|rate| rate / winch),
-            None => omega.map(|omega| omega * omega * mass_kg),
+            Some(winch) => rate.map(|rate| rate.value / winch),
+            None => omega.map(|omega| omega.value * omega.value * mass_kg),
         }
     }
 

@@ -2,6 +2,7 @@
 
 use crate::coefficient::Estimate;
 use crate::effects::level_shift::Change;
+use crate::stats::quantity::Quantity;
 
 /// What happened to the samples.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -34,17 +35,26 @@ pub struct Report {
     /// Standard deviation of the noise on the force, N.
     pub noise_n: Option<f32>,
     /// Mean rate of the force at rest, N/s.
-    pub loading_rate_n_per_s: Option<f32>,
-    /// Natural frequency while sliding, rad/s.
-    pub omega_rad_per_s: Option<f32>,
+    pub loading_rate_n_per_s: Option<Quantity>,
+    /// Natural frequency while sliding, rad/s; unknown where it is not known to a third.
+    pub omega_rad_per_s: Option<Quantity>,
     /// Stiffness of the cable, N/m: from the winch speed if given, else from
     /// omega and the mass.
     pub stiffness_n_per_m: Option<f32>,
     /// Mean time from onset to onset, s.
     pub recurrence_s: Option<f32>,
     /// How far the zero of the load cell may have moved, one standard deviation, N: it is
-    /// in the intervals. Where it may have moved beyond the noise only.
+    /// in the budget. Where it may have moved beyond the noise only.
     pub zero_n: Option<f32>,
+    /// The budget's standard deviation of the zero as it was taken, N.
+    pub zero_std_n: f32,
+    /// What the drift of the zero leaves in the means, one standard deviation, N.
+    pub zero_drift_n: f32,
+    /// Weight in use over the given one, and what its relative standard deviation leaves in
+    /// the means: 1 and 0 where the block did not change.
+    pub weight_ratio: f32,
+    /// See [`Report::weight_ratio`].
+    pub weight_ratio_std: f32,
     /// The newest change, with the ratio of the weights as it is known now.
     pub change: Option<Change>,
 }

@@ -365,7 +365,7 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
     // On its own: while it is made, a good part of it is on the stack.
     #[inline(never)]
     fn make_pipeline(&mut self) -> Result<(), &'static str> {
-        *self.pipeline = Some(Pipeline::new(&self.settings.config).map_err(config_error)?);
+        *self.pipeline = Some(Pipeline::new(&self.settings.core_config()).map_err(config_error)?);
         Ok(())
     }
 
@@ -494,7 +494,7 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
 }
 
 fn config_error(error: floe_core::ConfigError) -> &'static str {
-    use floe_core::ConfigError::{Calibration, Range, Rate, Slope, Weight, Winch};
+    use floe_core::ConfigError::{Calibration, Range, Rate, Slope, Std, Weight, Winch};
     match error {
         Rate => "the rate must be 1 to 2000 Hz",
         Weight => "set weight N first: the weight of the block",
@@ -502,5 +502,6 @@ fn config_error(error: floe_core::ConfigError) -> &'static str {
         Winch => "the winch speed must be above zero, in m/s",
         Range => "the range must be above zero, in N",
         Calibration => "the span must not be zero",
+        Std => "a standard deviation must not be below zero",
     }
 }

@@ -4,7 +4,7 @@ use heapless::String;
 
 use crate::console::INPUT_LEN;
 use crate::measuring::Task;
-use crate::notebook::{Kind, Track, from_word};
+use crate::notebook::{Kind, Track, WeightFrom, from_word};
 use crate::settings::{NAME_LEN, fits_name};
 use crate::wall_clock::Moment;
 
@@ -35,6 +35,18 @@ pub enum Setting {
     Size([f32; 3]),
     /// `set cable L [AE]`: its length, m, and its stiffness times that, N.
     Cable(f32, Option<f32>),
+    /// `set weight-std N`: one standard deviation of the weight, N; 0: exactly known.
+    WeightStd(f32),
+    /// `set slope-std DEG`: of the slope; here in rad.
+    SlopeStd(f32),
+    /// `set zero-std N`: of the load cell's zero, N.
+    ZeroStd(f32),
+    /// `set span-std PERCENT`: of its span; here as a part of it.
+    SpanStd(f32),
+    /// `set damping-std D`: of the cable's damping, a part of the critical one.
+    DampingStd(f32),
+    /// `set weight-from same_cell|other`: what weighed the block.
+    WeightFrom(WeightFrom),
 }
 
 /// A line from the console.
@@ -68,12 +80,15 @@ pub enum Command {
 
 /// One line of help.
 pub const HELP: &str = "clock [TIME]; self-test; tare; calibrate N; weigh; accept; abort; \
-set weight|slope|winch|range|span|tare|name|snow|kind|size|track|cable X; note TEXT; start; \
+set weight|slope|winch|range|span|tare|name|snow|kind|size|track|cable X; \
+set weight|slope|zero|span|damping-std X; set weight-from same_cell|other; note TEXT; start; \
 stop; status; live on|off";
 
-/// What `set` takes.
-const SETTINGS: &str = "set weight|slope|winch|range|span|tare|name|snow|kind|size|track|cable";
 const MISSING: &str = "a number like 12.5 is missing";
+
+/// What `set` takes.
+const SET: &str = "set weight|slope|winch|range|span|tare|name|snow|kind|size|track|cable, \
+or weight|slope|zero|span|damping-std, or weight-from";
 
 impl Command {
     /// Reads a line; words are separated by spaces.
@@ -147,7 +162,15 @@ impl Setting {
                 (length, "") => Self::Cable(size(length)?, None),
                 (length, stiffness) => Self::Cable(size(length)?, Some(size(stiffness)?)),
             },
-            _ => return Err(SETTINGS),
+            "weight-std" => Self::WeightStd(number(value)?),
+            "slope-std" => Self::SlopeStd(number(value)?.to_radians()),
+            "zero-std" => Self::ZeroStd(number(value)?),
+            "span-std" => Self::SpanStd(0.01 * number(value)?),
+            "damping-std" => Self::DampingStd(number(value)?),
+            "weight-from" => Self::WeightFrom(
+                from_word(WeightFrom::ALL, value).ok_or("weight-from same_cell, or other")?,
+            ),
+            _ => return Err(SET),
         })
     }
 }

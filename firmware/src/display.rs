@@ -127,7 +127,10 @@ fn force(view: &View) -> Row {
 
 fn coefficient(name: &str, estimate: Option<Estimate>) -> Row {
     match estimate {
-        Some(e) => row(((name, " ", Fixed(e.mean, 4)), " +- ", Fixed(e.std_error, 4))),
+        Some(e) => match e.combined_std() {
+            Some(std) => row(((name, " ", Fixed(e.mean, 4)), " +- ", Fixed(std, 4))),
+            None => row((name, " ", (Fixed(e.mean, 4), " +- ?"))),
+        },
         None => row((name, " ---")),
     }
 }
@@ -258,7 +261,7 @@ mod tests {
         let empty = View { health, ..nothing() };
         let force = View { force_n: Some(-8888.8), ..empty };
         assert!(picture(&force).len() > picture(&empty).len());
-        let mu_s = Coefficient { value: 1.24, std: 0.01 };
+        let mu_s = Coefficient::random(1.24, 0.01);
         let provisional = Some(Provisional { mu_s, mu: None });
         let about = View { provisional, ..empty };
         assert!(picture(&about).len() > picture(&empty).len());
@@ -305,10 +308,20 @@ mod tests {
 
     #[test]
     fn rows_fit_the_display() {
-        let estimate = Estimate { mean: 1.2, std_error: 0.1, spread: None, events: 4_000_000 };
+        let estimate = Estimate {
+            mean: 1.2,
+            std_error: Some(0.08),
+            freedom: 1e6,
+            systematic_std: 0.06,
+            common_std: 0.0,
+            spread: None,
+            events: 4_000_000,
+        };
         assert_eq!(coefficient("mu_s", Some(estimate)).as_str(), "mu_s 1.2000 +- 0.1000");
+        let one = Estimate { std_error: None, events: 1, ..estimate };
+        assert_eq!(coefficient("mu", Some(one)).as_str(), "mu 1.2000 +- ?");
         let health = Health { overruns: u32::MAX, store_failures: 1, ..Health::default() };
-        let mu = Coefficient { value: -11.234, std: 0.1 };
+        let mu = Coefficient::random(-11.234, 0.1);
         let provisional = Some(Provisional { mu_s: mu, mu: Some(mu) });
         let view = View { force_n: Some(-65_432.1), provisional, health, ..nothing() };
         assert_eq!(about(&view).as_str(), "about -11.234 -11.234");

@@ -1,6 +1,6 @@
 //! What the user sets, and what the log remembers for him.
 
-use floe_core::{Config, ConfigError, Counts};
+use floe_core::{Config, ConfigError, Counts, InputStd};
 use heapless::String;
 
 use crate::command::Setting;
@@ -102,6 +102,25 @@ impl Settings {
         self.config.range_n.unwrap_or(full_n)
     }
 
+    /// What the core is told: the configuration, and how well it is known. A span that is
+    /// wrong cancels where the block was weighed with the same cell.
+    #[must_use]
+    pub fn core_config(&self) -> Config {
+        let Stds { weight_n, slope_rad, zero_n, span, damping } = self.stds;
+        let usual = InputStd::default();
+        let cancels = self.weight_from == Some(WeightFrom::SameCell);
+        let weight = weight_n.map_or(usual.weight, |std| std / self.config.weight_n);
+        let std = InputStd {
+            weight: if weight.is_finite() { weight } else { usual.weight },
+            slope_rad: slope_rad.unwrap_or(usual.slope_rad),
+            zero_n: zero_n.or(usual.zero_n),
+            span: if cancels { 0.0 } else { span.unwrap_or(usual.span) },
+            damping: damping.unwrap_or(usual.damping),
+            winch: usual.winch,
+        };
+        Config { std, ..self.config }
+    }
+
     /// With one value changed. The weight may still be missing.
     ///
     /// # Errors
@@ -135,8 +154,15 @@ impl Settings {
                 changed.notes.cable_length_m = known(length_m);
                 changed.notes.cable_ae_n = ae_n.and_then(known);
             }
+            Setting::WeightStd(std) => changed.stds.weight_n = Some(std),
+            Setting::SlopeStd(std) => changed.stds.slope_rad = Some(std),
+            Setting::ZeroStd(std) => changed.stds.zero_n = Some(std),
+            Setting::SpanStd(std) => changed.stds.span = Some(std),
+            Setting::DampingStd(std) => changed.stds.damping = Some(std),
+            Setting::WeightFrom(from) => changed.weight_from = Some(from),
         }
         changed.check()?;
+        changed.core_config().validate_std()?;
         Ok(changed)
     }
 

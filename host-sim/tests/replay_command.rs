@@ -250,7 +250,7 @@ fn outputs_are_written_whole_and_never_over_the_log() {
         assert!(text(&output.stdout).contains(&format!("written       {file}\n")), "{file}");
     }
     assert!(fs::read_to_string(&report).unwrap().starts_with("<!"));
-    assert!(fs::read_to_string(&result).unwrap().starts_with("{\n  \"schema\": \"floe-replay/1\""));
+    assert!(fs::read_to_string(&result).unwrap().starts_with("{\n  \"schema\": \"floe-replay/2\""));
     assert!(fs::read_to_string(&events).unwrap().starts_with("index,onset_s,stop_s,"));
     assert_eq!(fs::read_dir(&dir).unwrap().count(), 4);
 

@@ -76,7 +76,7 @@ fn hashed(config: &Config, samples: impl IntoIterator<Item = RawSample>) -> (u64
     let report = pipeline.report();
     [report.mu_s, report.mu].into_iter().flatten().for_each(|mean| {
         hash.number(Some(mean.mean));
-        hash.number(Some(mean.std_error));
+        hash.number(mean.std_error);
         hash.number(mean.spread);
     });
     hash.number(report.noise_n);

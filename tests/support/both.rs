@@ -1,7 +1,9 @@
 //! The same samples through the core in single and in double precision.
 
 use floe::sim::Scene;
-use floe_core::{Coefficient, Config, Counts, Event, Newtons, Pipeline, RawSample, Reading};
+use floe_core::{
+    Coefficient, Config, Counts, Event, InputStd, Newtons, Pipeline, RawSample, Reading,
+};
 
 use crate::wide;
 
@@ -63,6 +65,7 @@ pub fn config(scene: &Scene) -> Config {
         weight_n: scene.weight_n as f32,
         slope_rad: scene.slope_rad() as f32,
         range_n: (scene.measurement.range_n > 0.0).then_some(range_n as f32),
+        std: InputStd::EXACT,
         ..Config::default()
     }
 }
@@ -78,6 +81,7 @@ fn widened(config: &Config) -> wide::Config {
         winch_m_per_s: config.winch_m_per_s.map(f64::from),
         range_n: config.range_n.map(f64::from),
         calibration: wide::Calibration { tare_counts, counts_per_n, range_counts },
+        std: wide::InputStd::EXACT,
     }
 }
 

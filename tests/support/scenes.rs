@@ -1,7 +1,7 @@
 //! The blocks that several tests pull.
 
 use floe::sim::Scene;
-use floe_core::Config;
+use floe_core::{Config, InputStd};
 
 use crate::brute::Pull;
 
@@ -45,6 +45,7 @@ pub fn config(pull: &Pull) -> Config {
         rate_hz: pull.rate_hz as f32,
         weight_n: pull.weight_n as f32,
         slope_rad: pull.slope_rad as f32,
+        std: InputStd::EXACT,
         ..Config::default()
     }
 }

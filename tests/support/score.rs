@@ -79,7 +79,7 @@ fn pair(truths: &[TrueEvent], found: &[Event], hz: f64) -> (Vec<(usize, usize)>,
 #[derive(Clone, Debug, Default)]
 pub struct Errors {
     relative: Vec<f64>,
-    /// In stated standard deviations, and in bounds.
+    /// In stated combined standard deviations, and in bounds.
     stated: Vec<f64>,
     bounds: Vec<f64>,
     /// Stated standard deviations.
@@ -92,7 +92,7 @@ impl Errors {
         let Some(got) = got else { return };
         let error = f64::from(got.value) - truth;
         self.relative.push(error / truth);
-        self.stated.push(error / f64::from(got.std));
+        self.stated.push(error / f64::from(got.combined_std()));
         self.stds.push(f64::from(got.std) / truth);
         self.bounds.extend(bound.map(|bound| error / bound));
     }

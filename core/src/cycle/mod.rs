@@ -25,6 +25,7 @@ use crate::num::math;
 use crate::sample::{ForcePoint, SampleTime, since};
 use crate::signal::window::Window;
 use crate::stats::line::Line;
+use crate::stats::quantity::Quantity;
 
 /// A complete event.
 #[derive(Clone, Copy, Debug)]
@@ -34,8 +35,7 @@ pub struct Finished {
     /// `mu_s` and `mu` without what other events told of the loading rate: for means
     /// over events, whose errors must not be the same in all of them.
     pub alone: Option<(Coefficient, Coefficient)>,
-    /// Part of their standard deviations that is common to all events from the last
-    /// change on.
+    /// Part of their standard deviations that is common to all events.
     pub common: (f32, f32),
     /// A change that this event told.
     pub change: Option<Change>,
@@ -100,13 +100,17 @@ impl CycleTracker {
         self.learnt.creep_periods()
     }
 
-    /// Loading rate, N/s, and omega, rad/s, of the recent events.
+    /// Loading rate, N/s, and omega, rad/s, of the recent events, each with its standard
+    /// deviation.
     #[must_use]
-    pub fn shared(&self) -> (Option<f32>, Option<f32>) {
+    pub fn shared(&self) -> (Option<Quantity>, Option<Quantity>) {
         let hz = self.site.rate_hz;
         let Expectations { rate, mass, .. } = &self.learnt;
-        let inverse_omega = mass.inverse_omega();
-        (rate.mean().map(|r| r * hz), inverse_omega.mean().map(|inverse_omega| hz / inverse_omega))
+        let omega = |inverse: Quantity| {
+            let value = hz / inverse.value;
+            Quantity { value, std: value * inverse.std / inverse.value }
+        };
+        (rate.known().map(|rate| rate.times(hz)), mass.inverse_omega().known().map(omega))
     }
 
     /// The slip has begun: a first value of `mu_s`, between the last sample on the line
@@ -121,7 +125,7 @@ impl CycleTracker {
         const SPREAD: f32 = 0.577;
         let onset_n = SPREAD * slope;
         let variance_n2 = onset_n * onset_n + noise_n * noise_n * line.leverage(time);
-        let mu_s = self.site().whole(line.at(time, slope), variance_n2);
+        let mu_s = self.site().coefficient(line.at(time, slope), variance_n2);
         Some(Provisional { mu_s, mu: None })
     }
 
@@ -145,9 +149,9 @@ impl CycleTracker {
         }
         let Posterior { cycle, static_n2, dynamic_n2, .. } = &posterior;
         Some(Provisional {
-            mu_s: self.site().whole(cycle.static_n, *static_n2),
+            mu_s: self.site().coefficient(cycle.static_n, *static_n2),
             // On a slack cable the time at zero will tell it.
-            mu: cycle.is_taut().then(|| self.site().whole(cycle.dynamic_n(), *dynamic_n2)),
+            mu: cycle.is_taut().then(|| self.site().coefficient(cycle.dynamic_n(), *dynamic_n2)),
         })
     }
 
@@ -265,11 +269,14 @@ impl CycleTracker {
             Outcome::Fitted { posterior, alone, noise_n2, verdict } => {
                 let site = self.site();
                 let alone = alone.map(|forces| {
-                    let mu_s = site.whole(forces.static_n, noise_n2 * forces.static_variance);
+                    let mu_s = site.coefficient(forces.static_n, noise_n2 * forces.static_variance);
                     let (shift_n, _) = self.shift(&pending, &posterior.cycle);
                     (
                         mu_s,
-                        site.whole(forces.dynamic_n - shift_n, noise_n2 * forces.dynamic_variance),
+                        site.coefficient(
+                            forces.dynamic_n - shift_n,
+                            noise_n2 * forces.dynamic_variance,
+                        ),
                     )
                 });
                 let shape = posterior.cycle.shape();
@@ -340,21 +347,18 @@ impl CycleTracker {
             (event.mu_s, event.mu, event.reason) = (None, None, Some(Reason::Suspect));
             return event.into();
         }
-        let (site, cycle) = (self.site(), &posterior.cycle);
+        let site = self.site();
         // A sag that only may be is no part of what all events have in common.
         let sag_n2 = if shift_n > 0.0 { shift_n2 } else { 0.0 };
         let (static_n2, dynamic_n2) = posterior.common_n2;
-        let common = (
-            site.common_std(cycle.static_n, static_n2),
-            site.common_std(cycle.dynamic_n(), dynamic_n2 + sag_n2),
-        );
+        let common = (site.std(static_n2), site.std(dynamic_n2 + sag_n2));
         Finished { event, alone, common, change }
     }
 
     /// The site with the weight as far as it is known to have changed.
     fn site(&self) -> Site {
-        let (ratio, weight_spread) = self.learnt.mass.weight_ratio();
-        Site { weight_n: ratio * self.site.weight_n, weight_spread, ..self.site }
+        let (ratio, _) = self.learnt.mass.weight_ratio();
+        Site { weight_n: ratio * self.site.weight_n, ..self.site }
     }
 
     /// Force of so much of a coefficient, N.
@@ -409,9 +413,9 @@ impl CycleTracker {
         let cycle = &posterior.cycle;
         let mut event = self.bare(pending, cycle, shape);
         let site = self.site();
-        event.mu_s = Some(site.whole(cycle.static_n, posterior.static_n2));
+        event.mu_s = Some(site.coefficient(cycle.static_n, posterior.static_n2));
         event.dynamic_force_n -= shift_n;
-        event.mu = Some(site.whole(event.dynamic_force_n, posterior.dynamic_n2 + shift_n2));
+        event.mu = Some(site.coefficient(event.dynamic_force_n, posterior.dynamic_n2 + shift_n2));
         if !posterior.is_resolved() {
             if !event.slack {
                 event.quality = Quality::Unresolved;

@@ -184,7 +184,7 @@ mod tests {
             let (mu_s, mu) = moved(i as f32);
             let mut measured = |value: f32| {
                 let value = value * (1.0 + scatter * noise(&mut state)) + STD * noise(&mut state);
-                Coefficient { value, std: STD }
+                Coefficient::random(value, STD)
             };
             drift.take(measured(1.24 + mu_s), measured(0.78 + mu));
         }
@@ -228,7 +228,7 @@ mod tests {
     #[test]
     fn what_is_no_number_is_left_out() {
         let mut drift = after(20, 0.0, |_| (0.0, 0.0));
-        let odd = |value, std| Coefficient { value, std };
+        let odd = |value, std| Coefficient::random(value, std);
         drift.take(odd(f32::NAN, STD), odd(0.78, STD));
         drift.take(odd(1.24, f32::INFINITY), odd(0.78, STD));
         assert!(drift.std().abs() < STD && drift.spans[0].last[0].is_finite());

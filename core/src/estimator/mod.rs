@@ -7,20 +7,23 @@
 //!
 //! With `s_i` an event's standard deviation, `τ²` the variance between events:
 //!
-//! - `τ² = max(0, S² − mean s_i²)`, `S²` the sample variance (method of moments);
+//! - `τ² = max(0, S² − mean s_i²)`, `S²` the sample variance (method of moments); of few
+//!   events with a stated prior ([`Scatter`]), and of one event nothing;
 //! - mean `m = λ m_w + (1 − λ) m_1`: `m_w` weighted by `1/s_i²`, `m_1` plain,
 //!   `λ = s̄²/(s̄² + τ²)` with `s̄²` the harmonic mean of `s_i²`; either is the best
 //!   mean at its end of the scale;
-//! - errors that are common to the events, as that of a weight which was measured
-//!   after a change, stay in the mean: their mean size is added squared;
+//! - errors that are common to the events stay in the mean, with their mean size, and are
+//!   told apart from the random ones;
 //! - variance of `m` from the same weights, times `1 + 2 Σ ρ_k` with the correlations
 //!   `ρ_k` of the events in order: two neighbours share the stick line between them,
 //!   and real friction wanders.
 
 pub mod autocovariance;
+mod scatter;
 
 use crate::coefficient::{Coefficient, Estimate};
 use crate::estimator::autocovariance::Correlation;
+use crate::estimator::scatter::Scatter;
 use crate::num::double_single::DoubleSingle;
 use crate::num::math;
 
@@ -102,14 +105,21 @@ impl Estimator {
         self.count
     }
 
-    /// Mean, standard error and spread; `None` without events.
+    /// Mean, standard error and spread; `None` without events. What is systematic about it
+    /// is what the events have in common, as far as the estimator knows.
     #[must_use]
     pub fn estimate(&self) -> Option<Estimate> {
         if self.count == 0 {
             return None;
         }
+        let scatter = (self.count > 1).then(|| {
+            let (squares, noise) = (self.squares.rounded(), self.variance.rounded());
+            Scatter::of(self.count, self.mean.rounded(), squares, noise)
+        });
+        let between = scatter.map_or(DoubleSingle::default(), |scatter| {
+            (DoubleSingle::from(scatter.variance) - self.variance).or_zero()
+        });
         let n = DoubleSingle::from(self.count);
-        let between = self.between().unwrap_or_default();
         let typical = n / self.weight;
         let lambda = typical / (typical + between);
         let mean = self.mean + lambda * (self.weighted_mean - self.mean);
@@ -118,10 +128,13 @@ impl Estimator {
         let noise = typical + rest * rest * (self.variance - typical);
         let independent = (noise + between + between * square * uneven) / n;
         let variance = independent * self.inflation(lambda.rounded()).into();
-        let squared = variance + self.common * self.common;
+        let common_std = self.common.rounded();
         Some(Estimate {
             mean: mean.rounded(),
-            std_error: math::sqrt(squared.rounded()),
+            std_error: scatter.map(|_| math::sqrt(variance.rounded())),
+            freedom: scatter.map_or(0.0, |scatter| scatter.freedom),
+            systematic_std: common_std,
+            common_std,
             spread: self.between().map(|variance| math::sqrt(variance.rounded())),
             events: self.count,
         })
@@ -154,7 +167,7 @@ mod tests {
     use super::*;
 
     fn coefficient(value: f32, std: f32) -> Coefficient {
-        Coefficient { value, std }
+        Coefficient::random(value, std)
     }
 
     fn all(values: &[(f32, f32)]) -> Estimator {
@@ -179,8 +192,8 @@ mod tests {
         assert_eq!(e.estimate(), None);
         e.add(coefficient(0.5, 0.1));
         let one = e.estimate().unwrap();
-        assert!((one.mean - 0.5).abs() < 1e-6 && (one.std_error - 0.1).abs() < 1e-6);
-        assert_eq!((one.spread, one.events), (None, 1));
+        assert!((one.mean - 0.5).abs() < 1e-6);
+        assert_eq!((one.std_error, one.ci95(), one.spread, one.events), (None, None, None, 1));
     }
 
     #[test]
@@ -191,7 +204,7 @@ mod tests {
             a.merge(&all(&VALUES[split..]));
             let merged = a.estimate().unwrap();
             assert!((merged.mean - whole.mean).abs() < 1e-6);
-            assert!((merged.std_error - whole.std_error).abs() < 1e-6);
+            assert!((merged.std_error.unwrap() - whole.std_error.unwrap()).abs() < 1e-6);
             assert!((merged.spread.unwrap() - whole.spread.unwrap()).abs() < 1e-6);
         }
     }
@@ -210,12 +223,13 @@ mod tests {
     #[test]
     fn pure_noise_is_weighted_and_real_variation_is_not() {
         // No variation beyond the noise: a precise event dominates.
-        let noise = all(&[(1.0, 0.001), (1.05, 0.1), (0.95, 0.1), (1.0, 0.1)]).estimate().unwrap();
+        let values = [(1.0, 0.001), (1.05, 0.1), (0.95, 0.1), (1.0, 0.1), (1.0, 0.1)];
+        let noise = all(&[values, values].concat()).estimate().unwrap();
         assert!((noise.mean - 1.0).abs() < 1e-3 && noise.spread == Some(0.0));
         // Much more variation than noise: all events count alike.
         let real = all(&[(1.0, 0.001), (1.5, 0.01), (0.5, 0.01), (1.4, 0.01)]).estimate().unwrap();
         assert!((real.mean - 1.1).abs() < 1e-3, "{}", real.mean);
-        assert!(real.std_error > 0.2);
+        assert!(real.std_error.unwrap() > 0.15);
     }
 
     #[test]

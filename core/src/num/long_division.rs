@@ -3,7 +3,7 @@
 /// Quotient and remainder; divided by zero, as by one.
 ///
 /// ```
-/// assert_eq!(floe_core::division::divide(1_000_000_000_000_007, 10), (100_000_000_000_000, 7));
+/// assert_eq!(floe_core::num::long_division::divide(1_000_000_000_000_007, 10), (100_000_000_000_000, 7));
 /// ```
 #[must_use]
 pub fn divide(number: u64, by: u16) -> (u64, u16) {

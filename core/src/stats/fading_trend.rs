@@ -11,6 +11,7 @@
 use crate::num::math;
 use crate::stats::line::Line;
 use crate::stats::prior::{Prior, surely};
+use crate::stats::quantity::Quantity;
 
 /// Events over which the past is forgotten.
 const MEMORY: f32 = 40.0;
@@ -123,6 +124,12 @@ impl FadingTrend {
     #[must_use]
     pub fn mean(&self) -> Option<f32> {
         (self.count > 0.0).then(|| self.at(NEXT).0)
+    }
+
+    /// The same with its standard deviation.
+    pub(crate) fn known(&self) -> Option<Quantity> {
+        let (value, variance) = self.at(NEXT);
+        (self.count > 0.0).then(|| Quantity { value, std: math::sqrt(variance) })
     }
 
     /// Do three events agree on it? What single events may be far off in wants that.

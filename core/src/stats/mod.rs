@@ -5,3 +5,5 @@ pub mod line;
 pub mod normal_equations;
 pub mod prior;
 pub mod quantile;
+pub mod quantity;
+pub mod student;

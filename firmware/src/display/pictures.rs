@@ -74,7 +74,17 @@ fn svg(screen: &Screen) -> String {
 fn report(change: Option<Change>) -> Report {
     let config = Config { weight_n: 630.0, ..Config::default() };
     let none = Pipeline::new(&config).expect("a weight").report();
-    let estimate = |mean, std_error| Some(Estimate { mean, std_error, spread: None, events: 33 });
+    let estimate = |mean, std_error| {
+        Some(Estimate {
+            mean,
+            std_error: Some(std_error),
+            freedom: 32.0,
+            systematic_std: 0.0,
+            common_std: 0.0,
+            spread: None,
+            events: 33,
+        })
+    };
     let (mu_s, mu) = (estimate(1.2403, 0.0007), estimate(0.7801, 0.0004));
     Report { events: 33, mu_s, mu, change, ..none }
 }
@@ -93,7 +103,7 @@ fn views() -> [(&'static str, View); 9] {
     let pulling = View { report: Some(report(None)), ..set };
     let sticks =
         View { force_n: Some(612.5), rate_n_per_s: Some(361.0), phase: Phase::Stick, ..pulling };
-    let coefficient = |value| Coefficient { value, std: 0.01 };
+    let coefficient = |value| Coefficient::random(value, 0.01);
     let provisional = Provisional { mu_s: coefficient(1.239), mu: Some(coefficient(0.781)) };
     let slips = View {
         force_n: Some(402.8),

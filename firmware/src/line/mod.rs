@@ -25,8 +25,8 @@ use crate::measuring::Hindrance;
 use crate::notebook::Winch;
 use crate::settings::Settings;
 
-/// Room for the longest line, a `T` with the longest numbers.
-pub const LINE_LEN: usize = 480;
+/// Room for the longest line, an `R` with the longest numbers.
+pub const LINE_LEN: usize = 640;
 
 /// A line as text, without its end.
 pub type Text = String<LINE_LEN>;
@@ -222,8 +222,8 @@ mod tests {
     use crate::settings::{Effects, Stds, Zero};
     use floe_core::weighing::Swing;
     use floe_core::{
-        Calibration, Cause, Coefficient, Config, Counters, Estimate, Pipeline, Quality, Reason,
-        SampleTime,
+        Calibration, Cause, Coefficient, Config, Counters, Estimate, InputStd, Pipeline, Quality,
+        Quantity, Reason, SampleTime,
     };
 
     fn returns(line: &Line<'_>) {
@@ -248,8 +248,8 @@ mod tests {
 
     #[test]
     fn a_first_answer_returns_as_it_was() {
-        let mu_s = Coefficient { value: 1.240_391_2, std: 0.011_4 };
-        let mu = Coefficient { value: 0.780_4, std: 1.0 / 3.0 };
+        let mu_s = Coefficient { value: 1.240_391_2, std: 0.011_4, systematic_std: 0.004 };
+        let mu = Coefficient { value: 0.780_4, std: 1.0 / 3.0, systematic_std: 0.0 };
         for mu in [None, Some(mu)] {
             let answer = Provisional { mu_s, mu };
             returns(&Line::About(About { index: 964, answer }));
@@ -294,7 +294,16 @@ mod tests {
     const LONG: f32 = f32::from_bits(0x83b2_83b2);
 
     fn longest_report() -> Report {
-        let estimate = Estimate { mean: LONG, std_error: LONG, spread: Some(LONG), events: !0 };
+        let quantity = Quantity { value: LONG, std: LONG };
+        let estimate = Estimate {
+            mean: LONG,
+            std_error: Some(LONG),
+            freedom: LONG,
+            systematic_std: LONG,
+            common_std: LONG,
+            spread: Some(LONG),
+            events: !0,
+        };
         let counters =
             Counters { samples: !0, missing: !0, duplicates: !0, rejected: !0, saturated: !0 };
         Report {
@@ -303,8 +312,8 @@ mod tests {
             mu_s: Some(estimate),
             mu: Some(estimate),
             noise_n: Some(LONG),
-            loading_rate_n_per_s: Some(LONG),
-            omega_rad_per_s: Some(LONG),
+            loading_rate_n_per_s: Some(quantity),
+            omega_rad_per_s: Some(quantity),
             stiffness_n_per_m: Some(LONG),
             recurrence_s: Some(LONG),
             change: Some(Change {
@@ -315,12 +324,16 @@ mod tests {
                 weight_ratio_std: LONG,
             }),
             zero_n: Some(LONG),
+            zero_std_n: LONG,
+            zero_drift_n: LONG,
+            weight_ratio: LONG,
+            weight_ratio_std: LONG,
         }
     }
 
     fn longest_event() -> Event {
         let time = SampleTime { index: !0, fraction: LONG };
-        let coefficient = Some(Coefficient { value: LONG, std: LONG });
+        let coefficient = Some(Coefficient { value: LONG, std: LONG, systematic_std: LONG });
         Event {
             index: !0,
             onset: time,
@@ -354,6 +367,7 @@ mod tests {
             winch_m_per_s: Some(LONG),
             range_n: Some(LONG),
             calibration,
+            std: InputStd::default(),
         };
         Settings {
             config,

@@ -2,8 +2,8 @@
 
 use floe_core::weighing::{Load, Swing};
 use floe_core::{
-    Calibration, Change, Coefficient, Config, Counters, Estimate, Event, Provisional, Report,
-    SampleTime,
+    Calibration, Change, Coefficient, Config, Counters, Estimate, Event, InputStd, Provisional,
+    Quantity, Report, SampleTime,
 };
 use heapless::String;
 
@@ -66,6 +66,8 @@ fn settings(from: &mut Reader<'_>) -> Result<Settings, LineError> {
             counts_per_n: from.take()?,
             range_counts: (from.take()?, from.take()?),
         },
+        // See `Settings::core_config`.
+        std: InputStd::default(),
     };
     Ok(Settings {
         config,
@@ -118,12 +120,15 @@ fn weighed(from: &mut Reader<'_>) -> Result<Weighed, LineError> {
 
 fn about(from: &mut Reader<'_>) -> Result<About, LineError> {
     let index = from.take()?;
-    let mu_s = coefficient(from)?.ok_or(LineError::Field)?;
-    Ok(About { index, answer: Provisional { mu_s, mu: coefficient(from)? } })
+    let (mut mu_s, mut mu) = (coefficient(from)?, coefficient(from)?);
+    systematic(from, &mut mu_s)?;
+    systematic(from, &mut mu)?;
+    let mu_s = mu_s.ok_or(LineError::Field)?;
+    Ok(About { index, answer: Provisional { mu_s, mu } })
 }
 
 fn event(from: &mut Reader<'_>) -> Result<Event, LineError> {
-    Ok(Event {
+    let mut event = Event {
         index: from.take()?,
         onset: time(from)?,
         stop: time(from)?,
@@ -140,7 +145,10 @@ fn event(from: &mut Reader<'_>) -> Result<Event, LineError> {
         slack: from.take_word()?,
         quality: from.take_word()?,
         reason: from.take_some_word()?,
-    })
+    };
+    systematic(from, &mut event.mu_s)?;
+    systematic(from, &mut event.mu)?;
+    Ok(event)
 }
 
 fn time(from: &mut Reader<'_>) -> Result<SampleTime, LineError> {
@@ -149,11 +157,20 @@ fn time(from: &mut Reader<'_>) -> Result<SampleTime, LineError> {
 
 fn coefficient(from: &mut Reader<'_>) -> Result<Option<Coefficient>, LineError> {
     let (value, std) = (from.take_some()?, from.take_some()?);
-    Ok(value.zip(std).map(|(value, std)| Coefficient { value, std }))
+    Ok(value.zip(std).map(|(value, std)| Coefficient::random(value, std)))
+}
+
+fn systematic(from: &mut Reader<'_>, of: &mut Option<Coefficient>) -> Result<(), LineError> {
+    let std = from.take_late()?;
+    if let (Some(coefficient), Some(std)) = (of, std) {
+        coefficient.systematic_std = std;
+    }
+    Ok(())
 }
 
 fn report(from: &mut Reader<'_>) -> Result<Report, LineError> {
-    Ok(Report {
+    let quantity = |value: Option<f32>| value.map(|value| Quantity { value, std: 0.0 });
+    let mut report = Report {
         counters: Counters {
             samples: from.take()?,
             missing: from.take()?,
@@ -165,13 +182,41 @@ fn report(from: &mut Reader<'_>) -> Result<Report, LineError> {
         mu_s: estimate(from)?,
         mu: estimate(from)?,
         noise_n: from.take_some()?,
-        loading_rate_n_per_s: from.take_some()?,
-        omega_rad_per_s: from.take_some()?,
+        loading_rate_n_per_s: quantity(from.take_some()?),
+        omega_rad_per_s: quantity(from.take_some()?),
         stiffness_n_per_m: from.take_some()?,
         recurrence_s: from.take_some()?,
         change: change(from)?,
         zero_n: from.take_late()?,
-    })
+        zero_std_n: 0.0,
+        zero_drift_n: 0.0,
+        weight_ratio: 1.0,
+        weight_ratio_std: 0.0,
+    };
+    uncertainty(from, &mut report)?;
+    Ok(report)
+}
+
+/// What lines of older boards end before.
+fn uncertainty(from: &mut Reader<'_>, report: &mut Report) -> Result<(), LineError> {
+    for estimate in [&mut report.mu_s, &mut report.mu] {
+        let all = (from.take_late()?, from.take_late()?, from.take_late()?);
+        if let (Some(estimate), (Some(freedom), Some(systematic_std), Some(common_std))) =
+            (estimate, all)
+        {
+            *estimate = Estimate { freedom, systematic_std, common_std, ..*estimate };
+        }
+    }
+    for quantity in [&mut report.loading_rate_n_per_s, &mut report.omega_rad_per_s] {
+        if let (Some(quantity), Some(std)) = (quantity, from.take_late()?) {
+            quantity.std = std;
+        }
+    }
+    report.zero_std_n = from.take_late()?.unwrap_or(0.0);
+    report.zero_drift_n = from.take_late()?.unwrap_or(0.0);
+    report.weight_ratio = from.take_late()?.unwrap_or(1.0);
+    report.weight_ratio_std = from.take_late()?.unwrap_or(0.0);
+    Ok(())
 }
 
 fn change(from: &mut Reader<'_>) -> Result<Option<Change>, LineError> {
@@ -188,7 +233,17 @@ fn change(from: &mut Reader<'_>) -> Result<Option<Change>, LineError> {
 fn estimate(from: &mut Reader<'_>) -> Result<Option<Estimate>, LineError> {
     let (mean, std_error) = (from.take_some()?, from.take_some()?);
     let (spread, events) = (from.take_some()?, from.take_some()?.unwrap_or(0));
-    Ok(mean.zip(std_error).map(|(mean, std_error)| Estimate { mean, std_error, spread, events }))
+    // What older boards do not tell: as if it were nothing, known for certain.
+    let (freedom, systematic_std, common_std) = (f32::INFINITY, 0.0, 0.0);
+    Ok(mean.map(|mean| Estimate {
+        mean,
+        std_error,
+        freedom,
+        systematic_std,
+        common_std,
+        spread,
+        events,
+    }))
 }
 
 fn health(from: &mut Reader<'_>) -> Result<Health, LineError> {

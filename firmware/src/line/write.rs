@@ -2,7 +2,7 @@
 
 use core::fmt;
 
-use floe_core::{Change, Coefficient, Config, Estimate, Event, Report, SampleTime};
+use floe_core::{Change, Coefficient, Config, Estimate, Event, Provisional, Report, SampleTime};
 
 use super::fields::Writer;
 use super::{About, Health, Line, LiveSample, Mean, Text, Weighed, checksum};
@@ -79,7 +79,7 @@ impl Line<'_> {
 fn start(out: &mut Writer<'_>, run: u32, settings: &Settings) -> fmt::Result {
     out.put(run)?;
     out.put(settings.name.as_str())?;
-    let Config { rate_hz, weight_n, slope_rad, winch_m_per_s, range_n, calibration } =
+    let Config { rate_hz, weight_n, slope_rad, winch_m_per_s, range_n, calibration, std: _ } =
         settings.config;
     out.put_f32(rate_hz)?;
     out.put_f32(weight_n)?;
@@ -130,8 +130,11 @@ fn weighed(out: &mut Writer<'_>, weighed: &Weighed) -> fmt::Result {
 
 fn about(out: &mut Writer<'_>, about: &About) -> fmt::Result {
     out.put(about.index)?;
-    coefficient(out, Some(about.answer.mu_s))?;
-    coefficient(out, about.answer.mu)
+    let Provisional { mu_s, mu } = about.answer;
+    coefficient(out, Some(mu_s))?;
+    coefficient(out, mu)?;
+    systematic(out, Some(mu_s))?;
+    systematic(out, mu)
 }
 
 fn event(out: &mut Writer<'_>, event: &Event) -> fmt::Result {
@@ -150,7 +153,9 @@ fn event(out: &mut Writer<'_>, event: &Event) -> fmt::Result {
     out.put_some_f32(event.omega_rad_per_s)?;
     out.put_word(event.slack)?;
     out.put_word(event.quality)?;
-    out.put_some_word(event.reason)
+    out.put_some_word(event.reason)?;
+    systematic(out, event.mu_s)?;
+    systematic(out, event.mu)
 }
 
 fn time(out: &mut Writer<'_>, time: SampleTime) -> fmt::Result {
@@ -161,6 +166,11 @@ fn time(out: &mut Writer<'_>, time: SampleTime) -> fmt::Result {
 fn coefficient(out: &mut Writer<'_>, value: Option<Coefficient>) -> fmt::Result {
     out.put_some_f32(value.map(|c| c.value))?;
     out.put_some_f32(value.map(|c| c.std))
+}
+
+/// Later than the coefficient: it came with a later version.
+fn systematic(out: &mut Writer<'_>, value: Option<Coefficient>) -> fmt::Result {
+    out.put_some_f32(value.map(|c| c.systematic_std))
 }
 
 fn report(out: &mut Writer<'_>, report: &Report) -> fmt::Result {
@@ -174,15 +184,26 @@ fn report(out: &mut Writer<'_>, report: &Report) -> fmt::Result {
     estimate(out, report.mu_s)?;
     estimate(out, report.mu)?;
     out.put_some_f32(report.noise_n)?;
-    out.put_some_f32(report.loading_rate_n_per_s)?;
-    out.put_some_f32(report.omega_rad_per_s)?;
+    out.put_some_f32(report.loading_rate_n_per_s.map(|q| q.value))?;
+    out.put_some_f32(report.omega_rad_per_s.map(|q| q.value))?;
     out.put_some_f32(report.stiffness_n_per_m)?;
     out.put_some_f32(report.recurrence_s)?;
     match &report.change {
         Some(it) => change(out, it),
         None => out.put(""),
     }?;
-    out.put_some_f32(report.zero_n)
+    out.put_some_f32(report.zero_n)?;
+    for estimate in [report.mu_s, report.mu] {
+        out.put_some_f32(estimate.map(|e| e.freedom))?;
+        out.put_some_f32(estimate.map(|e| e.systematic_std))?;
+        out.put_some_f32(estimate.map(|e| e.common_std))?;
+    }
+    out.put_some_f32(report.loading_rate_n_per_s.map(|q| q.std))?;
+    out.put_some_f32(report.omega_rad_per_s.map(|q| q.std))?;
+    out.put_f32(report.zero_std_n)?;
+    out.put_f32(report.zero_drift_n)?;
+    out.put_f32(report.weight_ratio)?;
+    out.put_f32(report.weight_ratio_std)
 }
 
 fn change(out: &mut Writer<'_>, change: &Change) -> fmt::Result {
@@ -195,7 +216,7 @@ fn change(out: &mut Writer<'_>, change: &Change) -> fmt::Result {
 
 fn estimate(out: &mut Writer<'_>, estimate: Option<Estimate>) -> fmt::Result {
     out.put_some_f32(estimate.map(|e| e.mean))?;
-    out.put_some_f32(estimate.map(|e| e.std_error))?;
+    out.put_some_f32(estimate.and_then(|e| e.std_error))?;
     out.put_some_f32(estimate.and_then(|e| e.spread))?;
     out.put_some(estimate.map(|e| e.events))
 }

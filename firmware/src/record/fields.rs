@@ -1,6 +1,6 @@
 //! The fields of a sector, there and back.
 
-use floe_core::{Calibration, Config, Counts};
+use floe_core::{Calibration, Config, Counts, InputStd};
 use heapless::String;
 
 use super::bytes::{Reader, Writer};
@@ -119,6 +119,8 @@ fn take_config(from: &mut Reader<'_>) -> Config {
             let range_counts = (from.i32(), from.i32());
             Calibration { tare_counts, counts_per_n: from.f32(), range_counts }
         },
+        // See `Settings::core_config`.
+        std: InputStd::default(),
     }
 }
 

@@ -180,6 +180,11 @@ fn events_csv(result: &ReplayResult) -> Result<String, InputError> {
     let mut writer = csv::WriterBuilder::new().has_headers(false).from_writer(Vec::new());
     writer.write_record(EVENT_COLUMNS).map_err(|e| failed(e.to_string()))?;
     for event in &result.events {
+        let mut event = event.clone();
+        // Two empty cells, not one.
+        for interval in [&mut event.mu_s_ci95, &mut event.mu_ci95] {
+            interval.get_or_insert([f64::NAN; 2]);
+        }
         writer.serialize(event).map_err(|e| failed(e.to_string()))?;
     }
     let bytes = writer.into_inner().map_err(|e| failed(e.to_string()))?;
@@ -214,7 +219,7 @@ fn progress(bytes: u64) -> ProgressBar {
 
 /// The fields of an event in their order, so that a file without events has a
 /// header too.
-const EVENT_COLUMNS: [&str; 18] = [
+const EVENT_COLUMNS: [&str; 28] = [
     "index",
     "onset_s",
     "stop_s",
@@ -233,4 +238,14 @@ const EVENT_COLUMNS: [&str; 18] = [
     "slack",
     "quality",
     "reason",
+    "mu_s_systematic_std",
+    "mu_systematic_std",
+    "mu_s_combined_std",
+    "mu_combined_std",
+    "mu_s_ci95_low",
+    "mu_s_ci95_high",
+    "mu_ci95_low",
+    "mu_ci95_high",
+    "slip_length_m",
+    "energy_j",
 ];

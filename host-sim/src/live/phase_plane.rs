@@ -35,7 +35,7 @@ pub fn points(state: &State) -> Vec<(f64, f64, bool)> {
 /// `sin(omega dt) / (omega dt)`.
 #[must_use]
 pub fn attenuation(state: &State) -> Option<f64> {
-    let omega = f64::from(state.report?.omega_rad_per_s?);
+    let omega = f64::from(state.report?.omega_rad_per_s?.value);
     let angle = omega / state.rate_hz();
     (angle > 0.0).then(|| angle.sin() / angle)
 }

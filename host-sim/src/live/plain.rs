@@ -114,7 +114,7 @@ impl List {
 
 fn plain(event: &Event, onset_s: f64) -> String {
     let coefficient = |value: Option<floe_core::Coefficient>| match value {
-        Some(value) => format!("{:.4} ± {:.4}", value.value, value.std),
+        Some(value) => format!("{:.4} ± {:.4}", value.value, value.combined_std()),
         None => "-".to_string(),
     };
     let (mu_s, mu) = (coefficient(event.mu_s), coefficient(event.mu));

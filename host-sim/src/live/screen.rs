@@ -166,9 +166,11 @@ fn force(state: &State) -> Number {
 fn mean(name: &str, estimate: Option<Estimate>) -> Number {
     let text = estimate.map(|estimate| format!("{:.4}", estimate.mean));
     let below = estimate.map(|estimate| {
-        let (error, events) = (estimate.std_error, estimate.events);
-        let (events, plural) = (events, if events == 1 { "" } else { "s" });
-        format!("± {error:.4} ({events} event{plural})")
+        let events = estimate.events;
+        match estimate.combined_std() {
+            Some(std) => format!("± {std:.4} ({events} events)"),
+            None => "one event: no ± yet".to_string(),
+        }
     });
     (format!("{name}, mean"), text, below.unwrap_or_default())
 }
@@ -246,7 +248,7 @@ fn event(state: &State) -> Vec<Span<'static>> {
     let Some(event) = &state.event else { return vec![Span::raw("no slip yet")] };
     let at = state.seconds(event.onset);
     let text = |name: &str, value: Option<Coefficient>| match value {
-        Some(value) => format!("{name} {:.4} ± {:.4}", value.value, value.std),
+        Some(value) => format!("{name} {:.4} ± {:.4}", value.value, value.combined_std()),
         None => format!("{name} -"),
     };
     let reason = event.reason.map(|reason| format!(": {reason}")).unwrap_or_default();
@@ -261,8 +263,9 @@ fn event(state: &State) -> Vec<Span<'static>> {
 fn about(state: &State) -> Vec<Span<'static>> {
     let Some(about) = &state.about else { return Vec::new() };
     let at = about.index as f64 / state.rate_hz();
-    let text =
-        |name: &str, value: &Coefficient| format!("{name} ~ {:.3} ± {:.3}", value.value, value.std);
+    let text = |name: &str, value: &Coefficient| {
+        format!("{name} ~ {:.3} ± {:.3}", value.value, value.combined_std())
+    };
     let mut parts = vec![format!("provisional at {at:.1} s"), text("mu_s", &about.answer.mu_s)];
     parts.extend(about.answer.mu.map(|mu| text("mu", &mu)));
     parts.into_iter().map(|part| Span::raw(part).dim()).collect()
@@ -272,7 +275,12 @@ fn quantities(state: &State) -> Vec<Span<'static>> {
     let report = state.report.as_ref();
     let parts = [
         ("noise", report.and_then(|report| report.noise_n), "N", 1),
-        ("loading", report.and_then(|report| report.loading_rate_n_per_s), "N/s", 0),
+        (
+            "loading",
+            report.and_then(|report| report.loading_rate_n_per_s).map(|rate| rate.value),
+            "N/s",
+            0,
+        ),
         ("a slip every", report.and_then(|report| report.recurrence_s), "s", 2),
         ("k", report.and_then(|report| report.stiffness_n_per_m).map(|k| k / 1000.0), "kN/m", 1),
         ("converter", state.temperature_c, "°C", 1),

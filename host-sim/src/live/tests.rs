@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use floe_core::{
-    Coefficient, Counters, Estimate, Event, Phase, Provisional, Quality, Reason, Report,
+    Coefficient, Counters, Estimate, Event, Phase, Provisional, Quality, Quantity, Reason, Report,
     SampleFlag, SampleTime,
 };
 use floe_firmware::line::{About, Health, Line, LiveSample};
@@ -53,18 +53,33 @@ pub(super) fn flagged(index: u64, flag: SampleFlag) -> LiveSample {
 }
 
 pub(super) fn report() -> Report {
-    let estimate = |mean| Some(Estimate { mean, std_error: 0.0005, spread: None, events: 7 });
+    let estimate = |mean| {
+        Some(Estimate {
+            mean,
+            std_error: Some(0.0003),
+            freedom: 6.0,
+            systematic_std: 0.0004,
+            common_std: 0.0,
+            spread: None,
+            events: 7,
+        })
+    };
+    let exact = |value| Some(Quantity { value, std: 0.0 });
     Report {
         counters: Counters { samples: 240, missing: 3, ..Counters::default() },
         events: 7,
         mu_s: estimate(1.2406),
         mu: estimate(0.7802),
         noise_n: Some(1.9),
-        loading_rate_n_per_s: Some(360.2),
-        omega_rad_per_s: Some(18.9),
+        loading_rate_n_per_s: exact(360.2),
+        omega_rad_per_s: exact(18.9),
         stiffness_n_per_m: Some(23_010.0),
         recurrence_s: Some(1.78),
         zero_n: None,
+        zero_std_n: 0.8,
+        zero_drift_n: 0.0,
+        weight_ratio: 1.0,
+        weight_ratio_std: 0.0,
         change: None,
     }
 }
@@ -353,7 +368,7 @@ fn an_event_without_coefficients_says_why() {
 #[test]
 fn a_first_answer_is_shown_until_its_event_comes() {
     let mut state = measuring();
-    let coefficient = |value| Coefficient { value, std: 0.0114 };
+    let coefficient = |value| Coefficient::random(value, 0.0114);
     let about = |index, mu| {
         let answer = Provisional { mu_s: coefficient(1.2391), mu };
         Line::About(About { index, answer })

@@ -6,12 +6,16 @@ use crate::error::InputError;
 use crate::log::Log;
 
 pub mod batches;
+pub mod budget;
+pub mod quantities;
 pub mod result;
 pub mod table;
 pub mod test;
 pub mod timeline;
 
-use result::{ChangeSummary, EventSummary, LogSummary, ReplayResult, TestSummary};
+use result::{
+    ChangeSummary, CoefficientSummary, EventSummary, LogSummary, ReplayResult, TestSummary,
+};
 use timeline::Timeline;
 
 /// Runs a whole log through the core; constant memory apart from the events.
@@ -31,16 +35,20 @@ pub fn replay(
     let refused = |error: floe_core::ConfigError| InputError::new(error.to_string());
     let mut pipeline = Pipeline::new(config).map_err(refused)?;
     let mut timeline = Timeline::new(log.rate_hz());
-    let (mut events, mut changes) = (Vec::new(), Vec::new());
+    let (mut events, mut changes, mut means) = (Vec::new(), Vec::new(), Vec::new());
     batches::for_each_sample(log, |sample| {
         timeline.push(sample.raw.index, sample.time_s);
         let step = pipeline.step(sample.raw);
         observe(sample.time_s, &step);
-        events.extend(step.event.map(|event| summary(&event, &timeline)));
+        if let Some(event) = step.event {
+            events.push(summary(&event, &timeline));
+            means.push(so_far(&pipeline));
+        }
         changes.extend(step.change.map(|it| ChangeSummary::new(&it, timeline.seconds(it.onset))));
     })?;
     while let Some(event) = pipeline.finish() {
         events.push(summary(&event, &timeline));
+        means.push(so_far(&pipeline));
     }
     let report = pipeline.report();
     let log_summary = LogSummary {
@@ -56,7 +64,14 @@ pub fn replay(
         weight_n: config.weight_n.into(),
         slope_rad: config.slope_rad.into(),
     };
-    Ok(ReplayResult::new(log_summary, test, &report, events, changes))
+    let result = ReplayResult::new(log_summary, test, (config, &report), events, changes);
+    Ok(ReplayResult { means, ..result })
+}
+
+/// Both means as they are known now.
+fn so_far(pipeline: &Pipeline) -> [CoefficientSummary; 2] {
+    let report = pipeline.report();
+    [report.mu_s.into(), report.mu.into()]
 }
 
 fn summary(event: &Event, timeline: &Timeline) -> EventSummary {

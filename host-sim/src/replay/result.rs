@@ -3,11 +3,14 @@
 //! Forces in N, times in s, angles in rad. What is unknown is `None` (`null`);
 //! every number is finite.
 
-use floe_core::{Cause, Change, Counters, Estimate, Event, Report};
+use floe_core::{Cause, Change, Config, Counters, Estimate, Event, Report};
 use serde::{Serialize, Serializer};
 
+use super::budget::{BudgetLine, lines};
+use super::quantities::Quantities;
+
 /// Name and version of this format; changes when a meaning changes.
-pub const SCHEMA: &str = "floe-replay/1";
+pub const SCHEMA: &str = "floe-replay/2";
 
 /// Everything a replay found.
 #[derive(Clone, Debug, Serialize)]
@@ -20,21 +23,14 @@ pub struct ReplayResult {
     pub test: TestSummary,
     /// The coefficients; `null` fields before the first event.
     pub estimate: EstimateSummary,
+    /// What is systematic about the means, input by input; empty without events.
+    pub budget: Vec<BudgetLine>,
     /// Standard deviation of the noise on the force.
     #[serde(serialize_with = "short_or_null")]
     pub noise_n: Option<f64>,
-    /// Mean rate of the force at rest.
-    #[serde(serialize_with = "short_or_null")]
-    pub loading_rate_n_per_s: Option<f64>,
-    /// Natural frequency while sliding.
-    #[serde(serialize_with = "short_or_null")]
-    pub omega_rad_per_s: Option<f64>,
-    /// Stiffness of the cable.
-    #[serde(serialize_with = "short_or_null")]
-    pub stiffness_n_per_m: Option<f64>,
-    /// Mean time from onset to onset.
-    #[serde(serialize_with = "short_or_null")]
-    pub recurrence_s: Option<f64>,
+    /// What follows from the test beside the coefficients.
+    #[serde(flatten)]
+    pub quantities: Quantities,
     /// How far the zero of the load cell may have moved, one standard deviation; `None`
     /// where nothing of it is seen.
     #[serde(serialize_with = "short_or_null")]
@@ -43,6 +39,9 @@ pub struct ReplayResult {
     pub changes: Vec<ChangeSummary>,
     /// Every event, in order.
     pub events: Vec<EventSummary>,
+    /// `mu_s` and `mu` as they were known with each event.
+    #[serde(skip)]
+    pub means: Vec<[CoefficientSummary; 2]>,
 }
 
 /// A change of the block or of its friction.
@@ -118,12 +117,23 @@ pub struct CoefficientSummary {
     /// Mean over the events.
     #[serde(serialize_with = "short_or_null")]
     pub mean: Option<f64>,
-    /// Its standard error, with the variation between events in it.
+    /// Its standard error: the random part, with the variation between events in it.
     #[serde(serialize_with = "short_or_null")]
     pub std_error: Option<f64>,
     /// Standard deviation between events, noise removed.
     #[serde(serialize_with = "short_or_null")]
     pub spread: Option<f64>,
+    /// The systematic part: what is the same in all events.
+    #[serde(serialize_with = "short_or_null")]
+    pub systematic_std: Option<f64>,
+    /// Both together.
+    #[serde(serialize_with = "short_or_null")]
+    pub combined_std: Option<f64>,
+    /// The 95 % interval.
+    #[serde(serialize_with = "short_pair")]
+    pub ci95: Option<[f64; 2]>,
+    /// Why there is no mean, or no uncertainty of it.
+    pub reason: Option<&'static str>,
 }
 
 /// One event.
@@ -150,13 +160,13 @@ pub struct EventSummary {
     /// Static coefficient.
     #[serde(serialize_with = "short_or_null")]
     pub mu_s: Option<f64>,
-    /// One standard deviation.
+    /// One standard deviation, the random part alone.
     #[serde(serialize_with = "short_or_null")]
     pub mu_s_std: Option<f64>,
     /// Dynamic coefficient.
     #[serde(serialize_with = "short_or_null")]
     pub mu: Option<f64>,
-    /// One standard deviation.
+    /// One standard deviation, the random part alone.
     #[serde(serialize_with = "short_or_null")]
     pub mu_std: Option<f64>,
     /// Time of rest before the onset.
@@ -177,6 +187,32 @@ pub struct EventSummary {
     pub quality: String,
     /// Why a coefficient is missing.
     pub reason: Option<String>,
+    /// The systematic part of `mu_s`: what is the same in all events.
+    #[serde(serialize_with = "short_or_null")]
+    pub mu_s_systematic_std: Option<f64>,
+    /// That of `mu`.
+    #[serde(serialize_with = "short_or_null")]
+    pub mu_systematic_std: Option<f64>,
+    /// Both parts together.
+    #[serde(serialize_with = "short_or_null")]
+    pub mu_s_combined_std: Option<f64>,
+    /// Both parts together.
+    #[serde(serialize_with = "short_or_null")]
+    pub mu_combined_std: Option<f64>,
+    /// The 95 % interval.
+    #[serde(serialize_with = "short_pair")]
+    pub mu_s_ci95: Option<[f64; 2]>,
+    /// The 95 % interval.
+    #[serde(serialize_with = "short_pair")]
+    pub mu_ci95: Option<[f64; 2]>,
+    /// How far the block slid, m.
+    #[serde(serialize_with = "short_or_null")]
+    pub slip_length_m: Option<f64>,
+    /// Work against the friction, J.
+    #[serde(serialize_with = "short_or_null")]
+    pub energy_j: Option<f64>,
+    /// When the slip began, ISO 8601 (UTC) to the millisecond; `null` when the log has no date.
+    pub onset_time: Option<String>,
 }
 
 impl ReplayResult {
@@ -185,8 +221,8 @@ impl ReplayResult {
     pub fn new(
         log: LogSummary,
         test: TestSummary,
-        report: &Report,
-        events: Vec<EventSummary>,
+        (config, report): (&Config, &Report),
+        mut events: Vec<EventSummary>,
         mut changes: Vec<ChangeSummary>,
     ) -> Self {
         // The ratio is known better in the end than when it was told.
@@ -194,6 +230,8 @@ impl ReplayResult {
             last.weight_ratio = known.weight_ratio.into();
             last.weight_ratio_std = known.weight_ratio_std.into();
         }
+        let quantities = Quantities::new(config, report);
+        events.iter_mut().for_each(|event| quantities.complete(event));
         Self {
             schema: SCHEMA,
             log,
@@ -203,14 +241,13 @@ impl ReplayResult {
                 mu: report.mu.into(),
                 events: report.mu_s.or(report.mu).map_or(0, |estimate| estimate.events.into()),
             },
+            budget: lines(config, report),
             noise_n: known(report.noise_n),
-            loading_rate_n_per_s: known(report.loading_rate_n_per_s),
-            omega_rad_per_s: known(report.omega_rad_per_s),
-            stiffness_n_per_m: known(report.stiffness_n_per_m),
-            recurrence_s: known(report.recurrence_s),
+            quantities,
             zero_n: known(report.zero_n),
             changes,
             events,
+            means: Vec::new(),
         }
     }
 }
@@ -241,10 +278,19 @@ impl From<Counters> for LogSummary {
 
 impl From<Option<Estimate>> for CoefficientSummary {
     fn from(estimate: Option<Estimate>) -> Self {
+        let reason = match estimate.map_or(0, |e| e.events) {
+            0 => Some("no event gives a value"),
+            1 => Some("one event does not tell how much friction varies between events"),
+            _ => None,
+        };
         Self {
             mean: known(estimate.map(|e| e.mean)),
-            std_error: known(estimate.map(|e| e.std_error)),
+            std_error: known(estimate.and_then(|e| e.std_error)),
             spread: known(estimate.and_then(|e| e.spread)),
+            systematic_std: known(estimate.map(|e| e.systematic_std)),
+            combined_std: known(estimate.and_then(|e| e.combined_std())),
+            ci95: pair(estimate.and_then(|e| e.ci95())),
+            reason,
         }
     }
 }
@@ -310,13 +356,27 @@ impl EventSummary {
             slack: event.slack,
             quality: event.quality.to_string(),
             reason: event.reason.map(|reason| reason.to_string()),
+            mu_s_systematic_std: known(event.mu_s.map(|c| c.systematic_std)),
+            mu_systematic_std: known(event.mu.map(|c| c.systematic_std)),
+            mu_s_combined_std: known(event.mu_s.map(|c| c.combined_std())),
+            mu_combined_std: known(event.mu.map(|c| c.combined_std())),
+            mu_s_ci95: pair(event.mu_s.map(|c| c.ci95())),
+            mu_ci95: pair(event.mu.map(|c| c.ci95())),
+            slip_length_m: None,
+            energy_j: None,
+            onset_time: None,
         }
     }
 }
 
 /// A number that is known, which a NaN or an infinity is not.
-fn known(value: Option<f32>) -> Option<f64> {
+pub(super) fn known(value: Option<f32>) -> Option<f64> {
     value.filter(|value| value.is_finite()).map(f64::from)
+}
+
+fn pair(ends: Option<(f32, f32)>) -> Option<[f64; 2]> {
+    let (low, high) = ends?;
+    Some([known(Some(low))?, known(Some(high))?])
 }
 
 /// Writes a number that came from the core with the digits that an `f32` has:
@@ -325,9 +385,22 @@ fn short<S: Serializer>(value: &f64, serializer: S) -> Result<S::Ok, S::Error> {
     serializer.serialize_f32(*value as f32)
 }
 
-fn short_or_null<S: Serializer>(value: &Option<f64>, serializer: S) -> Result<S::Ok, S::Error> {
+pub(super) fn short_or_null<S: Serializer>(
+    value: &Option<f64>,
+    serializer: S,
+) -> Result<S::Ok, S::Error> {
     match value {
         Some(value) => serializer.serialize_some(&(*value as f32)),
+        None => serializer.serialize_none(),
+    }
+}
+
+fn short_pair<S: Serializer>(ends: &Option<[f64; 2]>, serializer: S) -> Result<S::Ok, S::Error> {
+    match ends {
+        Some(ends) => {
+            let end = |end: f64| Some(end as f32).filter(|end| end.is_finite());
+            serializer.serialize_some(&ends.map(end))
+        }
         None => serializer.serialize_none(),
     }
 }
@@ -338,11 +411,22 @@ mod tests {
 
     #[test]
     fn numbers_are_written_short_and_what_is_not_finite_as_null() {
-        let estimate = |mean| Estimate { mean, std_error: 1e-4, spread: None, events: 3 };
+        let estimate = |mean| Estimate {
+            mean,
+            std_error: Some(3e-4),
+            freedom: f32::INFINITY,
+            systematic_std: 4e-4,
+            common_std: 0.0,
+            spread: None,
+            events: 3,
+        };
         let text =
             |mean| serde_json::to_string(&CoefficientSummary::from(Some(estimate(mean)))).unwrap();
-        assert_eq!(text(0.78), r#"{"mean":0.78,"std_error":0.0001,"spread":null}"#);
-        assert_eq!(text(f32::NAN), r#"{"mean":null,"std_error":0.0001,"spread":null}"#);
+        assert_eq!(
+            text(0.78),
+            r#"{"mean":0.78,"std_error":0.0003,"spread":null,"systematic_std":0.0004,"combined_std":0.0005,"ci95":[0.77902,0.78097993],"reason":null}"#
+        );
+        assert!(text(f32::NAN).starts_with(r#"{"mean":null,"std_error":0.0003,"spread":null"#));
         let test = |weight_n| TestSummary { test_id: None, weight_n, slope_rad: 0.0 };
         let text = |weight_n| serde_json::to_string(&test(weight_n)).unwrap();
         assert_eq!(text(0.3_f32.into()), r#"{"test_id":null,"weight_n":0.3,"slope_rad":0.0}"#);

@@ -2,6 +2,7 @@
 
 use std::fmt::Write;
 
+use super::quantities::Quantities;
 use super::result::{CoefficientSummary, EventSummary, LogSummary, ReplayResult, zero_sentence};
 
 /// Events, then the result with its uncertainty, then what to know about it.
@@ -17,6 +18,7 @@ pub fn text(result: &ReplayResult) -> String {
     };
     let _ = notices(&mut out, result);
     let _ = coefficients(&mut out, result);
+    let _ = budget(&mut out, result);
     let _ = quantities(&mut out, result);
     let _ = samples(&mut out, &result.log);
     out
@@ -55,8 +57,8 @@ fn significant(value: f64) -> String {
 
 fn event_lines(out: &mut String, events: &[EventSummary], force: usize) -> std::fmt::Result {
     let titles = [
-        "event", "onset s", "stop s", "mu_s", "±", "mu", "±", "Fs N", "Fp N", "Fe N", "stick s",
-        "slip s",
+        "event", "onset s", "stop s", "mu_s", "±", "random", "mu", "±", "random", "Fs N", "Fp N",
+        "Fe N", "stick s", "slip s",
     ];
     line(out, &titles.map(str::to_string), "quality")?;
     for event in events {
@@ -66,8 +68,10 @@ fn event_lines(out: &mut String, events: &[EventSummary], force: usize) -> std::
             cell(Some(event.onset_s), 3),
             cell(Some(event.stop_s), 3),
             cell(event.mu_s, 4),
+            cell(event.mu_s_combined_std, 4),
             cell(event.mu_s_std, 4),
             cell(event.mu, 4),
+            cell(event.mu_combined_std, 4),
             cell(event.mu_std, 4),
             cell(Some(event.static_force_n), force),
             cell(Some(event.dynamic_force_n), force),
@@ -80,8 +84,8 @@ fn event_lines(out: &mut String, events: &[EventSummary], force: usize) -> std::
     writeln!(out)
 }
 
-fn line(out: &mut String, cells: &[String; 12], last: &str) -> std::fmt::Result {
-    const WIDTHS: [usize; 12] = [6, 11, 11, 9, 8, 9, 8, 9, 9, 9, 9, 8];
+fn line(out: &mut String, cells: &[String; 14], last: &str) -> std::fmt::Result {
+    const WIDTHS: [usize; 14] = [6, 11, 11, 9, 8, 8, 9, 8, 8, 9, 9, 9, 9, 8];
     for (cell, width) in cells.iter().zip(WIDTHS) {
         write!(out, "{cell:>width$}")?;
     }
@@ -105,33 +109,103 @@ fn coefficients(out: &mut String, result: &ReplayResult) -> std::fmt::Result {
     let found = result.events.len();
     writeln!(
         out,
-        "       ± standard error of the mean; {} of {found} events count\n",
+        "       ± one standard deviation, all that is known of it; {} of {found} events count\n",
         estimate.events
     )
 }
 
 fn coefficient(out: &mut String, name: &str, value: &CoefficientSummary) -> std::fmt::Result {
     let Some(mean) = value.mean else { return writeln!(out, "{name:<6} unknown") };
-    let error = cell(value.std_error, 4);
-    let spread = cell(value.spread, 4);
-    writeln!(out, "{name:<6} {mean:.4} ± {error}   spread between events {spread}")
+    let systematic = cell(value.systematic_std, 4);
+    match (value.combined_std, value.std_error, value.ci95) {
+        (Some(combined), Some(random), Some([low, high])) => writeln!(
+            out,
+            "{name:<6} {mean:.4} ± {combined:.4}   random {random:.4}, systematic {systematic}; \
+             95 % {low:.4} to {high:.4}; spread between events {}",
+            cell(value.spread, 4)
+        ),
+        _ => writeln!(
+            out,
+            "{name:<6} {mean:.4} ± ?   systematic {systematic}; {}",
+            value.reason.unwrap_or_default()
+        ),
+    }
 }
 
 fn quantities(out: &mut String, result: &ReplayResult) -> std::fmt::Result {
+    let Quantities { recurrence_predicted_s: predicted, .. } = result.quantities;
+    let q = &result.quantities;
     let lines = [
-        ("noise", result.noise_n, "N"),
-        ("loading rate", result.loading_rate_n_per_s, "N/s"),
-        ("omega", result.omega_rad_per_s, "rad/s"),
-        ("stiffness", result.stiffness_n_per_m, "N/m"),
-        ("recurrence", result.recurrence_s, "s"),
+        ("noise", result.noise_n, None, "N"),
+        ("loading rate", q.loading_rate_n_per_s, q.loading_rate_n_per_s_std, "N/s"),
+        ("omega", q.omega_rad_per_s, q.omega_rad_per_s_std, "rad/s"),
+        (
+            "stiffness",
+            q.stiffness_from_rate_n_per_m,
+            q.stiffness_from_rate_n_per_m_std,
+            "N/m from the winch speed",
+        ),
+        (
+            "stiffness",
+            q.stiffness_from_omega_n_per_m,
+            q.stiffness_from_omega_n_per_m_std,
+            "N/m from omega and the weight",
+        ),
+        ("ratio", q.stiffness_ratio, q.stiffness_ratio_std, "of the two: checks both"),
+        ("recurrence", q.recurrence_s, None, "s"),
+        ("by the model", predicted, None, "s, (22) to (25)"),
     ];
-    for (name, value, unit) in lines {
-        match value {
-            Some(value) => writeln!(out, "{name:<14}{:.*} {unit}", decimals(value), value)?,
-            None => writeln!(out, "{name:<14}unknown")?,
-        }
+    for (name, value, std, unit) in lines {
+        let Some(value) = value else {
+            writeln!(out, "{name:<14}unknown{}", unit.find(" from").map_or("", |at| &unit[at..]))?;
+            continue;
+        };
+        let decimals = decimals(value);
+        let std = std.map_or(String::new(), |std| format!(" ± {std:.decimals$}"));
+        writeln!(out, "{name:<14}{value:.decimals$}{std} {unit}")?;
     }
     writeln!(out)
+}
+
+/// What is systematic about the means, input by input.
+fn budget(out: &mut String, result: &ReplayResult) -> std::fmt::Result {
+    if result.budget.is_empty() {
+        return Ok(());
+    }
+    writeln!(
+        out,
+        "{:<14}{:>10}{:>10}   {:>11}{:>11}{:>7}   {:>11}{:>11}{:>7}",
+        "budget", "value", "std", "mu_s by 1", "mu_s ±", "share", "mu by 1", "mu ±", "share"
+    )?;
+    let estimate = &result.estimate;
+    for line in &result.budget {
+        write!(out, "{:<14}{:>10}{:>10}", line.input, number(line.value), number(line.std))?;
+        for (share, mean) in [(&line.mu_s, &estimate.mu_s), (&line.mu, &estimate.mu)] {
+            let part =
+                share.contribution.zip(mean.combined_std).map(|(a, b)| 100.0 * (a / b).powi(2));
+            let (by, part) = (number(share.sensitivity), cell(part, 1));
+            write!(out, "   {by:>11}{:>11}{part:>6}%", cell(share.contribution, 5))?;
+        }
+        writeln!(out)?;
+    }
+    write!(out, "{:<34}", "random")?;
+    for mean in [&estimate.mu_s, &estimate.mu] {
+        let part = mean.std_error.zip(mean.combined_std).map(|(a, b)| 100.0 * (a / b).powi(2));
+        write!(out, "   {:>11}{:>11}{:>6}%", "", cell(mean.std_error, 5), cell(part, 1))?;
+    }
+    writeln!(out, "\n")
+}
+
+/// A number of any size in at most nine letters.
+fn number(value: Option<f64>) -> String {
+    value.map_or_else(
+        || "-".to_string(),
+        |value| match value.abs() {
+            0.0 => "0".to_string(),
+            size if (1e-3..1e5).contains(&size) => format!("{value:.*}", decimals(value).min(5)),
+            _ => format!("{value:.2e}"),
+        },
+    )
 }
 
 fn samples(out: &mut String, log: &LogSummary) -> std::fmt::Result {
@@ -146,13 +220,27 @@ fn samples(out: &mut String, log: &LogSummary) -> std::fmt::Result {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::replay::budget::{BudgetLine, BudgetShare};
     use crate::replay::result::{ChangeSummary, EstimateSummary, SCHEMA, TestSummary};
 
     fn result(events: Vec<EventSummary>) -> ReplayResult {
-        let mean = |mean| CoefficientSummary {
+        let mean = |mean: f64| CoefficientSummary {
             mean: Some(mean),
-            std_error: Some(0.0002),
+            std_error: Some(0.0003),
             spread: Some(0.0008),
+            systematic_std: Some(0.0004),
+            combined_std: Some(0.0005),
+            ci95: Some([mean - 0.001, mean + 0.001]),
+            reason: None,
+        };
+        let share =
+            |by: f64| BudgetShare { sensitivity: Some(by), contribution: Some((0.2 * by).abs()) };
+        let weight = BudgetLine {
+            input: "weight_n",
+            value: Some(630.0),
+            std: Some(0.2),
+            mu_s: share(-0.001_968),
+            mu: share(-0.001_238),
         };
         ReplayResult {
             schema: SCHEMA,
@@ -169,10 +257,17 @@ mod tests {
             test: TestSummary { test_id: None, weight_n: 630.0, slope_rad: 0.0 },
             estimate: EstimateSummary { mu_s: mean(1.2401), mu: mean(0.78), events: 1 },
             noise_n: Some(1.98765),
-            loading_rate_n_per_s: Some(361.1234),
-            omega_rad_per_s: Some(18.91),
-            stiffness_n_per_m: Some(23_012.3),
-            recurrence_s: None,
+            quantities: Quantities {
+                loading_rate_n_per_s: Some(361.1234),
+                loading_rate_n_per_s_std: Some(0.2),
+                omega_rad_per_s: Some(18.91),
+                omega_rad_per_s_std: Some(0.02),
+                stiffness_from_omega_n_per_m: Some(23_012.3),
+                stiffness_from_omega_n_per_m_std: Some(73.0),
+                ..Quantities::default()
+            },
+            budget: vec![weight],
+            means: Vec::new(),
             zero_n: None,
             changes: Vec::new(),
             events,
@@ -199,6 +294,14 @@ mod tests {
             slack: false,
             quality: "clipped".to_string(),
             reason: Some("a gap".to_string()),
+            mu_s_systematic_std: None,
+            mu_systematic_std: Some(0.0012),
+            mu_s_combined_std: None,
+            mu_combined_std: Some(0.0013),
+            mu_s_ci95: None,
+            mu_ci95: Some([0.7774, 0.7826]),
+            slip_length_m: None,
+            energy_j: None,
         }
     }
 
@@ -208,20 +311,29 @@ mod tests {
 log    x.csv (csv), 1920 samples at 16 Hz, 119.94 s
 test   weight 630.0 N, slope 0.00°
 
- event    onset s     stop s     mu_s       ±       mu       ±     Fs N     Fp N     Fe N  \
-stick s  slip s  quality
-     0      2.163      2.336        -       -   0.7800  0.0005    781.2    491.4    201.6        \
--   0.173  clipped: a gap
+ event    onset s     stop s     mu_s       ±  random       mu       ±  random     Fs N     Fp N     \
+Fe N  stick s  slip s  quality
+     0      2.163      2.336        -       -       -   0.7800  0.0013  0.0005    781.2    491.4    \
+201.6        -   0.173  clipped: a gap
 
-mu_s   1.2401 ± 0.0002   spread between events 0.0008
-mu     0.7800 ± 0.0002   spread between events 0.0008
-       ± standard error of the mean; 1 of 1 events count
+mu_s   1.2401 ± 0.0005   random 0.0003, systematic 0.0004; 95 % 1.2391 to 1.2411; spread between \
+events 0.0008
+mu     0.7800 ± 0.0005   random 0.0003, systematic 0.0004; 95 % 0.7790 to 0.7810; spread between \
+events 0.0008
+       ± one standard deviation, all that is known of it; 1 of 1 events count
+
+budget             value       std     mu_s by 1     mu_s ±  share       mu by 1       mu ±  share
+weight_n           630.0    0.2000      -0.00197    0.00039  62.0%      -0.00124    0.00025  24.5%
+random                                              0.00030  36.0%                  0.00030  36.0%
 
 noise         1.988 N
-loading rate  361.1 N/s
-omega         18.91 rad/s
-stiffness     23012 N/m
+loading rate  361.1 ± 0.2 N/s
+omega         18.91 ± 0.02 rad/s
+stiffness     unknown from the winch speed
+stiffness     23012 ± 73 N/m from omega and the weight
+ratio         unknown
 recurrence    unknown
+by the model  unknown
 
 samples       1920 read, 3 missing, 0 duplicates, 0 rejected, 0 saturated
 note          line 9 is odd

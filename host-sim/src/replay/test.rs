@@ -1,6 +1,6 @@
 //! What was pulled: from the options, else from the log.
 
-use floe_core::{Calibration, Config};
+use floe_core::{Calibration, Config, InputStd};
 
 use crate::error::InputError;
 use crate::log::{Log, STANDARD_GRAVITY, Unit};
@@ -48,6 +48,7 @@ pub fn configure(log: &Log, options: &TestOptions) -> Result<Config, InputError>
         winch_m_per_s: said.winch_m_per_s.map(|speed| speed as f32),
         range_n: said.range_n.map(|range| range as f32),
         calibration: calibration(log, options)?,
+        std: InputStd::default(),
     };
     let given = format!("weight {weight_n} N, slope {slope_deg}°");
     config.validate().map_err(|error| InputError::new(format!("{error} ({given})")))?;

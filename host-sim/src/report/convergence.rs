@@ -7,7 +7,7 @@ use super::plot::{Axis, Layout, Plot, Spec};
 use super::running::{Measured, Running, course, measured};
 use super::scale::extent;
 use super::svg::Path;
-use crate::replay::result::CoefficientSummary;
+use crate::replay::result::ReplayResult;
 
 /// Events drawn at most; beyond it every second, third, ...
 const MOST_EVENTS: usize = 2500;
@@ -18,10 +18,11 @@ const ALL_INSIDE: usize = 100;
 
 /// The figure; none without a coefficient.
 pub(super) fn convergence(context: &Context<'_>) -> Option<Figure> {
-    let (events, estimate) = (&context.result.events, &context.result.estimate);
+    let ReplayResult { events, means, .. } = context.result;
+    let mean_of = |i: usize| course(means.iter().map(|mean| &mean[i]), events);
     let panels = [
-        Panel::new("static", "s", measured(events, |e| (e.mu_s, e.mu_s_std)), &estimate.mu_s),
-        Panel::new("dynamic", "", measured(events, |e| (e.mu, e.mu_std)), &estimate.mu),
+        Panel::new("static", "s", measured(events, |e| (e.mu_s, e.mu_s_std)), mean_of(0)),
+        Panel::new("dynamic", "", measured(events, |e| (e.mu, e.mu_std)), mean_of(1)),
     ];
     let drawn: Vec<&Panel> = panels.iter().filter(|panel| !panel.values.is_empty()).collect();
     if drawn.is_empty() {
@@ -29,10 +30,13 @@ pub(super) fn convergence(context: &Context<'_>) -> Option<Figure> {
     }
     let bars = drawn.iter().all(|panel| panel.values.len() <= MOST_BARS);
     let keys = vec![
-        dot_key("event static", if bars { "events with ±1 standard deviation" } else { "events" }),
+        dot_key(
+            "event static",
+            if bars { "events with ±1 standard deviation, random" } else { "events" },
+        ),
         line_key("mean static", "mean so far"),
-        tint_key("band-1 static", "±1 standard error"),
-        tint_key("band-2 static", "±2 standard errors"),
+        tint_key("band-1 static", "±1 standard deviation, all"),
+        tint_key("band-2 static", "95 % interval"),
     ];
     let outside: usize = drawn.iter().map(|panel| panel.outside()).sum();
     let note = match outside {
@@ -41,8 +45,9 @@ pub(super) fn convergence(context: &Context<'_>) -> Option<Figure> {
         n => format!(" {} values lie outside the axes.", count(n as u64)),
     };
     let caption = format!(
-        "Static (above) and dynamic (below) coefficient of each event, and their mean with its \
-         standard error, which includes the variation between events.{note}"
+        "Static (above) and dynamic (below) coefficient of each event, and their mean as it was \
+         known at that time, with the uncertainty of weight, slope, zero, span and damping in \
+         its bands.{note}"
     );
     let drawings = drawn.iter().map(|panel| both(|layout| panel.draw(layout))).collect();
     Some(Figure { class: "convergence", drawings, keys, caption })
@@ -62,9 +67,8 @@ impl Panel {
         kind: &'static str,
         subscript: &'static str,
         values: Vec<Measured>,
-        end: &CoefficientSummary,
+        mut course: Vec<Running>,
     ) -> Self {
-        let mut course = course(&values, end);
         if let [only] = course[..] {
             let beside = |step| Running { event: only.event + step, ..only };
             course = vec![beside(-0.3), beside(0.3)];
@@ -80,8 +84,11 @@ impl Panel {
 
     fn draw(&self, layout: Layout) -> String {
         let mut plot = Plot::new(&self.spec(layout));
-        for (class, width) in [("band-2", 2.0), ("band-1", 1.0)] {
-            let outline = self.band(&plot, width);
+        let one = |r: &Running| r.band.map(|(std, _)| [r.mean - std, r.mean + std]);
+        let most = |r: &Running| r.band.map(|(_, ci95)| ci95);
+        for (class, outline) in
+            [("band-2", self.band(&plot, most)), ("band-1", self.band(&plot, one))]
+        {
             plot.draw(&outline.element(&format!("{class} {}", self.kind)));
         }
         let step = self.values.len().div_ceil(MOST_EVENTS).max(1);
@@ -104,11 +111,16 @@ impl Panel {
         plot.finish()
     }
 
-    /// Mean ± `width` standard errors, there and back.
-    fn band(&self, plot: &Plot, width: f64) -> Path {
-        let edge = |r: &Running, side: f64| plot.at((r.event, r.mean + side * width * r.std_error));
-        let upper = self.course.iter().map(|r| edge(r, 1.0));
-        let lower = self.course.iter().rev().map(|r| edge(r, -1.0));
+    /// From the lower ends of intervals to the upper ones, there and back.
+    fn band(&self, plot: &Plot, ends: impl Fn(&Running) -> Option<[f64; 2]>) -> Path {
+        let (low, high) = self.domain;
+        let known = self.course.iter().filter_map(|r| Some((r.event, ends(r)?)));
+        let known: Vec<_> = known.collect();
+        let edge = |(event, ends): &(f64, [f64; 2]), i: usize| {
+            plot.at((*event, ends.get(i).copied().unwrap_or(low).clamp(low, high)))
+        };
+        let upper = known.iter().map(|it| edge(it, 1));
+        let lower = known.iter().rev().map(|it| edge(it, 0));
         let mut path = Path::line(upper.chain(lower));
         path.close();
         path
@@ -129,7 +141,7 @@ impl Panel {
                 "Convergence of the dynamic coefficient",
             ),
             description: "Coefficient of every event against its number, with the mean so far \
-                          and the band of its standard error.",
+                          and the bands of its uncertainty.",
             x: Axis {
                 domain: (first - beside, last + beside),
                 least_step: 1.0,
@@ -160,7 +172,6 @@ fn domain(values: &[Measured], end: Option<&Running>) -> (f64, f64) {
     let std = stds.get(stds.len() / 2).copied().unwrap_or(0.0);
     let ends = [kept.first(), kept.last()].into_iter().flatten();
     let ends = ends.flat_map(|v| [v.value - 1.2 * std, v.value + 1.2 * std]);
-    let result =
-        end.into_iter().flat_map(|r| [r.mean - 2.0 * r.std_error, r.mean + 2.0 * r.std_error]);
-    extent(ends.chain(result), 0.1)
+    let result = end.and_then(|r| r.band).map_or([f64::NAN; 2], |(_, ci95)| ci95);
+    extent(ends.chain(result.into_iter().filter(|x| x.is_finite())), 0.1)
 }

@@ -1,8 +1,5 @@
-//! The coefficient and its standard error after the first event, after the
-//! second, ...
-
-use floe_core::Coefficient;
-use floe_core::estimator::Estimator;
+//! The coefficient and its uncertainty after the first event, after the second, ...: what
+//! the core said at that time.
 
 use crate::replay::result::{CoefficientSummary, EventSummary};
 
@@ -13,7 +10,7 @@ pub(super) struct Measured {
     pub event: f64,
     /// The coefficient.
     pub value: f64,
-    /// One standard deviation.
+    /// One standard deviation, the random part.
     pub std: f64,
 }
 
@@ -24,8 +21,8 @@ pub(super) struct Running {
     pub event: f64,
     /// Mean.
     pub mean: f64,
-    /// Its standard error.
-    pub std_error: f64,
+    /// Its combined standard deviation, and its 95 % interval; `None` after one event.
+    pub band: Option<(f64, [f64; 2])>,
 }
 
 /// Results drawn at most.
@@ -45,53 +42,40 @@ pub(super) fn measured(
     events.iter().filter_map(value).collect()
 }
 
-/// Results on the way, by the core's own estimator: at most [`MOST`], and the
-/// replay's at the end.
-pub(super) fn course(values: &[Measured], end: &CoefficientSummary) -> Vec<Running> {
-    let step = values.len().div_ceil(MOST).max(1);
-    let mut estimator = Estimator::default();
-    let mut course = Vec::new();
-    for (i, value) in values.iter().enumerate() {
-        estimator.add(Coefficient { value: value.value as f32, std: value.std as f32 });
-        if i % step == 0 || i + 1 == values.len() {
-            course.extend(estimator.estimate().map(|estimate| Running {
-                event: value.event,
-                mean: estimate.mean.into(),
-                std_error: estimate.std_error.into(),
-            }));
-        }
-    }
-    if let (Some(last), Some(mean), Some(std_error)) = (course.last_mut(), end.mean, end.std_error)
-    {
-        *last = Running { event: last.event, mean, std_error };
-    }
-    course
+/// Results on the way, at most [`MOST`] and the last one.
+pub(super) fn course<'a>(
+    means: impl ExactSizeIterator<Item = &'a CoefficientSummary>,
+    events: &[EventSummary],
+) -> Vec<Running> {
+    let count = means.len();
+    let step = count.div_ceil(MOST).max(1);
+    let known = means.zip(events).enumerate().filter(|(i, _)| i % step == 0 || i + 1 == count);
+    let running = |(_, (mean, event)): (usize, (&CoefficientSummary, &EventSummary))| {
+        let band = mean.combined_std.zip(mean.ci95);
+        Some(Running { event: event.index.into(), mean: mean.mean?, band })
+    };
+    known.filter_map(running).collect()
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::sample_log::SampleLog;
     use super::*;
-
-    fn values(count: u32) -> Vec<Measured> {
-        let value =
-            |i: u32| Measured { event: i.into(), value: 1.0 + f64::from(i % 7) / 100.0, std: 0.01 };
-        (0..count).map(value).collect()
-    }
 
     #[test]
     fn the_course_is_bounded_and_ends_in_the_result() {
-        let end = CoefficientSummary { mean: Some(1.5), std_error: Some(0.2), spread: None };
-        let course = course(&values(5000), &end);
+        let result = SampleLog::dff8_13(1800.0).result;
+        let course = course(result.means.iter().map(|m| &m[0]), &result.events);
         assert!((MOST / 2..=MOST + 1).contains(&course.len()));
         let last = course[course.len() - 1];
-        assert_eq!((last.event, last.mean, last.std_error), (4999.0, 1.5, 0.2));
-        assert!((course[0].mean - 1.0).abs() < 1e-6 && (course[0].std_error - 0.01).abs() < 1e-6);
+        assert_eq!(Some(last.mean), result.estimate.mu_s.mean);
+        assert!(course[0].band.is_none() && last.band.is_some());
         assert!(course.is_sorted_by(|a, b| a.event < b.event));
     }
 
     #[test]
     fn no_values_give_no_course() {
-        assert!(course(&[], &CoefficientSummary::default()).is_empty());
+        assert!(course([].iter(), &[]).is_empty());
         assert!(measured(&[], |e| (e.mu, e.mu_std)).is_empty());
     }
 }

@@ -4,6 +4,7 @@
 use floe_core::{ForceSample, SampleFlag, Step};
 
 use super::Recorder;
+use crate::replay::quantities::Quantities;
 use crate::replay::result::{
     CoefficientSummary, EstimateSummary, EventSummary, LogSummary, ReplayResult, SCHEMA,
     TestSummary,
@@ -71,6 +72,14 @@ fn event(index: u32, from_s: f64, from_n: f64, noise: &mut Noise) -> EventSummar
         slack: false,
         quality: "good".into(),
         reason: None,
+        mu_s_systematic_std: Some(0.004),
+        mu_systematic_std: Some(0.003),
+        mu_s_combined_std: Some(0.0041),
+        mu_combined_std: Some(0.0031),
+        mu_s_ci95: Some([mu_s - 0.0082, mu_s + 0.0082]),
+        mu_ci95: Some([mu - 0.0062, mu + 0.0062]),
+        slip_length_m: Some(0.03),
+        energy_j: Some(15.0),
     }
 }
 
@@ -85,14 +94,21 @@ fn force_n(events: &[EventSummary], time_s: f64) -> f64 {
     e.dynamic_force_n + above.hypot(beside) * phase.cos()
 }
 
+/// The mean and its uncertainty after these values.
 fn coefficient(values: &[f64]) -> CoefficientSummary {
-    let n = values.len() as f64;
+    let (n, systematic) = (values.len() as f64, 0.003_f64);
     let mean = values.iter().sum::<f64>() / n;
     let variance = values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (n - 1.0);
+    let several = |value: f64| (values.len() > 1).then_some(value);
+    let (random, combined) = ((variance / n).sqrt(), systematic.hypot((variance / n).sqrt()));
     CoefficientSummary {
-        mean: Some(mean),
-        std_error: Some((variance / n).sqrt()),
-        spread: Some(variance.sqrt()),
+        mean: (!values.is_empty()).then_some(mean),
+        std_error: several(random),
+        spread: several(variance.sqrt()),
+        systematic_std: (!values.is_empty()).then_some(systematic),
+        combined_std: several(combined),
+        ci95: several(combined).map(|std| [mean - 1.96 * std, mean + 1.96 * std]),
+        reason: (values.len() == 1).then_some("one event"),
     }
 }
 
@@ -156,22 +172,16 @@ impl SampleLog {
     pub fn keep_events(&mut self, n: usize) {
         let result = &mut self.result;
         result.events.truncate(n);
-        let alone = |value: Option<f64>, std_error: Option<f64>| CoefficientSummary {
-            mean: value,
-            std_error,
-            spread: None,
+        let of = |pick: fn(&EventSummary) -> Option<f64>| {
+            coefficient(&result.events.iter().filter_map(pick).collect::<Vec<_>>())
         };
-        let first = result.events.first();
-        result.estimate = EstimateSummary {
-            mu_s: alone(first.and_then(|e| e.mu_s), first.and_then(|e| e.mu_s_std)),
-            mu: alone(first.and_then(|e| e.mu), first.and_then(|e| e.mu_std)),
-            events: n as u64,
-        };
-        (result.recurrence_s, result.zero_n) = (None, None);
+        result.estimate =
+            EstimateSummary { mu_s: of(|e| e.mu_s), mu: of(|e| e.mu), events: n as u64 };
+        result.means.truncate(n);
+        (result.quantities.recurrence_s, result.zero_n) = (None, None);
         if n == 0 {
-            result.loading_rate_n_per_s = None;
-            result.omega_rad_per_s = None;
-            result.stiffness_n_per_m = None;
+            result.quantities = Quantities::default();
+            result.budget.clear();
             result.noise_n = None;
         }
     }
@@ -184,7 +194,8 @@ impl SampleLog {
         let result = &mut self.result;
         result.test.weight_n *= factor;
         result.noise_n = result.noise_n.map(|n| n * factor);
-        result.loading_rate_n_per_s = result.loading_rate_n_per_s.map(|r| r * factor);
+        let rate = &mut result.quantities.loading_rate_n_per_s;
+        *rate = rate.map(|r| r * factor);
         for e in &mut result.events {
             e.static_force_n *= factor;
             e.dynamic_force_n *= factor;
@@ -216,6 +227,9 @@ fn result(events: Vec<EventSummary>, samples: u64, duration_s: f64) -> ReplayRes
     let values = |pick: fn(&EventSummary) -> Option<f64>| -> Vec<f64> {
         events.iter().filter_map(pick).collect()
     };
+    let (of_mu_s, of_mu) = (values(|e| e.mu_s), values(|e| e.mu));
+    let after = |n: usize| [coefficient(&of_mu_s[..n]), coefficient(&of_mu[..n])];
+    let means = (1..=events.len()).map(after).collect();
     ReplayResult {
         schema: SCHEMA,
         log: LogSummary {
@@ -241,10 +255,15 @@ fn result(events: Vec<EventSummary>, samples: u64, duration_s: f64) -> ReplayRes
             events: events.len() as u64,
         },
         noise_n: Some(NOISE_N),
-        loading_rate_n_per_s: Some(LOADING_N_PER_S),
-        omega_rad_per_s: Some(omega()),
-        stiffness_n_per_m: Some(STIFFNESS_N_PER_M),
-        recurrence_s: Some(1.78),
+        quantities: Quantities {
+            loading_rate_n_per_s: Some(LOADING_N_PER_S),
+            omega_rad_per_s: Some(omega()),
+            stiffness_n_per_m: Some(STIFFNESS_N_PER_M),
+            recurrence_s: Some(1.78),
+            ..Quantities::default()
+        },
+        budget: Vec::new(),
+        means,
         zero_n: None,
         changes: Vec::new(),
         events,

@@ -42,20 +42,20 @@ fn nothing(result: &ReplayResult) -> &'static str {
 }
 
 fn coefficient(class: &str, symbol: &str, value: &CoefficientSummary, name: &str) -> String {
-    let decimals = decimals_of_error(value.std_error);
+    let decimals = decimals_of_error(value.combined_std);
     let show = |x: f64| fixed(x, decimals);
-    let large = match (value.mean, value.std_error) {
+    let large = match (value.mean, value.combined_std) {
         (Some(mean), Some(error)) => {
             format!("{}<span class=\"error\"> ± {}</span>", show(mean), show(error))
         }
         (Some(mean), None) => show(mean),
         (None, _) => "–".into(),
     };
-    let relative = match (value.mean, value.std_error) {
-        (Some(mean), Some(error)) if mean != 0.0 => {
-            format!("standard error {} % · ", significant_2(100.0 * (error / mean).abs()))
+    let parts = match (value.std_error, value.systematic_std) {
+        (Some(random), Some(systematic)) => {
+            format!("random {}, systematic {} · ", significant_2(random), significant_2(systematic))
         }
-        _ => String::new(),
+        _ => value.reason.map(|reason| format!("no ±: {reason} · ")).unwrap_or_default(),
     };
     let spread = match (value.mean, value.spread) {
         (None, _) => "not measured".into(),
@@ -65,7 +65,7 @@ fn coefficient(class: &str, symbol: &str, value: &CoefficientSummary, name: &str
     };
     format!(
         "<div class=\"coefficient {class}\"><h2>{name}</h2><p class=\"large\">{symbol}\
-         <span class=\"{}\">{large}</span></p><p class=\"small\">{relative}{spread}</p></div>",
+         <span class=\"{}\">{large}</span></p><p class=\"small\">{parts}{spread}</p></div>",
         if value.mean.is_some() { "value" } else { "none" },
     )
 }
@@ -81,14 +81,16 @@ fn measured(result: &ReplayResult) -> Vec<Fact> {
     let show = |value: Option<f64>, unit: &str| {
         value.map_or_else(|| "–".into(), |value| quantity(value, unit))
     };
-    let omega = result.omega_rad_per_s.map_or_else(
+    let quantities = &result.quantities;
+    let omega = quantities.omega_rad_per_s.map_or_else(
         || "–".into(),
         |omega| {
             let hertz = significant(omega / std::f64::consts::TAU);
             format!("{} rad/s <small>{hertz} Hz</small>", significant(omega))
         },
     );
-    let recurrence = result.recurrence_s.map_or("–".into(), |t| format!("{} s", significant(t)));
+    let recurrence =
+        quantities.recurrence_s.map_or("–".into(), |t| format!("{} s", significant(t)));
     let (used, found) = (result.estimate.events, result.events.len() as u64);
     let without = found.saturating_sub(used);
     let events = match without {
@@ -98,9 +100,9 @@ fn measured(result: &ReplayResult) -> Vec<Fact> {
     vec![
         ("Events", events, without > 0),
         ("Noise on the force", show(result.noise_n, "N"), false),
-        ("Loading rate <i>k w</i>", show(result.loading_rate_n_per_s, "N/s"), false),
+        ("Loading rate <i>k w</i>", show(quantities.loading_rate_n_per_s, "N/s"), false),
         ("Natural frequency <i>ω</i>", omega, false),
-        ("Stiffness <i>k</i>", show(result.stiffness_n_per_m, "N/m"), false),
+        ("Stiffness <i>k</i>", show(quantities.stiffness_n_per_m, "N/m"), false),
         ("Recurrence", recurrence, false),
     ]
 }

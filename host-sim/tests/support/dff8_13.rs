@@ -3,7 +3,7 @@
 use floe_core::{Coefficient, Event, Quality, SampleTime};
 
 pub fn event() -> Event {
-    let coefficient = |value| Some(Coefficient { value, std: 0.000_74 });
+    let coefficient = |value| Some(Coefficient::random(value, 0.000_74));
     Event {
         index: 6,
         onset: SampleTime { index: 206, fraction: 0.4 },

@@ -5,8 +5,8 @@ use std::path::Path;
 
 use floe::replay::result::{ChangeSummary, EventSummary, LogSummary, ReplayResult, TestSummary};
 use floe_core::{
-    Change, Config, Counts, Event, Fault, Pipeline, RawSample, Reading, Report, SampleFlag,
-    SampleTime,
+    Change, Coefficient, Config, Counts, Event, Fault, Pipeline, RawSample, Reading, Report,
+    SampleFlag, SampleTime,
 };
 use floe_firmware::line::{Health, Line};
 
@@ -42,7 +42,7 @@ pub fn decode(shown: &str) -> Result<Outcome> {
     let mut changes = Vec::new();
     for line in shown.lines() {
         match Line::parse(line).map_err(|e| format!("the board's line '{line}': {e}"))? {
-            Line::Start { settings, .. } => config = Some(settings.config),
+            Line::Start { settings, .. } => config = Some(settings.core_config()),
             Line::Event(event) => events.push(event),
             Line::Change(change) => changes.push(change),
             Line::Report(r) => report = Some(r),
@@ -153,7 +153,8 @@ impl Outcome {
         let events = self.events.iter();
         let events = events.map(|e| EventSummary::new(e, seconds(e.onset), seconds(e.stop)));
         let changes = self.changes.iter().map(|c| ChangeSummary::new(c, seconds(c.onset)));
-        ReplayResult::new(log, test, &self.report, events.collect(), changes.collect())
+        let inputs = (&self.config, &self.report);
+        ReplayResult::new(log, test, inputs, events.collect(), changes.collect())
     }
 }
 
@@ -181,7 +182,8 @@ fn bits(event: &Event) -> (Vec<Option<u32>>, String) {
         event.omega_rad_per_s,
     ];
     for coefficient in [event.mu_s, event.mu] {
-        numbers.extend([coefficient.map(|c| c.value), coefficient.map(|c| c.std)]);
+        let of = |pick: fn(Coefficient) -> f32| coefficient.map(pick);
+        numbers.extend([of(|c| c.value), of(|c| c.std), of(|c| c.systematic_std)]);
     }
     let places = (event.index, event.onset.index, event.stop.index);
     let words = (event.slack, event.quality, event.reason);

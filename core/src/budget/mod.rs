@@ -1,0 +1,146 @@
+//! The error budget: what limits a coefficient besides the scatter of the force.
+//!
+//! `c = (F/W − sin α)/cos α`, so what is wrong with weight, slope, zero or span is wrong with
+//! every event alike, and no number of events averages it out. With `D` the damping of the
+//! cable as a part of the critical one:
+//!
+//! | input | `∂c/∂input` |
+//! |---|---|
+//! | weight `W` | `−(c + tan α)/W` |
+//! | slope `α` | `c tan α − 1` |
+//! | zero | `−1/(W cos α)` |
+//! | span (a factor) | `−(c + tan α)` |
+//! | damping `D` | `mu`: `−π/2 (mu_s − mu)`, `mu_s`: 0 |
+//! | winch speed | 0: it makes the stiffness only |
+//!
+//! Damping: half a turn of the ellipse loses the part `π D` of its axis, so the block rests
+//! `π D (Fs − Fp)` too early, and `(Fs + Fe)/2` lies above `Fp` by half of that.
+//!
+//! What may be the zero's drift, a weight that changed during the test, and what the events
+//! of a test share are lines of their own. The random part is the standard error.
+
+use crate::config::Config;
+use crate::num::math;
+use crate::report::Report;
+
+/// What a coefficient depends on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Input {
+    /// Weight of the block, N.
+    Weight,
+    /// Slope of the ice, rad.
+    Slope,
+    /// Zero of the load cell, N, as it was taken.
+    Zero,
+    /// Span of the load cell, a factor.
+    Span,
+    /// Damping of the cable, a part of the critical one.
+    Damping,
+    /// Speed of the winch, m/s.
+    Winch,
+    /// What the zero may have moved by during the test, N.
+    ZeroDrift,
+    /// Weight over the given one where the block has changed, a factor.
+    WeightChange,
+    /// What the model learns from the events, and what no event shows by itself: a part of
+    /// the coefficient.
+    Shared,
+}
+
+/// Number of inputs.
+pub const INPUTS: usize = 9;
+
+/// What an input does to a coefficient.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Share {
+    /// Change of the coefficient with the input; unknown where the input has no unit.
+    pub sensitivity: Option<f32>,
+    /// Standard deviation of the coefficient because of it.
+    pub contribution: f32,
+}
+
+/// One line of the budget.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Entry {
+    /// What it is about.
+    pub input: Input,
+    /// Its value, if it has one.
+    pub value: Option<f32>,
+    /// Its standard deviation.
+    pub std: Option<f32>,
+    /// What it does to `mu_s`, and to `mu`.
+    pub shares: [Share; 2],
+}
+
+/// The inputs as they are known.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Known<'a> {
+    pub(crate) config: &'a Config,
+    /// Weight in use over the given one, and its relative standard deviation.
+    pub(crate) weight_ratio: (f32, f32),
+    /// Standard deviations of the zero as it was taken, and of its drift, N.
+    pub(crate) zero_n: f32,
+    pub(crate) drift_n: f32,
+}
+
+impl Known<'_> {
+    /// Every input but [`Input::Shared`].
+    pub(crate) fn entries(&self, [mu_s, mu]: [f32; 2]) -> [Entry; INPUTS - 1] {
+        let Config { weight_n, slope_rad, winch_m_per_s, std, .. } = *self.config;
+        let (ratio, ratio_std) = self.weight_ratio;
+        let (sin, cos) = math::sin_cos(slope_rad);
+        let (tan, weight_n) = (sin / cos, ratio * weight_n);
+        let both = |by: f32| [by; 2];
+        let each = |by: fn(f32, f32) -> f32| [by(mu_s, tan), by(mu, tan)];
+        let force = each(|c, tan| -(c + tan));
+        let of = |scale: f32| force.map(|by| by / scale);
+        let damping = [0.0, -core::f32::consts::FRAC_PI_2 * (mu_s - mu)];
+        let entry = |input, value, std: f32, by: [f32; 2]| {
+            let share = |by: f32| Share { sensitivity: Some(by), contribution: (by * std).abs() };
+            Entry { input, value, std: Some(std), shares: by.map(share) }
+        };
+        let zero = both(-1.0 / (weight_n * cos));
+        let winch_std = std.winch * winch_m_per_s.unwrap_or(0.0);
+        [
+            entry(Input::Weight, Some(weight_n), std.weight * weight_n, of(weight_n)),
+            entry(Input::Slope, Some(slope_rad), std.slope_rad, each(|c, tan| c * tan - 1.0)),
+            entry(Input::Zero, Some(0.0), self.zero_n, zero),
+            entry(Input::Span, Some(1.0), std.span, force),
+            entry(Input::Damping, Some(0.0), std.damping, damping),
+            entry(Input::Winch, winch_m_per_s, winch_std, both(0.0)),
+            entry(Input::ZeroDrift, None, self.drift_n, zero),
+            entry(Input::WeightChange, Some(ratio), ratio_std * ratio, of(ratio)),
+        ]
+    }
+
+    /// Standard deviations of both coefficients because of the inputs.
+    pub(crate) fn std(&self, coefficients: [f32; 2]) -> [f32; 2] {
+        let entries = self.entries(coefficients);
+        [0, 1].map(|i| math::sqrt(entries.iter().map(|e| square(e.shares[i].contribution)).sum()))
+    }
+}
+
+fn square(x: f32) -> f32 {
+    x * x
+}
+
+/// The budget of the means of a test; `None` before both are known.
+#[must_use]
+pub fn budget(config: &Config, report: &Report) -> Option<[Entry; INPUTS]> {
+    let (mu_s, mu) = report.mu_s.zip(report.mu)?;
+    let known = Known {
+        config,
+        weight_ratio: (report.weight_ratio, report.weight_ratio_std),
+        zero_n: report.zero_std_n,
+        drift_n: report.zero_drift_n,
+    };
+    let share = |common_std| Share { sensitivity: None, contribution: common_std };
+    let shares = [share(mu_s.common_std), share(mu.common_std)];
+    let last = Entry { input: Input::Shared, value: None, std: None, shares };
+    let mut entries = [last; INPUTS];
+    for (entry, input) in entries.iter_mut().zip(known.entries([mu_s.mean, mu.mean])) {
+        *entry = input;
+    }
+    Some(entries)
+}
