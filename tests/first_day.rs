@@ -19,6 +19,7 @@ use floe_core::Report;
 use floe_firmware::line::Line;
 use floe_firmware::notebook::{Kind, WeightFrom};
 use floe_firmware::settings::Settings;
+use floe_firmware::wall_clock::Moment;
 
 #[path = "support/board.rs"]
 mod board;
@@ -176,6 +177,13 @@ fn board_display_and_card_agree() {
     assert_eq!(result.estimate.mu_s.mean, mean(report.mu_s));
     assert_eq!(result.estimate.mu.mean, mean(report.mu));
     assert_eq!(result.events.len(), board.events().len());
+    // To the millisecond of the crystal; `Y` says the sample before.
+    let onset = board.events()[0].onset;
+    let first =
+        |line| if let Line::Sync { index: 0, unix_ms } = line { Some(unix_ms) } else { None };
+    let start = board.lines().find_map(first).expect("a date");
+    let onset_ms = start + ((onset.index as f64 + f64::from(onset.fraction)) * 62.5).round() as u64;
+    assert_eq!(result.events[0].onset_time, Some(Moment(onset_ms).to_string()));
 
     let (tests, _) = card::tests(Cursor::new(bytes)).expect("readable");
     let [test] = tests.as_slice() else { panic!("{} tests", tests.len()) };

@@ -219,7 +219,7 @@ fn progress(bytes: u64) -> ProgressBar {
 
 /// The fields of an event in their order, so that a file without events has a
 /// header too.
-const EVENT_COLUMNS: [&str; 28] = [
+const EVENT_COLUMNS: [&str; 29] = [
     "index",
     "onset_s",
     "stop_s",
@@ -248,4 +248,5 @@ const EVENT_COLUMNS: [&str; 28] = [
     "mu_ci95_high",
     "slip_length_m",
     "energy_j",
+    "onset_time",
 ];

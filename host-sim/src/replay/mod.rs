@@ -1,6 +1,7 @@
 //! A recorded log through the core: `floe replay`.
 
 use floe_core::{Config, Event, Pipeline, Step};
+use floe_firmware::wall_clock::Moment;
 
 use crate::error::InputError;
 use crate::log::Log;
@@ -50,6 +51,11 @@ pub fn replay(
         events.push(summary(&event, &timeline));
         means.push(so_far(&pipeline));
     }
+    if let Some(start_ms) = log.metadata().start_unix_ms {
+        for event in &mut events {
+            event.onset_time = onset_time(start_ms, event.onset_s);
+        }
+    }
     let report = pipeline.report();
     let log_summary = LogSummary {
         path: path.to_string(),
@@ -72,6 +78,12 @@ pub fn replay(
 fn so_far(pipeline: &Pipeline) -> [CoefficientSummary; 2] {
     let report = pipeline.report();
     [report.mu_s.into(), report.mu.into()]
+}
+
+/// The moment of an onset in a log whose time begins at `start_ms`, ms since 1970 (UTC).
+fn onset_time(start_ms: f64, onset_s: f64) -> Option<String> {
+    let unix_ms = (start_ms + 1000.0 * onset_s).round();
+    (unix_ms >= 0.0).then(|| Moment(unix_ms as u64).to_string())
 }
 
 fn summary(event: &Event, timeline: &Timeline) -> EventSummary {

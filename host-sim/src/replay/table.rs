@@ -302,6 +302,7 @@ mod tests {
             mu_ci95: Some([0.7774, 0.7826]),
             slip_length_m: None,
             energy_j: None,
+            onset_time: None,
         }
     }
 
