@@ -8,7 +8,7 @@ use crate::detector::{Detector, Transition};
 use crate::effects::level_shift::Change;
 use crate::effects::zero_drift::Drift;
 use crate::estimator::Estimator;
-use crate::event::{Event, Provisional};
+use crate::event::{Event, Provisional, Quality};
 use crate::num::math;
 use crate::report::{Counters, Report};
 use crate::sample::{ForcePoint, ForceSample, Phase, RawSample, SampleFlag, SampleTime};
@@ -376,10 +376,10 @@ impl Pipeline {
             self.drift.take(mu_s, mu);
         }
         if let Some(mu_s) = mu_s {
-            self.mu_s.add_with_common(mu_s, common.0);
+            self.mu_s.add_with_common(mu_s, in_common(event.quality, mu_s, common.0));
         }
         if let Some(mu) = mu {
-            self.mu.add_with_common(mu, common.1);
+            self.mu.add_with_common(mu, in_common(event.quality, mu, common.1));
         }
         self.largest_n = math::larger(self.largest_n, event.peak_force_n.abs());
         if mu_s.or(mu).is_some() {
@@ -413,6 +413,19 @@ impl Pipeline {
             last.index.saturating_sub(first.index) as f32 + last.fraction - first.fraction;
         let intervals = self.events.saturating_sub(1);
         (intervals > 0).then(|| periods / (intervals as f32 * self.config.rate_hz))
+    }
+}
+
+/// Part of an event's standard deviation that is the same in all of them. Where the slip is
+/// too short for the sampling, or hidden by a slack cable, all take the same things for
+/// granted: a third of it, so that no number of such events makes a mean sharper than that.
+fn in_common(quality: Quality, event: Coefficient, common_std: f32) -> f32 {
+    const TAKEN_FOR_GRANTED: f32 = 1.0 / 3.0;
+    match quality {
+        Quality::Good | Quality::Clipped => common_std,
+        Quality::Unresolved | Quality::Slack => {
+            math::hypotenuse(common_std, TAKEN_FOR_GRANTED * event.std)
+        }
     }
 }
 

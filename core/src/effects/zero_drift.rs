@@ -64,6 +64,8 @@ pub(crate) struct Drift {
     /// past; in units of the coefficients.
     mean: f32,
     square: f32,
+    /// The newest move.
+    last: f32,
 }
 
 impl Drift {
@@ -72,9 +74,10 @@ impl Drift {
         math::sqrt(SHARE * self.square)
     }
 
-    /// The same for the means over all events.
+    /// The same for the means over all events: what was seen with each, and at least half of
+    /// the newest move, as if it had grown evenly before it could be seen.
     pub(crate) fn mean_std(&self) -> f32 {
-        math::sqrt(SHARE) * self.mean.abs()
+        math::sqrt(SHARE) * math::larger(self.mean.abs(), 0.5 * self.last.abs())
     }
 
     /// Takes an event.
@@ -105,6 +108,7 @@ impl Drift {
             }
         }
         self.mean += (moved - self.mean) / self.events;
+        self.last = moved;
         // The zero may come back, and friction may hide it: what was seen holds for a while.
         self.square = math::larger(moved * moved, FADE * self.square);
     }

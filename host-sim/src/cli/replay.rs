@@ -4,13 +4,14 @@ use std::fs::File;
 use std::io::{IsTerminal, Read};
 use std::path::{Path, PathBuf};
 
+use floe_core::Step;
 use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::error::InputError;
 use crate::log::{Format, Log, LogOptions, Unit};
 use crate::replay::result::ReplayResult;
 use crate::replay::test::{TestOptions, configure};
-use crate::replay::{replay, table};
+use crate::replay::{replay_with_zero, table};
 use crate::report::{self, Recorder};
 
 use super::output;
@@ -25,7 +26,9 @@ const STANDARD: &str = "-";
 A csv log has a header line with a time column (time_s, t_s, t, time) and a force column
 (force_n, force_kn, or --column NAME). Lines that begin with # are comments; '# key: value'
 gives weight_n, slope_deg, winch_m_per_s, cable_length_m, snow_mm, range_n, rate_hz,
-tare_counts, counts_per_n or test_id, before or among the first 4096 samples.
+tare_counts, counts_per_n, test_id, and how well they are known (weight_std_n, slope_std_deg,
+zero_std_n, span_std_percent, damping_std, winch_std_m_per_s, weight_from, zero_before_n,
+zero_after_n), before or among the first 4096 samples.
 Readings of -6999, 6999, -99999, NaN, infinity or nothing are bad samples: counted, not used
 (in counts only the last three). A time or any other text that is not a number is an error.")]
 pub struct Args {
@@ -134,12 +137,14 @@ pub fn run_bundled() -> Result<(), InputError> {
 fn run_on(path: &str, input: Box<dyn Read + Send>, args: &Args) -> Result<Findings, InputError> {
     let mut log = Log::from_reader(input, &args.log_options())?;
     let config = configure(&log, &args.test)?;
+    let zero = args.test.known.zero(&log);
     let mut recorder = args.report.as_ref().map(|_| Recorder::new(log.rate_hz()));
     let result = match &mut recorder {
         Some(recorder) => {
-            replay(path, &mut log, &config, |time_s, step| recorder.push(time_s, step))?
+            let observe = |time_s: f64, step: &Step| recorder.push(time_s, step);
+            replay_with_zero(path, &mut log, &config, zero, observe)?
         }
-        None => replay(path, &mut log, &config, |_, _| {})?,
+        None => replay_with_zero(path, &mut log, &config, zero, |_, _| {})?,
     };
     Ok((result, recorder))
 }

@@ -1,6 +1,7 @@
 //! What a log says about its test in `# key: value` lines.
 
 use crate::error::{InputError, excerpt};
+use crate::replay::known::{KnownMetadata, WeightFrom};
 
 use super::number::finite;
 
@@ -13,6 +14,8 @@ pub struct Metadata {
     pub weight_n: Option<f64>,
     /// Slope along the pull, degrees, uphill positive.
     pub slope_deg: Option<f64>,
+    /// How well all this is known.
+    pub known: KnownMetadata,
     /// Take-up speed of the winch, m/s.
     pub winch_m_per_s: Option<f64>,
     /// Length of the cable, m.
@@ -55,6 +58,8 @@ impl Metadata {
             self.kind = text;
         } else if key == "track" {
             self.track = text;
+        } else if key == "weight_from" {
+            self.known.weight_from = Some(WeightFrom::from_word(value)?);
         } else if let Some(field) = self.field(&key) {
             *field = Some(finite(value.as_bytes()).ok_or_else(|| not_a_number(&key, value))?);
         }
@@ -74,7 +79,7 @@ impl Metadata {
             "range_n" => &mut self.range_n,
             "tare_counts" => &mut self.tare_counts,
             "counts_per_n" => &mut self.counts_per_n,
-            _ => return None,
+            key => return self.known.field(key),
         })
     }
 }

@@ -4,16 +4,18 @@ use floe_core::{Config, Event, Pipeline, Step};
 use floe_firmware::wall_clock::Moment;
 
 use crate::error::InputError;
-use crate::log::Log;
+use crate::log::{Log, Sample};
 
 pub mod batches;
 pub mod budget;
+pub mod known;
 pub mod quantities;
 pub mod result;
 pub mod table;
 pub mod test;
 pub mod timeline;
 
+use known::{KnownOptions, Zero};
 use result::{
     ChangeSummary, CoefficientSummary, EventSummary, LogSummary, ReplayResult, TestSummary,
 };
@@ -31,13 +33,29 @@ pub fn replay(
     path: &str,
     log: &mut Log,
     config: &Config,
+    observe: impl FnMut(f64, &Step),
+) -> Result<ReplayResult, InputError> {
+    let zero = KnownOptions::default().zero(log);
+    replay_with_zero(path, log, config, zero, observe)
+}
+
+/// The same with a zero of the load cell to take off: needs the whole log in memory if there
+/// is one.
+///
+/// # Errors
+/// A line of the log that cannot be used.
+pub fn replay_with_zero(
+    path: &str,
+    log: &mut Log,
+    config: &Config,
+    zero: Zero,
     mut observe: impl FnMut(f64, &Step),
 ) -> Result<ReplayResult, InputError> {
     let refused = |error: floe_core::ConfigError| InputError::new(error.to_string());
     let mut pipeline = Pipeline::new(config).map_err(refused)?;
     let mut timeline = Timeline::new(log.rate_hz());
     let (mut events, mut changes, mut means) = (Vec::new(), Vec::new(), Vec::new());
-    batches::for_each_sample(log, |sample| {
+    let mut take = |sample: Sample| {
         timeline.push(sample.raw.index, sample.time_s);
         let step = pipeline.step(sample.raw);
         observe(sample.time_s, &step);
@@ -46,7 +64,15 @@ pub fn replay(
             means.push(so_far(&pipeline));
         }
         changes.extend(step.change.map(|it| ChangeSummary::new(&it, timeline.seconds(it.onset))));
-    })?;
+    };
+    if zero.is_nothing() {
+        batches::for_each_sample(log, take)?;
+    } else {
+        let mut samples = Vec::new();
+        batches::for_each_sample(log, |sample| samples.push(sample))?;
+        zero.take_off(&mut samples, config.calibration.counts_per_n.into());
+        samples.into_iter().for_each(&mut take);
+    }
     while let Some(event) = pipeline.finish() {
         events.push(summary(&event, &timeline));
         means.push(so_far(&pipeline));

@@ -257,8 +257,8 @@ impl ReplayResult {
 pub fn zero_sentence(zero_n: f64) -> String {
     let decimals = usize::from(zero_n < 10.0);
     format!(
-        "the zero of the load cell may have moved by {zero_n:.decimals$} N, which is in every ±; \
-         take it again"
+        "the zero of the load cell may have moved by {zero_n:.decimals$} N, which is in the budget; \
+         take it before and after a test (--zero-before-n, --zero-after-n)"
     )
 }
 

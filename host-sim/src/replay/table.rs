@@ -361,8 +361,9 @@ note          line 9 is odd
     fn a_zero_that_may_have_moved_is_said() {
         let mut result = result(vec![event()]);
         result.zero_n = Some(14.2);
-        let line = "\nzero   the zero of the load cell may have moved by 14 N, which is in every \
-                    ±; take it again\n\nmu_s ";
+        let line = "\nzero   the zero of the load cell may have moved by 14 N, which is in the \
+                    budget; take it before and after a test (--zero-before-n, --zero-after-n)\n\n\
+                    mu_s ";
         assert!(text(&result).contains(line), "{}", text(&result));
     }
 

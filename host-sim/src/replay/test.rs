@@ -1,9 +1,10 @@
 //! What was pulled: from the options, else from the log.
 
-use floe_core::{Calibration, Config, InputStd};
+use floe_core::{Calibration, Config};
 
 use crate::error::InputError;
 use crate::log::{Log, STANDARD_GRAVITY, Unit};
+use crate::replay::known::KnownOptions;
 
 /// What the caller says about the test.
 #[derive(Clone, Debug, Default, clap::Args)]
@@ -24,6 +25,9 @@ pub struct TestOptions {
     /// Converter codes per newton, for --unit counts
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     pub counts_per_n: Option<f64>,
+    /// How well all this is known.
+    #[command(flatten)]
+    pub known: Box<KnownOptions>,
 }
 
 /// The core's configuration for a log.
@@ -48,7 +52,7 @@ pub fn configure(log: &Log, options: &TestOptions) -> Result<Config, InputError>
         winch_m_per_s: said.winch_m_per_s.map(|speed| speed as f32),
         range_n: said.range_n.map(|range| range as f32),
         calibration: calibration(log, options)?,
-        std: InputStd::default(),
+        std: options.known.std(&said.known, weight_n, said.winch_m_per_s),
     };
     let given = format!("weight {weight_n} N, slope {slope_deg}°");
     config.validate().map_err(|error| InputError::new(format!("{error} ({given})")))?;

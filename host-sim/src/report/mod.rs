@@ -10,6 +10,7 @@
 //! colours follow the reader's light or dark setting. Its size is bounded
 //! whatever the length of the log.
 
+mod budget;
 mod campaign;
 mod clips;
 mod context;

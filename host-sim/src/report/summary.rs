@@ -1,5 +1,6 @@
 //! The result in numbers.
 
+use super::budget::budget;
 use super::number::{count, decimals_for, decimals_of_error, fixed, quantity, significant};
 use super::svg::escape;
 use crate::replay::result::{ChangeSummary, CoefficientSummary, ReplayResult, zero_sentence};
@@ -12,9 +13,19 @@ pub(super) fn summary(result: &ReplayResult) -> String {
         notices(result),
         coefficient("static", "<i>μ</i><sub>s</sub>", &estimate.mu_s, "Static coefficient"),
         coefficient("dynamic", "<i>μ</i>", &estimate.mu, "Dynamic coefficient"),
-        facts("Measured", &measured(result)),
-        log_health(result),
+        facts("Measured", &measured(result)) + &budget(result),
+        definitions() + &log_health(result),
     )
+}
+
+/// What the numbers are, and which events count.
+fn definitions() -> String {
+    "<p class=\"small\"><i>μ</i><sub>s</sub>: force at which the slip begins over the normal force \
+     (the peak of the force where the onset is smooth). <i>μ</i>: friction averaged over the \
+     distance slid. ±: one standard deviation of all that is known, random and systematic. Every \
+     event with a value counts; an <i>unresolved</i> one, whose slip is too short for the \
+     sampling, with its wider ±, a third of which is taken to be the same in all such events.</p>"
+        .into()
 }
 
 /// No result, a change of the block or of its friction, or a zero that may have moved: said
@@ -91,6 +102,18 @@ fn measured(result: &ReplayResult) -> Vec<Fact> {
     );
     let recurrence =
         quantities.recurrence_s.map_or("–".into(), |t| format!("{} s", significant(t)));
+    let predicted =
+        quantities.recurrence_predicted_s.map_or("–".into(), |t| format!("{} s", significant(t)));
+    let pair = |value: Option<f64>, std: Option<f64>, unit: &str| match (value, std) {
+        (Some(value), Some(std)) => {
+            let decimals = decimals_of_error(Some(std));
+            format!("{} ± {} {unit}", fixed(value, decimals), fixed(std, decimals))
+        }
+        (value, _) => show(value, unit),
+    };
+    // Weight and winch speed contradict each other.
+    let ratio = quantities.stiffness_ratio.zip(quantities.stiffness_ratio_std);
+    let off = ratio.is_some_and(|(ratio, std)| (ratio - 1.0).abs() > 3.0 * std);
     let (used, found) = (result.estimate.events, result.events.len() as u64);
     let without = found.saturating_sub(used);
     let events = match without {
@@ -100,10 +123,37 @@ fn measured(result: &ReplayResult) -> Vec<Fact> {
     vec![
         ("Events", events, without > 0),
         ("Noise on the force", show(result.noise_n, "N"), false),
-        ("Loading rate <i>k w</i>", show(quantities.loading_rate_n_per_s, "N/s"), false),
+        (
+            "Loading rate <i>k w</i>",
+            pair(quantities.loading_rate_n_per_s, quantities.loading_rate_n_per_s_std, "N/s"),
+            false,
+        ),
         ("Natural frequency <i>ω</i>", omega, false),
-        ("Stiffness <i>k</i>", show(quantities.stiffness_n_per_m, "N/m"), false),
+        (
+            "Stiffness from <i>k w</i>",
+            pair(
+                quantities.stiffness_from_rate_n_per_m,
+                quantities.stiffness_from_rate_n_per_m_std,
+                "N/m",
+            ),
+            false,
+        ),
+        (
+            "Stiffness from <i>ω</i>",
+            pair(
+                quantities.stiffness_from_omega_n_per_m,
+                quantities.stiffness_from_omega_n_per_m_std,
+                "N/m",
+            ),
+            false,
+        ),
+        (
+            "Ratio of the two",
+            pair(quantities.stiffness_ratio, quantities.stiffness_ratio_std, ""),
+            off,
+        ),
         ("Recurrence", recurrence, false),
+        ("Recurrence by the model", predicted, false),
     ]
 }
 

@@ -1,0 +1,226 @@
+//! How well the inputs of a test are known: from the options, else from the log.
+
+use floe_core::{Counts, InputStd, Newtons, Reading};
+
+use crate::error::InputError;
+use crate::log::{Log, Sample};
+
+/// What the caller says of it.
+#[derive(Clone, Debug, Default, clap::Args)]
+pub struct KnownOptions {
+    /// Standard deviation of the weight in newtons, 0 if exactly known
+    /// [default: `# weight_std_n:` in the log, else 0.3 % of the weight]
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    pub weight_std_n: Option<f64>,
+    /// Standard deviation of the slope in degrees
+    /// [default: `# slope_std_deg:` in the log, else 0.2]
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    pub slope_std_deg: Option<f64>,
+    /// Standard deviation of the load cell's zero in newtons
+    /// [default: `# zero_std_n:` in the log, else 0.1 % of the largest force]
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    pub zero_std_n: Option<f64>,
+    /// Standard deviation of the load cell's span in percent
+    /// [default: `# span_std_percent:` in the log, else 0.1]
+    #[arg(long, value_name = "PERCENT", allow_negative_numbers = true)]
+    pub span_std: Option<f64>,
+    /// Standard deviation of the cable's damping, a part of the critical one
+    /// [default: `# damping_std:` in the log, else 0.005]
+    #[arg(long, value_name = "D", allow_negative_numbers = true)]
+    pub damping_std: Option<f64>,
+    /// Standard deviation of the winch speed in m/s
+    /// [default: `# winch_std_m_per_s:` in the log, else 1 % of it]
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    pub winch_std_m_per_s: Option<f64>,
+    /// What weighed the block: a wrong span of the same cell cancels
+    /// [default: `# weight_from:` in the log, else other]
+    #[arg(long)]
+    pub weight_from: Option<WeightFrom>,
+    /// Force without a load before the test in newtons, taken off
+    /// [default: `# zero_before_n:` in the log]
+    #[arg(long, value_name = "Z0", allow_negative_numbers = true)]
+    pub zero_before_n: Option<f64>,
+    /// Force without a load after the test in newtons: taken off linearly from the one before
+    /// [default: `# zero_after_n:` in the log]
+    #[arg(long, value_name = "Z1", allow_negative_numbers = true)]
+    pub zero_after_n: Option<f64>,
+}
+
+/// What weighed the block.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+#[value(rename_all = "snake_case")]
+pub enum WeightFrom {
+    /// The load cell that pulls it.
+    SameCell,
+    /// A balance of its own.
+    Other,
+}
+
+impl WeightFrom {
+    /// Reads the metadata's word.
+    ///
+    /// # Errors
+    /// Another word.
+    pub fn from_word(word: &str) -> Result<Self, InputError> {
+        match word {
+            "same_cell" => Ok(Self::SameCell),
+            "other" => Ok(Self::Other),
+            _ => Err(InputError::new(format!("'# weight_from:' has '{word}': same_cell or other"))),
+        }
+    }
+}
+
+/// What a log says of it, in `# key: value` lines.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct KnownMetadata {
+    /// Numbers by their keys, in the order of [`KEYS`].
+    values: [Option<f64>; KEYS.len()],
+    /// `weight_from`.
+    pub weight_from: Option<WeightFrom>,
+}
+
+/// Keys of the metadata.
+const KEYS: [&str; 8] = [
+    "weight_std_n",
+    "slope_std_deg",
+    "zero_std_n",
+    "span_std_percent",
+    "damping_std",
+    "winch_std_m_per_s",
+    "zero_before_n",
+    "zero_after_n",
+];
+
+impl KnownMetadata {
+    /// The place of a key, if it is one of these.
+    pub fn field(&mut self, key: &str) -> Option<&mut Option<f64>> {
+        let place = KEYS.iter().position(|known| *known == key)?;
+        self.values.get_mut(place)
+    }
+}
+
+impl KnownOptions {
+    /// The options, else what the log says, in the order of [`KEYS`].
+    fn or(&self, said: &KnownMetadata) -> [Option<f64>; KEYS.len()] {
+        let mut values = [
+            self.weight_std_n,
+            self.slope_std_deg,
+            self.zero_std_n,
+            self.span_std,
+            self.damping_std,
+            self.winch_std_m_per_s,
+            self.zero_before_n,
+            self.zero_after_n,
+        ];
+        for (value, said) in values.iter_mut().zip(said.values) {
+            *value = value.or(said);
+        }
+        values
+    }
+
+    /// Standard deviations for the core, of a weight and a winch speed.
+    #[must_use]
+    pub fn std(&self, said: &KnownMetadata, weight_n: f64, winch_m_per_s: Option<f64>) -> InputStd {
+        let [weight, slope, zero, span, damping, winch, before, after] = self.or(said);
+        let usual = InputStd::default();
+        let from = self.weight_from.or(said.weight_from);
+        let or = |value: Option<f64>, usual: f32| value.map_or(usual, |value| value as f32);
+        // A random walk from one zero to the other strays by so much in its mean.
+        let remainder =
+            before.zip(after).map(|(before, after)| (after - before).abs() / 12_f64.sqrt());
+        let winch = winch.zip(winch_m_per_s).map(|(std, speed)| std / speed);
+        InputStd {
+            weight: or(weight.map(|std| std / weight_n), usual.weight),
+            slope_rad: or(slope.map(f64::to_radians), usual.slope_rad),
+            zero_n: zero.or(remainder).map(|std| std as f32),
+            span: match from {
+                Some(WeightFrom::SameCell) => 0.0,
+                _ => or(span.map(|percent| 0.01 * percent), usual.span),
+            },
+            damping: or(damping, usual.damping),
+            winch: or(winch, usual.winch),
+        }
+    }
+
+    /// The zero to take off.
+    #[must_use]
+    pub fn zero(&self, log: &Log) -> Zero {
+        let [.., before, after] = self.or(&log.metadata().known);
+        Zero { before_n: before.or(after).unwrap_or(0.0), after_n: after.or(before).unwrap_or(0.0) }
+    }
+}
+
+/// The force without a load, measured before and after the test, N.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Zero {
+    /// Before.
+    pub before_n: f64,
+    /// After.
+    pub after_n: f64,
+}
+
+impl Zero {
+    /// Is there nothing to take off?
+    #[must_use]
+    pub fn is_nothing(&self) -> bool {
+        self.before_n == 0.0 && self.after_n == 0.0
+    }
+
+    /// Takes it off all samples of a test, linearly from the first to the last.
+    pub fn take_off(&self, samples: &mut [Sample], counts_per_n: f64) {
+        let ends = (samples.first().map(|s| s.time_s), samples.last().map(|s| s.time_s));
+        let (Some(from_s), Some(to_s)) = ends else { return };
+        for sample in samples {
+            let part = (sample.time_s - from_s) / (to_s - from_s).max(f64::MIN_POSITIVE);
+            let zero_n = self.before_n + part * (self.after_n - self.before_n);
+            sample.raw.reading = match sample.raw.reading {
+                Reading::Force(Newtons(force_n)) => {
+                    Reading::Force(Newtons((f64::from(force_n) - zero_n) as f32))
+                }
+                Reading::Counts(Counts(code)) => {
+                    let counts = (zero_n * counts_per_n).round() as i32;
+                    Reading::Counts(Counts(code.saturating_sub(counts)))
+                }
+                bad => bad,
+            };
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use floe_core::RawSample;
+
+    #[test]
+    fn the_zero_goes_evenly_from_one_to_the_other() {
+        let sample = |index: u64| {
+            let reading = Reading::Force(Newtons(100.0));
+            Sample { raw: RawSample { index, reading }, time_s: index as f64 }
+        };
+        let mut samples: Vec<Sample> = (0..5).map(sample).collect();
+        Zero { before_n: 1.0, after_n: 9.0 }.take_off(&mut samples, 1.0);
+        let force = |s: &Sample| match s.raw.reading {
+            Reading::Force(Newtons(force_n)) => force_n,
+            Reading::Counts(_) | Reading::Bad(_) => f32::NAN,
+        };
+        assert_eq!(samples.iter().map(force).collect::<Vec<_>>(), [99.0, 97.0, 95.0, 93.0, 91.0]);
+    }
+
+    #[test]
+    fn options_come_before_the_log_and_the_log_before_the_usual() {
+        let mut said = KnownMetadata::default();
+        *said.field("weight_std_n").unwrap() = Some(6.3);
+        *said.field("damping_std").unwrap() = Some(0.0);
+        *said.field("zero_before_n").unwrap() = Some(0.0);
+        *said.field("zero_after_n").unwrap() = Some(12.0);
+        let options = KnownOptions { weight_std_n: Some(0.63), ..KnownOptions::default() };
+        let std = options.std(&said, 630.0, None);
+        assert!((std.weight - 0.001).abs() < 1e-7 && std.damping.abs() < 1e-9);
+        assert!((std.zero_n.unwrap() - 3.4641).abs() < 1e-3);
+        assert_eq!((std.span, std.slope_rad), (0.001, InputStd::default().slope_rad));
+        said.weight_from = Some(WeightFrom::SameCell);
+        assert!(options.std(&said, 630.0, None).span.abs() < 1e-9);
+        assert!(said.field("weight_n").is_none());
+    }
+}

@@ -1,0 +1,91 @@
+//! The error budget as a table.
+
+use super::number::{fixed, significant};
+use crate::replay::budget::BudgetShare;
+use crate::replay::result::{CoefficientSummary, ReplayResult};
+
+/// Input, value, standard deviation, and what it does to both coefficients; nothing before
+/// the first event.
+pub(super) fn budget(result: &ReplayResult) -> String {
+    if result.budget.is_empty() {
+        return String::new();
+    }
+    let means = [&result.estimate.mu_s, &result.estimate.mu];
+    let mut rows = String::new();
+    for line in &result.budget {
+        let shares = [&line.mu_s, &line.mu].into_iter().zip(means);
+        let shares: String = shares.map(|(share, mean)| cells(share, mean)).collect();
+        rows.push_str(&format!(
+            "<tr><th scope=\"row\">{}</th><td>{}</td><td>{}</td>{shares}</tr>\n",
+            name(line.input),
+            number(line.value),
+            number(line.std),
+        ));
+    }
+    let random: String = means
+        .iter()
+        .map(|mean| cells(&BudgetShare { sensitivity: None, contribution: mean.std_error }, mean))
+        .collect();
+    let head =
+        "<th scope=\"col\">per unit</th><th scope=\"col\">±</th><th scope=\"col\">share</th>";
+    format!(
+        "<h2>What limits the result</h2><div class=\"scroll\" tabindex=\"0\" role=\"region\" \
+         aria-label=\"Error budget\"><table><thead><tr><th scope=\"col\">input</th>\
+         <th scope=\"col\">value</th><th scope=\"col\">± of it</th>{head}{head}</tr></thead>\
+         <tbody>\n{rows}<tr><th scope=\"row\">random: noise and variation between events</th>\
+         <td>–</td><td>–</td>{random}</tr></tbody></table></div><p>Left of each pair of columns \
+         <i>μ</i><sub>s</sub>, right <i>μ</i>. All are one standard deviation; only the random \
+         part gets smaller with more events.</p>"
+    )
+}
+
+/// Sensitivity, contribution, share of the combined variance.
+fn cells(share: &BudgetShare, mean: &CoefficientSummary) -> String {
+    let part = share.contribution.zip(mean.combined_std).filter(|(_, all)| *all > 0.0);
+    let part = part.map_or("–".into(), |(own, all)| fixed(100.0 * (own / all).powi(2), 1) + " %");
+    let own = share.contribution.map_or("–".into(), |own| fixed(own, 5));
+    format!("<td>{}</td><td>{own}</td><td>{part}</td>", number(share.sensitivity))
+}
+
+fn number(value: Option<f64>) -> String {
+    value.map_or("–".into(), significant)
+}
+
+fn name(input: &str) -> &str {
+    match input {
+        "weight_n" => "weight, N",
+        "slope_rad" => "slope, rad",
+        "zero_n" => "zero as taken, N",
+        "span" => "span, a factor",
+        "damping" => "damping, of the critical one",
+        "winch_m_per_s" => "winch speed, m/s",
+        "zero_drift_n" => "zero moved during the test, N",
+        "weight_ratio" => "weight over the given one",
+        "shared" => "what the events share",
+        other => other,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::sample_log::SampleLog;
+    use super::*;
+    use crate::replay::budget::BudgetLine;
+
+    #[test]
+    fn shares_are_of_the_combined_variance() {
+        let mut result = SampleLog::dff8_13(60.0).result;
+        assert_eq!(budget(&result), "");
+        let combined = result.estimate.mu.combined_std.unwrap();
+        let half = BudgetShare { sensitivity: Some(-0.002), contribution: Some(combined / 2.0) };
+        result.budget.push(BudgetLine {
+            input: "weight_n",
+            value: Some(630.0),
+            std: Some(1.9),
+            mu_s: BudgetShare::default(),
+            mu: half,
+        });
+        let table = budget(&result);
+        assert!(table.contains("weight, N") && table.contains("25.0 %"), "{table}");
+    }
+}

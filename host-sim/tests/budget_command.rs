@@ -1,0 +1,112 @@
+//! The error budget from outside: options, metadata, JSON.
+
+use std::process::Command;
+
+use serde_json::Value;
+
+const LOG: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/logs/dff8-13.csv");
+/// Everything exactly known.
+const EXACT: [&str; 10] = [
+    "--weight-std-n",
+    "0",
+    "--slope-std-deg",
+    "0",
+    "--zero-std-n",
+    "0",
+    "--span-std",
+    "0",
+    "--damping-std",
+    "0",
+];
+
+fn replay(options: &[&str]) -> Value {
+    let program = Command::new(env!("CARGO_BIN_EXE_floe"))
+        .args(["replay", LOG, "--json", "-"])
+        .args(options)
+        .output()
+        .unwrap();
+    assert!(program.status.success(), "{}", String::from_utf8_lossy(&program.stderr));
+    serde_json::from_slice(&program.stdout).unwrap()
+}
+
+fn number(value: &Value) -> f64 {
+    value.as_f64().unwrap_or_else(|| panic!("{value} is no number"))
+}
+
+fn line<'a>(result: &'a Value, input: &str) -> &'a Value {
+    let lines = result["budget"].as_array().unwrap();
+    lines.iter().find(|line| line["input"] == input).unwrap()
+}
+
+#[test]
+fn the_usual_uncertainties_are_in_every_interval() {
+    let result = replay(&[]);
+    assert_eq!(result["schema"], "floe-replay/2");
+    for (name, lines) in [("mu_s", "mu_s"), ("mu", "mu")] {
+        let mean = &result["estimate"][name];
+        let (random, combined) = (number(&mean["std_error"]), number(&mean["combined_std"]));
+        let systematic = number(&mean["systematic_std"]);
+        assert!((combined - random.hypot(systematic)).abs() < 1e-6);
+        let own = result["budget"].as_array().unwrap().iter();
+        let own = own.map(|line| number(&line[lines]["contribution"]).powi(2)).sum::<f64>();
+        assert!((own.sqrt() / systematic - 1.0).abs() < 1e-3, "{own} {systematic}");
+        let ci95 = mean["ci95"].as_array().unwrap();
+        let half = (number(&ci95[1]) - number(&ci95[0])) / 2.0;
+        assert!((half / combined - 1.96).abs() < 0.02, "{half} {combined}");
+        let event = &result["events"][5];
+        let of = |part: &str| number(&event[format!("{name}_{part}")]);
+        assert!((of("combined_std") - of("std").hypot(of("systematic_std"))).abs() < 1e-6);
+    }
+    assert!((number(&line(&result, "weight_n")["std"]) - 1.89).abs() < 1e-3);
+    assert!((number(&line(&result, "damping")["std"]) - 0.005).abs() < 1e-6);
+}
+
+#[test]
+fn what_is_exactly_known_contributes_nothing() {
+    let result = replay(&EXACT);
+    for input in ["weight_n", "slope_rad", "zero_n", "span", "damping"] {
+        assert!(number(&line(&result, input)["mu"]["contribution"]) < 1e-12, "{input}");
+    }
+    let usual = replay(&["--weight-from", "same_cell"]);
+    assert!(number(&line(&usual, "span")["mu"]["contribution"]) < 1e-12, "it cancels");
+}
+
+#[test]
+fn a_zero_before_and_after_is_taken_off_linearly() {
+    let plain = replay(&EXACT);
+    let zeroed = replay(&["--zero-before-n", "0", "--zero-after-n", "12.6"]);
+    // Half of 12.6 N of 630 N on average.
+    let mean = |result: &Value| number(&result["estimate"]["mu"]["mean"]);
+    let moved = mean(&plain) - mean(&zeroed);
+    assert!((moved - 0.01).abs() < 5e-4, "{moved}");
+    assert!((number(&line(&zeroed, "zero_n")["std"]) - 12.6 / 12_f64.sqrt()).abs() < 1e-3);
+}
+
+#[test]
+fn both_stiffnesses_and_the_recurrence_agree_with_the_scene() {
+    let result = replay(&[]);
+    let within = |name: &str, truth: f64| {
+        let (value, std) = (number(&result[name]), number(&result[format!("{name}_std")]));
+        assert!((value - truth).abs() < 4.0 * std && std < 0.03 * truth, "{name} {value} {std}");
+    };
+    within("stiffness_from_omega_n_per_m", 23_000.0);
+    within("stiffness_from_rate_n_per_m", 23_000.0);
+    within("stiffness_ratio", 1.0);
+    let (seen, model) =
+        (number(&result["recurrence_s"]), number(&result["recurrence_predicted_s"]));
+    assert!((seen / model - 1.0).abs() < 0.01, "{seen} {model}");
+    let event = &result["events"][3];
+    let length_m = number(&event["slip_length_m"]);
+    assert!((number(&event["energy_j"]) / length_m - 491.4).abs() < 3.0 && length_m > 0.025);
+}
+
+#[test]
+fn a_negative_standard_deviation_is_refused() {
+    let program = Command::new(env!("CARGO_BIN_EXE_floe"))
+        .args(["replay", LOG, "--weight-std-n", "-1"])
+        .output()
+        .unwrap();
+    let said = String::from_utf8_lossy(&program.stderr);
+    assert_eq!((program.status.code(), said.lines().count()), (Some(2), 1), "{said}");
+    assert!(said.contains("standard deviation"), "{said}");
+}
