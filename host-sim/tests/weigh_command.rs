@@ -67,7 +67,7 @@ fn what_is_no_weighing_is_refused_in_one_line() {
         (empty, "nothing hangs there"),
         (below, "below zero"),
         (pulled, "no rest"),
-        (file("missing.csv").display().to_string(), "cannot be opened"),
+        (file("missing.csv").display().to_string(), "no such file"),
     ] {
         let output = floe(&["weigh", &path]);
         let said = String::from_utf8(output.stderr).expect("text");

@@ -9,6 +9,7 @@ mod defmt;
 mod emulate;
 mod flash;
 mod maths;
+mod python;
 mod qemu;
 mod shell;
 mod size;

@@ -11,8 +11,13 @@ use crate::error::InputError;
 
 pub mod bench;
 pub mod campaign;
+pub mod completions;
+pub mod input;
+pub mod inspect;
+pub mod json;
 pub mod live;
 pub mod output;
+pub mod provenance;
 pub mod recover;
 pub mod replay;
 pub mod simulate;
@@ -30,7 +35,9 @@ struct Cli {
 #[derive(Debug, Subcommand)]
 enum Command {
     Campaign(campaign::Args),
+    Completions(completions::Args),
     Bench(bench::Args),
+    Inspect(inspect::Args),
     Live(live::Args),
     Replay(replay::Args),
     Recover(recover::Args),
@@ -44,6 +51,8 @@ enum Command {
 pub fn main() -> ExitCode {
     let result = match Cli::try_parse() {
         Ok(Cli { command: Some(Command::Replay(args)) }) => replay::run(&args),
+        Ok(Cli { command: Some(Command::Completions(args)) }) => completions::run(&args),
+        Ok(Cli { command: Some(Command::Inspect(args)) }) => inspect::run(&args),
         Ok(Cli { command: Some(Command::Recover(args)) }) => recover::run(&args),
         Ok(Cli { command: Some(Command::Simulate(args)) }) => simulate::run(&args),
         Ok(Cli { command: Some(Command::Stiffness(args)) }) => stiffness::run(&args),
@@ -67,6 +76,9 @@ pub fn main() -> ExitCode {
 
 /// A usage error without the paragraphs around it.
 fn one_line(error: &clap::Error) -> InputError {
+    if let Some(said) = not_a_number(error) {
+        return said;
+    }
     let text = error.to_string();
     let said = text.lines().take_while(|line| !line.starts_with("Usage:"));
     let said: Vec<&str> = said
@@ -74,4 +86,57 @@ fn one_line(error: &clap::Error) -> InputError {
         .filter(|line| !line.is_empty() && !line.starts_with("For more information"))
         .collect();
     InputError::new(format!("{} (see --help)", said.join(" ")))
+}
+
+/// A value that should have been a number, in words.
+fn not_a_number(error: &clap::Error) -> Option<InputError> {
+    use clap::error::{ContextKind, ContextValue, ErrorKind};
+    let text = |kind| match error.get(kind) {
+        Some(ContextValue::String(text)) => Some(text.as_str()),
+        _ => None,
+    };
+    let why = std::error::Error::source(error)?.to_string();
+    let kind = match why.as_str() {
+        "invalid float literal" => "a number",
+        "invalid digit found in string" => "a whole number",
+        _ => return None,
+    };
+    if error.kind() != ErrorKind::ValueValidation {
+        return None;
+    }
+    let option = text(ContextKind::InvalidArg)?.split(' ').next()?;
+    let value = text(ContextKind::InvalidValue)?;
+    let example = match option {
+        "--weight-n" => "630",
+        "--mass-kg" => "64.2",
+        "--rate-hz" => "16",
+        _ if kind == "a number" => "1.5",
+        _ => "12",
+    };
+    Some(InputError::new(format!("{option} must be {kind} like {example}, not '{value}'")))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn said(arguments: &[&str]) -> String {
+        let error = Cli::try_parse_from([&["floe"], arguments].concat()).unwrap_err();
+        one_line(&error).to_string()
+    }
+
+    #[test]
+    fn errors_are_in_words() {
+        let text = said(&["replay", "x.csv", "--weight-n", "abc"]);
+        assert_eq!(text, "--weight-n must be a number like 630, not 'abc'");
+        let text = said(&["simulate", "x.toml", "-o", "x.csv", "--seed", "1.5"]);
+        assert_eq!(text, "--seed must be a whole number like 12, not '1.5'");
+        let text = said(&["replay", "x.csv", "--delimiter", "ab"]);
+        assert!(text.contains("must be one character like ;"), "{text}");
+    }
+
+    #[test]
+    fn the_definitions_of_the_options_are_sound() {
+        <Cli as clap::CommandFactory>::command().debug_assert();
+    }
 }

@@ -1,54 +1,43 @@
 //! `floe replay`: a recorded log to `mu_s` and `mu`.
 
-use std::fs::File;
 use std::io::{IsTerminal, Read};
 use std::path::{Path, PathBuf};
 
-use floe_core::Step;
-use indicatif::{ProgressBar, ProgressStyle};
+use floe_core::{Config, Step};
 
 use crate::error::InputError;
-use crate::log::{Format, Log, LogOptions, Unit};
+use crate::log::{Log, LogOptions};
 use crate::replay::result::ReplayResult;
+use crate::replay::samples::{self, SampleRows};
 use crate::replay::test::{TestOptions, configure};
 use crate::replay::{replay_with_zero, table};
 use crate::report::{self, Recorder};
 
+use super::input::{STANDARD, open};
+use super::json::json;
 use super::output;
-
-/// Logs from this size on show a progress bar.
-const LONG_LOG_BYTES: u64 = 16 << 20;
-const STANDARD: &str = "-";
+use super::provenance::{Checksum, Summed, provenance};
 
 /// Replay a recorded log: from its samples to the friction coefficients
 #[derive(Clone, Debug, Default, clap::Args)]
 #[command(after_help = "\
-A csv log has a header line with a time column (time_s, t_s, t, time) and a force column
-(force_n, force_kn, or --column NAME). Lines that begin with # are comments; '# key: value'
-gives weight_n, slope_deg, winch_m_per_s, cable_length_m, snow_mm, range_n, rate_hz,
-tare_counts, counts_per_n, test_id, and how well they are known (weight_std_n, slope_std_deg,
-zero_std_n, span_std_percent, damping_std, winch_std_m_per_s, weight_from, zero_before_n,
-zero_after_n), before or among the first 4096 samples.
-Readings of -6999, 6999, -99999, NaN, infinity or nothing are bad samples: counted, not used
-(in counts only the last three). A time or any other text that is not a number is an error.")]
+Examples:
+  floe replay pull.csv --weight-n 630
+  floe replay pull.csv --weight-n 630 --report pull.html --events pull-events.csv
+  floe replay pull.csv --mass-kg 64.2 --slope-deg 1.5 --summary
+  floe replay pull.dat --array-id 101 --column 6 --weight-n 630 --json | jq .estimate
+
+'floe inspect LOG' shows what is recognised in a log; '# key: value' in it gives weight_n, slope_deg,
+winch_m_per_s, cable_length_m, snow_mm, range_n, rate_hz, tare_counts, counts_per_n, test_id, and how
+well they are known (weight_std_n, slope_std_deg, zero_std_n, span_std_percent, damping_std,
+winch_std_m_per_s, weight_from, zero_before_n, zero_after_n), before or among the first 4096 samples.
+Readings of -6999, 6999, -99999, NaN, infinity or nothing are bad samples: counted, not used (in counts
+only the last three).")]
 pub struct Args {
     /// The log: a file, or - for standard input
     log: Option<String>,
-    /// Format of the log [default: recognised from its content]
-    #[arg(long)]
-    format: Option<Format>,
-    /// Samples per second, 1 to 2000 [default: from the time stamps, else 16]
-    #[arg(long, value_name = "R", allow_negative_numbers = true)]
-    rate_hz: Option<f64>,
-    /// Name of the force column; for cr10 its place in the row, from 1 (the array number)
-    #[arg(long, value_name = "NAME")]
-    column: Option<String>,
-    /// Unit of the force column [default: as the log says, else N]
-    #[arg(long)]
-    unit: Option<Unit>,
-    /// Array to read of a cr10 log [default: the only one, or the only one with seconds]
-    #[arg(long, value_name = "ID")]
-    array_id: Option<u32>,
+    #[command(flatten)]
+    log_options: LogOptions,
     #[command(flatten)]
     test: TestOptions,
     /// Write the result as JSON to FILE, or to standard output and nothing else there
@@ -60,22 +49,21 @@ pub struct Args {
     /// Write the events as CSV
     #[arg(long, value_name = "FILE")]
     events: Option<PathBuf>,
+    /// Write every sample: time, force, its rate, phase, the block's speed, flag
+    #[arg(long, value_name = "FILE.csv|FILE.parquet")]
+    samples: Option<PathBuf>,
+    /// Write the report's figures as SVG files into DIR
+    #[arg(long, value_name = "DIR")]
+    figures: Option<PathBuf>,
+    /// The result without the table of events
+    #[arg(long)]
+    summary: bool,
     /// No table, progress or warnings; only errors and the files asked for
     #[arg(long)]
     quiet: bool,
 }
 
 impl Args {
-    fn log_options(&self) -> LogOptions {
-        LogOptions {
-            format: self.format,
-            rate_hz: self.rate_hz,
-            column: self.column.clone(),
-            unit: self.unit,
-            array_id: self.array_id,
-        }
-    }
-
     /// `--json LOG` with no other log: what looks like the output is the log.
     fn resolved(&self) -> Result<(Self, &str), InputError> {
         let mut args = self.clone();
@@ -92,7 +80,8 @@ impl Args {
 
     fn outputs(&self) -> impl Iterator<Item = &Path> {
         let json = self.json.as_deref().filter(|path| *path != Path::new(STANDARD));
-        [json, self.report.as_deref(), self.events.as_deref()].into_iter().flatten()
+        let named = [&self.report, &self.events, &self.samples].map(|path| path.as_deref());
+        [json].into_iter().chain(named).flatten()
     }
 }
 
@@ -115,45 +104,132 @@ pub fn run(args: &Args) -> Result<(), InputError> {
         output::check(output, &taken)?;
         taken.push(output);
     }
+    if let Some(folder) = args.figures.as_deref().filter(|folder| folder.is_file()) {
+        return Err(InputError::new("is a file; name a directory").within(folder.display()));
+    }
     let input = open(path, args.quiet).map_err(|error| error.within(name))?;
-    finish(run_on(path, input, &args).map_err(|error| error.within(name))?, &args)
+    evaluate(name, path, input, &args)
 }
 
 /// Name and content of the log in the binary, which says its own weight.
 const BUNDLED: (&str, &[u8]) =
     ("host-sim/logs/dff8-13.csv", include_bytes!("../../logs/dff8-13.csv"));
 
-/// The bundled log, with a report beside its table.
+/// The bundled log; in the repository with a report where the build puts its files.
 ///
 /// # Errors
 /// One line for the user.
 pub fn run_bundled() -> Result<(), InputError> {
     let (name, bytes) = BUNDLED;
-    let directory = Path::new(if Path::new("target").is_dir() { "target" } else { "." });
-    let args = Args { report: Some(directory.join("floe-report.html")), ..Args::default() };
-    finish(run_on(name, Box::new(bytes), &args).map_err(|error| error.within(name))?, &args)
+    let in_repository = Path::new(name).is_file() && Path::new("target").is_dir();
+    let report = in_repository.then(|| Path::new("target").join("floe-report.html"));
+    let args = Args { report, ..Args::default() };
+    evaluate(name, name, Box::new(bytes), &args)?;
+    if in_repository || !std::io::stdout().is_terminal() {
+        return Ok(());
+    }
+    output::print(
+        "\nThis was the bundled log. Your own: floe replay LOG --weight-n W --report FILE.html\n",
+    )
+}
+
+fn evaluate(
+    name: &str,
+    path: &str,
+    input: Box<dyn Read + Send>,
+    args: &Args,
+) -> Result<(), InputError> {
+    let checksum = Checksum::default();
+    // Only a report says it, and it costs time.
+    let input: Box<dyn Read + Send> = match args.report {
+        Some(_) => Box::new(Summed::new(input, &checksum)),
+        None => input,
+    };
+    let findings = run_on(path, input, args).map_err(|error| error.within(name))?;
+    finish(findings, args, &checksum)
 }
 
 fn run_on(path: &str, input: Box<dyn Read + Send>, args: &Args) -> Result<Findings, InputError> {
-    let mut log = Log::from_reader(input, &args.log_options())?;
+    let mut log = Log::from_reader(input, &args.log_options)?;
     let config = configure(&log, &args.test)?;
-    let zero = args.test.known.zero(&log);
-    let mut recorder = args.report.as_ref().map(|_| Recorder::new(log.rate_hz()));
-    let result = match &mut recorder {
-        Some(recorder) => {
-            let observe = |time_s: f64, step: &Step| recorder.push(time_s, step);
-            replay_with_zero(path, &mut log, &config, zero, observe)?
+    let Some(file) = &args.samples else {
+        return run_core(path, &mut log, &config, args, |_, _| {});
+    };
+    let about = about(path, &log, &config);
+    let is_parquet = file.extension().is_some_and(|e| e.eq_ignore_ascii_case("parquet"));
+    let mut found = None;
+    let written = output::stream(file, |out| {
+        let mut table = samples::table(out, is_parquet, &about)?;
+        let mut rows = SampleRows::new(config.winch_m_per_s);
+        let mut put = Ok(());
+        let findings = run_core(path, &mut log, &config, args, |time_s, step| {
+            if let (Some(row), true) = (rows.push(time_s, step), put.is_ok()) {
+                put = table.row(row);
+            }
+        });
+        let read = findings.is_ok();
+        found = Some(findings);
+        put?;
+        if !read {
+            return Err(std::io::Error::other("the log cannot be read"));
         }
-        None => replay_with_zero(path, &mut log, &config, zero, |_, _| {})?,
+        rows.finish().try_for_each(|row| table.row(row))?;
+        table.finish()
+    });
+    // What is wrong with the log is no fault of the file.
+    let found = found.transpose()?;
+    written.and_then(|()| found.ok_or_else(|| InputError::new("nothing was read")))
+}
+
+/// What a table of samples says about itself.
+fn about(path: &str, log: &Log, config: &Config) -> Vec<(String, String)> {
+    let test_id = log.metadata().test_id.clone();
+    let entries = [
+        ("floe.schema", Some("floe-samples/1".to_string())),
+        ("floe.version", Some(env!("CARGO_PKG_VERSION").to_string())),
+        ("floe.log", Some(path.to_string())),
+        ("floe.test_id", test_id),
+        ("floe.rate_hz", Some(log.rate_hz().to_string())),
+        ("floe.weight_n", Some(config.weight_n.to_string())),
+        ("floe.slope_rad", Some(config.slope_rad.to_string())),
+        ("floe.winch_m_per_s", config.winch_m_per_s.map(|speed| speed.to_string())),
+        ("floe.synthetic", log.metadata().synthetic.clone()),
+    ];
+    entries.into_iter().filter_map(|(key, value)| Some((key.to_string(), value?))).collect()
+}
+
+fn run_core(
+    path: &str,
+    log: &mut Log,
+    config: &Config,
+    args: &Args,
+    mut observe: impl FnMut(f64, &Step),
+) -> Result<Findings, InputError> {
+    let zero = args.test.known.zero(log);
+    let drawn = args.report.is_some() || args.figures.is_some();
+    let mut recorder = drawn.then(|| Recorder::new(log.rate_hz()));
+    let result = match &mut recorder {
+        Some(recorder) => replay_with_zero(path, log, config, zero, |time_s, step| {
+            recorder.push(time_s, step);
+            observe(time_s, step);
+        })?,
+        None => replay_with_zero(path, log, config, zero, observe)?,
     };
     Ok((result, recorder))
 }
 
 /// Writes and prints what was asked for.
-fn finish((result, recorder): Findings, args: &Args) -> Result<(), InputError> {
+fn finish(
+    (result, recorder): Findings,
+    args: &Args,
+    checksum: &Checksum,
+) -> Result<(), InputError> {
     let result = &result;
     if let (Some(path), Some(recorder)) = (&args.report, &recorder) {
-        output::replace(path, &report::render(result, recorder))?;
+        output::replace(path, &report::render(result, recorder, &provenance(checksum)))?;
+    }
+    if let (Some(folder), Some(recorder)) = (&args.figures, &recorder) {
+        write_figures(folder, &report::figures(result, recorder))?;
     }
     if let Some(path) = &args.events {
         output::replace(path, &events_csv(result)?)?;
@@ -172,12 +248,15 @@ fn finish((result, recorder): Findings, args: &Args) -> Result<(), InputError> {
         return Ok(());
     }
     let written = args.outputs().map(|path| format!("written       {}\n", path.display()));
-    output::print(&(table::text(result) + &written.collect::<String>()))
+    let text = if args.summary { table::summary(result) } else { table::text(result) };
+    output::print(&(text + &written.collect::<String>()))
 }
 
-fn json(result: &ReplayResult) -> Result<String, InputError> {
-    let text = serde_json::to_string_pretty(result);
-    text.map(|text| text + "\n").map_err(|error| InputError::new(error.to_string()))
+fn write_figures(folder: &Path, figures: &[(String, String)]) -> Result<(), InputError> {
+    std::fs::create_dir_all(folder).map_err(|error| {
+        InputError::new(format!("cannot be made: {error}")).within(folder.display())
+    })?;
+    figures.iter().try_for_each(|(name, svg)| output::replace(&folder.join(name), svg))
 }
 
 fn events_csv(result: &ReplayResult) -> Result<String, InputError> {
@@ -194,32 +273,6 @@ fn events_csv(result: &ReplayResult) -> Result<String, InputError> {
     }
     let bytes = writer.into_inner().map_err(|e| failed(e.to_string()))?;
     String::from_utf8(bytes).map_err(|e| failed(e.to_string()))
-}
-
-fn open(path: &str, quiet: bool) -> Result<Box<dyn Read + Send>, InputError> {
-    if path == STANDARD {
-        return Ok(Box::new(std::io::stdin()));
-    }
-    if Path::new(path).is_dir() {
-        return Err(InputError::new("is a directory; name one log file"));
-    }
-    let file = File::open(path).map_err(|error| {
-        let missing = error.kind() == std::io::ErrorKind::NotFound;
-        let what =
-            if missing { "no such file".into() } else { format!("cannot be opened: {error}") };
-        InputError::new(what)
-    })?;
-    let bytes = file.metadata().map_or(0, |metadata| metadata.len());
-    let long = bytes >= LONG_LOG_BYTES && std::io::stderr().is_terminal();
-    if long && !quiet { Ok(Box::new(progress(bytes).wrap_read(file))) } else { Ok(Box::new(file)) }
-}
-
-/// A bar on standard error that goes away at the end.
-fn progress(bytes: u64) -> ProgressBar {
-    let style = "{wide_bar} {bytes} of {total_bytes}, {eta} left";
-    let style =
-        ProgressStyle::with_template(style).unwrap_or_else(|_| ProgressStyle::default_bar());
-    ProgressBar::new(bytes).with_style(style).with_finish(indicatif::ProgressFinish::AndClear)
 }
 
 /// The fields of an event in their order, so that a file without events has a

@@ -1,22 +1,23 @@
 //! `floe stiffness`: the cable's stiffness from a pull against a post.
 
-use std::fs::File;
-use std::path::PathBuf;
+use std::path::Path;
 
 use floe_core::Reading;
 
 use crate::error::InputError;
-use crate::log::{Log, LogOptions, Unit};
+use crate::log::{Log, LogOptions};
 use crate::stiffness::{Measured, Pull, Stiffness, stiffness};
 
+use super::input::open;
+use super::json::Json;
 use super::output;
 
 /// Stiffness of the cable from a log of a pull against a fixed post
 #[derive(Clone, Debug, clap::Args)]
 pub struct Args {
-    /// The log
+    /// The log: a file, or - for standard input
     #[arg(value_name = "LOG")]
-    log: PathBuf,
+    log: String,
     /// Take-up speed of the winch, m/s [default: as the log says]
     #[arg(long, value_name = "W")]
     winch_m_per_s: Option<f64>,
@@ -29,15 +30,10 @@ pub struct Args {
     /// Its standard deviation, m
     #[arg(long, value_name = "S", default_value_t = 0.0)]
     cable_length_std_m: f64,
-    /// Name of the force column; for cr10 its place in the row, from 1
-    #[arg(long, value_name = "NAME")]
-    column: Option<String>,
-    /// Unit of the force column [default: as the log says, else N]
-    #[arg(long)]
-    unit: Option<Unit>,
-    /// Print JSON instead of text
-    #[arg(long)]
-    json: bool,
+    #[command(flatten)]
+    log_options: LogOptions,
+    #[command(flatten)]
+    json: Json,
 }
 
 /// Runs the command.
@@ -45,22 +41,15 @@ pub struct Args {
 /// # Errors
 /// One line for the user.
 pub fn run(args: &Args) -> Result<(), InputError> {
-    let found = measure(args).map_err(|error| error.within(args.log.display()))?;
-    let text = if args.json {
-        let json = serde_json::to_string_pretty(&found);
-        json.map_err(|error| InputError::new(error.to_string()))? + "\n"
-    } else {
-        text(&found)
-    };
-    output::print(&text)
+    if let Some(path) = args.json.file() {
+        output::check(path, &[Path::new(&args.log)])?;
+    }
+    let found = measure(args).map_err(|error| error.within(&args.log))?;
+    args.json.print(&found, || text(&found))
 }
 
 fn measure(args: &Args) -> Result<Stiffness, InputError> {
-    let file = File::open(&args.log)
-        .map_err(|error| InputError::new(format!("cannot be opened: {error}")))?;
-    let (column, unit) = (args.column.clone(), args.unit);
-    let options = LogOptions { column, unit, ..LogOptions::default() };
-    let mut log = Log::from_reader(Box::new(file), &options)?;
+    let mut log = Log::from_reader(open(&args.log, false)?, &args.log_options)?;
     let mut samples = Vec::new();
     while let Some(sample) = log.next_sample()? {
         match sample.raw.reading {

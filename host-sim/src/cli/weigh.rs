@@ -1,16 +1,17 @@
 //! `floe weigh`: the block's weight from a recording of it on the tripod.
 
-use std::fs::File;
-use std::path::PathBuf;
+use std::path::Path;
 
 use floe_core::Config;
 use floe_core::signal::calibrate::Calibrator;
 
 use crate::error::InputError;
-use crate::log::{Log, LogOptions, Unit};
+use crate::log::{Log, LogOptions};
 use crate::replay::test::{TestOptions, calibration};
 use crate::weigh::{Weight, weigh};
 
+use super::input::open;
+use super::json::Json;
 use super::output;
 
 /// Weigh a block: from a recording of it on the tripod, its swing averaged
@@ -20,30 +21,19 @@ The last 64 s count. What a steady swing adds is taken off; a load that drifts o
 refused. The standard deviation is that of the weighing, without the zero's and the span's: when
 the same cell pulls the block afterwards, the span cancels.")]
 pub struct Args {
-    /// The log
+    /// The log: a file, or - for standard input
     #[arg(value_name = "LOG")]
-    log: PathBuf,
-    /// Samples per second, 1 to 2000 [default: from the time stamps, else 16]
-    #[arg(long, value_name = "R")]
-    rate_hz: Option<f64>,
-    /// Name of the force column; for cr10 its place in the row, from 1
-    #[arg(long, value_name = "NAME")]
-    column: Option<String>,
-    /// Unit of the force column [default: as the log says, else N]
-    #[arg(long)]
-    unit: Option<Unit>,
-    /// Array to read of a cr10 log
-    #[arg(long, value_name = "ID")]
-    array_id: Option<u32>,
+    log: String,
+    #[command(flatten)]
+    log_options: LogOptions,
     /// Converter code at zero force, for --unit counts
     #[arg(long, value_name = "C", allow_negative_numbers = true)]
     tare_counts: Option<i32>,
     /// Converter codes per newton, for --unit counts
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     counts_per_n: Option<f64>,
-    /// Print JSON instead of text
-    #[arg(long)]
-    json: bool,
+    #[command(flatten)]
+    json: Json,
 }
 
 /// Runs the command.
@@ -51,27 +41,15 @@ pub struct Args {
 /// # Errors
 /// One line for the user.
 pub fn run(args: &Args) -> Result<(), InputError> {
-    let weight = measure(args).map_err(|error| error.within(args.log.display()))?;
-    let text = if args.json {
-        let json = serde_json::to_string_pretty(&weight);
-        json.map_err(|error| InputError::new(error.to_string()))? + "\n"
-    } else {
-        text(&weight)
-    };
-    output::print(&text)
+    if let Some(path) = args.json.file() {
+        output::check(path, &[Path::new(&args.log)])?;
+    }
+    let weight = measure(args).map_err(|error| error.within(&args.log))?;
+    args.json.print(&weight, || text(&weight))
 }
 
 fn measure(args: &Args) -> Result<Weight, InputError> {
-    let file = File::open(&args.log)
-        .map_err(|error| InputError::new(format!("cannot be opened: {error}")))?;
-    let options = LogOptions {
-        rate_hz: args.rate_hz,
-        column: args.column.clone(),
-        unit: args.unit,
-        array_id: args.array_id,
-        ..LogOptions::default()
-    };
-    let mut log = Log::from_reader(Box::new(file), &options)?;
+    let mut log = Log::from_reader(open(&args.log, false)?, &args.log_options)?;
     let (tare_counts, counts_per_n) = (args.tare_counts, args.counts_per_n);
     let given = TestOptions { tare_counts, counts_per_n, ..TestOptions::default() };
     let calibration = calibration(&log, &given)?;

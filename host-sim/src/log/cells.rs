@@ -12,9 +12,12 @@ pub struct Cells {
 }
 
 impl Cells {
-    /// Cuts a line; false if a quote is left open.
+    /// Cuts a line; false if a quote is left open. Blanks separate as one.
     pub fn cut(&mut self, line: &[u8], separator: u8) -> bool {
         self.bounds.clear();
+        if separator == b' ' {
+            return self.cut_blanks(line);
+        }
         let mut start = 0;
         for end in memchr2_iter(separator, b'"', line) {
             if line.get(end) == Some(&b'"') {
@@ -24,6 +27,19 @@ impl Cells {
             start = end + 1;
         }
         self.bounds.push((start, line.len()));
+        true
+    }
+
+    fn cut_blanks(&mut self, line: &[u8]) -> bool {
+        let mut start = None;
+        for (at, byte) in line.iter().enumerate() {
+            if !byte.is_ascii_whitespace() {
+                start.get_or_insert(at);
+            } else if let Some(start) = start.take() {
+                self.bounds.push((start, at));
+            }
+        }
+        self.bounds.extend(start.map(|start| (start, line.len())));
         true
     }
 
@@ -97,6 +113,11 @@ mod tests {
             };
             assert_eq!(texts(line.as_bytes(), b','), expected, "{line}");
         }
+    }
+
+    #[test]
+    fn any_number_of_blanks_separates() {
+        assert_eq!(texts(b"  0.0625 \t 12.5", b' '), ["0.0625", "12.5"]);
     }
 
     #[test]

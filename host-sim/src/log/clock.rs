@@ -12,6 +12,14 @@ const PHASE_SAMPLES: f64 = 1024.0;
 /// been started again.
 const LONG_GAP: f64 = 256.0;
 
+/// Stamps that are evenly apart, one after the other, from which on their interval is
+/// one of its own: lost samples are not lost so evenly.
+pub const INTERVAL_STAMPS: u32 = 40;
+/// Intervals within this share of each other are the same.
+const SAME_INTERVAL: f64 = 0.2;
+/// An interval so many times longer or shorter than the period is another one.
+const OTHER_INTERVAL: f64 = 1.5;
+
 /// Gives every row its index.
 ///
 /// Fine stamps: the nearest index, on a grid whose phase follows the mean of the
@@ -29,6 +37,10 @@ pub struct Clock {
     /// Samples in the mean that gives the phase.
     averaged: f64,
     misfits: u64,
+    /// The last stamp, the interval of the last stamps and how many had it.
+    stamp_s: f64,
+    interval_s: f64,
+    alike: u32,
 }
 
 impl Clock {
@@ -37,7 +49,17 @@ impl Clock {
     pub fn new(timing: Timing) -> Self {
         let period_s = timing.rate_hz.recip();
         let time_s = timing.start_s - period_s;
-        Self { timing, period_s, next: 0, time_s, averaged: PHASE_SAMPLES, misfits: 0 }
+        Self {
+            timing,
+            period_s,
+            next: 0,
+            time_s,
+            averaged: PHASE_SAMPLES,
+            misfits: 0,
+            stamp_s: f64::NAN,
+            interval_s: 0.0,
+            alike: 0,
+        }
     }
 
     /// Index and time of the row with this stamp. `records`: rows since the one
@@ -54,6 +76,7 @@ impl Clock {
             None => self.fine_steps(stamp_s, records),
             Some(shared) => self.shared_steps(shared, stamp_s, records, ahead),
         };
+        self.compare_interval(stamp_s);
         self.next = self.next.saturating_add(steps);
         (self.next.saturating_sub(1), self.time_s)
     }
@@ -70,6 +93,26 @@ impl Clock {
     #[must_use]
     pub fn timing(&self) -> &Timing {
         &self.timing
+    }
+
+    /// The interval of the last [`INTERVAL_STAMPS`] stamps in s, said once, if it is
+    /// another than the period.
+    #[must_use]
+    pub fn other_interval_s(&self) -> Option<f64> {
+        let said = self.alike == INTERVAL_STAMPS && self.timing.shared.is_none();
+        let ratio = self.interval_s * self.timing.rate_hz;
+        let other = !(OTHER_INTERVAL.recip()..OTHER_INTERVAL).contains(&ratio);
+        (said && other).then_some(self.interval_s)
+    }
+
+    fn compare_interval(&mut self, stamp_s: f64) {
+        let interval_s = stamp_s - self.stamp_s;
+        self.stamp_s = stamp_s;
+        if (interval_s - self.interval_s).abs() <= SAME_INTERVAL * self.interval_s {
+            self.alike = self.alike.saturating_add(1);
+        } else {
+            (self.interval_s, self.alike) = (interval_s.max(0.0), 1);
+        }
     }
 
     /// Stamps that were not where their sample should be.

@@ -9,7 +9,7 @@ use crate::error::InputError;
 
 use super::LogOptions;
 use super::cells::Cells;
-use super::number::{Unit, finite};
+use super::number::{Decimal, Unit, finite};
 use super::rows::{Layout, TimeCells, cr10_time};
 
 /// The logger's clock resolves an eighth of a second.
@@ -58,6 +58,7 @@ pub fn layout(head: &[u8], options: &LogOptions) -> Result<Layout, InputError> {
     let seconds = array.seconds && force != SECONDS;
     Ok(Layout {
         separator: b',',
+        decimal: Decimal::Point,
         width: None,
         time: TimeCells::Cr10 { seconds },
         force,

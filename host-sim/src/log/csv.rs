@@ -1,62 +1,131 @@
-//! CSV: a header line, a time column and a force column.
+//! Text tables: which column is the time, which the force, and in what units.
 
 use crate::error::InputError;
 
 use super::LogOptions;
-use super::cells::texts;
-use super::number::{Unit, finite};
+use super::columns::Columns;
+use super::header::Header;
+use super::number::Unit;
 use super::rows::{Layout, TimeCells};
+use super::stamp::TimeUnit;
 
-const TIME_COLUMNS: [&str; 4] = ["time_s", "t_s", "t", "time"];
-const FORCE_COLUMNS: [(&str, Unit); 2] =
-    [("force_n", Unit::Newton), ("force_kn", Unit::Kilonewton)];
+/// A layout, and what was assumed to find it.
+pub type Found = (Layout, Vec<String>);
 
-/// Finds the columns in a header line.
+/// Finds the columns below a header.
+///
+/// `rate_hz` is the rate that the user or the log states: without it, rows need a time.
 ///
 /// # Errors
-/// No header, or a column that is not there.
-pub fn layout(header: &[u8], options: &LogOptions) -> Result<Layout, InputError> {
-    let separator = separator(header);
-    let names = texts(header, separator);
-    if names.iter().all(|name| name.is_empty() || finite(name.as_bytes()).is_some()) {
-        return Err(InputError::new("no header line; name the columns, e.g. 'time_s,force_n'"));
-    }
-    let (force, unit) = match &options.column {
-        Some(name) => {
-            let force = find(&names, name).ok_or_else(|| no_column(name, &names))?;
-            (force, options.unit.unwrap_or(Unit::Newton))
-        }
-        None => default_force(&names, options.unit)?,
+/// A column that is not there or not to be told from another, units that contradict
+/// each other.
+pub fn layout(
+    header: &Header,
+    options: &LogOptions,
+    rate_hz: Option<f64>,
+) -> Result<Found, InputError> {
+    let columns = Columns::new(header);
+    let time = columns.time(options)?;
+    let force = columns.force(options, time)?;
+    let (unit, mut notes) = columns.force_unit(force, options)?;
+    let decimal = columns.decimal(force, time, options)?;
+    let time = match time {
+        Some(time) => columns.time_cells(time, options, decimal)?,
+        None => match rate_hz {
+            Some(rate_hz) => TimeCells::Count { rate_hz },
+            None => return Err(columns.no_time()),
+        },
     };
-    let time = TIME_COLUMNS.iter().find_map(|name| find(&names, name)).ok_or_else(|| {
-        InputError::new(format!("no time column (time_s, t_s, t or time); {}", there_are(&names)))
-    })?;
-    Ok(Layout {
-        separator,
-        width: Some(names.len()),
-        time: TimeCells::Seconds(time),
+    if header.names.is_none() {
+        let time = if header.width > 1 { "the first column is the time, " } else { "" };
+        notes.insert(0, format!("no header: {time}column {} is the force", force + 1));
+    }
+    let layout = Layout {
+        separator: header.separator,
+        decimal,
+        width: Some(header.width),
+        time,
         force,
         unit,
         record: None,
         array_id: None,
         resolution_s: None,
-    })
+    };
+    Ok((layout, notes))
 }
 
-fn default_force(names: &[String], unit: Option<Unit>) -> Result<(usize, Unit), InputError> {
-    let mut columns = FORCE_COLUMNS.iter();
-    let found = columns.find_map(|&(name, its)| Some((find(names, name)?, unit.unwrap_or(its))));
-    found.ok_or_else(|| {
-        let there_are = there_are(names);
-        InputError::new(format!("no column force_n or force_kn: give --column NAME; {there_are}"))
-    })
+/// One unit out of those that a column states and the one that is given.
+///
+/// # Errors
+/// They contradict each other.
+pub fn agreed(
+    name: &str,
+    stated: &[Unit],
+    given: Option<Unit>,
+) -> Result<Option<Unit>, InputError> {
+    one_of(name, stated, given, Unit::name, "--unit")
+}
+
+/// As [`agreed`], for a time.
+///
+/// # Errors
+/// They contradict each other.
+pub fn agreed_time(
+    name: &str,
+    stated: &[TimeUnit],
+    given: Option<TimeUnit>,
+) -> Result<Option<TimeUnit>, InputError> {
+    one_of(name, stated, given, TimeUnit::name, "--time-unit")
+}
+
+fn one_of<T: Copy + PartialEq>(
+    name: &str,
+    stated: &[T],
+    given: Option<T>,
+    text: fn(T) -> &'static str,
+    option: &str,
+) -> Result<Option<T>, InputError> {
+    let Some(first) = stated.first().copied() else { return Ok(given) };
+    if let Some(other) = stated.iter().find(|&&other| other != first) {
+        return Err(InputError::new(format!(
+            "column '{name}' is in {} by its name and in {} by the row below; correct the log",
+            text(first),
+            text(*other)
+        )));
+    }
+    match given.filter(|&given| given != first) {
+        Some(given) => Err(InputError::new(format!(
+            "column '{name}' is in {}, and {option} says {}; leave {option} out, or correct the \
+             column's name",
+            text(first),
+            text(given)
+        ))),
+        None => Ok(Some(first)),
+    }
 }
 
 /// Place of a column: by its exact name, else whatever the case.
-#[must_use]
-pub fn find(names: &[String], name: &str) -> Option<usize> {
-    let exact = names.iter().position(|n| n == name);
-    exact.or_else(|| names.iter().position(|n| n.eq_ignore_ascii_case(name)))
+///
+/// # Errors
+/// Two columns have the name.
+pub fn find(names: &[String], name: &str) -> Result<Option<usize>, InputError> {
+    let exact = |n: &String| n == name;
+    let alike = |n: &String| n.eq_ignore_ascii_case(name);
+    let places = |is: &dyn Fn(&String) -> bool| {
+        names.iter().enumerate().filter(|(_, n)| is(n)).map(|(i, _)| i).collect::<Vec<usize>>()
+    };
+    let found = Some(places(&exact)).filter(|found| !found.is_empty());
+    match found.unwrap_or_else(|| places(&alike)).as_slice() {
+        [] => Ok(None),
+        [only] => Ok(Some(*only)),
+        [first, second, ..] => Err(InputError::new(format!(
+            "columns {} and {} are both called '{name}': name the one by its number, e.g. \
+             --column {}",
+            first + 1,
+            second + 1,
+            second + 1
+        ))),
+    }
 }
 
 /// The error for a column that is not there.
@@ -78,20 +147,19 @@ pub fn there_are(names: &[String]) -> String {
     format!("there are: {}{more}", shown.join(", "))
 }
 
-/// A semicolon or a tab in the header is never part of a name; a comma may be.
-fn separator(header: &[u8]) -> u8 {
-    *b";\t".iter().find(|separator| header.contains(separator)).unwrap_or(&b',')
-}
-
 #[cfg(test)]
 mod tests {
+    use super::super::header;
     use super::*;
 
-    fn places(header: &str, column: Option<&str>) -> Result<(usize, usize, Unit), String> {
+    fn places(text: &str, column: Option<&str>) -> Result<(usize, usize, Unit), String> {
         let options = LogOptions { column: column.map(str::to_string), ..LogOptions::default() };
-        let layout = layout(header.as_bytes(), &options).map_err(|e| e.to_string())?;
-        let TimeCells::Seconds(time) = layout.time else { panic!("not seconds") };
-        Ok((time, layout.force, layout.unit))
+        let header = header::find(text.as_bytes(), b'\n', 0, None).map_err(|e| e.to_string())?;
+        let (layout, _) = layout(&header, &options, None).map_err(|e| e.to_string())?;
+        let TimeCells::Number { cell, unit: TimeUnit::Second } = layout.time else {
+            panic!("not seconds")
+        };
+        Ok((cell, layout.force, layout.unit))
     }
 
     #[test]
@@ -108,6 +176,6 @@ mod tests {
         assert_eq!(error, "no column 'c'; there are: t, a, b");
         assert!(places("a,force_n", None).unwrap_err().starts_with("no time column"));
         assert!(places("t,a", None).unwrap_err().contains("give --column NAME; there are: t, a"));
-        assert!(places("0.0,1.5", None).unwrap_err().starts_with("no header line"));
+        assert!(places("0,1,2\n1,2,3\n", None).unwrap_err().starts_with("no header line"));
     }
 }

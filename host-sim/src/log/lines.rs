@@ -13,7 +13,7 @@ pub const MAX_LINE: usize = 64 * 1024;
 const BUFFER: usize = 4 * MAX_LINE;
 const UTF8_MARK: &[u8] = b"\xEF\xBB\xBF";
 
-/// One line without its end (LF or CR LF).
+/// One line without its end (LF, CR LF, or CR in a file without any LF).
 #[derive(Clone, Copy, Debug)]
 pub struct Line<'a> {
     /// Its bytes.
@@ -32,6 +32,8 @@ pub struct Lines {
     end: usize,
     exhausted: bool,
     number: u64,
+    /// Last byte of a line.
+    line_end: u8,
 }
 
 impl std::fmt::Debug for Lines {
@@ -45,7 +47,7 @@ impl Lines {
     #[must_use]
     pub fn new(input: Box<dyn Read + Send>) -> Self {
         let buffer = vec![0; BUFFER];
-        Self { input, buffer, start: 0, end: 0, exhausted: false, number: 0 }
+        Self { input, buffer, start: 0, end: 0, exhausted: false, number: 0, line_end: b'\n' }
     }
 
     /// The beginning of the stream, [`MAX_LINE`] bytes or all there is, without a
@@ -58,8 +60,17 @@ impl Lines {
         if self.number == 0 && self.unread().starts_with(UTF8_MARK) {
             self.start += UTF8_MARK.len();
         }
-        let unread = self.unread();
-        Ok(unread.get(..MAX_LINE).unwrap_or(unread))
+        let head = self.unread().get(..MAX_LINE).unwrap_or(self.unread());
+        if self.number == 0 && !head.contains(&b'\n') && head.contains(&b'\r') {
+            self.line_end = b'\r';
+        }
+        Ok(self.unread().get(..MAX_LINE).unwrap_or(self.unread()))
+    }
+
+    /// What ends a line: LF, or CR where the head holds no LF.
+    #[must_use]
+    pub fn line_end(&self) -> u8 {
+        self.line_end
     }
 
     /// The next line, `None` at the end.
@@ -69,7 +80,9 @@ impl Lines {
     pub fn next_line(&mut self) -> Result<Option<Line<'_>>, InputError> {
         let mut searched = 0;
         let (length, ended) = loop {
-            if let Some(at) = memchr(b'\n', self.unread().get(searched..).unwrap_or_default()) {
+            if let Some(at) =
+                memchr(self.line_end, self.unread().get(searched..).unwrap_or_default())
+            {
                 break (searched + at, true);
             }
             searched = self.end - self.start;
@@ -147,6 +160,7 @@ mod tests {
             [("a", 1, true), ("", 2, true), ("b", 3, false)].map(|(t, n, e)| (t.to_string(), n, e));
         assert_eq!(lines(b"a\n\nb"), expected);
         assert_eq!(lines(b"\xEF\xBB\xBFa\r\n\r\nb"), expected);
+        assert_eq!(lines(b"a\r\rb"), expected);
         assert!(lines(b"").is_empty());
     }
 

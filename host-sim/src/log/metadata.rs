@@ -38,32 +38,70 @@ pub struct Metadata {
     pub tare_counts: Option<f64>,
     /// Converter codes per newton.
     pub counts_per_n: Option<f64>,
+    /// What a simulator says of a log that it made.
+    pub synthetic: Option<String>,
+    /// Every known key in the order of the log.
+    pub said: Vec<Said>,
+}
+
+/// Where a key was said first.
+#[derive(Clone, Debug, PartialEq, Eq, serde::Serialize)]
+pub struct Said {
+    /// The key.
+    pub key: String,
+    /// Its value, as the log writes it.
+    pub value: String,
+    /// The line.
+    pub line: u64,
 }
 
 impl Metadata {
-    /// Takes a comment line; the last value of a key stands.
+    /// Takes the comment in line `number`.
     ///
     /// # Errors
-    /// A known key whose value is not a finite number.
-    pub fn take(&mut self, line: &[u8]) -> Result<(), InputError> {
+    /// A known key whose value is not a finite number, or not what an earlier line says.
+    pub fn take(&mut self, line: &[u8], number: u64) -> Result<(), InputError> {
         let text = String::from_utf8_lossy(line);
         let Some((key, value)) = text.trim_start_matches('#').split_once(':') else {
             return Ok(());
         };
         let (key, value) = (key.trim().to_ascii_lowercase(), value.trim());
-        let text = Some(value.to_string()).filter(|text| !text.is_empty());
-        if key == "test_id" {
-            self.test_id = text;
-        } else if key == "kind" {
-            self.kind = text;
-        } else if key == "track" {
-            self.track = text;
-        } else if key == "weight_from" {
-            self.known.weight_from = Some(WeightFrom::from_word(value)?);
-        } else if let Some(field) = self.field(&key) {
-            *field = Some(finite(value.as_bytes()).ok_or_else(|| not_a_number(&key, value))?);
+        let contradicted = match key.as_str() {
+            "test_id" => {
+                replaced(&mut self.test_id, Some(value.to_string()).filter(|id| !id.is_empty()))
+            }
+            "kind" => replaced(&mut self.kind, Some(value.to_string())),
+            "track" => replaced(&mut self.track, Some(value.to_string())),
+            "weight_from" => {
+                replaced(&mut self.known.weight_from, Some(WeightFrom::from_word(value)?))
+            }
+            "synthetic" => replaced(&mut self.synthetic, Some(value.to_string())),
+            key => match self.field(key) {
+                Some(field) => {
+                    let value = finite(value.as_bytes()).ok_or_else(|| not_a_number(key, value))?;
+                    replaced(field, Some(value))
+                }
+                None => return Ok(()),
+            },
+        };
+        match self.line(&key) {
+            Some(first) if contradicted => Err(InputError::new(format!(
+                "'# {key}:' says {}, and line {first} says otherwise: cut the log there, or correct \
+                 the one that is wrong",
+                excerpt(value.as_bytes())
+            ))),
+            Some(_) => Ok(()),
+            None => {
+                self.said.push(Said { key, value: value.to_string(), line: number });
+                Ok(())
+            }
         }
-        Ok(())
+    }
+
+    /// The line that says a key first.
+    #[must_use]
+    pub fn line(&self, key: &str) -> Option<u64> {
+        self.said.iter().find(|said| said.key == key).map(|said| said.line)
     }
 
     fn field(&mut self, key: &str) -> Option<&mut Option<f64>> {
@@ -84,6 +122,13 @@ impl Metadata {
     }
 }
 
+/// Puts a value in; true if another one was there.
+fn replaced<T: PartialEq>(field: &mut Option<T>, value: Option<T>) -> bool {
+    let contradicts = field.is_some() && *field != value;
+    *field = value;
+    contradicts
+}
+
 fn not_a_number(key: &str, value: &str) -> InputError {
     InputError::new(format!("'# {key}:' has {}, not a number", excerpt(value.as_bytes())))
 }
@@ -95,14 +140,20 @@ mod tests {
     #[test]
     fn known_keys_are_kept_and_the_rest_skipped() {
         let mut metadata = Metadata::default();
-        for line in ["# weight_n: 630", "#slope_deg:-2,5", "# test_id: DFF8-13", "# note: hi", "#"]
-        {
-            metadata.take(line.as_bytes()).unwrap();
+        let lines = ["# weight_n: 630", "#slope_deg:-2,5", "# test_id: DFF8-13", "# note: hi", "#"];
+        for (number, line) in (1..).zip(lines) {
+            metadata.take(line.as_bytes(), number).unwrap();
         }
+        let said = [("weight_n", "630", 1), ("slope_deg", "-2,5", 2), ("test_id", "DFF8-13", 3)];
+        let said = said.map(|(key, value, line)| {
+            let (key, value) = (key.to_string(), value.to_string());
+            Said { key, value, line }
+        });
         let expected = Metadata {
             weight_n: Some(630.0),
             slope_deg: Some(-2.5),
             test_id: Some("DFF8-13".to_string()),
+            said: said.to_vec(),
             ..Metadata::default()
         };
         assert_eq!(metadata, expected);
@@ -110,8 +161,20 @@ mod tests {
 
     #[test]
     fn a_value_that_is_no_number_is_an_error() {
-        let error = Metadata::default().take(b"# weight_n: heavy").unwrap_err();
+        let error = Metadata::default().take(b"# weight_n: heavy", 1).unwrap_err();
         assert_eq!(error.to_string(), "'# weight_n:' has 'heavy', not a number");
-        assert!(Metadata::default().take(b"# rate_hz: nan").is_err());
+        assert!(Metadata::default().take(b"# rate_hz: nan", 1).is_err());
+    }
+
+    #[test]
+    fn a_value_may_be_repeated_and_not_changed() {
+        let mut metadata = Metadata::default();
+        metadata.take(b"# weight_n: 630", 2).unwrap();
+        metadata.take(b"# weight_n: 630.0", 7).unwrap();
+        let error = metadata.take(b"# weight_n: 700", 9).unwrap_err().to_string();
+        assert!(
+            error.starts_with("'# weight_n:' says '700', and line 2 says otherwise"),
+            "{error}"
+        );
     }
 }

@@ -13,31 +13,40 @@
 //! is not a number, and any time that is not one, is an error with its line.
 
 use std::collections::VecDeque;
-use std::io::{Cursor, Read};
+use std::io::Read;
 
 use floe_core::RawSample;
 use floe_firmware::record::MAGIC;
 
 use crate::card;
-use crate::error::{InputError, excerpt};
+use crate::error::InputError;
 
 pub mod cells;
 pub mod clock;
+pub mod columns;
 pub mod cr10;
 pub mod csv;
+pub mod header;
+pub mod inspection;
+pub mod label;
 pub mod lines;
 pub mod metadata;
 pub mod number;
+pub mod open;
+pub mod options;
 pub mod rows;
 pub mod stamp;
 pub mod timing;
 pub mod toa5;
 
 use clock::Clock;
+use header::Header;
 use lines::Lines;
 use metadata::Metadata;
-pub use number::{STANDARD_GRAVITY, Unit};
-use rows::{Row, Rows, TimeCells};
+pub use number::{Decimal, STANDARD_GRAVITY, Unit};
+use open::{begin, peek, recognise, refuse_binary, utf8};
+pub use options::LogOptions;
+use rows::{Layout, Row, Rows};
 
 /// Rows read ahead to find rate, phase and metadata.
 const HEAD_ROWS: usize = 4096;
@@ -68,21 +77,6 @@ impl Format {
     }
 }
 
-/// What a caller may say about a log; everything else is found in it.
-#[derive(Clone, Debug, Default)]
-pub struct LogOptions {
-    /// Recognised from the content if `None`.
-    pub format: Option<Format>,
-    /// From the log or its stamps if `None`.
-    pub rate_hz: Option<f64>,
-    /// Name of the force column; for cr10 its number in the row, from 1.
-    pub column: Option<String>,
-    /// Unit of the force column.
-    pub unit: Option<Unit>,
-    /// The array to read of a cr10 log.
-    pub array_id: Option<u32>,
-}
-
 /// One sample of a log.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample {
@@ -103,8 +97,20 @@ pub struct Log {
     ahead: VecDeque<Row>,
     clock: Clock,
     origin_s: f64,
+    /// The rate was given: samples further apart are gaps.
+    rate_is_given: bool,
+    head: Recognised,
     /// What a logger's own log holds beside the test.
     told: card::Told,
+}
+
+/// What a reader found out about a text log before its first row.
+#[derive(Clone, Debug, Default)]
+pub struct Recognised {
+    /// The table's head; `None` for the formats that have no header to look for.
+    pub header: Option<Header>,
+    /// What was assumed, one sentence each.
+    pub notes: Vec<String>,
 }
 
 impl Log {
@@ -118,7 +124,8 @@ impl Log {
         input: Box<dyn Read + Send>,
         options: &LogOptions,
     ) -> Result<Self, InputError> {
-        let (input, is_floe) = peek_floe(input)?;
+        let (input, mark) = peek(input)?;
+        let (input, is_floe) = (utf8(input, &mark), mark == MAGIC);
         if is_floe && options.format.is_none_or(|format| format == Format::Floe) {
             return Self::from_floe(input, options);
         }
@@ -129,8 +136,8 @@ impl Log {
         let head = lines.head()?;
         refuse_binary(head)?;
         let format = options.format.unwrap_or_else(|| recognise(head));
-        let rows = begin(format, lines, options)?;
-        Self::start(format, rows, options)
+        let (rows, head) = begin(format, lines, options)?;
+        Self::start(format, rows, head, options)
     }
 
     /// The logger's own log, by way of its text.
@@ -143,8 +150,8 @@ impl Log {
         };
         let text = card::Text::new(input);
         let told = text.told();
-        let rows = begin(Format::Floe, Lines::new(Box::new(text)), &options)?;
-        Ok(Self { told, ..Self::start(Format::Floe, rows, &options)? })
+        let (rows, head) = begin(Format::Floe, Lines::new(Box::new(text)), &options)?;
+        Ok(Self { told, ..Self::start(Format::Floe, rows, head, &options)? })
     }
 
     /// The next sample, `None` at the end.
@@ -155,8 +162,21 @@ impl Log {
         let Some(row) = self.next_row()? else { return Ok(None) };
         let stamps = self.ahead.iter().map(|row| row.time_s);
         let (index, time_s) = self.clock.place(row.time_s, row.records, stamps);
+        if let Some(interval_s) = self.clock.other_interval_s().filter(|_| !self.rate_is_given) {
+            return Err(self.other_interval(row.line, interval_s));
+        }
         let raw = RawSample { index, reading: row.reading };
         Ok(Some(Sample { raw, time_s: time_s - self.origin_s }))
+    }
+
+    fn other_interval(&self, line: u64, interval_s: f64) -> InputError {
+        let first = line.saturating_sub(u64::from(clock::INTERVAL_STAMPS));
+        let period_s = self.rate_hz().recip();
+        InputError::new(format!(
+            "line {first}: from about here on the samples come every {interval_s:.6} s, elsewhere \
+             every {period_s:.6} s; cut the log there, or give --rate-hz R to take what is slower \
+             for gaps"
+        ))
     }
 
     /// The next row, with as many behind it in `ahead` as the clock looks at.
@@ -196,6 +216,24 @@ impl Log {
         self.rows.layout().unit
     }
 
+    /// Where the rows' cells are.
+    #[must_use]
+    pub fn layout(&self) -> &Layout {
+        self.rows.layout()
+    }
+
+    /// What was found above the first row.
+    #[must_use]
+    pub fn recognised(&self) -> &Recognised {
+        &self.head
+    }
+
+    /// The moment of the first sample in seconds since 1970, where the log says the date.
+    #[must_use]
+    pub fn start_unix_s(&self) -> Option<f64> {
+        self.rows.layout().time.is_calendar().then_some(self.origin_s)
+    }
+
     /// What a reader of the result should know, complete at the end of the log.
     #[must_use]
     pub fn warnings(&self) -> Vec<String> {
@@ -206,11 +244,17 @@ impl Log {
         let rate_hz = self.rate_hz();
         let misfits = (misfits > 0)
             .then(|| format!("{misfits} time stamps do not fit {rate_hz} samples per second"));
-        truncated.into_iter().chain(misfits).chain(self.told.warnings()).collect()
+        let told = self.told.warnings();
+        self.head.notes.iter().cloned().chain(truncated).chain(misfits).chain(told).collect()
     }
 
     /// Reads the head and finds the timing in it.
-    fn start(format: Format, mut rows: Rows, options: &LogOptions) -> Result<Self, InputError> {
+    fn start(
+        format: Format,
+        mut rows: Rows,
+        recognised: Recognised,
+        options: &LogOptions,
+    ) -> Result<Self, InputError> {
         let mut head = Vec::new();
         while head.len() < HEAD_ROWS {
             let Some(row) = rows.next_row()? else { break };
@@ -223,27 +267,42 @@ impl Log {
         if let Some(wrong) = rate_hz.filter(|rate| !timing::RATES_HZ.contains(rate)) {
             return Err(InputError::new(format!("a rate of {wrong} Hz is not within 1 to 2000")));
         }
+        if options.rate_hz.is_none() {
+            agrees_with_stamps(&head, &rows)?;
+        }
         let timing = timing::find(&head, rate_hz, rows.layout().resolution_s)?;
-        let calendar = !matches!(rows.layout().time, TimeCells::Seconds(_));
-        let origin_s = if calendar { timing.start_s } else { 0.0 };
+        let origin_s = if rows.layout().time.is_calendar() { timing.start_s } else { 0.0 };
         Ok(Self {
             format,
             rows,
             ahead: head.into(),
             clock: Clock::new(timing),
             origin_s,
+            rate_is_given: options.rate_hz.is_some(),
+            head: recognised,
             told: card::Told::default(),
         })
     }
 }
 
-/// Whether the stream is a log of the logger itself; nothing of it is lost.
-fn peek_floe(mut input: Box<dyn Read + Send>) -> Result<(Box<dyn Read + Send>, bool), InputError> {
-    let mut mark = Vec::new();
-    let read = input.by_ref().take(MAGIC.len() as u64).read_to_end(&mut mark);
-    read.map_err(|error| InputError::new(format!("cannot be read: {error}")))?;
-    let is_floe = mark == MAGIC;
-    Ok((Box::new(Cursor::new(mark).chain(input)), is_floe))
+/// Refuses a rate in the log's metadata that its stamps contradict.
+fn agrees_with_stamps(head: &[Row], rows: &Rows) -> Result<(), InputError> {
+    const ENOUGH: usize = 32;
+    const NEAR: f64 = 0.02;
+    let metadata = &rows.metadata;
+    let (Some(said), Some(line)) = (metadata.rate_hz, metadata.line("rate_hz")) else {
+        return Ok(());
+    };
+    let Ok(found) = timing::find(head, None, rows.layout().resolution_s) else { return Ok(()) };
+    let near = (found.rate_hz / said - 1.0).abs() < NEAR;
+    if near || found.shared.is_some() || head.len() < ENOUGH {
+        return Ok(());
+    }
+    let (first, found) = (head.first().map_or(0, |row| row.line), found.rate_hz);
+    Err(InputError::new(format!(
+        "line {line}: '# rate_hz: {said}', and the times from line {first} on come {found:.3} times \
+         a second; correct one of them, or give --rate-hz R"
+    )))
 }
 
 fn no_samples(rows: &Rows) -> InputError {
@@ -251,92 +310,4 @@ fn no_samples(rows: &Rows) -> InputError {
         Some(line) => format!("no samples: line {line} is cut off and nothing is before it"),
         None => "no samples: the log ends after its header".to_string(),
     })
-}
-
-/// Refuses what is certainly no text log of ours, with the way out.
-fn refuse_binary(head: &[u8]) -> Result<(), InputError> {
-    let refuse = |message: &str| Err(InputError::new(message));
-    let text = head.trim_ascii_start();
-    if text.is_empty() {
-        return refuse("is empty");
-    }
-    if head.starts_with(b"\xFF\xFE") || head.starts_with(b"\xFE\xFF") {
-        return refuse("is UTF-16 text; convert it to UTF-8, e.g. iconv -f UTF-16 -t UTF-8");
-    }
-    for kind in ["TOB1", "TOB2", "TOB3", "TOACI1"] {
-        if text.strip_prefix(b"\"").unwrap_or(text).starts_with(kind.as_bytes()) {
-            return Err(InputError::new(format!("is {kind}; convert it to TOA5 with CardConvert")));
-        }
-    }
-    let first = text.split(|&byte| byte == b'\n').next().unwrap_or_default();
-    if first.contains(&0) || control_share(head) > 0.02 {
-        return refuse("is a binary file, not a csv, toa5 or cr10 log");
-    }
-    Ok(())
-}
-
-/// Share of bytes that no text holds, apart from the zeros that a logger leaves
-/// at the end when its power is cut.
-fn control_share(bytes: &[u8]) -> f64 {
-    let end = bytes.iter().rposition(|&byte| byte != 0).map_or(0, |last| last + 1);
-    let bytes = bytes.get(..end).unwrap_or_default();
-    let control = |byte: &&u8| byte.is_ascii_control() && !byte.is_ascii_whitespace();
-    bytes.iter().filter(control).count() as f64 / bytes.len().max(1) as f64
-}
-
-/// The format by its first line that is no comment.
-fn recognise(head: &[u8]) -> Format {
-    let lines = head.split(|&byte| byte == b'\n').map(<[u8]>::trim_ascii);
-    let first = lines.into_iter().find(|line| !line.is_empty() && !line.starts_with(b"#"));
-    match first.unwrap_or_default() {
-        line if is_toa5(line) => Format::Toa5,
-        line if cr10::is_row(line) => Format::Cr10,
-        _ => Format::Csv,
-    }
-}
-
-fn is_toa5(line: &[u8]) -> bool {
-    line.strip_prefix(b"\"").unwrap_or(line).starts_with(b"TOA5")
-}
-
-/// Takes the header and finds the layout.
-fn begin(format: Format, mut lines: Lines, options: &LogOptions) -> Result<Rows, InputError> {
-    let mut metadata = Metadata::default();
-    let layout = match format {
-        Format::Csv | Format::Floe => {
-            let (header, number) = header_line(&mut lines, &mut metadata)?;
-            let place = format!("line {number}");
-            csv::layout(&header, options).map_err(|error| error.within(place))?
-        }
-        Format::Toa5 => {
-            let (first, number) = header_line(&mut lines, &mut metadata)?;
-            if !is_toa5(&first) {
-                let message = format!("a toa5 log begins with \"TOA5\", not {}", excerpt(&first));
-                return Err(InputError::new(message).within(format_args!("line {number}")));
-            }
-            let (names, number) = header_line(&mut lines, &mut metadata)?;
-            let (units, _) = header_line(&mut lines, &mut metadata)?;
-            let (_processing, _) = header_line(&mut lines, &mut metadata)?;
-            let place = format!("line {number}");
-            toa5::layout(&names, &units, options).map_err(|error| error.within(place))?
-        }
-        Format::Cr10 => cr10::layout(lines.head()?, options)?,
-    };
-    Ok(Rows::new(lines, layout, metadata))
-}
-
-/// The next line that is neither empty nor a comment, and its number.
-fn header_line(lines: &mut Lines, metadata: &mut Metadata) -> Result<(Vec<u8>, u64), InputError> {
-    while let Some(line) = lines.next_line()? {
-        let number = line.number;
-        match line.bytes.trim_ascii_start().first() {
-            None => {}
-            Some(b'#') => {
-                let taken = metadata.take(line.bytes);
-                taken.map_err(|error| error.within(format_args!("line {number}")))?;
-            }
-            Some(_) => return Ok((line.bytes.to_vec(), number)),
-        }
-    }
-    Err(InputError::new("ends before its header does"))
 }

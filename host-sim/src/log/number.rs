@@ -46,37 +46,79 @@ impl Unit {
     pub fn from_label(label: &str) -> Option<Self> {
         match label.trim().to_ascii_lowercase().as_str() {
             "n" | "newton" | "newtons" => Some(Self::Newton),
-            "kn" => Some(Self::Kilonewton),
+            "kn" | "kilonewton" | "kilonewtons" => Some(Self::Kilonewton),
             "lbf" | "lbs" | "lb" => Some(Self::PoundForce),
-            "kgf" => Some(Self::KilogramForce),
-            "counts" | "count" => Some(Self::Counts),
+            // A load cell that shows kg shows the force of that mass.
+            "kgf" | "kg" | "kp" => Some(Self::KilogramForce),
+            "counts" | "count" | "adc" => Some(Self::Counts),
             _ => None,
+        }
+    }
+
+    /// As in options.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Newton => "N",
+            Self::Kilonewton => "kN",
+            Self::PoundForce => "lbf",
+            Self::KilogramForce => "kgf",
+            Self::Counts => "counts",
         }
     }
 }
 
-/// A decimal number, with point or comma; also NaN and infinity by name.
+/// The decimal mark of a log.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Decimal {
+    /// A point.
+    Point,
+    /// A comma.
+    Comma,
+    /// Either, where the log shows neither.
+    #[default]
+    Any,
+}
+
+impl std::str::FromStr for Decimal {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text {
+            "." | "point" => Ok(Self::Point),
+            "," | "comma" => Ok(Self::Comma),
+            _ => Err("must be . or ,".to_string()),
+        }
+    }
+}
+
+/// A decimal number; also NaN and infinity by name.
 ///
 /// `None` if the cell is empty or holds anything else.
 #[must_use]
-pub fn number(cell: &[u8]) -> Option<f64> {
+pub fn number(cell: &[u8], decimal: Decimal) -> Option<f64> {
     match fast_float2::parse(cell) {
-        Ok(value) => Some(value),
-        Err(_) => unusual_number(cell),
+        Ok(value) if decimal != Decimal::Comma || !cell.contains(&b'.') => Some(value),
+        Ok(_) => None,
+        Err(_) => unusual_number(cell, decimal),
     }
 }
 
 /// A leading plus or a decimal comma.
 #[cold]
-fn unusual_number(cell: &[u8]) -> Option<f64> {
+fn unusual_number(cell: &[u8], decimal: Decimal) -> Option<f64> {
     let text = std::str::from_utf8(cell).ok()?;
+    if decimal == Decimal::Point { text.parse().ok() } else { comma_number(text) }
+}
+
+fn comma_number(text: &str) -> Option<f64> {
     text.replacen(',', ".", 1).parse().ok()
 }
 
-/// A finite number.
+/// A finite number with point or comma.
 #[must_use]
 pub fn finite(cell: &[u8]) -> Option<f64> {
-    number(cell).filter(|value| value.is_finite())
+    number(cell, Decimal::Any).filter(|value| value.is_finite())
 }
 
 /// The content of a force cell.
@@ -85,12 +127,12 @@ pub fn finite(cell: &[u8]) -> Option<f64> {
 /// real) the [`SENTINELS`] are bad samples. `None` for what is not a number, for
 /// counts also for what is not a whole number of 32 bits.
 #[must_use]
-pub fn reading(cell: &[u8], unit: Unit) -> Option<Reading> {
+pub fn reading(cell: &[u8], unit: Unit, decimal: Decimal) -> Option<Reading> {
     const BAD: Reading = Reading::Bad(Fault::Sentinel);
     if cell.is_empty() {
         return Some(BAD);
     }
-    let value = number(cell)?;
+    let value = number(cell, decimal)?;
     if !value.is_finite() {
         return Some(BAD);
     }
@@ -134,8 +176,19 @@ mod tests {
             ("", None),
         ];
         for (text, expected) in table {
-            assert_eq!(number(text.as_bytes()), expected, "{text}");
+            assert_eq!(number(text.as_bytes(), Decimal::Any), expected, "{text}");
         }
+    }
+
+    #[test]
+    fn a_decimal_mark_that_is_known_is_held_to() {
+        let both = |text: &str| {
+            [Decimal::Point, Decimal::Comma].map(|decimal| number(text.as_bytes(), decimal))
+        };
+        assert_eq!(both("1.25"), [Some(1.25), None]);
+        assert_eq!(both("1,25"), [None, Some(1.25)]);
+        assert_eq!(both("+5"), [Some(5.0), Some(5.0)]);
+        assert_eq!(both("1.234,5"), [None, None]);
     }
 
     #[test]
@@ -143,16 +196,16 @@ mod tests {
         let bad = ["-6999", "6999", "-99999", "-6999.0", "NAN", "nan", "", "inf", "-INF", "1e999"];
         for text in bad {
             let expected = Some(Reading::Bad(Fault::Sentinel));
-            assert_eq!(reading(text.as_bytes(), Unit::Newton), expected, "{text}");
+            assert_eq!(reading(text.as_bytes(), Unit::Newton, Decimal::Any), expected, "{text}");
         }
         for text in ["abc", "-", "12 N", "0x10", "--5"] {
-            assert_eq!(reading(text.as_bytes(), Unit::Newton), None, "{text}");
+            assert_eq!(reading(text.as_bytes(), Unit::Newton, Decimal::Any), None, "{text}");
         }
     }
 
     #[test]
     fn units_become_newtons() {
-        let newtons = |unit| match reading(b"2", unit) {
+        let newtons = |unit| match reading(b"2", unit, Decimal::Any) {
             Some(Reading::Force(Newtons(force))) => force,
             other => panic!("{other:?}"),
         };
@@ -164,9 +217,15 @@ mod tests {
 
     #[test]
     fn counts_are_whole_and_have_no_markers() {
-        assert_eq!(reading(b"6999", Unit::Counts), Some(Reading::Counts(Counts(6999))));
-        assert_eq!(reading(b"1.5", Unit::Counts), None);
-        assert_eq!(reading(b"3e9", Unit::Counts), None);
-        assert_eq!(reading(b"nan", Unit::Counts), Some(Reading::Bad(Fault::Sentinel)));
+        assert_eq!(
+            reading(b"6999", Unit::Counts, Decimal::Any),
+            Some(Reading::Counts(Counts(6999)))
+        );
+        assert_eq!(reading(b"1.5", Unit::Counts, Decimal::Any), None);
+        assert_eq!(reading(b"3e9", Unit::Counts, Decimal::Any), None);
+        assert_eq!(
+            reading(b"nan", Unit::Counts, Decimal::Any),
+            Some(Reading::Bad(Fault::Sentinel))
+        );
     }
 }

@@ -7,8 +7,8 @@ use crate::error::{InputError, excerpt};
 use super::cells::Cells;
 use super::lines::Lines;
 use super::metadata::Metadata;
-use super::number::{Unit, finite, reading};
-use super::stamp::{cr10_seconds, toa5_seconds};
+use super::number::{Decimal, Unit, finite, reading};
+use super::stamp::{TimeUnit, clock_seconds, cr10_seconds, date_seconds};
 
 /// Largest time that is taken, s: 31 000 years.
 const LATEST_S: f64 = 1e12;
@@ -18,8 +18,10 @@ const LATEST_S: f64 = 1e12;
 /// Cells are counted from 0.
 #[derive(Clone, Debug)]
 pub struct Layout {
-    /// Separator of the cells.
+    /// Separator of the cells; a blank stands for any number of blanks.
     pub separator: u8,
+    /// Decimal mark of the numbers.
+    pub decimal: Decimal,
     /// Cells in a row; `None`: as many as the first row has.
     pub width: Option<usize>,
     /// The time stamp.
@@ -37,17 +39,46 @@ pub struct Layout {
 }
 
 /// How a row tells its time.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum TimeCells {
-    /// Seconds in one cell.
-    Seconds(usize),
-    /// A TOA5 stamp in one cell.
-    Toa5(usize),
+    /// One cell.
+    Number {
+        /// Which.
+        cell: usize,
+        /// Its unit or form.
+        unit: TimeUnit,
+    },
+    /// A time of day in one cell, perhaps a date in another.
+    DateAndClock {
+        /// The date.
+        date: Option<usize>,
+        /// The time of day.
+        clock: usize,
+    },
+    /// Not at all: rows follow each other.
+    Count {
+        /// Rows a second.
+        rate_hz: f64,
+    },
     /// Year, day and hhmm in cells 1 to 3, perhaps seconds in cell 4.
     Cr10 {
         /// Cell 4 holds seconds.
         seconds: bool,
     },
+}
+
+impl TimeCells {
+    /// Whether stamps say the date, so that the log's own time begins with its first
+    /// sample.
+    #[must_use]
+    pub fn is_calendar(self) -> bool {
+        match self {
+            Self::Number { unit, .. } => unit.is_calendar(),
+            Self::DateAndClock { date, .. } => date.is_some(),
+            Self::Count { .. } => false,
+            Self::Cr10 { .. } => true,
+        }
+    }
 }
 
 /// One row of a log.
@@ -59,6 +90,8 @@ pub struct Row {
     pub reading: Reading,
     /// Records since the row before, at least 1, where the log numbers them.
     pub records: u32,
+    /// Its line.
+    pub line: u64,
 }
 
 /// Reads row by row.
@@ -72,6 +105,7 @@ pub struct Rows {
     last_time_s: f64,
     last_record: Option<f64>,
     truncated: Option<u64>,
+    count: u64,
 }
 
 impl Rows {
@@ -86,6 +120,7 @@ impl Rows {
             last_time_s: f64::NEG_INFINITY,
             last_record: None,
             truncated: None,
+            count: 0,
         }
     }
 
@@ -98,11 +133,12 @@ impl Rows {
             let (number, ended) = (line.number, line.ended);
             let result = match line.bytes.trim_ascii_start().first() {
                 None => Ok(None),
-                Some(b'#') => self.metadata.take(line.bytes).map(|()| None),
+                Some(b'#') => self.metadata.take(line.bytes, number).map(|()| None),
                 Some(_) => self.layout.row(line.bytes, ended, &mut self.cells),
             };
-            let result = result
-                .and_then(|found| found.map(|(row, record)| self.follow(row, record)).transpose());
+            let result = result.and_then(|found| {
+                found.map(|(row, record)| self.follow(row, record, number)).transpose()
+            });
             match result {
                 Ok(None) => {}
                 Ok(row) => return Ok(row),
@@ -129,7 +165,12 @@ impl Rows {
     }
 
     /// Checks a row against the one before.
-    fn follow(&mut self, mut row: Row, record: Option<f64>) -> Result<Row, InputError> {
+    fn follow(&mut self, mut row: Row, record: Option<f64>, line: u64) -> Result<Row, InputError> {
+        row.line = line;
+        if let TimeCells::Count { rate_hz } = self.layout.time {
+            row.time_s = self.count as f64 / rate_hz;
+        }
+        self.count += 1;
         // A scan at the edge of a clock step may carry the step before.
         let jitter_s = self.layout.resolution_s.filter(|&step| step < 1.0).unwrap_or(0.0);
         if row.time_s < self.last_time_s - jitter_s {
@@ -169,8 +210,9 @@ impl Layout {
         if !ended && force.is_empty() {
             return Err(InputError::new("the force is cut off"));
         }
-        let reading = reading(force, self.unit).ok_or_else(|| self.no_force(force))?;
-        let row = Row { time_s: self.time_s(line, cells)?, reading, records: 1 };
+        let reading =
+            reading(force, self.unit, self.decimal).ok_or_else(|| self.no_force(force))?;
+        let row = Row { time_s: self.time_s(line, cells)?, reading, records: 1, line: 0 };
         let record = self.record.and_then(|cell| finite(cells.get(line, cell)?));
         Ok(Some((row, record)))
     }
@@ -184,14 +226,26 @@ impl Layout {
     fn time_s(&self, line: &[u8], cells: &Cells) -> Result<f64, InputError> {
         let cell = |index| cells.get(line, index).unwrap_or_default();
         let (text, time) = match self.time {
-            TimeCells::Seconds(index) => (cell(index), finite(cell(index))),
-            TimeCells::Toa5(index) => (cell(index), toa5_seconds(cell(index))),
+            TimeCells::Number { cell: index, unit } => {
+                (cell(index), unit.seconds(cell(index), self.decimal))
+            }
+            TimeCells::DateAndClock { date, clock } => {
+                let date = date.map_or(Some(0.0), |date| date_seconds(text(cell(date))));
+                let clock_s = clock_seconds(text(cell(clock)));
+                (cell(clock), date.zip(clock_s).map(|(date, clock)| date + clock))
+            }
+            // Told by the rows before.
+            TimeCells::Count { .. } => return Ok(0.0),
             TimeCells::Cr10 { seconds } => (line, cr10_time(line, cells, seconds)),
         };
         // Times further out leave no room for a fraction of a second.
         let time = time.filter(|time_s| time_s.abs() <= LATEST_S);
         time.ok_or_else(|| InputError::new(format!("no time can be read from {}", excerpt(text))))
     }
+}
+
+fn text(cell: &[u8]) -> &str {
+    std::str::from_utf8(cell).unwrap_or_default()
 }
 
 fn begins_with(cell: Option<&[u8]>, id: u32) -> bool {

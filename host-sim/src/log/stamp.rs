@@ -1,31 +1,153 @@
-//! Calendar time stamps of data loggers as seconds.
+//! Time stamps as seconds: numbers in some unit, dates, a logger's own forms.
 //!
-//! Seconds since 1970 without time zone or leap seconds, which loggers do not
-//! know; an `f64` holds them to 0.3 µs.
+//! Calendar stamps become seconds since 1970 without leap seconds; an `f64` holds
+//! them to 0.3 µs. A stamp with a zone is turned to UTC, one without is taken as it is.
 
 use time::{Date, Month};
 
-use super::number::finite;
+use super::number::{Decimal, finite, number};
 
 const DAY_S: f64 = 86_400.0;
 const JULIAN_DAY_1970: i32 = 2_440_588;
+/// Day 0 of a spreadsheet's serial dates (1899-12-30), in days before 1970.
+const EXCEL_DAYS_1970: f64 = 25_569.0;
 
-/// A TOA5 stamp, `YYYY-MM-DD HH:MM:SS` with or without a fraction.
+/// Unit or form of the time column.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum TimeUnit {
+    /// Seconds.
+    #[value(name = "s")]
+    Second,
+    /// Milliseconds.
+    #[value(name = "ms")]
+    Millisecond,
+    /// Microseconds.
+    #[value(name = "us")]
+    Microsecond,
+    /// Minutes.
+    #[value(name = "min")]
+    Minute,
+    /// Date and time of day as text: 2024-01-05T12:00:00.0625+01:00.
+    Iso,
+    /// Since 1970: seconds, milliseconds or finer, by its size.
+    Epoch,
+    /// A spreadsheet's serial date, in days.
+    Excel,
+}
+
+impl TimeUnit {
+    /// The unit a column's name or units row states.
+    #[must_use]
+    pub fn from_label(label: &str) -> Option<Self> {
+        match label.trim().to_lowercase().as_str() {
+            "s" | "sec" | "secs" | "second" | "seconds" | "sekunde" | "sekunden" => {
+                Some(Self::Second)
+            }
+            "ms" | "msec" | "millisecond" | "milliseconds" => Some(Self::Millisecond),
+            "us" | "µs" | "μs" | "microsecond" | "microseconds" => Some(Self::Microsecond),
+            "min" | "mins" | "minute" | "minutes" | "minuten" => Some(Self::Minute),
+            _ => None,
+        }
+    }
+
+    /// As in options.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Second => "s",
+            Self::Millisecond => "ms",
+            Self::Microsecond => "us",
+            Self::Minute => "min",
+            Self::Iso => "iso",
+            Self::Epoch => "epoch",
+            Self::Excel => "excel",
+        }
+    }
+
+    /// Whether its stamps say the date.
+    #[must_use]
+    pub fn is_calendar(self) -> bool {
+        matches!(self, Self::Iso | Self::Epoch | Self::Excel)
+    }
+
+    /// A cell as seconds.
+    #[must_use]
+    pub fn seconds(self, cell: &[u8], decimal: Decimal) -> Option<f64> {
+        let number = || number(cell, decimal).filter(|value| value.is_finite());
+        Some(match self {
+            Self::Second => number()?,
+            Self::Millisecond => number()? * 1e-3,
+            Self::Microsecond => number()? * 1e-6,
+            Self::Minute => number()? * 60.0,
+            Self::Iso => return date_time_seconds(cell),
+            Self::Epoch => epoch_seconds(number()?),
+            Self::Excel => (number()? - EXCEL_DAYS_1970) * DAY_S,
+        })
+    }
+}
+
+/// Seconds from a count since 1970 whose unit shows in its size.
+fn epoch_seconds(value: f64) -> f64 {
+    match value.abs() {
+        0.0..1e11 => value,
+        1e11..1e14 => value / 1e3,
+        1e14..1e17 => value / 1e6,
+        _ => value / 1e9,
+    }
+}
+
+/// Date and time of day: `2012-02-29 12:00:00.0625`, with `T` or a blank between, `-`
+/// or `/` in the date, or as `29.02.2012`; seconds may be left out, a zone may follow.
 #[must_use]
-pub fn toa5_seconds(cell: &[u8]) -> Option<f64> {
-    let text = std::str::from_utf8(cell).ok()?;
+pub fn date_time_seconds(cell: &[u8]) -> Option<f64> {
+    let text = std::str::from_utf8(cell).ok()?.trim();
     let (date, clock) = text.split_once([' ', 'T'])?;
-    let mut date = date.splitn(3, '-');
-    let year = date.next()?.parse().ok()?;
-    let month: u8 = date.next()?.parse().ok()?;
-    let day = date.next()?.parse().ok()?;
-    let date = Date::from_calendar_date(year, Month::try_from(month).ok()?, day).ok()?;
-    let mut clock = clock.splitn(3, ':');
-    let hour: u8 = clock.next()?.parse().ok()?;
-    let minute: u8 = clock.next()?.parse().ok()?;
-    let second = finite(clock.next()?.as_bytes())?;
+    Some(date_seconds(date)? + clock_seconds(clock.trim())?)
+}
+
+/// A date alone.
+#[must_use]
+pub fn date_seconds(text: &str) -> Option<f64> {
+    let (mut parts, dots) = (text.split(['-', '/', '.']), text.contains('.'));
+    let [first, month, last] = [parts.next()?, parts.next()?, parts.next()?];
+    let (year, day) = if dots { (last, first) } else { (first, last) };
+    // A year of two digits, or one that stands last behind slashes, could be a day.
+    if parts.next().is_some() || year.len() != 4 {
+        return None;
+    }
+    let month = Month::try_from(month.parse::<u8>().ok()?).ok()?;
+    let date = Date::from_calendar_date(year.parse().ok()?, month, day.parse().ok()?).ok()?;
+    Some(midnight_seconds(date))
+}
+
+/// A time of day, with an offset from UTC behind it taken off.
+#[must_use]
+pub fn clock_seconds(text: &str) -> Option<f64> {
+    let (clock, offset_s) = zone(text)?;
+    let mut parts = clock.trim().splitn(3, ':');
+    let hour: u8 = parts.next()?.parse().ok()?;
+    let minute: u8 = parts.next()?.parse().ok()?;
+    let second = parts.next().map_or(Some(0.0), |text| finite(text.as_bytes()))?;
     let valid = hour <= 24 && minute < 60 && (0.0..60.0).contains(&second);
-    valid.then(|| seconds(date, u32::from(hour) * 60 + u32::from(minute), second))
+    valid.then(|| f64::from(u32::from(hour) * 60 + u32::from(minute)) * 60.0 + second - offset_s)
+}
+
+/// The time of day without its zone, and that zone's offset in seconds.
+fn zone(text: &str) -> Option<(&str, f64)> {
+    if let Some(clock) = text.strip_suffix(['Z', 'z']).or_else(|| text.strip_suffix("UTC")) {
+        return Some((clock, 0.0));
+    }
+    let Some(at) = text.find(['+', '-']) else { return Some((text, 0.0)) };
+    let (clock, offset) = text.split_at_checked(at)?;
+    let (sign, digits) = offset.split_at_checked(1)?;
+    let digits = digits.replace(':', "");
+    if !matches!(digits.len(), 2 | 4) || !digits.bytes().all(|byte| byte.is_ascii_digit()) {
+        return None;
+    }
+    let (hours, minutes) = digits.split_at_checked(2)?;
+    let minutes = minutes.parse().unwrap_or(0.0);
+    let seconds = hours.parse::<f64>().ok()? * 3600.0 + minutes * 60.0;
+    Some((clock, if sign == "-" { -seconds } else { seconds }))
 }
 
 /// A mixed-array stamp: year (also of two digits, from 1970), day of the year,
@@ -35,7 +157,8 @@ pub fn cr10_seconds(year: f64, day: f64, hhmm: f64, second: f64) -> Option<f64> 
     let hhmm = whole(hhmm, 2400.0)?;
     let date = Date::from_ordinal_date(full_year(year)?, whole(day, 366.0)? as u16).ok()?;
     let valid = hhmm % 100 < 60 && (0.0..60.0).contains(&second);
-    valid.then(|| seconds(date, hhmm / 100 * 60 + hhmm % 100, second))
+    let minutes = hhmm / 100 * 60 + hhmm % 100;
+    valid.then(|| midnight_seconds(date) + f64::from(minutes) * 60.0 + second)
 }
 
 fn full_year(year: f64) -> Option<i32> {
@@ -52,8 +175,8 @@ fn whole(value: f64, most: f64) -> Option<u32> {
     valid.then_some(value as u32)
 }
 
-fn seconds(date: Date, minutes: u32, second: f64) -> f64 {
-    f64::from(date.to_julian_day() - JULIAN_DAY_1970) * DAY_S + f64::from(minutes) * 60.0 + second
+fn midnight_seconds(date: Date) -> f64 {
+    f64::from(date.to_julian_day() - JULIAN_DAY_1970) * DAY_S
 }
 
 #[cfg(test)]
@@ -62,21 +185,43 @@ mod tests {
     use super::*;
 
     #[test]
-    fn toa5_stamps() {
+    fn date_and_time_of_day() {
+        let noon = Some(1_330_516_800.0);
         let table = [
             ("1970-01-01 00:00:00", Some(0.0)),
             ("1970-01-02 00:00:01.0625", Some(86_401.062_5)),
-            ("2012-02-29 12:00:00", Some(1_330_516_800.0)),
+            ("2012-02-29 12:00:00", noon),
+            ("2012-02-29T12:00:00Z", noon),
+            ("2012-02-29T13:00:00+01:00", noon),
+            ("2012-02-29T06:30:00-0530", noon),
+            ("2012-02-29T14:00+02", noon),
+            ("2012/02/29 12:00", noon),
+            ("29.02.2012 12:00:00,0", noon),
             ("2011-02-29 12:00:00", None),
             ("2012-02-29", None),
             ("2012-02-29 25:00:00", None),
             ("2012-02-29 12:61:00", None),
             ("2012-02-29 12:00:60", None),
+            ("29/02/2012 12:00:00", None),
+            ("29.02.12 12:00:00", None),
+            ("2012-02-29T12:00:00+1", None),
+            ("2012-02-29T12:00:00+é1", None),
             ("yesterday 12:00:00", None),
         ];
         for (text, expected) in table {
-            assert_eq!(toa5_seconds(text.as_bytes()), expected, "{text}");
+            assert_eq!(date_time_seconds(text.as_bytes()), expected, "{text}");
         }
+    }
+
+    #[test]
+    fn numbers_in_every_unit() {
+        let seconds = |unit: TimeUnit, cell: &str| unit.seconds(cell.as_bytes(), Decimal::Any);
+        assert_eq!(seconds(TimeUnit::Millisecond, "62.5"), Some(0.0625));
+        assert_eq!(seconds(TimeUnit::Minute, "0,5"), Some(30.0));
+        assert_eq!(seconds(TimeUnit::Epoch, "1330516800.5"), Some(1_330_516_800.5));
+        assert_eq!(seconds(TimeUnit::Epoch, "1330516800500"), Some(1_330_516_800.5));
+        assert_eq!(seconds(TimeUnit::Excel, "40968.5"), Some(1_330_516_800.0));
+        assert_eq!(seconds(TimeUnit::Second, "nan"), None);
     }
 
     #[test]

@@ -65,7 +65,7 @@ pub fn find(
     }
     Err(InputError::new(format!(
         "the time stamps say {:.6} samples per second, not 1 to 2000; is time in seconds? \
-         else give --rate-hz",
+         else give --time-unit or --rate-hz",
         timing.rate_hz
     )))
 }
@@ -285,7 +285,7 @@ mod tests {
 
     fn rows(times: impl IntoIterator<Item = f64>) -> Vec<Row> {
         let reading = |i: usize| Reading::Force(Newtons(i as f32));
-        let row = |(i, time_s)| Row { time_s, reading: reading(i), records: 1 };
+        let row = |(i, time_s)| Row { time_s, reading: reading(i), records: 1, line: 0 };
         times.into_iter().enumerate().map(row).collect()
     }
 

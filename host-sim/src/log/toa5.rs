@@ -4,9 +4,11 @@ use crate::error::{InputError, excerpt};
 
 use super::LogOptions;
 use super::cells::texts;
-use super::csv::{find, no_column, there_are};
-use super::number::Unit;
+use super::csv::{agreed, find, no_column, there_are};
+use super::label::Label;
+use super::number::{Decimal, Unit};
 use super::rows::{Layout, TimeCells};
+use super::stamp::TimeUnit;
 
 /// Finds the columns in the second and third header line: names and units.
 ///
@@ -14,28 +16,40 @@ use super::rows::{Layout, TimeCells};
 /// is one of force.
 ///
 /// # Errors
-/// A column that is not there, or a unit that is not one of force.
+/// A column that is not there, a unit that is not one of force, a units row that is
+/// too short, units that contradict each other.
 pub fn layout(names: &[u8], units: &[u8], options: &LogOptions) -> Result<Layout, InputError> {
     let names = texts(names, b',');
     let units = texts(units, b',');
-    let time = find(&names, "TIMESTAMP")
-        .ok_or_else(|| InputError::new(format!("no TIMESTAMP column; {}", there_are(&names))))?;
+    if units.len() != names.len() {
+        let (names, units) = (names.len(), units.len());
+        let message = format!("{names} names, but {units} units in the row below");
+        return Err(InputError::new(message));
+    }
+    let time_column = options.time_column.as_deref().unwrap_or("TIMESTAMP");
+    let time = find(&names, time_column)?.ok_or_else(|| {
+        InputError::new(format!("no {time_column} column; {}", there_are(&names)))
+    })?;
     let force = match &options.column {
-        Some(name) => find(&names, name).ok_or_else(|| no_column(name, &names))?,
+        Some(name) => find(&names, name)?.ok_or_else(|| no_column(name, &names))?,
         None => default_force(&names, &units)?,
     };
     let label = units.get(force).map_or("", String::as_str);
-    let unit = options.unit.or_else(|| unit(label)).ok_or_else(|| {
+    let name = names.get(force).map_or("", String::as_str);
+    let stated: Vec<Unit> =
+        Label::new(name).force_unit().into_iter().chain(Unit::from_label(label)).collect();
+    let unit = agreed(name, &stated, options.unit)?.or_else(|| unit(label)).ok_or_else(|| {
         let label = excerpt(label.as_bytes());
         InputError::new(format!("the column's unit is {label}: give --unit N|kN|lbf|kgf|counts"))
     })?;
     Ok(Layout {
         separator: b',',
+        decimal: Decimal::Point,
         width: Some(names.len()),
-        time: TimeCells::Toa5(time),
+        time: TimeCells::Number { cell: time, unit: TimeUnit::Iso },
         force,
         unit,
-        record: find(&names, "RECORD"),
+        record: find(&names, "RECORD")?,
         array_id: None,
         resolution_s: None,
     })
@@ -47,13 +61,17 @@ fn unit(label: &str) -> Option<Unit> {
 }
 
 fn default_force(names: &[String], units: &[String]) -> Result<usize, InputError> {
-    let named = ["force_n", "force_kn"].iter().find_map(|name| find(names, name));
+    for name in ["force_n", "force_kn"] {
+        if let Some(place) = find(names, name)? {
+            return Ok(place);
+        }
+    }
     let is_force = |&i: &usize| {
         units.get(i).and_then(|u| Unit::from_label(u)).is_some_and(|u| u.newtons().is_some())
     };
     let mut by_unit = (0..names.len()).filter(is_force);
     let only = by_unit.next().filter(|_| by_unit.next().is_none());
-    named.or(only).ok_or_else(|| {
+    only.ok_or_else(|| {
         let there_are = there_are(names);
         InputError::new(format!("which column is the force? give --column NAME; {there_are}"))
     })
@@ -67,7 +85,8 @@ mod tests {
 
     fn places(units: &str, options: &LogOptions) -> Result<(usize, Unit), String> {
         let layout = layout(NAMES, units.as_bytes(), options).map_err(|e| e.to_string())?;
-        assert_eq!((layout.time, layout.record), (TimeCells::Toa5(0), Some(1)));
+        let stamp = TimeCells::Number { cell: 0, unit: TimeUnit::Iso };
+        assert_eq!((layout.time, layout.record), (stamp, Some(1)));
         Ok((layout.force, layout.unit))
     }
 
@@ -86,5 +105,14 @@ mod tests {
         assert!(places("TS,RN,kN,Volts", &options).unwrap_err().contains("is 'Volts'"));
         options.unit = Some(Unit::PoundForce);
         assert_eq!(places("TS,RN,kN,Volts", &options), Ok((3, Unit::PoundForce)));
+        options.column = Some("Pull".to_string());
+        let error = places("TS,RN,kN,Volts", &options).unwrap_err();
+        assert!(error.starts_with("column 'Pull' is in kN, and --unit says lbf"), "{error}");
+    }
+
+    #[test]
+    fn a_short_units_row_is_refused() {
+        let error = places("TS,RN,kN", &LogOptions::default()).unwrap_err();
+        assert_eq!(error, "4 names, but 3 units in the row below");
     }
 }

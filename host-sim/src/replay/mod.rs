@@ -11,6 +11,7 @@ pub mod budget;
 pub mod known;
 pub mod quantities;
 pub mod result;
+pub mod samples;
 pub mod table;
 pub mod test;
 pub mod timeline;
@@ -89,6 +90,7 @@ pub fn replay_with_zero(
         rate_hz: log.rate_hz(),
         duration_s: timeline.duration_s(),
         warnings: log.warnings(),
+        synthetic: log.metadata().synthetic.clone(),
         ..LogSummary::from(report.counters)
     };
     let test = TestSummary {

@@ -85,6 +85,9 @@ pub struct LogSummary {
     /// What else a reader should know, one sentence each (a truncated last line,
     /// stamps that do not fit the rate, ...).
     pub warnings: Vec<String>,
+    /// What a simulator says of a log that it made, with its seed; `None` for a measured
+    /// one.
+    pub synthetic: Option<String>,
 }
 
 /// What was pulled.

@@ -8,13 +8,24 @@ use super::result::{CoefficientSummary, EventSummary, LogSummary, ReplayResult, 
 /// Events, then the result with its uncertainty, then what to know about it.
 #[must_use]
 pub fn text(result: &ReplayResult) -> String {
+    written(result, true)
+}
+
+/// The same without the events.
+#[must_use]
+pub fn summary(result: &ReplayResult) -> String {
+    written(result, false)
+}
+
+fn written(result: &ReplayResult, each_event: bool) -> String {
     let mut out = String::new();
     let force = decimals(result.test.weight_n);
     // Writing to a String cannot fail.
     let _ = header(&mut out, result, force);
     let _ = match result.events.as_slice() {
         [] => writeln!(out, "No events: no slip was found in this log.\n"),
-        events => event_lines(&mut out, events, force),
+        events if each_event => event_lines(&mut out, events, force),
+        _ => Ok(()),
     };
     let _ = notices(&mut out, result);
     let _ = coefficients(&mut out, result);
@@ -25,7 +36,8 @@ pub fn text(result: &ReplayResult) -> String {
 }
 
 /// Decimals that give a number of this size four digits.
-fn decimals(size: f64) -> usize {
+#[must_use]
+pub fn decimals(size: f64) -> usize {
     (3.0 - size.abs().log10().floor()).clamp(0.0, 8.0) as usize
 }
 
@@ -44,6 +56,9 @@ fn header(out: &mut String, result: &ReplayResult, force: usize) -> std::fmt::Re
         significant(log.rate_hz),
         log.duration_s
     )?;
+    if let Some(synthetic) = &log.synthetic {
+        writeln!(out, "       SIMULATED: {synthetic}")?;
+    }
     let id = test.test_id.as_ref().map(|id| format!("{id}, ")).unwrap_or_default();
     let weight = cell(Some(test.weight_n), force);
     writeln!(out, "test   {id}weight {weight} N, slope {:.2}°\n", test.slope_rad.to_degrees())

@@ -23,6 +23,7 @@ mod number;
 mod page;
 mod phase_plane;
 mod plot;
+mod provenance;
 mod recorder;
 mod running;
 #[cfg(test)]
@@ -37,12 +38,19 @@ mod tests;
 mod zoom;
 
 pub use campaign::render_campaign;
+pub use provenance::Provenance;
 pub use recorder::Recorder;
 
 use crate::replay::result::ReplayResult;
 
 /// The page for a result, with the samples that `recorder` saw.
 #[must_use]
-pub fn render(result: &ReplayResult, recorder: &Recorder) -> String {
-    page::page(&context::Context::new(result, recorder))
+pub fn render(result: &ReplayResult, recorder: &Recorder, provenance: &Provenance) -> String {
+    page::page(&context::Context::new(result, recorder), provenance)
+}
+
+/// Its figures as SVG files: name and content.
+#[must_use]
+pub fn figures(result: &ReplayResult, recorder: &Recorder) -> Vec<(String, String)> {
+    page::drawings(&context::Context::new(result, recorder))
 }

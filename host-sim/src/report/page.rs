@@ -2,9 +2,11 @@
 
 use super::context::Context;
 use super::convergence::convergence;
+use super::figure::Figure;
 use super::history::history;
 use super::number::{fixed, quantity};
 use super::phase_plane::phase_plane;
+use super::provenance::Provenance;
 use super::summary::summary;
 use super::svg::escape;
 use super::table::table;
@@ -15,7 +17,7 @@ const STYLE: &str = include_str!("style.css");
 const SCRIPT: &str = include_str!("script.js");
 
 /// The whole document. It is well-formed XML too.
-pub(super) fn page(context: &Context<'_>) -> String {
+pub(super) fn page(context: &Context<'_>, provenance: &Provenance) -> String {
     let result = context.result;
     let name = escape(&name(result));
     format!(
@@ -24,14 +26,23 @@ pub(super) fn page(context: &Context<'_>) -> String {
          <meta name=\"color-scheme\" content=\"light dark\"/>\
          <title>{name} – sliding friction</title>\n<style>\n{STYLE}</style></head>\n<body>\
          <header><p class=\"kind\">Sliding friction of a block pulled over ice</p>\
-         <h1>{name}</h1><p class=\"test\">{}</p></header>\n<main>{}{}{}</main>\n{}\
+         <h1>{name}</h1>{}<p class=\"test\">{}</p></header>\n<main>{}{}{}</main>\n{}\
          <script>\n{SCRIPT}</script></body></html>\n",
+        simulated(result),
         test_line(result),
         summary(result),
         figures(context),
         table(context),
-        footer(result),
+        footer(result, provenance),
     )
+}
+
+/// Said over everything else of a log that was computed.
+fn simulated(result: &ReplayResult) -> String {
+    let said = result.log.synthetic.as_deref();
+    said.map_or_else(String::new, |said| {
+        format!("<p class=\"simulated\"><b>SIMULATED</b> {}</p>", escape(said))
+    })
 }
 
 /// The test, or the file.
@@ -56,7 +67,8 @@ fn test_line(result: &ReplayResult) -> String {
     )
 }
 
-fn figures(context: &Context<'_>) -> String {
+/// Those that there is something to draw in.
+fn drawn(context: &Context<'_>) -> Vec<Figure> {
     let focus = context.focus();
     let focus = focus.as_ref();
     let figures = [
@@ -65,8 +77,12 @@ fn figures(context: &Context<'_>) -> String {
         phase_plane(context, focus),
         convergence(context),
     ];
-    let drawn = figures.iter().flatten().enumerate();
-    let drawn: String = drawn.map(|(i, figure)| figure.html(i + 1)).collect();
+    figures.into_iter().flatten().collect()
+}
+
+fn figures(context: &Context<'_>) -> String {
+    let figures = drawn(context);
+    let drawn: String = figures.iter().enumerate().map(|(i, f)| f.html(i + 1)).collect();
     match drawn.is_empty() {
         true => "<p class=\"notice\">The log holds no usable sample: there is nothing to draw.</p>"
             .into(),
@@ -74,15 +90,31 @@ fn figures(context: &Context<'_>) -> String {
     }
 }
 
-fn footer(result: &ReplayResult) -> String {
+/// The drawings for a wide page, each an SVG file of its own with its style.
+pub(super) fn drawings(context: &Context<'_>) -> Vec<(String, String)> {
+    let figures = drawn(context);
+    let wide = figures.iter().flat_map(|figure| &figure.drawings).filter_map(|both| {
+        let start = both.find("<svg ")?;
+        let end = both.find("</svg>")? + "</svg>".len();
+        let svg = both.get(start..end)?;
+        let name = svg.split_once("id=\"")?.1.split_once('"')?.0.trim_end_matches("-wide");
+        let (head, body) = svg.split_once('>')?;
+        let head = head.replacen("<svg ", "<svg xmlns=\"http://www.w3.org/2000/svg\" ", 1);
+        Some((format!("{name}.svg"), format!("{head}><style>{STYLE}</style>{body}\n")))
+    });
+    wide.collect()
+}
+
+fn footer(result: &ReplayResult, provenance: &Provenance) -> String {
     format!(
         "<footer><p>With <i>α</i> the slope and <i>Mg</i> the weight: <i>μ</i><sub>s</sub> = \
          (<i>F</i><sub>s</sub>/<i>Mg</i> − sin <i>α</i>)/cos <i>α</i>, and <i>μ</i> likewise from \
          <i>F</i><sub>p</sub>, the centre of the ellipse. Method: Pritchard, Knoke and Echert, \
          Cold Regions Science and Technology 76–77 (2012) 8–16.</p>\
-         <p>Made by <b>floe {}</b> from <span class=\"path\">{}</span> (format {}).</p></footer>\n",
+         <p>Made by <b>floe {}</b> from <span class=\"path\">{}</span> (format {}).</p>{}</footer>\n",
         env!("CARGO_PKG_VERSION"),
         escape(&result.log.path),
         escape(&result.log.format),
+        provenance.html(),
     )
 }

@@ -216,7 +216,7 @@ impl SampleLog {
 
     /// The page.
     pub fn page(&self) -> String {
-        super::render(&self.result, &self.recorder())
+        super::render(&self.result, &self.recorder(), &super::Provenance::default())
     }
 }
 
@@ -244,6 +244,7 @@ fn result(events: Vec<EventSummary>, samples: u64, duration_s: f64) -> ReplayRes
             rejected: 0,
             saturated: 0,
             warnings: Vec::new(),
+            synthetic: None,
         },
         test: TestSummary {
             test_id: Some("DFF8-13 (synthetic)".into()),

@@ -6,8 +6,8 @@ use std::time::Instant;
 
 use roxmltree::{Document, Node};
 
-use super::Recorder;
 use super::sample_log::SampleLog;
+use super::{Provenance, Recorder};
 
 /// Every kind of log the page has to cope with.
 fn pages() -> Vec<(&'static str, String)> {
@@ -96,7 +96,7 @@ fn an_hour_stays_below_two_megabytes_and_a_second() {
     assert!(log.result.events.len() > 2000 && log.steps.len() == 57_600);
     let recorder = log.recorder();
     let start = Instant::now();
-    let page = super::render(&log.result, &recorder);
+    let page = super::render(&log.result, &recorder, &Provenance::default());
     let (size, time) = (page.len(), start.elapsed());
     assert!(size < 1_000_000, "{size} bytes");
     assert!(time.as_secs_f64() < 1.0, "{time:?}");
@@ -162,7 +162,7 @@ fn little_to_show_is_shown_sensibly() {
     assert_eq!(elements(&document, "figure").len(), 2, "history and phase plane");
     assert!(elements(&document, "table").is_empty());
 
-    let empty = super::render(&none.result, &Recorder::new(16.0));
+    let empty = super::render(&none.result, &Recorder::new(16.0), &Provenance::default());
     let document = parsed(&empty);
     assert!(elements(&document, "figure").is_empty());
     assert!(all_text(document.root()).contains("no usable sample"));
@@ -205,5 +205,5 @@ fn extreme_numbers_still_give_a_page() {
     let mut far = Recorder::new(2000.0);
     let times = log.times_s.iter().zip(&log.steps);
     times.for_each(|(t, step)| far.push(1.7e9 + t / 125.0, step));
-    parsed(&super::render(&log.result, &far));
+    parsed(&super::render(&log.result, &far, &Provenance::default()));
 }

@@ -1,0 +1,111 @@
+//! `floe inspect`: what was recognised in a log, before anything is computed.
+
+use std::path::Path;
+
+use crate::error::InputError;
+use crate::log::inspection::{Inspection, inspect};
+use crate::log::{Log, LogOptions};
+use crate::replay::table::decimals;
+
+use super::input::{STANDARD, open};
+use super::json::Json;
+use super::output;
+
+/// Show what is recognised in a log, before anything is computed
+#[derive(Clone, Debug, clap::Args)]
+#[command(after_help = "\
+Examples:
+  floe inspect pull.csv
+  floe inspect export.txt --delimiter ';' --time-column Uhrzeit --column Kraft --unit kN")]
+pub struct Args {
+    /// The log: a file, or - for standard input
+    log: String,
+    #[command(flatten)]
+    options: LogOptions,
+    #[command(flatten)]
+    json: Json,
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// One line for the user.
+pub fn run(args: &Args) -> Result<(), InputError> {
+    let name = if args.log == STANDARD { "standard input" } else { &args.log };
+    if let Some(path) = args.json.file() {
+        output::check(path, &[Path::new(&args.log)])?;
+    }
+    let found = open(&args.log, false)
+        .and_then(|input| Log::from_reader(input, &args.options))
+        .and_then(|mut log| inspect(&args.log, &mut log))
+        .map_err(|error| error.within(name))?;
+    args.json.print(&found, || text(&found))
+}
+
+fn text(found: &Inspection) -> String {
+    let mut lines = vec![
+        ("log", found.path.clone()),
+        ("format", form(found)),
+        ("lines", places(found)),
+        ("time", time(found)),
+        ("force", format!("{}, in {}", column(found, found.force_column), found.force_unit)),
+    ];
+    lines.retain(|(_, text)| !text.is_empty());
+    let metadata: Vec<String> = found
+        .metadata
+        .iter()
+        .map(|said| format!("{}: {} (line {})", said.key, said.value, said.line))
+        .collect();
+    lines.extend(metadata.into_iter().map(|text| ("says", text)));
+    lines.push(("samples", samples(found)));
+    if let (Some(lowest), Some(highest)) = (found.lowest, found.highest) {
+        let unit = if found.force_unit == "counts" { "counts" } else { "N" };
+        let decimals = decimals(highest - lowest);
+        lines.push(("range", format!("{lowest:.decimals$} to {highest:.decimals$} {unit}")));
+    }
+    lines.extend(found.warnings.iter().map(|warning| ("note", warning.clone())));
+    lines.iter().map(|(name, text)| format!("{name:<9}{text}\n")).collect()
+}
+
+fn form(found: &Inspection) -> String {
+    let separator = match found.delimiter {
+        '\t' => "tabs".to_string(),
+        ' ' => "blanks".to_string(),
+        other => format!("'{other}'"),
+    };
+    let decimal = found.decimal.map(|mark| format!(", decimal mark '{mark}'")).unwrap_or_default();
+    format!("{}, cells between {separator}{decimal}", found.format)
+}
+
+fn places(found: &Inspection) -> String {
+    let Some(first) = found.first_row_line else { return String::new() };
+    let names = found.header_line.map_or("no header".to_string(), |n| format!("names in line {n}"));
+    let units = found.units_line.map(|n| format!(", units in line {n}")).unwrap_or_default();
+    format!("{names}{units}, rows from line {first} on")
+}
+
+fn time(found: &Inspection) -> String {
+    let rate = format!("{:.6}", found.rate_hz);
+    let rate = rate.trim_end_matches('0').trim_end_matches('.');
+    let Some(unit) = found.time_unit else {
+        return format!("none: rows follow each other, {rate} a second");
+    };
+    let columns: Vec<String> = found.time_columns.iter().map(|&at| column(found, at)).collect();
+    let start = found.start.as_ref().map(|start| format!(", from {start}")).unwrap_or_default();
+    let shared = if found.shared_stamps { ", several samples share a stamp" } else { "" };
+    format!("{}, {unit}{start}; {rate} samples a second{shared}", columns.join(" and "))
+}
+
+fn column(found: &Inspection, number: usize) -> String {
+    match found.columns.get(number - 1) {
+        Some(name) if !name.is_empty() => format!("column {number} '{name}'"),
+        _ => format!("column {number}"),
+    }
+}
+
+fn samples(found: &Inspection) -> String {
+    format!(
+        "{} in {:.2} s, {} missing, {} duplicates, {} bad",
+        found.samples, found.duration_s, found.missing, found.duplicates, found.bad
+    )
+}

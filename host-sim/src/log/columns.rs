@@ -1,0 +1,262 @@
+//! The columns of a text table: what their names, units and first cells say.
+
+use crate::error::InputError;
+
+use super::LogOptions;
+use super::csv::{agreed, agreed_time, find, there_are};
+use super::header::Header;
+use super::label::{Label, bare_unit};
+use super::number::{Decimal, Unit, number};
+use super::rows::TimeCells;
+use super::stamp::{TimeUnit, clock_seconds, date_seconds, date_time_seconds};
+use super::timing::RATES_HZ;
+
+/// Names that are taken before any other, in this order.
+const TIME_COLUMNS: [&str; 4] = ["time_s", "t_s", "t", "time"];
+const FORCE_COLUMNS: [&str; 2] = ["force_n", "force_kn"];
+
+/// The columns of a table by their labels.
+#[derive(Debug)]
+pub struct Columns<'a> {
+    header: &'a Header,
+    names: Vec<String>,
+    labels: Vec<Label>,
+}
+
+impl<'a> Columns<'a> {
+    /// Labels the names of a header.
+    #[must_use]
+    pub fn new(header: &'a Header) -> Self {
+        let names = header.names.as_ref().map_or_else(Vec::new, |(_, names)| names.clone());
+        let labels = names.iter().map(|name| Label::new(name)).collect();
+        Self { header, names, labels }
+    }
+
+    /// The unit in the row below the names.
+    fn unit_below(&self, column: usize) -> Option<&str> {
+        let (_, units) = self.header.units.as_ref()?;
+        Some(bare_unit(units.get(column)?)).filter(|unit| !unit.is_empty() && *unit != "-")
+    }
+
+    /// The units that name and units row state.
+    fn stated(&self, column: usize) -> impl Iterator<Item = &str> {
+        let in_name = self.labels.get(column).and_then(|label| label.unit.as_deref());
+        in_name.into_iter().chain(self.unit_below(column))
+    }
+
+    /// The time column, if there is one.
+    ///
+    /// # Errors
+    /// Of the column that is named, or two of the name.
+    pub fn time(&self, options: &LogOptions) -> Result<Option<usize>, InputError> {
+        if let Some(name) = &options.time_column {
+            return self.header.column(name).map(Some);
+        }
+        if self.names.is_empty() {
+            return self.time_without_header(options);
+        }
+        for name in TIME_COLUMNS {
+            if let Some(place) = find(&self.names, name)? {
+                return Ok(Some(place));
+            }
+        }
+        let Some(place) = self.labels.iter().position(Label::is_time) else { return Ok(None) };
+        find(&self.names, &self.names[place]).map(|_| Some(place))
+    }
+
+    /// Two columns are time and force, one is the force.
+    fn time_without_header(&self, options: &LogOptions) -> Result<Option<usize>, InputError> {
+        match self.header.width {
+            1 => Ok(None),
+            2 => Ok(Some(0)),
+            _ if options.column.is_some() => Ok(Some(0)),
+            width => Err(InputError::new(format!(
+                "no header line over {width} columns: name the columns, e.g. 'time_s,force_n', \
+                 or give --time-column 1 --column 2"
+            ))),
+        }
+    }
+
+    /// The force column.
+    ///
+    /// # Errors
+    /// It is not there, or one of several.
+    pub fn force(&self, options: &LogOptions, time: Option<usize>) -> Result<usize, InputError> {
+        if let Some(name) = &options.column {
+            return self.header.column(name);
+        }
+        if self.names.is_empty() {
+            return Ok(self.header.width - 1);
+        }
+        for name in FORCE_COLUMNS {
+            if let Some(place) = find(&self.names, name)? {
+                return Ok(place);
+            }
+        }
+        let others = || (0..self.names.len()).filter(|&place| Some(place) != time);
+        let named = others().filter(|&i| self.labels.get(i).is_some_and(Label::is_force));
+        let in_newtons = others().filter(|&i| {
+            let mut units = self.stated(i).filter_map(Unit::from_label);
+            units.next().is_some()
+        });
+        let named: Vec<usize> = named.collect();
+        let found = if named.is_empty() { in_newtons.collect() } else { named };
+        match found.as_slice() {
+            [only] => Ok(*only),
+            [] => Err(InputError::new(format!(
+                "no column force_n or force_kn: give --column NAME; {}",
+                there_are(&self.names)
+            ))),
+            _ => Err(InputError::new(format!(
+                "which column is the force? give --column NAME; {}",
+                there_are(&self.names)
+            ))),
+        }
+    }
+
+    /// The unit of the force, and a note if it is assumed.
+    ///
+    /// # Errors
+    /// Units that contradict each other, or one that is not of force.
+    pub fn force_unit(
+        &self,
+        column: usize,
+        options: &LogOptions,
+    ) -> Result<(Unit, Vec<String>), InputError> {
+        let name = self.header.name(column);
+        let mut stated = self.stated(column);
+        let units: Vec<Unit> = stated.by_ref().filter_map(Unit::from_label).collect();
+        let unknown = self.stated(column).find(|unit| Unit::from_label(unit).is_none());
+        agreed(name, &units, options.unit).map(|unit| match (unit, unknown) {
+            (Some(unit), _) => Ok((unit, Vec::new())),
+            (None, Some(label)) => Err(InputError::new(format!(
+                "the unit of column '{name}' is '{label}': give --unit N|kN|lbf|kgf|counts"
+            ))),
+            (None, None) => {
+                Ok((Unit::Newton, vec![format!("{} has no unit: taken as N", said(name))]))
+            }
+        })?
+    }
+
+    /// The decimal mark: as given, or the only one that the first rows show.
+    ///
+    /// # Errors
+    /// They show both.
+    pub fn decimal(
+        &self,
+        force: usize,
+        time: Option<usize>,
+        options: &LogOptions,
+    ) -> Result<Decimal, InputError> {
+        if let Some(decimal) = options.decimal {
+            return Ok(decimal);
+        }
+        let numbers: Vec<&str> = [Some(force), time]
+            .into_iter()
+            .flatten()
+            .flat_map(|column| self.header.cells(column))
+            .filter(|cell| number(cell.as_bytes(), Decimal::Any).is_some())
+            .collect();
+        let with = |mark: char| numbers.iter().find(|cell| cell.contains(mark));
+        match (with('.'), with(',')) {
+            (Some(_), None) => Ok(Decimal::Point),
+            (None, Some(_)) => Ok(Decimal::Comma),
+            (None, None) => Ok(Decimal::Any),
+            (Some(point), Some(comma)) => Err(InputError::new(format!(
+                "both '{point}' and '{comma}' are in it: which is the decimal mark? \
+                 give --decimal . or --decimal ,"
+            ))),
+        }
+    }
+
+    /// How the time column tells the time.
+    ///
+    /// # Errors
+    /// Units that contradict each other, or one that is not known.
+    pub fn time_cells(
+        &self,
+        column: usize,
+        options: &LogOptions,
+        decimal: Decimal,
+    ) -> Result<TimeCells, InputError> {
+        let cell = self.header.cells(column).find(|cell| !cell.is_empty()).unwrap_or_default();
+        if options.time_unit.is_none() && date_time_seconds(cell.as_bytes()).is_some() {
+            return Ok(TimeCells::Number { cell: column, unit: TimeUnit::Iso });
+        }
+        if let Some(clock) = self.clock(column, cell) {
+            return clock;
+        }
+        let name = self.header.name(column);
+        let stated: Vec<&str> = self.stated(column).collect();
+        let units: Vec<TimeUnit> =
+            stated.iter().filter_map(|unit| TimeUnit::from_label(unit)).collect();
+        let unit = match (options.time_unit, units.as_slice()) {
+            (Some(given), _) if given.is_calendar() => given,
+            (given, units) => match (agreed_time(name, units, given)?, stated.first()) {
+                (Some(unit), _) => unit,
+                (None, Some(label)) => {
+                    return Err(InputError::new(format!(
+                        "the unit of column '{name}' is '{label}': \
+                         give --time-unit s|ms|us|min|iso|epoch|excel"
+                    )));
+                }
+                (None, None) => self.unit_by_size(column, decimal),
+            },
+        };
+        Ok(TimeCells::Number { cell: column, unit })
+    }
+
+    /// A time of day without a date, or with one in a column of its own.
+    fn clock(&self, column: usize, cell: &str) -> Option<Result<TimeCells, InputError>> {
+        let first = |place: usize| self.header.cells(place).next().unwrap_or_default();
+        let is_date = |place: &usize| date_seconds(first(*place)).is_some();
+        let is_clock = |place: &usize| {
+            *place != column
+                && first(*place).contains(':')
+                && clock_seconds(first(*place)).is_some()
+        };
+        let mut others = 0..self.header.width;
+        if date_seconds(cell).is_some() {
+            return others
+                .find(is_clock)
+                .map(|clock| Ok(TimeCells::DateAndClock { date: Some(column), clock }));
+        }
+        let clock = cell.contains(':') && clock_seconds(cell).is_some();
+        clock.then(|| Ok(TimeCells::DateAndClock { date: others.find(is_date), clock: column }))
+    }
+
+    /// Seconds, unless the numbers can only be a date: counted since 1970, or in days
+    /// with steps that would be far too short for seconds.
+    fn unit_by_size(&self, column: usize, decimal: Decimal) -> TimeUnit {
+        let values: Vec<f64> =
+            self.header.cells(column).filter_map(|c| number(c.as_bytes(), decimal)).collect();
+        let Some(first) = values.first().copied() else { return TimeUnit::Second };
+        let steps = values.windows(2).filter_map(|w| Some(w.last()? - w.first()?));
+        let step = steps.filter(|&step| step > 0.0).fold(f64::INFINITY, f64::min);
+        let rates = |unit_s: f64| RATES_HZ.contains(&(step * unit_s).recip());
+        match first {
+            8e8..1e20 => TimeUnit::Epoch,
+            20_000.0..80_000.0 if !rates(1.0) && rates(86_400.0) => TimeUnit::Excel,
+            _ => TimeUnit::Second,
+        }
+    }
+
+    /// The error for rows without a time.
+    #[must_use]
+    pub fn no_time(&self) -> InputError {
+        if self.names.is_empty() {
+            return InputError::new(
+                "no header and one column only: give --rate-hz R for forces without a time",
+            );
+        }
+        InputError::new(format!(
+            "no time column (time_s, t_s, t or time): give --time-column NAME, or --rate-hz R \
+             for rows without a time; {}",
+            there_are(&self.names)
+        ))
+    }
+}
+
+fn said(name: &str) -> String {
+    if name.is_empty() { "the force".to_string() } else { format!("column '{name}'") }
+}

@@ -1,0 +1,285 @@
+//! Where the rows of a text table begin, and what stands above them.
+//!
+//! ```text
+//!  Channel 1, pull          preamble: read for '# key: value' only
+//!  Time;Force               names
+//!  [s];[kN]                 units
+//!  0,0625;1,25              rows: values, equally many in each
+//! ```
+//!
+//! The rows are looked for first: from a line on that holds values, where those after
+//! it hold values in the same places. What is right above them is their header.
+
+use crate::error::{InputError, excerpt};
+
+use super::cells::texts;
+use super::label::{Label, is_unit_cell};
+use super::number::finite;
+use super::stamp::{clock_seconds, date_seconds, date_time_seconds};
+
+/// Rows whose cells are looked at.
+const LOOKED_AT: usize = 64;
+/// Rows that have to follow each other to be a table's.
+const IN_A_ROW: usize = 4;
+/// Separators in the order in which they are tried: what comes first is not part of a
+/// number or a stamp, what comes last may be.
+const SEPARATORS: [u8; 5] = *b";\t|, ";
+
+/// The head of a text table.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Header {
+    /// Separator of the cells; a blank stands for any number of blanks.
+    pub separator: u8,
+    /// Line of the names and the names; `None` if the rows have no header.
+    pub names: Option<(u64, Vec<String>)>,
+    /// Units below the names, one a column.
+    pub units: Option<(u64, Vec<String>)>,
+    /// Line of the first row.
+    pub first_row: u64,
+    /// Cells in a row.
+    pub width: usize,
+    /// Cells of the first rows.
+    pub rows: Vec<Vec<String>>,
+}
+
+/// A line that is neither empty nor a comment.
+type Content<'a> = (u64, &'a [u8]);
+
+/// What the text of a cell looks like.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    Value,
+    Empty,
+    Text,
+}
+
+fn kind(cell: &str) -> Kind {
+    let is_stamp = || {
+        date_time_seconds(cell.as_bytes()).or(date_seconds(cell)).or(clock_seconds(cell)).is_some()
+    };
+    match cell {
+        "" => Kind::Empty,
+        cell if is_number(cell) || is_stamp() => Kind::Value,
+        _ => Kind::Text,
+    }
+}
+
+/// NaN and infinity count: they are readings.
+fn is_number(cell: &str) -> bool {
+    finite(cell.as_bytes()).is_some() || cell.parse::<f64>().is_ok()
+}
+
+/// Finds the rows and their header in the beginning of a log, whose lines end with
+/// `end`. The first `skip` lines are not looked at.
+///
+/// # Errors
+/// A header that does not fit its rows.
+pub fn find(head: &[u8], end: u8, skip: u64, separator: Option<u8>) -> Result<Header, InputError> {
+    let lines: Vec<Content<'_>> = (1..)
+        .zip(head.split(|&byte| byte == end).map(|line| line.strip_suffix(b"\r").unwrap_or(line)))
+        .filter(|(number, line)| *number > skip && !line.trim_ascii().is_empty())
+        .collect();
+    let content: Vec<Content<'_>> =
+        lines.iter().copied().filter(|(_, line)| comment(line).is_none()).collect();
+    if content.is_empty() {
+        return Err(InputError::new("ends before its header does"));
+    }
+    let tried = separator.map_or(SEPARATORS.to_vec(), |one| vec![one]);
+    let Some((separator, first)) = begin_of_rows(&content, &tried) else {
+        return Ok(without_rows(&content, separator));
+    };
+    header_above(&lines, &content, separator, first)
+}
+
+/// The text of a comment: `#`, or `%` as MATLAB has it.
+fn comment(line: &[u8]) -> Option<&[u8]> {
+    match line.trim_ascii_start() {
+        [b'#' | b'%', text @ ..] => Some(text.trim_ascii_start()),
+        _ => None,
+    }
+}
+
+/// Separator and place of the first row, if there are rows.
+fn begin_of_rows(content: &[Content<'_>], separators: &[u8]) -> Option<(u8, usize)> {
+    let all: fn(&[Kind]) -> bool = |kinds| kinds.len() > 1 && !kinds.contains(&Kind::Text);
+    let two: fn(&[Kind]) -> bool = |kinds| kinds.iter().filter(|k| **k == Kind::Value).count() > 1;
+    let one: fn(&[Kind]) -> bool = |kinds| kinds == [Kind::Value];
+    let begins = [all, two, one].into_iter().find_map(|is_row| {
+        separators.iter().find_map(|&s| Some((s, first_run(content, s, is_row)?)))
+    });
+    begins.map(|(separator, first)| (separator, with_broken_rows(content, separator, first)))
+}
+
+/// The first line from which on the lines are rows with values in the same places.
+fn first_run(content: &[Content<'_>], separator: u8, is_row: fn(&[Kind]) -> bool) -> Option<usize> {
+    let kinds: Vec<Vec<Kind>> = content
+        .iter()
+        .take(LOOKED_AT + IN_A_ROW + 200)
+        .map(|(_, line)| texts(line, separator).iter().map(|cell| kind(cell)).collect())
+        .collect();
+    let alike = |first: &[Kind], other: &[Kind]| {
+        let fits = |(a, b): (&Kind, &Kind)| *a != Kind::Value || *b != Kind::Text;
+        first.len() == other.len() && first.iter().zip(other).all(fits)
+    };
+    (0..kinds.len()).find(|&at| {
+        let first = kinds.get(at).map_or(&[][..], Vec::as_slice);
+        let mut run = kinds.iter().skip(at).take(IN_A_ROW);
+        has_value(first) && is_row(first) && run.all(|row| alike(first, row))
+    })
+}
+
+fn has_value(kinds: &[Kind]) -> bool {
+    kinds.contains(&Kind::Value)
+}
+
+/// A line with a value, right above the rows and as wide, is a row that is broken.
+fn with_broken_rows(content: &[Content<'_>], separator: u8, mut first: usize) -> usize {
+    let cells = |at: usize| content.get(at).map(|(_, line)| texts(line, separator));
+    let width = cells(first).map_or(0, |cells| cells.len());
+    while let Some(above) = first.checked_sub(1).and_then(cells) {
+        let values = above.iter().any(|cell| kind(cell) == Kind::Value);
+        if above.len() != width || !values {
+            break;
+        }
+        first -= 1;
+    }
+    first
+}
+
+/// No line looks like a row: the first is taken for the names, and its rows, if there
+/// are any, will say what is wrong with them.
+fn without_rows(content: &[Content<'_>], separator: Option<u8>) -> Header {
+    let (number, line) = content.first().copied().unwrap_or((1, b""));
+    let found = || SEPARATORS.into_iter().find(|s| *s != b' ' && line.contains(s));
+    let separator = separator.or_else(found).unwrap_or(b',');
+    let names = texts(line, separator);
+    Header {
+        separator,
+        width: names.len(),
+        names: Some((number, names)),
+        units: None,
+        first_row: number + 1,
+        rows: Vec::new(),
+    }
+}
+
+fn header_above(
+    lines: &[Content<'_>],
+    content: &[Content<'_>],
+    separator: u8,
+    first: usize,
+) -> Result<Header, InputError> {
+    let rows: Vec<Vec<String>> =
+        content.iter().skip(first).take(LOOKED_AT).map(|(_, l)| texts(l, separator)).collect();
+    let (first_row, width) =
+        (content.get(first).map_or(1, |(n, _)| *n), rows.first().map_or(0, Vec::len));
+    let above = |back: usize| {
+        let (number, line) = content.get(first.checked_sub(back)?)?;
+        Some((*number, texts(line, separator)))
+    };
+    let (names, units) = match (above(2), above(1)) {
+        (Some(names), Some(units)) if is_units(&units.1) && is_header(&names.1) => {
+            (Some(names), Some(units))
+        }
+        (_, Some(names)) if is_names(&names.1, width) => (Some(names), None),
+        _ => (commented_names(lines, first_row, separator, width), None),
+    };
+    let mut header = Header { separator, names, units, first_row, width, rows };
+    header.check()?;
+    Ok(header)
+}
+
+fn is_units(cells: &[String]) -> bool {
+    cells.iter().all(|cell| is_unit_cell(cell)) && cells.iter().any(|cell| !cell.is_empty())
+}
+
+/// Text without a single value.
+fn is_header(cells: &[String]) -> bool {
+    cells.len() > 1 && cells.iter().all(|cell| kind(cell) != Kind::Value)
+}
+
+/// Text above rows is their header if it is as wide, or if it names a time or a force.
+fn is_names(cells: &[String], width: usize) -> bool {
+    let text = cells.iter().all(|cell| kind(cell) != Kind::Value);
+    text && (cells.len() == width || (cells.len() > 1 && are_known(cells)))
+}
+
+fn are_known(cells: &[String]) -> bool {
+    let mut labels = cells.iter().map(|name| Label::new(name));
+    labels.any(|label| label.is_time() || label.is_force())
+}
+
+/// Names in the comment right above the rows, as numpy writes them.
+fn commented_names(
+    lines: &[Content<'_>],
+    first_row: u64,
+    separator: u8,
+    width: usize,
+) -> Option<(u64, Vec<String>)> {
+    let (number, line) = lines.iter().rev().find(|(number, _)| *number < first_row)?;
+    let names = texts(comment(line)?, separator);
+    (names.len() == width && are_known(&names)).then_some((*number, names))
+}
+
+impl Header {
+    /// Makes names and units as wide as the rows, where only empty cells are added or
+    /// taken away.
+    fn check(&mut self) -> Result<(), InputError> {
+        let (width, rows) = (self.width, &self.rows);
+        let unused = |at: usize| rows.iter().all(|row| row.get(at).is_none_or(String::is_empty));
+        for (what, line) in [("header", &mut self.names), ("units row", &mut self.units)] {
+            let Some((number, cells)) = line else { continue };
+            // LabVIEW names a column for comments that its rows leave out.
+            let idle = |cell: &&String| cell.is_empty() || cell.eq_ignore_ascii_case("comment");
+            if cells.iter().skip(width).all(|cell| idle(&cell)) {
+                cells.truncate(width);
+            }
+            if what == "header" && (cells.len()..width).all(unused) {
+                cells.resize(width, String::new());
+            }
+            if cells.len() != width {
+                return Err(InputError::new(format!(
+                    "the {what} has {} cells, and line {} has {width}; is the separator right? \
+                     (--delimiter, --decimal)",
+                    cells.len(),
+                    self.first_row
+                ))
+                .within(format_args!("line {number}")));
+            }
+        }
+        Ok(())
+    }
+
+    /// Name of a column, empty without one.
+    #[must_use]
+    pub fn name(&self, column: usize) -> &str {
+        let names = self.names.as_ref().and_then(|(_, names)| names.get(column));
+        names.map_or("", String::as_str)
+    }
+
+    /// The place of a column by its name, or by its number from 1.
+    ///
+    /// # Errors
+    /// No such column, or several of the name.
+    pub fn column(&self, wanted: &str) -> Result<usize, InputError> {
+        let empty = Vec::new();
+        let names = self.names.as_ref().map_or(&empty, |(_, names)| names);
+        match super::csv::find(names, wanted)? {
+            Some(place) => Ok(place),
+            None => match wanted.parse::<usize>() {
+                Ok(number) if (1..=self.width).contains(&number) => Ok(number - 1),
+                _ if names.is_empty() => Err(InputError::new(format!(
+                    "no column {}: without a header a column is a number from 1 to {}",
+                    excerpt(wanted.as_bytes()),
+                    self.width
+                ))),
+                _ => Err(super::csv::no_column(wanted, names)),
+            },
+        }
+    }
+
+    /// The cells of a column in the first rows.
+    pub fn cells(&self, column: usize) -> impl Iterator<Item = &str> {
+        self.rows.iter().filter_map(move |row| row.get(column)).map(String::as_str)
+    }
+}

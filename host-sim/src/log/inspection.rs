@@ -1,0 +1,185 @@
+//! What a log holds, before anything is computed from it: `floe inspect`.
+
+use floe_core::{Counts, Newtons, Reading};
+use serde::Serialize;
+use time::OffsetDateTime;
+
+use crate::error::InputError;
+
+use super::Log;
+use super::metadata::Said;
+use super::number::Decimal;
+use super::rows::TimeCells;
+
+/// Name and version of this format; changes when a meaning changes.
+pub const SCHEMA: &str = "floe-inspect/1";
+
+/// What was recognised, and what reading it to the end showed.
+#[derive(Clone, Debug, Serialize)]
+pub struct Inspection {
+    /// [`SCHEMA`].
+    pub schema: &'static str,
+    /// As given on the command line.
+    pub path: String,
+    /// `csv`, `toa5`, `cr10` or `floe`.
+    pub format: &'static str,
+    /// Separator of the cells.
+    pub delimiter: char,
+    /// `.` or `,`; `None` if the log shows neither.
+    pub decimal: Option<char>,
+    /// Line of the column names.
+    pub header_line: Option<u64>,
+    /// Line of the units below them.
+    pub units_line: Option<u64>,
+    /// Line of the first row, where it was looked for.
+    pub first_row_line: Option<u64>,
+    /// The columns' names.
+    pub columns: Vec<String>,
+    /// Where the time is: columns from 1.
+    pub time_columns: Vec<usize>,
+    /// Unit or form of the time, as in `--time-unit`; `None` without a time.
+    pub time_unit: Option<&'static str>,
+    /// Moment of the first sample, ISO 8601, where the log says the date.
+    pub start: Option<String>,
+    /// Where the force is: a column from 1.
+    pub force_column: usize,
+    /// Its unit, as in `--unit`.
+    pub force_unit: &'static str,
+    /// Samples per second.
+    pub rate_hz: f64,
+    /// Several samples share a time stamp.
+    pub shared_stamps: bool,
+    /// What the log says about its test.
+    pub metadata: Vec<Said>,
+    /// Samples read, without duplicates.
+    pub samples: u64,
+    /// From the first to the last sample.
+    pub duration_s: f64,
+    /// Sampling periods without a sample.
+    pub missing: u64,
+    /// Samples whose period was taken already.
+    pub duplicates: u64,
+    /// Readings that a logger marks as bad.
+    pub bad: u64,
+    /// Smallest force in N, or reading in counts.
+    pub lowest: Option<f64>,
+    /// Largest force in N, or reading in counts.
+    pub highest: Option<f64>,
+    /// What was assumed, and what else a reader should know.
+    pub warnings: Vec<String>,
+}
+
+/// Reads a log to its end.
+///
+/// # Errors
+/// A line that cannot be used.
+pub fn inspect(path: &str, log: &mut Log) -> Result<Inspection, InputError> {
+    let mut seen = Seen::default();
+    while let Some(sample) = log.next_sample()? {
+        seen.push(sample.raw.index, sample.time_s, sample.raw.reading);
+    }
+    let (layout, header) = (log.layout(), log.recognised().header.as_ref());
+    let (time_columns, time_unit) = time(layout.time);
+    Ok(Inspection {
+        schema: SCHEMA,
+        path: path.to_string(),
+        format: log.format().name(),
+        delimiter: char::from(layout.separator),
+        decimal: match layout.decimal {
+            Decimal::Point => Some('.'),
+            Decimal::Comma => Some(','),
+            Decimal::Any => None,
+        },
+        header_line: header.and_then(|header| header.names.as_ref()).map(|(line, _)| *line),
+        units_line: header.and_then(|header| header.units.as_ref()).map(|(line, _)| *line),
+        first_row_line: header.map(|header| header.first_row),
+        columns: header
+            .and_then(|header| header.names.clone())
+            .map_or_else(Vec::new, |(_, names)| names),
+        time_columns,
+        time_unit,
+        start: log.start_unix_s().and_then(iso),
+        force_column: layout.force + 1,
+        force_unit: layout.unit.name(),
+        rate_hz: log.rate_hz(),
+        shared_stamps: log.clock.timing().shared.is_some(),
+        metadata: log.metadata().said.clone(),
+        samples: seen.samples,
+        duration_s: seen.last_s - seen.first_s.unwrap_or_default(),
+        missing: seen.missing,
+        duplicates: seen.duplicates,
+        bad: seen.bad,
+        lowest: seen.range.map(|(lowest, _)| lowest),
+        highest: seen.range.map(|(_, highest)| highest),
+        warnings: log.warnings(),
+    })
+}
+
+/// Columns from 1 and the unit.
+fn time(cells: TimeCells) -> (Vec<usize>, Option<&'static str>) {
+    match cells {
+        TimeCells::Number { cell, unit } => (vec![cell + 1], Some(unit.name())),
+        TimeCells::DateAndClock { date, clock } => {
+            let columns = date.into_iter().chain([clock]).map(|cell| cell + 1);
+            (columns.collect(), Some("iso"))
+        }
+        TimeCells::Count { .. } => (Vec::new(), None),
+        TimeCells::Cr10 { seconds } => ((2..=4 + usize::from(seconds)).collect(), Some("iso")),
+    }
+}
+
+/// A moment in seconds since 1970 as ISO 8601 to the millisecond; `None` beyond year 9999.
+#[must_use]
+pub fn iso(unix_s: f64) -> Option<String> {
+    let nanoseconds = (unix_s * 1e3).round() as i128 * 1_000_000;
+    let at = OffsetDateTime::from_unix_timestamp_nanos(nanoseconds).ok()?;
+    let (date, (h, m, s, ms)) = (at.date(), at.to_hms_milli());
+    let (year, month, day) = date.to_calendar_date();
+    Some(format!("{year:04}-{:02}-{day:02}T{h:02}:{m:02}:{s:02}.{ms:03}", u8::from(month)))
+}
+
+/// What went by.
+#[derive(Debug, Default)]
+struct Seen {
+    samples: u64,
+    missing: u64,
+    duplicates: u64,
+    bad: u64,
+    next: u64,
+    first_s: Option<f64>,
+    last_s: f64,
+    range: Option<(f64, f64)>,
+}
+
+impl Seen {
+    fn push(&mut self, index: u64, time_s: f64, reading: Reading) {
+        if index < self.next {
+            self.duplicates += 1;
+            return;
+        }
+        self.missing += if self.samples == 0 { 0 } else { index - self.next };
+        (self.next, self.samples, self.last_s) = (index + 1, self.samples + 1, time_s);
+        self.first_s.get_or_insert(time_s);
+        let value = match reading {
+            Reading::Force(Newtons(force)) => f64::from(force),
+            Reading::Counts(Counts(counts)) => f64::from(counts),
+            Reading::Bad(_) => {
+                self.bad += 1;
+                return;
+            }
+        };
+        let (lowest, highest) = self.range.unwrap_or((value, value));
+        self.range = Some((lowest.min(value), highest.max(value)));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn moments_are_written_to_the_millisecond() {
+        assert_eq!(iso(1_330_516_800.062_5).unwrap(), "2012-02-29T12:00:00.063");
+        assert_eq!(iso(1e12), None);
+    }
+}

@@ -1,0 +1,159 @@
+//! What the name of a column says: a quantity and perhaps its unit.
+//!
+//! `force_kN`, `Force [kN]`, `Kraft (N)`, `Time / s`, `Force in kN` and `kg` all say both.
+
+use super::number::Unit;
+use super::stamp::TimeUnit;
+
+/// A name taken apart.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Label {
+    /// The quantity in lower case, empty if the name is nothing but a unit.
+    pub quantity: String,
+    /// The unit as it was written.
+    pub unit: Option<String>,
+}
+
+/// Words for the time.
+const TIME: [&str; 18] = [
+    "time",
+    "t",
+    "zeit",
+    "timestamp",
+    "time stamp",
+    "time_stamp",
+    "elapsed",
+    "elapsed time",
+    "elapsed_time",
+    "relative time",
+    "datetime",
+    "date time",
+    "date/time",
+    "date_time",
+    "x_value",
+    "temps",
+    "tiempo",
+    "uhrzeit",
+];
+/// Words for the force in the cable.
+const FORCE: [&str; 9] =
+    ["force", "kraft", "zugkraft", "load", "pull", "pull force", "pull_force", "tension", "last"];
+
+impl Label {
+    /// Takes a column's name apart.
+    #[must_use]
+    pub fn new(name: &str) -> Self {
+        let name = name.trim();
+        let label = |quantity: &str, unit: &str| {
+            let quantity = quantity.trim().trim_end_matches(['_', '/', ',']).trim();
+            let unit = Some(unit.trim().to_string()).filter(|unit| !unit.is_empty());
+            Self { quantity: quantity.to_lowercase(), unit }
+        };
+        for (open, close) in [('[', ']'), ('(', ')')] {
+            if let Some((quantity, unit)) =
+                name.strip_suffix(close).and_then(|rest| rest.rsplit_once(open))
+            {
+                return label(quantity, unit);
+            }
+        }
+        if is_unit(name) && !name.eq_ignore_ascii_case("n") {
+            return label("", name);
+        }
+        match name.rsplit_once(['_', ' ', '/']).filter(|(_, unit)| is_unit(unit)) {
+            Some((quantity, unit)) => label(quantity.trim_end_matches(" in"), unit),
+            None => label(name, ""),
+        }
+    }
+
+    /// Whether the name is one of a time column.
+    #[must_use]
+    pub fn is_time(&self) -> bool {
+        let alone = self.quantity.is_empty() && self.time_unit().is_some();
+        alone || TIME.contains(&self.quantity.as_str())
+    }
+
+    /// Whether the name is one of a force column.
+    #[must_use]
+    pub fn is_force(&self) -> bool {
+        FORCE.contains(&self.quantity.as_str())
+    }
+
+    /// Its unit, if that is one of time.
+    #[must_use]
+    pub fn time_unit(&self) -> Option<TimeUnit> {
+        self.unit.as_deref().and_then(TimeUnit::from_label)
+    }
+
+    /// Its unit, if that is one of force.
+    #[must_use]
+    pub fn force_unit(&self) -> Option<Unit> {
+        self.unit.as_deref().and_then(Unit::from_label)
+    }
+}
+
+fn is_unit(text: &str) -> bool {
+    TimeUnit::from_label(text).is_some() || Unit::from_label(text).is_some()
+}
+
+/// Whether a cell of a units row could be one: empty, in brackets, or a unit's name.
+#[must_use]
+pub fn is_unit_cell(cell: &str) -> bool {
+    const OTHERS: [&str; 18] = [
+        "-", "v", "mv", "mv/v", "°c", "degc", "c", "k", "%", "mm", "m", "cm", "m/s", "mm/s", "deg",
+        "°", "rad", "ts",
+    ];
+    let text = bare_unit(cell);
+    cell.len() > text.len()
+        || text.is_empty()
+        || is_unit(text)
+        || OTHERS.contains(&text.to_lowercase().as_str())
+}
+
+/// A unit without the brackets around it.
+#[must_use]
+pub fn bare_unit(cell: &str) -> &str {
+    let cell = cell.trim();
+    let inside = |open, close| cell.strip_prefix(open)?.strip_suffix(close);
+    inside('[', ']').or_else(|| inside('(', ')')).unwrap_or(cell).trim()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_taken_apart() {
+        let table = [
+            ("time_s", "time", "s"),
+            ("t", "t", ""),
+            ("Time (s)", "time", "s"),
+            ("Zeit [ms]", "zeit", "ms"),
+            ("time_ms", "time", "ms"),
+            ("Time / s", "time", "s"),
+            ("minutes", "", "minutes"),
+            ("force_kN", "force", "kN"),
+            ("Force in kN", "force", "kN"),
+            ("Kraft (N)", "kraft", "N"),
+            ("kg", "", "kg"),
+            ("n", "n", ""),
+            ("Load cell 1", "load cell 1", ""),
+            ("Force [mV/V]", "force", "mV/V"),
+            ("time_stamp", "time_stamp", ""),
+        ];
+        for (name, quantity, unit) in table {
+            let unit = Some(unit.to_string()).filter(|unit| !unit.is_empty());
+            assert_eq!(Label::new(name), Label { quantity: quantity.to_string(), unit }, "{name}");
+        }
+    }
+
+    #[test]
+    fn unit_cells() {
+        for cell in ["", "[kN]", "(lbf)", "kN", "s", "-", "°C", "[anything]"] {
+            assert!(is_unit_cell(cell), "{cell}");
+        }
+        for cell in ["force", "time_s", "Channel 1", "0.5"] {
+            assert!(!is_unit_cell(cell), "{cell}");
+        }
+        assert_eq!((bare_unit("[kN]"), bare_unit(" kN ")), ("kN", "kN"));
+    }
+}

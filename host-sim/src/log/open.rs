@@ -1,0 +1,165 @@
+//! The beginning of a log: which format it is, its header, its columns.
+
+use std::io::{Cursor, Read};
+
+use floe_firmware::record::MAGIC;
+
+use crate::error::{InputError, excerpt};
+
+use super::header;
+use super::lines::Lines;
+use super::metadata::Metadata;
+use super::options::LogOptions;
+use super::rows::{Layout, Rows};
+use super::{Format, Recognised, cr10, csv, toa5};
+
+/// The first bytes of a stream, and the whole of it.
+///
+/// # Errors
+/// It cannot be read.
+pub fn peek(
+    mut input: Box<dyn Read + Send>,
+) -> Result<(Box<dyn Read + Send>, Vec<u8>), InputError> {
+    let mut mark = Vec::new();
+    let read = input.by_ref().take(MAGIC.len() as u64).read_to_end(&mut mark);
+    read.map_err(|error| InputError::new(format!("cannot be read: {error}")))?;
+    Ok((Box::new(Cursor::new(mark.clone()).chain(input)), mark))
+}
+
+/// The same text in UTF-8 if it begins with the mark of UTF-16.
+#[must_use]
+pub fn utf8(input: Box<dyn Read + Send>, mark: &[u8]) -> Box<dyn Read + Send> {
+    if mark.starts_with(b"\xFF\xFE") || mark.starts_with(b"\xFE\xFF") {
+        return Box::new(encoding_rs_io::DecodeReaderBytes::new(input));
+    }
+    input
+}
+
+/// Refuses what is certainly no text log of ours, with the way out.
+///
+/// # Errors
+/// Says what it is.
+pub fn refuse_binary(head: &[u8]) -> Result<(), InputError> {
+    let refuse = |message: &str| Err(InputError::new(message));
+    let text = head.trim_ascii_start();
+    if text.is_empty() {
+        return refuse("is empty");
+    }
+    for kind in ["TOB1", "TOB2", "TOB3", "TOACI1"] {
+        if text.strip_prefix(b"\"").unwrap_or(text).starts_with(kind.as_bytes()) {
+            return Err(InputError::new(format!("is {kind}; convert it to TOA5 with CardConvert")));
+        }
+    }
+    if zeros_between(head) {
+        return refuse("looks like UTF-16 text without its mark; save it as UTF-8");
+    }
+    let first = text.split(|&byte| byte == b'\n').next().unwrap_or_default();
+    if first.contains(&0) || control_share(head) > 0.02 {
+        return refuse("is a binary file, not a csv, toa5 or cr10 log");
+    }
+    Ok(())
+}
+
+/// Whether every other byte is a zero, as in Latin text of two bytes a letter.
+fn zeros_between(head: &[u8]) -> bool {
+    let start = head.get(..64).unwrap_or(head);
+    let zeros = |from: usize| start.iter().skip(from).step_by(2).all(|&byte| byte == 0);
+    start.len() > 3 && (zeros(0) || zeros(1)) && start.iter().any(|&byte| byte != 0)
+}
+
+/// Share of bytes that no text holds, apart from the zeros that a logger leaves
+/// at the end when its power is cut.
+fn control_share(bytes: &[u8]) -> f64 {
+    let end = bytes.iter().rposition(|&byte| byte != 0).map_or(0, |last| last + 1);
+    let bytes = bytes.get(..end).unwrap_or_default();
+    let control = |byte: &&u8| byte.is_ascii_control() && !byte.is_ascii_whitespace();
+    bytes.iter().filter(control).count() as f64 / bytes.len().max(1) as f64
+}
+
+/// The format by its first line that is no comment.
+#[must_use]
+pub fn recognise(head: &[u8]) -> Format {
+    let lines = head.split(|&byte| byte == b'\n').map(<[u8]>::trim_ascii);
+    let first = lines.into_iter().find(|line| !line.is_empty() && !line.starts_with(b"#"));
+    match first.unwrap_or_default() {
+        line if is_toa5(line) => Format::Toa5,
+        line if cr10::is_row(line) => Format::Cr10,
+        _ => Format::Csv,
+    }
+}
+
+fn is_toa5(line: &[u8]) -> bool {
+    line.strip_prefix(b"\"").unwrap_or(line).starts_with(b"TOA5")
+}
+
+/// Takes the header and finds the layout.
+///
+/// # Errors
+/// A header that cannot be used.
+pub fn begin(
+    format: Format,
+    mut lines: Lines,
+    options: &LogOptions,
+) -> Result<(Rows, Recognised), InputError> {
+    let mut metadata = Metadata::default();
+    let (layout, head) = match format {
+        Format::Csv | Format::Floe => table(&mut lines, &mut metadata, options)?,
+        Format::Toa5 => (toa5_layout(&mut lines, &mut metadata, options)?, Recognised::default()),
+        Format::Cr10 => (cr10::layout(lines.head()?, options)?, Recognised::default()),
+    };
+    Ok((Rows::new(lines, layout, metadata), head))
+}
+
+/// Header and columns of a text table; takes the lines above its first row.
+fn table(
+    lines: &mut Lines,
+    metadata: &mut Metadata,
+    options: &LogOptions,
+) -> Result<(Layout, Recognised), InputError> {
+    lines.head()?;
+    let end = lines.line_end();
+    let header = header::find(lines.head()?, end, options.skip_lines, options.delimiter)?;
+    for _ in 1..header.first_row {
+        let Some(line) = lines.next_line()? else { break };
+        let number = line.number;
+        let taken = metadata.take(line.bytes, number);
+        taken.map_err(|error| error.within(format_args!("line {number}")))?;
+    }
+    let line = header.names.as_ref().map_or(header.first_row, |(number, _)| *number);
+    let found = csv::layout(&header, options, options.rate_hz.or(metadata.rate_hz));
+    let (layout, notes) = found.map_err(|error| error.within(format_args!("line {line}")))?;
+    Ok((layout, Recognised { header: Some(header), notes }))
+}
+
+fn toa5_layout(
+    lines: &mut Lines,
+    metadata: &mut Metadata,
+    options: &LogOptions,
+) -> Result<Layout, InputError> {
+    let (first, number) = header_line(lines, metadata)?;
+    if !is_toa5(&first) {
+        let message = format!("a toa5 log begins with \"TOA5\", not {}", excerpt(&first));
+        return Err(InputError::new(message).within(format_args!("line {number}")));
+    }
+    let (names, number) = header_line(lines, metadata)?;
+    let (units, _) = header_line(lines, metadata)?;
+    let (_processing, _) = header_line(lines, metadata)?;
+    let place = format!("line {number}");
+    toa5::layout(&names, &units, options).map_err(|error| error.within(place))
+}
+
+/// The next line that is neither empty nor a comment, and its number.
+fn header_line(lines: &mut Lines, metadata: &mut Metadata) -> Result<(Vec<u8>, u64), InputError> {
+    while let Some(line) = lines.next_line()? {
+        let number = line.number;
+        match line.bytes.trim_ascii_start().first() {
+            None => {}
+            Some(b'#') => {
+                let taken = metadata.take(line.bytes, number);
+                taken.map_err(|error| error.within(format_args!("line {number}")))?;
+            }
+            Some(_) => return Ok((line.bytes.to_vec(), number)),
+        }
+    }
+    Err(InputError::new("ends before its header does"))
+}

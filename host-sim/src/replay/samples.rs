@@ -1,0 +1,253 @@
+//! Every sample of a replay as a table: `--samples`.
+
+use std::collections::VecDeque;
+use std::io::{self, Write};
+use std::sync::Arc;
+
+use floe_core::{Phase, SampleFlag, Step};
+use parquet::basic::{Compression, LogicalType, Repetition, Type as Physical};
+use parquet::data_type::{ByteArray, ByteArrayType, DoubleType, FloatType};
+use parquet::errors::Result as ParquetResult;
+use parquet::file::metadata::KeyValue;
+use parquet::file::properties::WriterProperties;
+use parquet::file::writer::{SerializedFileWriter, SerializedRowGroupWriter};
+use parquet::schema::types::Type;
+
+/// The columns, in CSV and in Parquet.
+pub const COLUMNS: [&str; 6] =
+    ["time_s", "force_n", "rate_n_per_s", "phase", "block_m_per_s", "flag"];
+/// Samples that are held back until their rate is known and they can be no spike.
+const HELD: usize = 4;
+/// Rows in a group of a Parquet file.
+const GROUP: usize = 1 << 18;
+
+/// One sample.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SampleRow {
+    index: u64,
+    /// In the log's own time.
+    pub time_s: f64,
+    /// Force in the cable; `None` where there is none that can be used.
+    pub force_n: Option<f32>,
+    /// Its rate, the central difference over ±1 sample.
+    pub rate_n_per_s: Option<f32>,
+    /// What the block was doing.
+    pub phase: &'static str,
+    /// Speed of the block, `w (1 - F' / (k w))`: while it slips, where the winch's speed
+    /// `w` is known, with the loading rate `k w` of the event before.
+    pub block_m_per_s: Option<f32>,
+    /// What became of the sample.
+    pub flag: &'static str,
+}
+
+/// Makes rows out of what the core says of every sample.
+#[derive(Debug)]
+pub struct SampleRows {
+    winch_m_per_s: Option<f32>,
+    loading_rate_n_per_s: Option<f32>,
+    held: VecDeque<SampleRow>,
+}
+
+impl SampleRows {
+    /// Before the first sample.
+    #[must_use]
+    pub fn new(winch_m_per_s: Option<f32>) -> Self {
+        Self { winch_m_per_s, loading_rate_n_per_s: None, held: VecDeque::new() }
+    }
+
+    /// Takes a sample; gives one whose row is complete.
+    pub fn push(&mut self, time_s: f64, step: &Step) -> Option<SampleRow> {
+        let good = step.sample.flag == SampleFlag::Good;
+        self.held.push_back(SampleRow {
+            index: step.sample.index,
+            time_s,
+            force_n: step.sample.force_n.filter(|force| good && force.is_finite()),
+            rate_n_per_s: None,
+            phase: phase(step.phase),
+            block_m_per_s: None,
+            flag: flag(step.sample.flag),
+        });
+        if let Some(spike) = step.spike.and_then(|index| self.row(index)) {
+            (spike.force_n, spike.flag) = (None, flag(SampleFlag::Spike));
+        }
+        if let Some(rate) = step.rate {
+            let speed = self.block_speed(rate.rate_n_per_s);
+            if let Some(row) = self.row(rate.index) {
+                row.rate_n_per_s = Some(rate.rate_n_per_s).filter(|rate| rate.is_finite());
+                row.block_m_per_s = speed.filter(|_| row.phase == phase(Phase::Slip));
+            }
+        }
+        if let Some(event) = &step.event {
+            self.loading_rate_n_per_s = Some(event.loading_rate_n_per_s);
+        }
+        if self.held.len() > HELD { self.held.pop_front() } else { None }
+    }
+
+    /// The rows that are still held, at the end.
+    pub fn finish(self) -> impl Iterator<Item = SampleRow> {
+        self.held.into_iter()
+    }
+
+    fn row(&mut self, index: u64) -> Option<&mut SampleRow> {
+        self.held.iter_mut().find(|row| row.index == index && row.flag != "duplicate")
+    }
+
+    fn block_speed(&self, rate_n_per_s: f32) -> Option<f32> {
+        let loading = self.loading_rate_n_per_s.filter(|&rate| rate > 0.0)?;
+        let speed = self.winch_m_per_s? * (1.0 - rate_n_per_s / loading);
+        Some(speed).filter(|speed| speed.is_finite())
+    }
+}
+
+fn phase(phase: Phase) -> &'static str {
+    match phase {
+        Phase::Unknown => "unknown",
+        Phase::Stick => "stick",
+        Phase::Slip => "slip",
+    }
+}
+
+fn flag(flag: SampleFlag) -> &'static str {
+    match flag {
+        SampleFlag::Good => "good",
+        SampleFlag::Saturated => "saturated",
+        SampleFlag::Rejected => "rejected",
+        SampleFlag::Spike => "spike",
+        SampleFlag::Duplicate => "duplicate",
+    }
+}
+
+/// Takes rows to a file.
+pub trait Table {
+    /// Writes a row.
+    ///
+    /// # Errors
+    /// Of the writer.
+    fn row(&mut self, row: SampleRow) -> io::Result<()>;
+
+    /// Ends the file.
+    ///
+    /// # Errors
+    /// Of the writer.
+    fn finish(&mut self) -> io::Result<()>;
+}
+
+/// A table for a file of this name: Parquet if it ends so, else CSV. `about` goes into
+/// the Parquet file's metadata.
+///
+/// # Errors
+/// Of the writer.
+pub fn table<'a, W: Write + Send + 'a>(
+    out: W,
+    parquet: bool,
+    about: &[(String, String)],
+) -> io::Result<Box<dyn Table + 'a>> {
+    if parquet {
+        return Ok(Box::new(Parquet::new(out, about).map_err(io::Error::other)?));
+    }
+    let mut writer = csv::Writer::from_writer(out);
+    writer.write_record(COLUMNS).map_err(io::Error::other)?;
+    Ok(Box::new(Csv(writer)))
+}
+
+struct Csv<W: Write>(csv::Writer<W>);
+
+impl<W: Write> Table for Csv<W> {
+    fn row(&mut self, row: SampleRow) -> io::Result<()> {
+        let SampleRow { time_s, force_n, rate_n_per_s, phase, block_m_per_s, flag, .. } = row;
+        let cells = (time_s, force_n, rate_n_per_s, phase, block_m_per_s, flag);
+        self.0.serialize(cells).map_err(io::Error::other)
+    }
+
+    fn finish(&mut self) -> io::Result<()> {
+        self.0.flush()
+    }
+}
+
+struct Parquet<W: Write + Send> {
+    writer: Option<SerializedFileWriter<W>>,
+    rows: Vec<SampleRow>,
+}
+
+impl<W: Write + Send> Parquet<W> {
+    fn new(out: W, about: &[(String, String)]) -> ParquetResult<Self> {
+        let about = about.iter().map(|(k, v)| KeyValue::new(k.clone(), v.clone())).collect();
+        let properties = WriterProperties::builder()
+            .set_created_by(format!("floe {}", env!("CARGO_PKG_VERSION")))
+            .set_compression(Compression::SNAPPY)
+            .set_key_value_metadata(Some(about))
+            .build();
+        let kinds = [
+            (Physical::DOUBLE, Repetition::REQUIRED),
+            (Physical::FLOAT, Repetition::OPTIONAL),
+            (Physical::FLOAT, Repetition::OPTIONAL),
+            (Physical::BYTE_ARRAY, Repetition::REQUIRED),
+            (Physical::FLOAT, Repetition::OPTIONAL),
+            (Physical::BYTE_ARRAY, Repetition::REQUIRED),
+        ];
+        let field = |(name, (kind, repetition)): (&&str, (Physical, Repetition))| {
+            let text = (kind == Physical::BYTE_ARRAY).then_some(LogicalType::String);
+            let builder = Type::primitive_type_builder(name, kind).with_repetition(repetition);
+            builder.with_logical_type(text).build().map(Arc::new)
+        };
+        let fields: ParquetResult<Vec<_>> = COLUMNS.iter().zip(kinds).map(field).collect();
+        let schema = Type::group_type_builder("sample").with_fields(fields?).build()?;
+        let writer = SerializedFileWriter::new(out, Arc::new(schema), Arc::new(properties))?;
+        Ok(Self { writer: Some(writer), rows: Vec::new() })
+    }
+
+    fn write_group(&mut self) -> ParquetResult<()> {
+        let Some(writer) = &mut self.writer else { return Ok(()) };
+        let mut group = writer.next_row_group()?;
+        let times: Vec<f64> = self.rows.iter().map(|row| row.time_s).collect();
+        if let Some(mut column) = group.next_column()? {
+            column.typed::<DoubleType>().write_batch(&times, None, None)?;
+            column.close()?;
+        }
+        maybe(&mut group, &self.rows, |row| row.force_n)?;
+        maybe(&mut group, &self.rows, |row| row.rate_n_per_s)?;
+        words(&mut group, &self.rows, |row| row.phase)?;
+        maybe(&mut group, &self.rows, |row| row.block_m_per_s)?;
+        words(&mut group, &self.rows, |row| row.flag)?;
+        self.rows.clear();
+        group.close().map(drop)
+    }
+}
+
+fn maybe<W: Write + Send>(
+    group: &mut SerializedRowGroupWriter<'_, W>,
+    rows: &[SampleRow],
+    of: fn(&SampleRow) -> Option<f32>,
+) -> ParquetResult<()> {
+    let levels: Vec<i16> = rows.iter().map(|row| i16::from(of(row).is_some())).collect();
+    let values: Vec<f32> = rows.iter().filter_map(of).collect();
+    let Some(mut column) = group.next_column()? else { return Ok(()) };
+    column.typed::<FloatType>().write_batch(&values, Some(&levels), None)?;
+    column.close()
+}
+
+fn words<W: Write + Send>(
+    group: &mut SerializedRowGroupWriter<'_, W>,
+    rows: &[SampleRow],
+    of: fn(&SampleRow) -> &'static str,
+) -> ParquetResult<()> {
+    let values: Vec<ByteArray> = rows.iter().map(|row| of(row).into()).collect();
+    let Some(mut column) = group.next_column()? else { return Ok(()) };
+    column.typed::<ByteArrayType>().write_batch(&values, None, None)?;
+    column.close()
+}
+
+impl<W: Write + Send> Table for Parquet<W> {
+    fn row(&mut self, row: SampleRow) -> io::Result<()> {
+        self.rows.push(row);
+        if self.rows.len() < GROUP {
+            return Ok(());
+        }
+        self.write_group().map_err(io::Error::other)
+    }
+
+    fn finish(&mut self) -> io::Result<()> {
+        self.write_group().map_err(io::Error::other)?;
+        self.writer.take().map_or(Ok(()), |w| w.close().map(drop)).map_err(io::Error::other)
+    }
+}
