@@ -95,6 +95,11 @@ fn widened_line(line: &str) -> Result<String, String> {
             _ => piece.to_owned(),
         };
     }
+    // The tests' core has all effects, and so has its twin.
+    if let Some((before, rest)) = wide.split_once("cfg!(feature = ") {
+        let after = rest.split_once(')').map_or("", |(_name, after)| after);
+        wide = format!("{before}true{after}");
+    }
     // micromath has no other width: rough is rough.
     let wide = wide.replace("F32Ext::sqrt(x)", "f64::from(F32Ext::sqrt(x as f32))");
     Ok(wide.replace("crate::", "crate::wide::"))

@@ -7,6 +7,7 @@
 //! first that has fallen by half the usual drop; a re-stick two samples after the
 //! lowest one.
 
+use floe_core::Effects;
 use floe_core::detector::{Detector, Transition};
 use floe_core::{
     Calibration, Config, Counts, Event, Phase, Pipeline, Quality, RawSample, Reading, Reason,
@@ -66,7 +67,7 @@ impl Script {
     }
 
     fn transitions(&self) -> Vec<String> {
-        let mut detector = Detector::new(16.0);
+        let mut detector = Detector::new(16.0, Effects::default());
         let told = |(index, force_n): (u64, f64)| {
             let transition = detector.step(index, force_n as f32)?;
             Some(match transition {
@@ -115,7 +116,7 @@ fn three_slips_with_and_without_noise() {
 
 #[test]
 fn the_phase_follows() {
-    let mut detector = Detector::new(16.0);
+    let mut detector = Detector::new(16.0, Effects::default());
     assert_eq!(detector.phase(), Phase::Unknown);
     let phases: Vec<Phase> = three_cycles(2.0)
         .samples()

@@ -20,10 +20,7 @@ use floe_firmware::line::Line;
 use floe_firmware::notebook::{Kind, WeightFrom};
 use floe_firmware::settings::Settings;
 use floe_firmware::wall_clock::Moment;
-
-#[path = "support/board.rs"]
-mod board;
-use board::{Board, Card, run};
+use floe_tests::scripted::{Card, Session, run};
 
 /// Codes per newton and code of the empty hook; 12 codes of noise are the converter's.
 const SPAN: f64 = 429.5;
@@ -94,7 +91,7 @@ const DAY: [(u64, &str); 20] = [
 ];
 
 /// What was typed and what was said, without samples and first answers.
-fn transcript(board: &Board) -> String {
+fn transcript(board: &Session) -> String {
     let (mut text, mut said, mut left_out) = (String::new(), 0, 0);
     let mut show = |piece: &str, text: &mut String| {
         for line in piece.lines() {
@@ -115,17 +112,17 @@ fn transcript(board: &Board) -> String {
     text + &format!("({left_out} lines S and A are left out)\n")
 }
 
-fn one_day(card: &Card) -> Board {
+fn one_day(card: &Card) -> Session {
     run(cell(day(), SPAN), Schedule::default(), card, &DAY)
 }
 
-fn last_settings(board: &Board) -> Settings {
+fn last_settings(board: &Session) -> Settings {
     let settings =
         |line| if let Line::Start { settings, .. } = line { Some(settings) } else { None };
     board.lines().filter_map(settings).last().expect("settings")
 }
 
-fn report(board: &Board) -> Report {
+fn report(board: &Session) -> Report {
     let report = |line| if let Line::Report(report) = line { Some(report) } else { None };
     board.lines().filter_map(report).last().expect("a report")
 }
@@ -233,7 +230,7 @@ fn a_campaign_of_the_recovered_card() {
     assert!((moved / half - 1.0).abs() < 0.2, "{moved} {half}");
 }
 
-fn says(forces_n: Vec<f64>, span: f64, script: &[(u64, &str)]) -> Board {
+fn says(forces_n: Vec<f64>, span: f64, script: &[(u64, &str)]) -> Session {
     run(cell(forces_n, span), Schedule::default(), &Card::default(), script)
 }
 

@@ -9,10 +9,7 @@ use floe::log::{Log, LogOptions};
 use floe_core::{Config, Counts, Event, Pipeline, RawSample, Reading};
 use floe_firmware::line::{Line, LineError};
 use floe_firmware::record::SECTOR_LEN;
-
-#[path = "support/board.rs"]
-mod board;
-use board::{Board, Card, run};
+use floe_tests::scripted::{Card, Session, run};
 
 /// A block of 630 N that sticks and slips every two seconds, 5000 codes per N.
 fn stick_slip() -> Vec<i32> {
@@ -32,7 +29,7 @@ fn cell(codes: &[i32]) -> LoadCell {
 
 const BEGIN: &str = "set weight 630\r\nset span 5000\r\nset name T-1\r\nlive off\r\nstart\r\n";
 
-fn one_test(card: &Card) -> Board {
+fn one_test(card: &Card) -> Session {
     run(cell(&stick_slip()), Schedule::default(), card, &[(0, BEGIN), (961, "stop\n")])
 }
 

@@ -4,10 +4,11 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// From the bottom up: a room imports from those before it, never from those after.
-const ROOMS: [&str; 19] = [
+const ROOMS: [&str; 20] = [
     "num",
     "units",
     "sample",
+    "effect",
     "config",
     "stats",
     "signal",

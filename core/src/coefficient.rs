@@ -1,5 +1,6 @@
 //! Forces as coefficients, and the means over them.
 
+use crate::effect::Effects;
 use crate::model;
 use crate::num::math;
 use crate::stats::student::t95;
@@ -87,6 +88,8 @@ pub struct Site {
     pub slope: (f32, f32),
     /// Samples per second.
     pub rate_hz: f32,
+    /// What to look for beyond the linear model.
+    pub effects: Effects,
 }
 
 impl Site {

@@ -2,6 +2,8 @@
 
 use core::fmt;
 
+use crate::effect::Effects;
+
 /// Converter codes to newtons.
 ///
 /// `force = polarity · (counts − tare_counts) / counts_per_n`. The difference is
@@ -102,6 +104,8 @@ pub struct Config {
     pub range_n: Option<f32>,
     /// For readings in counts.
     pub calibration: Calibration,
+    /// What to look for beyond the linear model.
+    pub effects: Effects,
     /// How well all this is known.
     pub std: InputStd,
 }
@@ -116,6 +120,7 @@ impl Default for Config {
             winch_m_per_s: None,
             range_n: None,
             calibration: Calibration::default(),
+            effects: Effects::default(),
             std: InputStd::default(),
         }
     }

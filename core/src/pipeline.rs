@@ -5,7 +5,8 @@ use crate::coefficient::{Coefficient, Estimate, Site};
 use crate::config::{Config, ConfigError};
 use crate::cycle::{CycleTracker, Finished};
 use crate::detector::{Detector, Transition};
-use crate::effects::level_shift::Change;
+use crate::effect::{Effect, Finding};
+use crate::effects::level_shift::{Cause, Change};
 use crate::effects::zero_drift::Drift;
 use crate::estimator::Estimator;
 use crate::event::{Event, Provisional, Quality};
@@ -103,8 +104,12 @@ impl Pipeline {
         config.validate()?;
         let decimator = Decimator::new(config.rate_hz);
         let rate_hz = config.rate_hz / decimator.factor();
-        let site =
-            Site { weight_n: config.weight_n, slope: math::sin_cos(config.slope_rad), rate_hz };
+        let site = Site {
+            weight_n: config.weight_n,
+            slope: math::sin_cos(config.slope_rad),
+            rate_hz,
+            effects: config.effects,
+        };
         Ok(Self {
             config: *config,
             calibrator: Calibrator::new(config),
@@ -115,7 +120,7 @@ impl Pipeline {
             decimator,
             block_root: math::sqrt(decimator.factor()),
             derivative: Central::new(config.rate_hz),
-            detector: Detector::new(rate_hz),
+            detector: Detector::new(rate_hz, config.effects),
             cycles: CycleTracker::new(site),
             mu_s: Estimator::default(),
             mu: Estimator::default(),
@@ -184,13 +189,7 @@ impl Pipeline {
         let event = held.and_then(|block| self.advance(block));
         let event = event.or_else(|| self.decimator.finish().and_then(|block| self.advance(block)));
         event.or_else(|| self.catch_up()).or_else(|| {
-            let event = self.cycles.finish().or_else(|| {
-                let (stick, window) = (self.detector.stick(), self.detector.window());
-                let end =
-                    ForcePoint { index: self.detector.last().index + 1, ..self.detector.last() };
-                self.cycles.complete(stick, window, end);
-                self.cycles.finish()
-            });
+            let event = self.cycles.finish(&self.detector);
             event.map(|finished| self.count(finished))
         })
     }
@@ -226,6 +225,24 @@ impl Pipeline {
                 Change { weight_ratio, weight_ratio_std: relative * weight_ratio, ..change }
             }),
         }
+    }
+
+    /// What the test says of each effect, in the order of [`Effect::ALL`].
+    #[must_use]
+    pub fn findings(&self) -> [Finding; Effect::ALL.len()] {
+        Effect::ALL.map(|effect| {
+            let enabled = self.config.effects.has(effect);
+            let parameters = self.cycles.parameters(effect);
+            let found = match effect {
+                Effect::Level => self.change.is_some_and(|change| change.cause != Cause::Mass),
+                Effect::Drift => self.report().zero_n.is_some(),
+                Effect::Flop | Effect::Ripple | Effect::Forgetting => self.detector.shows(effect),
+                Effect::Corner | Effect::Sag | Effect::Stiffening | Effect::Mass => {
+                    parameters.iter().any(Option::is_some)
+                }
+            };
+            Finding { effect, enabled, found: enabled && found, parameters }
+        })
     }
 
     /// The means with what is systematic about them.
@@ -349,10 +366,7 @@ impl Pipeline {
             Some(Transition::Restick { peak, low }) => {
                 self.cycles.restick(&self.detector, (peak, low), self.last_hidden)
             }
-            Some(Transition::Lost) => {
-                let last = self.detector.last();
-                self.cycles.complete(self.detector.ended(), self.detector.window(), last)
-            }
+            Some(Transition::Lost) => self.cycles.lose(&self.detector),
         };
         finished.map(|finished| self.count(finished))
     }
@@ -372,7 +386,8 @@ impl Pipeline {
             self.told = false;
         }
         let (mu_s, mu) = alone.map_or((event.mu_s, event.mu), |(mu_s, mu)| (Some(mu_s), Some(mu)));
-        if let Some((mu_s, mu)) = event.mu_s.zip(event.mu) {
+        let drifts = self.config.effects.has(Effect::Drift);
+        if let Some((mu_s, mu)) = event.mu_s.zip(event.mu).filter(|_| drifts) {
             self.drift.take(mu_s, mu);
         }
         if let Some(mu_s) = mu_s {

@@ -13,7 +13,7 @@ use crate::period::PeriodMeter;
 use crate::record::Part;
 use crate::sample::{Sample, SampleConsumer, Shared};
 use crate::self_test::{SelfTest, part_of_range};
-use crate::settings::Settings;
+use crate::settings::{Effects, Settings};
 use crate::store::Store;
 use crate::text::{Fixed, text};
 use crate::wall_clock::WallClock;
@@ -150,17 +150,38 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
     }
 
     /// Takes the settings of the last test from the card; says hello, and why the
-    /// board started, if not by being switched on.
+    /// board started, if not by being switched on. A test that was not ended goes on.
     #[inline(never)]
     pub fn power_up(&mut self, last_words: Option<&str>) {
-        if let Some(last) = self.journal.last() {
-            self.part = last.part;
-            self.settings = last.settings;
-        }
+        let last = self.journal.last();
         self.info("floe, help lists the commands");
         if let Some(words) = last_words {
-            self.trouble(&text(("restarted after: ", words)));
+            let words = text(("restarted after: ", words));
+            if let Ok(line) = Line::Trouble(&words).to_text() {
+                self.console.say(&line);
+                // On the card it stands at the beginning of the next test.
+                self.journal.line(&line);
+            }
         }
+        let Some(last) = last else { return };
+        self.journal.recall(&last);
+        (self.part, self.settings) = (last.part, last.settings);
+        if last.running {
+            self.resume();
+        }
+    }
+
+    /// The next part of the test that was running. The estimate begins anew: what
+    /// led to the reset must not lead to it again.
+    fn resume(&mut self) {
+        if self.make_pipeline().is_err() {
+            return;
+        }
+        self.part.number = self.part.number.saturating_add(1);
+        // No clock has run meanwhile.
+        self.part.gap = None;
+        self.begin();
+        self.info("the test goes on: stop ends it");
     }
 
     /// Whether a sample waits: no time to sleep.
@@ -352,6 +373,13 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
         self.stir(self.part.id.unwrap_or(0) ^ u64::from(run));
         self.part = Part { id: Some(self.dice), run, ..Part::default() };
         log::info!("test {} starts", run);
+        self.settings.effects = Effects::of(self.settings.effects.in_use());
+        self.begin();
+        Ok(())
+    }
+
+    /// From the next sample on it is a test.
+    fn begin(&mut self) {
         self.journal.begin(self.part, &self.settings);
         self.say_settings();
         if self.clock.at(self.newest).is_none() {
@@ -359,7 +387,6 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
         }
         let (phase, about, rate_n_per_s) = (Phase::Unknown, None, None);
         self.job = Job::Test(Test { first_index: None, phase, about, rate_n_per_s });
-        Ok(())
     }
 
     // On its own: while it is made, a good part of it is on the stack.

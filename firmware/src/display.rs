@@ -129,7 +129,7 @@ fn coefficient(name: &str, estimate: Option<Estimate>) -> Row {
     match estimate {
         Some(e) => match e.combined_std() {
             Some(std) => row(((name, " ", Fixed(e.mean, 4)), " +- ", Fixed(std, 4))),
-            None => row((name, " ", (Fixed(e.mean, 4), " +- ?"))),
+            None => row(((name, " ", Fixed(e.mean, 4)), " +- ?")),
         },
         None => row((name, " ---")),
     }

@@ -29,6 +29,12 @@ impl<S: Store> Journal<S> {
         Self { store, record, waiting, sectors: 0, failures: 0, lines_lost: 0 }
     }
 
+    /// Goes on as the card left off, between tests.
+    pub fn recall(&mut self, last: &Record) {
+        self.record.part = last.part;
+        self.record.settings = last.settings.clone();
+    }
+
     /// Everything from here on belongs to this part of a test.
     pub fn begin(&mut self, part: Part, settings: &Settings) {
         self.record.part = part;
@@ -82,11 +88,14 @@ impl<S: Store> Journal<S> {
         result
     }
 
-    /// A sector of its own for changed settings, so that they survive.
+    /// A sector of its own for settings changed between tests, so that they survive.
+    /// What waits to be told waits for the next test.
+    ///
+    /// # Errors
+    /// They are not on the card.
     pub fn remember(&mut self, settings: &Settings) -> Result<(), StoreError> {
-        let result = self.flush();
         self.record.settings = settings.clone();
-        result.and(self.write())
+        self.write()
     }
 
     /// The last record of earlier times.

@@ -48,6 +48,7 @@ impl Sample {
 /// What interrupt and main loop tell each other beside the samples.
 #[derive(Debug)]
 pub struct Shared {
+    ticks: AtomicU32,
     overruns: AtomicU32,
     deepest: AtomicU32,
     wanted: AtomicU8,
@@ -69,12 +70,18 @@ impl Shared {
     #[must_use]
     pub const fn new() -> Self {
         Self {
+            ticks: AtomicU32::new(0),
             overruns: AtomicU32::new(0),
             deepest: AtomicU32::new(0),
             wanted: AtomicU8::new(0),
             temperature_256: AtomicI32::new(UNKNOWN),
             supply_mv: AtomicI32::new(UNKNOWN),
         }
+    }
+
+    /// Ticks since power-up, modulo 2³².
+    pub fn ticks(&self) -> u32 {
+        self.ticks.load(Ordering::Relaxed)
     }
 
     /// Samples lost because the queue was full.
@@ -112,6 +119,11 @@ impl Shared {
             [Input::Bridge, Input::Shorted, Input::Temperature, Input::BurnOut];
         let wanted = self.wanted.load(Ordering::Relaxed);
         INPUTS.get(usize::from(wanted)).copied().unwrap_or_default()
+    }
+
+    pub(crate) fn count_tick(&self) {
+        // Only the sampling interrupt writes.
+        self.ticks.store(self.ticks().wrapping_add(1), Ordering::Relaxed);
     }
 
     pub(crate) fn count_overrun(&self) {

@@ -58,10 +58,25 @@ impl<'q, A: BridgeAdc> Sampler<'q, A> {
     }
 }
 
+/// Tells whether both ends of the queue live: who asks is the main loop, and what it
+/// looks for is the tick.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Pulse(u32);
+
+impl Pulse {
+    /// Whether the tick has come since this was last asked. A watchdog that is fed only
+    /// then starts the board again whichever of the two hangs.
+    pub fn beats(&mut self, shared: &Shared) -> bool {
+        let before = core::mem::replace(&mut self.0, shared.ticks());
+        before != self.0
+    }
+}
+
 impl<A: BridgeAdc> Tick for Sampler<'_, A> {
     /// The sample of the period before goes into the queue. If that is full, the
     /// sample is lost and counted, and its index is missing for ever after.
     fn tick(&mut self, stamp: u32) {
+        self.shared.count_tick();
         self.change_input();
         self.ask_for_climate();
         let taken = self.adc.tick();

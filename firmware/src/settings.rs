@@ -38,6 +38,24 @@ pub struct Effects {
     pub compiled: Option<u32>,
 }
 
+impl Effects {
+    /// As a computation has them.
+    #[must_use]
+    pub fn of(enabled: floe_core::Effects) -> Self {
+        let compiled = Some(floe_core::Effects::COMPILED.mask());
+        Self { enabled: Some(enabled.mask()), compiled }
+    }
+
+    /// For a computation that is to give the same again: those that were looked for and were
+    /// there; all, if nobody said.
+    #[must_use]
+    pub fn in_use(&self) -> floe_core::Effects {
+        let all = floe_core::Effects::COMPILED.mask();
+        let (enabled, compiled) = (self.enabled.unwrap_or(all), self.compiled.unwrap_or(all));
+        floe_core::Effects::from_mask(enabled & compiled)
+    }
+}
+
 /// One standard deviation of each input; `None` where nobody said.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Stds {
@@ -118,7 +136,7 @@ impl Settings {
             damping: damping.unwrap_or(usual.damping),
             winch: usual.winch,
         };
-        Config { std, ..self.config }
+        Config { std, effects: self.effects.in_use(), ..self.config }
     }
 
     /// With one value changed. The weight may still be missing.

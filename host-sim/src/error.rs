@@ -1,23 +1,25 @@
 //! What a tool says when it cannot go on: one line, then exit code 2.
 
+use std::borrow::Cow;
 use std::fmt;
 
 /// A problem with something the user gave.
 ///
-/// Reads as one line that says where, what, and what to do about it.
+/// Reads as one line that says where, what, and what to do about it, whatever the
+/// names and texts in it hold.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct InputError(String);
 
 impl InputError {
     /// A problem as one sentence without a full stop.
     pub fn new(message: impl Into<String>) -> Self {
-        Self(message.into())
+        Self(printable_line(&message.into()).into_owned())
     }
 
     /// The same problem with the place where it is put in front.
     #[must_use]
     pub fn within(self, place: impl fmt::Display) -> Self {
-        Self(format!("{place}: {}", self.0))
+        Self(format!("{}: {}", printable_line(&place.to_string()), self.0))
     }
 }
 
@@ -39,6 +41,40 @@ pub fn excerpt(bytes: &[u8]) -> String {
     format!("'{start}{tail}'")
 }
 
+/// Text of several lines that no terminal obeys: what is neither text nor the end of a
+/// line is written as `\u001b`, which in JSON is the same text as before.
+#[must_use]
+pub fn printable_text(text: &str) -> Cow<'_, str> {
+    escaped(text, |letter| commands(letter) && !matches!(letter, '\n' | '\t'))
+}
+
+/// The same for what has to stay on one line.
+#[must_use]
+pub fn printable_line(text: &str) -> Cow<'_, str> {
+    escaped(text, commands)
+}
+
+/// Letters that move the cursor, change its colours or turn the direction of text.
+fn commands(letter: char) -> bool {
+    let turns = matches!(letter, '\u{200E}' | '\u{200F}' | '\u{2028}'..='\u{202E}')
+        || matches!(letter, '\u{061C}' | '\u{2066}'..='\u{2069}');
+    letter.is_control() || turns
+}
+
+fn escaped(text: &str, bad: impl Fn(char) -> bool) -> Cow<'_, str> {
+    if !text.contains(&bad) {
+        return Cow::Borrowed(text);
+    }
+    let mut escaped = String::with_capacity(text.len());
+    for letter in text.chars() {
+        match bad(letter) {
+            true => escaped += &format!("\\u{:04x}", u32::from(letter)),
+            false => escaped.push(letter),
+        }
+    }
+    Cow::Owned(escaped)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -48,5 +84,24 @@ mod tests {
         assert_eq!(excerpt(b"abc"), "'abc'");
         assert_eq!(excerpt(b"a\nb\0"), "'a\\nb\\0'");
         assert_eq!(excerpt(&[b'x'; 100]).len(), 2 + 40 + 3);
+    }
+
+    #[test]
+    fn no_message_commands_a_terminal() {
+        let hostile = "a\u{1b}[2J\u{9b}1m\u{202e}b\r\nc\u{7f}";
+        let error = InputError::new(hostile).within(hostile).to_string();
+        assert_eq!(error.lines().count(), 1);
+        assert!(!error.contains(commands), "{error:?}");
+        let text = printable_text("a\u{1b}b\n\tc – µ");
+        assert_eq!(text, "a\\u001bb\n\tc – µ");
+        assert!(matches!(printable_text("plain\n"), Cow::Borrowed(_)));
+    }
+
+    #[test]
+    fn json_stays_the_same_json() {
+        let said = serde_json::json!({ "test_id": "a\u{9b}\u{7f}\u{1b}\u{202e}b" });
+        let text = serde_json::to_string_pretty(&said).unwrap();
+        let back: serde_json::Value = serde_json::from_str(&printable_text(&text)).unwrap();
+        assert_eq!(back, said);
     }
 }

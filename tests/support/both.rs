@@ -81,6 +81,7 @@ fn widened(config: &Config) -> wide::Config {
         winch_m_per_s: config.winch_m_per_s.map(f64::from),
         range_n: config.range_n.map(f64::from),
         calibration: wide::Calibration { tare_counts, counts_per_n, range_counts },
+        effects: wide::Effects::from_mask(config.effects.mask()),
         std: wide::InputStd::EXACT,
     }
 }

@@ -1,12 +1,17 @@
 //! Helpers shared by the tests across the crates.
 
 pub mod aims;
+pub mod board;
 pub mod both;
 pub mod brute;
+pub mod fat;
 pub mod feed;
+pub mod fuzz;
 pub mod maths;
 pub mod normal;
 pub mod records;
 pub mod scenes;
 pub mod score;
+pub mod scripted;
+pub mod terminal;
 pub mod wide;

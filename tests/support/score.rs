@@ -4,7 +4,7 @@ use floe::bench::Found;
 use floe::bench::matching::{Detection, matched};
 use floe::bench::scenes::Truth;
 use floe::sim::{Scene, Simulation, TrueEvent, bound, simulate};
-use floe_core::{Coefficient, Event, Fault, RawSample, Reading, Report};
+use floe_core::{Coefficient, Config, Effects, Event, Fault, RawSample, Reading, Report};
 
 use crate::{both, feed};
 
@@ -42,6 +42,19 @@ pub fn run(scene: &Scene, seed: u64) -> Tried {
 /// The scene cannot be simulated.
 #[must_use]
 pub fn run_with(scene: &Scene, seed: u64, zero_n: impl Fn(f64) -> f64) -> Tried {
+    run_as(&both::config(scene), scene, seed, zero_n)
+}
+
+/// The same with only some effects looked for.
+///
+/// # Panics
+/// The scene cannot be simulated.
+#[must_use]
+pub fn run_looking_for(effects: Effects, scene: &Scene, seed: u64) -> Tried {
+    run_as(&Config { effects, ..both::config(scene) }, scene, seed, |_| 0.0)
+}
+
+fn run_as(config: &Config, scene: &Scene, seed: u64, zero_n: impl Fn(f64) -> f64) -> Tried {
     let mut scene = scene.clone();
     let phase = (seed as f64 * 0.618_033_988_749_895).fract();
     let rate = scene.stiffness_n_per_m * scene.winch_m_per_s;
@@ -57,7 +70,7 @@ pub fn run_with(scene: &Scene, seed: u64, zero_n: impl Fn(f64) -> f64) -> Tried 
         }
     };
     let samples = samples.iter().map(|s| raw(s.index, s.force_n + zero_n(s.time_s)));
-    let feed::Outcome { events: found, report } = feed::replay(&both::config(&scene), samples);
+    let feed::Outcome { events: found, report } = feed::replay(config, samples);
     let (pairs, detection) = pair(&truths, &found, scene.rate_hz);
     Tried { truths, found, report, pairs, detection }
 }

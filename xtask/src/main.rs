@@ -4,11 +4,13 @@
 mod apt;
 mod arm;
 mod bench;
+mod budgets;
 #[cfg(feature = "defmt")]
 mod defmt;
 mod emulate;
 mod flash;
 mod maths;
+mod panics;
 mod python;
 mod qemu;
 mod shell;
@@ -46,6 +48,12 @@ enum Job {
     Emulate(emulate::Args),
     /// Speed on this PC and on the board, one table
     Bench,
+    /// What the core alone costs on the board, held against xtask/budgets.toml
+    Budgets {
+        /// Make what is measured the budget of this compiler
+        #[arg(long)]
+        write: bool,
+    },
     /// Errors and speed of the elementary functions, into docs/maths.md
     Maths,
     /// Write the firmware to a NUCLEO-L476RG on USB
@@ -63,6 +71,7 @@ fn main() -> ExitCode {
         Job::Test { firmware } => test::run(cli.arm, *firmware),
         Job::Emulate(args) => emulate::run(args, cli.arm),
         Job::Bench => bench::run(cli.arm),
+        Job::Budgets { write } => budgets::run(cli.arm, *write),
         Job::Maths => maths::run(cli.arm),
         Job::Flash => flash::run(cli.arm),
         #[cfg(feature = "defmt")]

@@ -7,7 +7,7 @@ use crate::Result;
 use crate::arm::Route;
 use crate::shell::{self, cargo, run_within, say};
 use crate::target::Tests;
-use crate::{emulate, python, qemu, size};
+use crate::{budgets, emulate, python, qemu, size};
 
 /// Names of the steps that passed and of those that did not.
 struct Tally {
@@ -74,6 +74,7 @@ fn firmware(tally: &mut Tally, forced: Option<Route>) {
         shell::run(&mut build)
     });
     tally.step("tests on target", || Tests::prepare(Some(route))?.run_all());
+    tally.step("core's budget", || budgets::run(Some(route), false));
     tally.step("logs through the firmware", || emulate::check_bundled(route));
     tally.step("converter troubles", || emulate::check_troubles(route));
     tally.step("card and power cuts", || emulate::check_card(route));

@@ -116,8 +116,13 @@ impl Known<'_> {
 
     /// Standard deviations of both coefficients because of the inputs.
     pub(crate) fn std(&self, coefficients: [f32; 2]) -> [f32; 2] {
-        let entries = self.entries(coefficients);
-        [0, 1].map(|i| math::sqrt(entries.iter().map(|e| square(e.shares[i].contribution)).sum()))
+        let mut variances = [0.0; 2];
+        for entry in self.entries(coefficients) {
+            for (variance, share) in variances.iter_mut().zip(entry.shares) {
+                *variance += square(share.contribution);
+            }
+        }
+        variances.map(math::sqrt)
     }
 }
 

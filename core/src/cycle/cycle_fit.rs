@@ -12,12 +12,17 @@ use crate::fit::posterior::{OverOnset, Posterior};
 use crate::fit::{Data, Fit, Fitting, Forces};
 use crate::stats::line::Line;
 
+/// Samples' worth of iterations that are still made when the next event wants to be fitted.
+const LEFT: usize = 5;
+
 /// An event being fitted.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct CycleFit {
     pub(crate) pending: SlipRecord,
     after: Line,
     stage: Stage,
+    /// Variance of the noise that the fit's weights are relative to, N².
+    fitted_n2: f32,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -34,35 +39,35 @@ enum Stage {
     /// Fitted with what is expected.
     Expected(Fitting),
     /// Averaged over the onset; and whether the samples around the slip are far from the fit.
-    Places(OverOnset, Fit, bool),
+    Places(OverOnset, Fit, Strain),
+    /// Measured; what that tells the next events is still to be learnt.
+    Telling(Fit, Posterior, Strain),
+}
+
+/// What the fit of an event tells.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Measured {
+    pub(crate) posterior: Posterior,
+    /// The forces without what other events told of the loading rate.
+    pub(crate) alone: Option<Forces>,
+    /// Variance of the noise, N².
+    pub(crate) noise_n2: f32,
+    /// Whether it is still the same block.
+    pub(crate) verdict: Verdict,
 }
 
 /// What became of an event.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Outcome {
     /// Measured.
-    Fitted {
-        posterior: Posterior,
-        /// The forces without what other events told of the loading rate.
-        alone: Option<Forces>,
-        /// Variance of the noise, N².
-        noise_n2: f32,
-        /// Whether it is still the same block.
-        verdict: Verdict,
-    },
+    Fitted(Measured),
     /// Only seen.
     Failed(Reason),
 }
 
-impl Outcome {
-    fn is_suspect(&self) -> bool {
-        matches!(self, Self::Fitted { verdict: Verdict::Suspect, .. })
-    }
-}
-
 impl CycleFit {
     pub(crate) fn new(pending: SlipRecord, after: Line) -> Self {
-        Self { pending, after, stage: Stage::New }
+        Self { pending, after, stage: Stage::New, fitted_n2: 0.0 }
     }
 
     /// Does enough of the stick line that starts at a time show to tell when it did? A
@@ -78,7 +83,41 @@ impl CycleFit {
             Stage::Free(_) => self.free(learnt),
             Stage::Expected(_) => self.expected(learnt),
             Stage::Places(..) => self.place(learnt),
+            Stage::Telling(fit, posterior, strain) => self.tell(learnt, &fit, posterior, strain),
         }
+    }
+
+    /// Iterations a sample: as many as one has time for, two of a usual slip.
+    pub(crate) fn iterations(&self) -> usize {
+        iterations(self.pending.samples().forces_n.len())
+    }
+
+    /// Is the next step as long as all that a sample has time for?
+    pub(crate) fn is_long(&self) -> bool {
+        matches!(self.stage, Stage::Telling(..))
+    }
+
+    /// What there is when no time is left: what was measured, the places of the onset so far,
+    /// or no fit.
+    pub(crate) fn cut(&mut self, learnt: &mut Expectations) -> Outcome {
+        for _ in 0..LEFT * self.iterations() {
+            if !matches!(self.stage, Stage::New | Stage::Free(_) | Stage::Expected(_)) {
+                break;
+            }
+            if let ControlFlow::Break(outcome) = self.step(learnt) {
+                return outcome;
+            }
+        }
+        let noise_n2 = learnt.noise_n2(&self.pending);
+        let data = learnt.data(&self.pending, &self.after, noise_n2);
+        let (fit, posterior, strain) = match &self.stage {
+            Stage::Telling(fit, posterior, strain) => (fit, *posterior, *strain),
+            Stage::Places(places, fit, strain) => (fit, places.so_far(fit, noise_n2), *strain),
+            Stage::New | Stage::Free(_) | Stage::Expected(_) => {
+                return Outcome::Failed(Reason::TooShort);
+            }
+        };
+        outcome(measured(learnt, &data, fit, posterior, strain, noise_n2), strain)
     }
 
     fn start(&mut self, learnt: &mut Expectations) -> ControlFlow<Outcome> {
@@ -140,46 +179,95 @@ impl CycleFit {
         }
         let now_n2 = learnt.noise_n2(pending);
         let strained = is_strained(&data, around_n2, now_n2);
-        if let Some(places) = OverOnset::new(&fit, learnt.knows_omega()).filter(|_| !misfit) {
-            self.stage = Stage::Places(places, fit, strained);
-            return ControlFlow::Continue(());
-        }
-        let outcome = fitted(learnt, &data, &fit, strained, Posterior::at(&fit, now_n2), now_n2);
-        let nothing = misfit && !outcome.is_suspect();
-        ControlFlow::Break(if nothing { Outcome::Failed(Reason::NoFit) } else { outcome })
+        let strain = match (misfit, strained) {
+            (true, _) => Strain::Misfit,
+            (_, true) => Strain::Strained,
+            _ => Strain::None,
+        };
+        let places = OverOnset::new(&fit, learnt.knows_omega()).filter(|_| !misfit);
+        self.stage = match places {
+            Some(places) => Stage::Places(places, fit, strain),
+            None => Stage::Telling(fit, Posterior::at(&fit, now_n2), strain),
+        };
+        self.fitted_n2 = noise_n2;
+        ControlFlow::Continue(())
     }
 
     fn place(&mut self, learnt: &mut Expectations) -> ControlFlow<Outcome> {
-        let Stage::Places(places, fit, strained) = &mut self.stage else {
+        let Stage::Places(places, fit, strain) = &mut self.stage else {
             return ControlFlow::Continue(());
         };
         let noise_n2 = learnt.noise_n2(&self.pending);
         let data = learnt.data(&self.pending, &self.after, noise_n2);
-        let ControlFlow::Break(posterior) = places.step(&data, fit, noise_n2) else {
-            return ControlFlow::Continue(());
-        };
-        ControlFlow::Break(fitted(learnt, &data, fit, *strained, posterior, noise_n2))
+        if let ControlFlow::Break(posterior) = places.step(&data, fit, noise_n2) {
+            self.stage = Stage::Telling(*fit, posterior, *strain);
+            self.fitted_n2 = noise_n2;
+        }
+        ControlFlow::Continue(())
+    }
+
+    /// Carries what the event tells to the next ones.
+    fn tell(
+        &self,
+        learnt: &mut Expectations,
+        fit: &Fit,
+        posterior: Posterior,
+        strain: Strain,
+    ) -> ControlFlow<Outcome> {
+        let noise_n2 = learnt.noise_n2(&self.pending);
+        let data = learnt.data(&self.pending, &self.after, self.fitted_n2);
+        let mut measured = measured(learnt, &data, fit, posterior, strain, noise_n2);
+        let posterior = &mut measured.posterior;
+        let shows = posterior.is_resolved() && is_clear(posterior);
+        // A slip of two samples shows nothing of its corners.
+        if measured.verdict == Verdict::Same && strain == Strain::None && shows {
+            let correction = learnt.learn_corner(&data, fit, noise_n2);
+            posterior.take(&correction);
+            if let Some(alone) = &mut measured.alone {
+                alone.take(&correction, noise_n2);
+            }
+        }
+        ControlFlow::Break(outcome(measured, strain))
     }
 }
 
-fn fitted(
+/// How far the samples around the slip are from the fit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Strain {
+    None,
+    /// Too far to learn from.
+    Strained,
+    /// So far that the model does not describe them.
+    Misfit,
+}
+
+/// Iterations that a sample has time for, with so many samples around the slip; lines and
+/// factorisation take as long as some more. With fewer, unresolved slips in quick succession
+/// lose places of their onset, and first events their fit.
+fn iterations(samples: usize) -> usize {
+    const SAMPLES: usize = 52;
+    const OTHER: usize = 6;
+    (SAMPLES / (samples + OTHER)).clamp(1, 4)
+}
+
+fn measured(
     learnt: &mut Expectations,
     data: &Data<'_>,
     fit: &Fit,
-    strained: bool,
-    mut posterior: Posterior,
+    posterior: Posterior,
+    strain: Strain,
     noise_n2: f32,
-) -> Outcome {
-    let mut alone = fit.forces_alone(data.rate).filter(|_| posterior.is_resolved());
-    let strained = posterior.is_resolved() && strained;
+) -> Measured {
+    let alone = fit.forces_alone(data.rate).filter(|_| posterior.is_resolved());
+    let strained = posterior.is_resolved() && strain != Strain::None;
     let verdict = learnt.learn(data, &posterior, noise_n2, strained);
-    // A slip of two samples shows nothing of its corners.
-    if verdict == Verdict::Same && !strained && posterior.is_resolved() && is_clear(&posterior) {
-        let effect = learnt.learn_corner(data, fit, noise_n2);
-        posterior.take(&effect);
-        if let Some(alone) = &mut alone {
-            alone.take(&effect, noise_n2);
-        }
+    Measured { posterior, alone, noise_n2, verdict }
+}
+
+/// A misfit counts only as a sign of another block.
+fn outcome(measured: Measured, strain: Strain) -> Outcome {
+    if strain == Strain::Misfit && measured.verdict != Verdict::Suspect {
+        return Outcome::Failed(Reason::NoFit);
     }
-    Outcome::Fitted { posterior, alone, noise_n2, verdict }
+    Outcome::Fitted(measured)
 }

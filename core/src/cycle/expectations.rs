@@ -1,6 +1,7 @@
 //! What the events of a test have told so far, as expectations for the next one.
 
 use crate::cycle::slip_record::SlipRecord;
+use crate::effect::{Effect, Effects, Parameter};
 use crate::effects::corner::CornerEstimator;
 use crate::effects::mass_change::{Mass, Told, Verdict};
 use crate::effects::sag::Sag;
@@ -18,6 +19,7 @@ use crate::stats::prior::{Prior, without_prior};
 /// Loading rate, swing `1/ω` and bend that the events share, and the noise.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Expectations {
+    effects: Effects,
     pub(crate) rate: FadingTrend,
     pub(crate) mass: Mass,
     rate_change: FadingTrend,
@@ -41,6 +43,11 @@ const LEAST_OWN: f32 = 0.01;
 const LEAST_JUDGED: f32 = 0.003;
 
 impl Expectations {
+    /// Before the first event.
+    pub(crate) fn new(effects: Effects) -> Self {
+        Self { effects, ..Self::default() }
+    }
+
     /// Variance of the noise, as if it were white: from the fits so far, else the
     /// detector's. Never below what single precision leaves of a force.
     pub(crate) fn noise_n2(&self, pending: &SlipRecord) -> f32 {
@@ -141,6 +148,15 @@ impl Expectations {
         if part.abs() < MOST { cycle.half_drop_n * part / 6.0 } else { 0.0 }
     }
 
+    /// By which part the cable is stiffer after a slip than before, where that counts.
+    pub(crate) fn stiffening(&self) -> Option<Parameter> {
+        let rate = self.rate.mean()?;
+        let gain = self.rate_change.prior_around_zero(1.0);
+        let std = 1.0 / math::sqrt(gain.weight) / rate;
+        let found = gain.mean.abs() > 0.0 && std.is_finite();
+        found.then_some(Parameter { name: "rate_gain", value: gain.mean / rate, std })
+    }
+
     /// Is the swing known from earlier events?
     pub(crate) fn knows_omega(&self) -> bool {
         self.mass.inverse_omega().is_well_known()
@@ -181,7 +197,8 @@ impl Expectations {
             same_cable: self.is_usual_rate(cycle.rate),
             strained: strained && cycle.restick_n() > 0.0,
         };
-        let verdict = self.mass.judge(&told);
+        let watches = self.effects.has(Effect::Mass);
+        let verdict = if watches { self.mass.judge(&told) } else { Verdict::Same };
         let on_trial = self.mass.is_on_trial();
         let own_rate = own(cycle.rate, rate, data.rate, LEAST_OWN).filter(positive);
         self.own_rate = own_rate;
@@ -203,6 +220,9 @@ impl Expectations {
     /// Carries what the event's residuals tell of the corners to the next ones. All that
     /// was learnt moves along.
     pub(crate) fn learn_corner(&mut self, data: &Data<'_>, fit: &Fit, noise_n2: f32) -> Correction {
+        if !self.effects.has(Effect::Corner) {
+            return Correction::default();
+        }
         let effect = self.corner.learn(data, fit, noise_n2);
         let [_, rate, _, _, inverse_omega, rate_change] = effect.moved;
         self.rate.translate(rate);

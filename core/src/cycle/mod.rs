@@ -11,10 +11,11 @@ mod slip_record;
 use core::ops::ControlFlow;
 
 use crate::coefficient::{Coefficient, Site};
-use crate::cycle::cycle_fit::{CycleFit, Outcome};
+use crate::cycle::cycle_fit::{CycleFit, Measured, Outcome};
 use crate::cycle::expectations::{Expectations, is_clear};
 use crate::cycle::slip_record::{SlipRecord, UNSURE};
 use crate::detector::{Detector, Stick};
+use crate::effect::{Effect, Parameter};
 use crate::effects::level_shift::{Cause, Change, Levels};
 use crate::effects::mass_change::Verdict;
 use crate::effects::sag::Rest;
@@ -47,6 +48,14 @@ impl From<Event> for Finished {
     }
 }
 
+/// Steps of the fit for the first answer, which is wanted at once: two are usual.
+const FIRST_STEPS: usize = 5;
+/// The same for the first three events of a test, whose omega is unknown: five guesses and
+/// most iterations. These are the longest steps there are.
+const STEPS_UNKNOWN: usize = 29;
+/// Samples that all steps together may look at: the time there is.
+const FIRST_SAMPLES: usize = 240;
+
 /// Builds events.
 #[derive(Clone, Debug)]
 pub struct CycleTracker {
@@ -75,7 +84,7 @@ impl CycleTracker {
     pub fn new(site: Site) -> Self {
         Self {
             site,
-            learnt: Expectations::default(),
+            learnt: Expectations::new(site.effects),
             pending: None,
             finishing: None,
             early: None,
@@ -113,6 +122,24 @@ impl CycleTracker {
         (rate.known().map(|rate| rate.times(hz)), mass.inverse_omega().known().map(omega))
     }
 
+    /// What the events show of an effect: its numbers.
+    #[must_use]
+    pub fn parameters(&self, effect: Effect) -> [Option<Parameter>; 2] {
+        match effect {
+            Effect::Corner => self.learnt.corner.parameters(self.site.rate_hz),
+            Effect::Sag => [self.learnt.sag.parameter(), None],
+            Effect::Stiffening => [self.learnt.stiffening(), None],
+            Effect::Mass => {
+                let (value, relative) = self.learnt.mass.weight_ratio();
+                let ratio = Parameter { name: "weight_ratio", value, std: relative * value };
+                [(relative > 0.0).then_some(ratio), None]
+            }
+            Effect::Level | Effect::Drift | Effect::Flop | Effect::Ripple | Effect::Forgetting => {
+                [None; 2]
+            }
+        }
+    }
+
     /// The slip has begun: a first value of `mu_s`, between the last sample on the line
     /// and the first one off it.
     #[must_use]
@@ -134,7 +161,8 @@ impl CycleTracker {
         let (stick, extremes) = (detector.stick(), detector.extremes());
         let slip = self.slip(stick, detector, extremes);
         let noise_n2 = self.learnt.fitted_noise_n2(&slip);
-        let steps = if self.learnt.knows_omega() { 4 } else { 24 };
+        let most = if self.learnt.knows_omega() { FIRST_STEPS } else { STEPS_UNKNOWN };
+        let steps = most.min(FIRST_SAMPLES / (slip.samples().forces_n.len() + 6));
         let none = Line::default();
         let data = self.learnt.data(&slip, &none, noise_n2);
         let mut fitting = slip.begin(&data, self.learnt.knows_omega());
@@ -178,13 +206,14 @@ impl CycleTracker {
 
     /// Ends the pending event with what there is of its stick line. Gives the event
     /// before it if it was not finished yet.
-    pub fn complete(
+    fn complete(
         &mut self,
         stick: &Stick,
         window: &Window,
         next_peak: ForcePoint,
     ) -> Option<Finished> {
-        let finished = self.finish();
+        let outcome = self.finishing.as_mut().map(|finishing| finishing.cut(&mut self.learnt));
+        let finished = outcome.and_then(|outcome| self.end(outcome));
         let next_onset = self.early.map(|(origin, cycle)| {
             moment(origin, cycle.onset - self.creep_periods() - UNSURE).index
         });
@@ -203,14 +232,38 @@ impl CycleTracker {
         self.finishing.is_none()
     }
 
-    /// Does one iteration of the fit that is under way.
+    /// Does some iterations of the fit that is under way: no sample waits for a whole fit.
     pub fn work(&mut self) -> Option<Finished> {
-        let outcome = self.finishing.as_mut()?.step(&mut self.learnt).break_value()?;
-        self.end(outcome)
+        let most = self.finishing.as_ref()?.iterations();
+        for done in 0..most {
+            let finishing = self.finishing.as_mut()?;
+            if done > 0 && finishing.is_long() {
+                break;
+            }
+            if let ControlFlow::Break(outcome) = finishing.step(&mut self.learnt) {
+                return self.end(outcome);
+            }
+        }
+        None
     }
 
-    /// Does all that is left of the fit that is under way.
-    pub fn finish(&mut self) -> Option<Finished> {
+    /// A long gap: ends the pending event with the stick line that has ended.
+    pub fn lose(&mut self, detector: &Detector) -> Option<Finished> {
+        self.complete(detector.ended(), detector.window(), detector.last())
+    }
+
+    /// Ends the test: does all that is left, one event a call, until `None`.
+    pub fn finish(&mut self, detector: &Detector) -> Option<Finished> {
+        self.drain().or_else(|| {
+            let last = detector.last();
+            let end = ForcePoint { index: last.index + 1, ..last };
+            self.complete(detector.stick(), detector.window(), end);
+            self.drain()
+        })
+    }
+
+    /// All that is left of the fit that is under way.
+    fn drain(&mut self) -> Option<Finished> {
         let finishing = self.finishing.as_mut()?;
         loop {
             if let ControlFlow::Break(outcome) = finishing.step(&mut self.learnt) {
@@ -266,7 +319,7 @@ impl CycleTracker {
         let mut load = None;
         let finished = match outcome {
             Outcome::Failed(reason) => self.without_coefficients(&pending, reason).into(),
-            Outcome::Fitted { posterior, alone, noise_n2, verdict } => {
+            Outcome::Fitted(Measured { posterior, alone, noise_n2, verdict }) => {
                 let site = self.site();
                 let alone = alone.map(|forces| {
                     let mu_s = site.coefficient(forces.static_n, noise_n2 * forces.static_variance);
@@ -305,7 +358,7 @@ impl CycleTracker {
     fn learn_sag(&mut self, pending: &SlipRecord, posterior: &Posterior, shape: &Shape) {
         let cycle = &posterior.cycle;
         let rested = self.rested.take();
-        if shape.is_slack() || !posterior.is_resolved() {
+        if !self.site.effects.has(Effect::Sag) || shape.is_slack() || !posterior.is_resolved() {
             return;
         }
         self.rested = Some((moment(pending.origin, shape.stop()), cycle.restick_n()));
@@ -329,8 +382,12 @@ impl CycleTracker {
     /// line that is not straight tells nothing of a cable that gets stiffer by sliding.
     fn shift(&self, pending: &SlipRecord, cycle: &CycleParams) -> (f32, f32) {
         let (sag_n, sag_n2) = self.learnt.sag.shift(cycle);
+        let stiffens = self.site.effects.has(Effect::Stiffening);
         let is_straight = pending.wander.level <= 0.0 && sag_n2 <= 0.0 && cycle.is_taut();
-        (sag_n - if is_straight { self.learnt.stiffening_n(cycle) } else { 0.0 }, sag_n2)
+        (
+            sag_n - if stiffens && is_straight { self.learnt.stiffening_n(cycle) } else { 0.0 },
+            sag_n2,
+        )
     }
 
     /// A measured event with what it tells of a change.
@@ -385,9 +442,13 @@ impl CycleTracker {
             }
             Verdict::Same => {
                 let CycleParams { static_n, .. } = posterior.cycle;
-                let shift = self.levels.take(static_n, posterior.cycle.dynamic_n())?;
+                let dynamic_n = posterior.cycle.dynamic_n();
+                let follows = self.site.effects.has(Effect::Level);
+                let shift = follows.then(|| self.levels.take(static_n, dynamic_n))??;
                 let first = (event.index.saturating_sub(shift.events_ago), event.onset);
-                if is_clear(posterior) && self.learnt.mass.doubt(shift.dynamic_before_n) {
+                let watches = self.site.effects.has(Effect::Mass);
+                if watches && is_clear(posterior) && self.learnt.mass.doubt(shift.dynamic_before_n)
+                {
                     self.suspect = Some(first);
                     return None;
                 }

@@ -208,12 +208,12 @@ impl SlipRecord {
     pub(crate) fn begin(&self, data: &Data<'_>, known_swing: bool) -> Fitting {
         // Without the line after it a slip on a slack cable is hardly determined.
         let early = self.early.filter(|_| self.slack(data.after).is_none());
-        Fitting::new(data, &early.unwrap_or_else(|| self.guess(data, known_swing)))
+        early.map_or_else(|| self.guess(data, known_swing), |early| Fitting::new(&early))
     }
 
-    /// A first guess: the lines' level and slope, half-way down in time, and the
+    /// Begins at a guess: the lines' level and slope, half-way down in time, and the
     /// slip's length that fits best of a few.
-    fn guess(&self, data: &Data<'_>, known_swing: bool) -> CycleParams {
+    fn guess(&self, data: &Data<'_>, known_swing: bool) -> Fitting {
         let (peak_n, low_n) = (self.peak.force_n, self.low.force_n);
         let slack = self.slack(data.after);
         let centre_n = slack.map_or(0.5 * (peak_n + low_n), |slack| slack.centre_n);
@@ -236,7 +236,7 @@ impl SlipRecord {
             }
         };
         if known_swing {
-            return self.through_samples(with_swing(data.inverse_omega.mean));
+            return Fitting::new(&self.through_samples(with_swing(data.inverse_omega.mean)));
         }
         let fall = self.fall() / slack.map_or(1.0, |slack| slack.part);
         let with_part = |part: f32| {
@@ -244,15 +244,7 @@ impl SlipRecord {
             let phase = math::atan2(rate * slide, PI * half_drop_n);
             with_swing(slide / (PI + 2.0 * phase))
         };
-        let tried = |part: f32| {
-            let guess = with_part(part);
-            (data.cost(&guess), guess)
-        };
-        let best = [0.6, 0.8, 1.25, 1.6].into_iter().fold(tried(1.0), |best, part| {
-            let other = tried(part);
-            if other.0 < best.0 { other } else { best }
-        });
-        best.1
+        Fitting::among([1.0, 0.6, 0.8, 1.25, 1.6].map(with_part))
     }
 
     /// Moves the onset, along the stick line, and the drop of a guess so that it goes through

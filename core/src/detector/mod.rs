@@ -25,6 +25,7 @@
 mod slack_wait;
 
 use crate::detector::slack_wait::SlackWait;
+use crate::effect::{Effect, Effects};
 use crate::noise::flop::FlopProfile;
 use crate::noise::forgetting::Forgetting;
 use crate::noise::ripple::{ColoredNoise, Ripple};
@@ -205,6 +206,7 @@ fn moved(mut line: Line, from: u64, to: u64) -> Line {
 /// The state machine.
 #[derive(Clone, Debug)]
 pub struct Detector {
+    effects: Effects,
     window: Window,
     noise: Noise,
     /// The noise's standard deviations at the newest sample, N.
@@ -241,10 +243,11 @@ pub struct Detector {
 impl Detector {
     /// Before the first sample, for a rate in hertz.
     #[must_use]
-    pub fn new(rate_hz: f32) -> Self {
+    pub fn new(rate_hz: f32, effects: Effects) -> Self {
         // A fifth of a second: replaced by the first slip.
         let usual_fall = 0.2 * rate_hz;
         Self {
+            effects,
             window: Window::new(),
             noise: Noise::new(),
             std_n: None,
@@ -346,6 +349,22 @@ impl Detector {
     #[must_use]
     pub fn usual_drop_n(&self) -> f32 {
         self.usual_drop_n
+    }
+
+    /// Do the rests of late show an effect of the noise?
+    #[must_use]
+    pub fn shows(&self, effect: Effect) -> bool {
+        match effect {
+            Effect::Flop => !self.profile.is_flat(),
+            Effect::Ripple => self.wander().level > 0.0,
+            Effect::Forgetting => !self.memory.is_endless(),
+            Effect::Corner
+            | Effect::Sag
+            | Effect::Stiffening
+            | Effect::Mass
+            | Effect::Level
+            | Effect::Drift => false,
+        }
     }
 
     /// Takes the noise that the fits of the events leave, N.
@@ -592,7 +611,8 @@ impl Detector {
     fn learn_profile(&mut self) {
         let (Stick { origin, next, .. }, window) = (self.stick, &self.window);
         let was_flat = self.profile.is_flat();
-        if window.first_from(origin) != origin || !self.profile.is_due() {
+        let looks = self.effects.has(Effect::Flop);
+        if !looks || window.first_from(origin) != origin || !self.profile.is_due() {
             return;
         }
         self.profile.learn((origin..next).map(|index| window.get(index)));
@@ -628,8 +648,11 @@ impl Detector {
             if std.is_some_and(|std| relative.abs() > OFF_LINE * std) {
                 return self.strike(sample.index, relative);
             }
-            self.whiteness.add(relative, weight);
-            if let Some(slope) = self.stick.trial.slope() {
+            if self.effects.has(Effect::Ripple) {
+                self.whiteness.add(relative, weight);
+            }
+            let forgets = self.effects.has(Effect::Forgetting);
+            if let Some(slope) = self.stick.trial.slope().filter(|_| forgets) {
                 let trial = sample.force_n - self.stick.trial.at(time, slope);
                 self.memory.compare(weight * innovation, weight * trial);
                 if self.usual_drop_n <= 0.0 && self.memory.has_won() {
@@ -706,7 +729,8 @@ impl Detector {
         let low = if floor.is_some() { self.first_low(peak.index) } else { self.lowest };
         let fall = low.index - peak.index;
         if self.usual_drop_n > 0.0 {
-            let change = (drop - self.usual_drop_n).clamp(-0.5 * self.usual_drop_n, drop);
+            // Not `clamp`, which panics at a limit that is no number.
+            let change = (drop - self.usual_drop_n).max(-0.5 * self.usual_drop_n).min(drop);
             self.usual_drop_n = (self.usual_drop_n + 0.25 * change).max(0.5 * drop);
             self.usual_fall += 0.25 * (fall as f32 - self.usual_fall);
         } else {

@@ -7,6 +7,7 @@
 
 #![allow(clippy::needless_range_loop, reason = "an index is that of rows and columns alike")]
 
+use crate::effect::Parameter;
 use crate::fit::correction::Correction;
 use crate::fit::{DYNAMIC, Data, Fit, STATIC};
 use crate::model::corner::{Corner, NUMBERS};
@@ -32,6 +33,8 @@ pub(crate) struct CornerEstimator {
     corner: Corner,
     /// Variances of `κ` and `h` while they are only possible.
     possible: [f32; 2],
+    /// Variances of `κ` and `h` as the events tell them.
+    variances: [f32; 2],
     /// Events that could tell, also those that were not asked.
     events: u32,
 }
@@ -69,6 +72,27 @@ impl CornerEstimator {
             return self.corner;
         }
         Corner { range_n: RANGE * rate * inverse_omega, ..Corner::default() }
+    }
+
+    /// The numbers that count: what the force lacks at the onset, and over how long the
+    /// converter takes its mean, `τ² = 24 κ`, for a rate in hertz.
+    pub(crate) fn parameters(&self, rate_hz: f32) -> [Option<Parameter>; 2] {
+        let Corner { smoothing, missing_n, .. } = self.corner;
+        let [of_smoothing, of_missing] = self.variances.map(math::sqrt);
+        let averaging = 2.0 * math::sqrt(6.0 * smoothing);
+        let std = 0.5 * averaging * of_smoothing / smoothing;
+        [
+            (missing_n > 0.0).then_some(Parameter {
+                name: "missing_n",
+                value: missing_n,
+                std: of_missing,
+            }),
+            (smoothing > 0.0).then(|| Parameter {
+                name: "averaging_s",
+                value: averaging / rate_hz,
+                std: std / rate_hz,
+            }),
+        ]
     }
 
     /// What the force lacks at the onset, N.
@@ -170,6 +194,7 @@ impl CornerEstimator {
         for k in 0..2 {
             let square = self.best[k] * self.best[k];
             let variance = excess * variances[k];
+            self.variances[k] = variance;
             let may_count = self.count > LEAST_EVENTS && self.best[k] > 0.0;
             let beyond = |errors: f32| {
                 if may_count { surely(square, errors * errors * variance) } else { 0.0 }

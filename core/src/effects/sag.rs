@@ -8,7 +8,9 @@
 //!
 //! `Fp = (Fs + Fe)/2 − S Δ² / (4 (Fs² Fe² + S (Fs + Fe)/2))`, `Δ = Fs − Fe`.
 
+use crate::effect::Parameter;
 use crate::model::CycleParams;
+use crate::num::math;
 use crate::stats::fading_trend::FadingTrend;
 
 /// A rest between two slips.
@@ -59,6 +61,13 @@ impl Sag {
         if let Some((softness, variance)) = rest.softness() {
             self.softness.add(softness, variance);
         }
+    }
+
+    /// The softness, once it counts.
+    pub(crate) fn parameter(&self) -> Option<Parameter> {
+        let value = self.softness.mean().filter(|_| self.softness.is_well_known())?;
+        let std = 1.0 / math::sqrt(self.softness.prior(1.0).weight);
+        (value > std).then_some(Parameter { name: "softness_n3", value, std })
     }
 
     /// How far `Fp` lies below `(Fs + Fe)/2`, N, and its variance. A mean that is itself

@@ -23,7 +23,7 @@ mod scatter;
 
 use crate::coefficient::{Coefficient, Estimate};
 use crate::estimator::autocovariance::Correlation;
-use crate::estimator::scatter::Scatter;
+use crate::estimator::scatter::{FEW, Scatter};
 use crate::num::double_single::DoubleSingle;
 use crate::num::math;
 
@@ -116,9 +116,13 @@ impl Estimator {
             let (squares, noise) = (self.squares.rounded(), self.variance.rounded());
             Scatter::of(self.count, self.mean.rounded(), squares, noise)
         });
-        let between = scatter.map_or(DoubleSingle::default(), |scatter| {
-            (DoubleSingle::from(scatter.variance) - self.variance).or_zero()
-        });
+        // Of few events with the prior; of more, to 48 bits.
+        let between = match scatter {
+            Some(scatter) if self.count <= FEW => {
+                (DoubleSingle::from(scatter.variance) - self.variance).or_zero()
+            }
+            _ => self.between().unwrap_or_default(),
+        };
         let n = DoubleSingle::from(self.count);
         let typical = n / self.weight;
         let lambda = typical / (typical + between);

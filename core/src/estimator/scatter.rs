@@ -15,7 +15,7 @@
 use crate::num::math;
 
 /// Events up to which the prior counts.
-const FEW: u32 = 8;
+pub(super) const FEW: u32 = 8;
 /// Scatter beyond which it is unlikely, relative to the coefficient. Stated, not measured:
 /// with twice as much the interval of two events is a tenth wider, of three hardly.
 const LARGEST: f32 = 0.15;

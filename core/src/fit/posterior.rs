@@ -10,7 +10,7 @@
 use core::ops::ControlFlow;
 
 use crate::fit::correction::Correction;
-use crate::fit::{Data, Fit};
+use crate::fit::{Data, Fit, Fitting};
 use crate::model::CycleParams;
 use crate::num::math;
 use crate::stats::normal_equations::{Gradient, UNKNOWNS};
@@ -97,13 +97,15 @@ impl Posterior {
     }
 }
 
-/// Averages over places of the onset, weighted by likelihood: one place a step.
+/// Averages over places of the onset, weighted by likelihood: one iteration of one place's
+/// fit a step.
 #[derive(Clone, Copy, Debug)]
 pub struct OverOnset {
     sums: Sums,
-    /// Next place, and the fit at the one before it.
+    /// Next place, and where its fit begins.
     place: i16,
     from: CycleParams,
+    fitting: Option<Fitting>,
 }
 
 impl OverOnset {
@@ -112,16 +114,40 @@ impl OverOnset {
     pub fn new(best: &Fit, knows_omega: bool) -> Option<Self> {
         let least = if knows_omega { RESOLVED } else { CLEARLY_RESOLVED };
         let is_short = best.cycle.slide_time() < least;
-        is_short.then_some(Self { sums: Sums::default(), place: 0, from: best.cycle })
+        let (sums, place, from) = (Sums::default(), 0, best.cycle);
+        is_short.then_some(Self { sums, place, from, fitting: None })
     }
 
-    /// Takes the next place of the onset; breaks with the result after the last.
+    /// One iteration; breaks with the result after the last place.
     pub fn step(&mut self, data: &Data<'_>, best: &Fit, noise_n2: f32) -> ControlFlow<Posterior> {
         let onset = best.cycle.onset + STEP * f32::from(self.place);
         let steepest = self.from.rate + self.from.half_drop_n * self.from.omega;
         let held = Prior { mean: onset, weight: HELD * steepest * steepest };
         let held = Data { onset: held, ..*data };
-        let fit = held.fit(&CycleParams { onset, ..self.from }, noise_n2);
+        let guess = CycleParams { onset, ..self.from };
+        let fitting = self.fitting.get_or_insert_with(|| Fitting::new(&guess));
+        let ControlFlow::Break(fit) = fitting.step(&held, noise_n2) else {
+            return ControlFlow::Continue(());
+        };
+        self.fitting = None;
+        self.take(data, best, fit, noise_n2)
+    }
+
+    /// The result of the places so far.
+    #[must_use]
+    pub fn so_far(&self, best: &Fit, noise_n2: f32) -> Posterior {
+        self.sums.posterior(best, noise_n2)
+    }
+
+    /// Takes the fit of one place.
+    fn take(
+        &mut self,
+        data: &Data<'_>,
+        best: &Fit,
+        fit: Option<Fit>,
+        noise_n2: f32,
+    ) -> ControlFlow<Posterior> {
+        let onset = best.cycle.onset + STEP * f32::from(self.place);
         // A slip of samples enough has one best place: where nothing is likely any more
         // nothing is beyond.
         let mut ends = fit.is_none();
@@ -134,7 +160,7 @@ impl OverOnset {
             self.sums.add(likelihood, &Posterior::at(fit, noise_n2), best);
         }
         let Some(next) = following(self.place, ends) else {
-            return ControlFlow::Break(self.sums.posterior(best, noise_n2));
+            return ControlFlow::Break(self.so_far(best, noise_n2));
         };
         // The other way begins at the best fit again.
         let turns = self.place > 0 && next < 0;

@@ -125,8 +125,9 @@ impl FlopProfile {
     /// Excess and decay from the moments.
     fn solve(&mut self, taper: f32) {
         let usual_n2 = self.late_n2 / self.late;
-        let Early { sums, squares_n2 } = self.early;
-        let [all, by_age] = [0, 1].map(|i| squares_n2[i] / usual_n2 - sums[i]);
+        let Early { sums, squares_n2: [square_n2, square_by_age_n2] } = self.early;
+        let all = square_n2 / usual_n2 - sums[0];
+        let by_age = square_by_age_n2 / usual_n2 - sums[1];
         // Variance of `all` by chance; Σ v² is about half of Σ v.
         let chance = sums[0] + 2.0 * sums[0] * sums[0] / self.late;
         let limit = SIGNIFICANT * math::sqrt(chance);

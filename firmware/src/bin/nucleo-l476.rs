@@ -16,7 +16,7 @@ mod target {
     use floe_firmware::card::CardLog;
     use floe_firmware::display;
     use floe_firmware::sample::{SampleQueue, Shared};
-    use floe_firmware::sampler::Sampler;
+    use floe_firmware::sampler::{Pulse, Sampler};
     use floe_firmware::text::Hex;
     use ssd1306::mode::DisplayConfig;
     use ssd1306::prelude::{DisplayRotation, DisplaySize128x64};
@@ -26,6 +26,8 @@ mod target {
     type Bus = CriticalSectionDevice<'static, floe_firmware::board::nucleo::I2c1>;
     type Adc = Ads122<I2cBus<Bus>, Delay>;
     type Logger = App<'static, Console, CardLog<Card>>;
+
+    static SHARED: Shared = Shared::new();
 
     /// Both address pins of the converter at ground.
     const CONVERTER: u8 = 0x40;
@@ -44,9 +46,11 @@ mod target {
         app.power_up(words.as_deref());
         watchdog.unleash();
         clock::start_tick(sampler);
-        let mut samples = 0;
+        let (mut samples, mut pulse) = (0, Pulse::default());
         loop {
-            watchdog.pet();
+            if pulse.beats(&SHARED) {
+                watchdog.pet();
+            }
             if app.turn() {
                 samples += 1;
                 let late = clock::since_tick() > PICTURE_LATEST_US;
@@ -71,7 +75,6 @@ mod target {
     /// Puts everything in its place; a function of its own, so that its frame goes.
     #[inline(never)]
     fn build() -> Parts {
-        static SHARED: Shared = Shared::new();
         static QUEUE: StaticCell<SampleQueue> = StaticCell::new();
         static SAMPLER: StaticCell<Sampler<'static, Adc>> = StaticCell::new();
         static APP: StaticCell<Logger> = StaticCell::new();

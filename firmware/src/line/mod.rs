@@ -367,6 +367,7 @@ mod tests {
             winch_m_per_s: Some(LONG),
             range_n: Some(LONG),
             calibration,
+            effects: floe_core::Effects::default(),
             std: InputStd::default(),
         };
         Settings {

@@ -66,6 +66,7 @@ fn settings(from: &mut Reader<'_>) -> Result<Settings, LineError> {
             counts_per_n: from.take()?,
             range_counts: (from.take()?, from.take()?),
         },
+        effects: floe_core::Effects::default(),
         // See `Settings::core_config`.
         std: InputStd::default(),
     };

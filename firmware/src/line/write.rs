@@ -79,7 +79,7 @@ impl Line<'_> {
 fn start(out: &mut Writer<'_>, run: u32, settings: &Settings) -> fmt::Result {
     out.put(run)?;
     out.put(settings.name.as_str())?;
-    let Config { rate_hz, weight_n, slope_rad, winch_m_per_s, range_n, calibration, std: _ } =
+    let Config { rate_hz, weight_n, slope_rad, winch_m_per_s, range_n, calibration, .. } =
         settings.config;
     out.put_f32(rate_hz)?;
     out.put_f32(weight_n)?;

@@ -119,6 +119,7 @@ fn take_config(from: &mut Reader<'_>) -> Config {
             let range_counts = (from.i32(), from.i32());
             Calibration { tare_counts, counts_per_n: from.f32(), range_counts }
         },
+        effects: floe_core::Effects::default(),
         // See `Settings::core_config`.
         std: InputStd::default(),
     }

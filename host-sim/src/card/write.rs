@@ -2,6 +2,7 @@
 
 use std::fmt::Write;
 
+use floe_core::{Effect, Effects};
 use floe_firmware::line::{Decimal, Line};
 use floe_firmware::notebook::{Kind, Track, WeightFrom, word};
 use floe_firmware::record::Part;
@@ -78,10 +79,20 @@ pub(super) fn head(part: &Part, settings: &Settings) -> String {
     put_numbers(&mut text, &numbers);
     let _ = writeln!(text, "# slope_deg: {slope_deg}");
     let _ = writeln!(text, "# tare_counts: {}", config.calibration.tare_counts);
+    if settings.effects.enabled.is_some() {
+        let _ = writeln!(text, "# effects: {}", names(settings.effects.in_use()));
+    }
     put_part(&mut text, part);
     put_around(&mut text, settings);
     let _ = writeln!(text, "time_s,force_n,{COLUMN},state");
     text
+}
+
+/// Effects as `--effects` takes them.
+fn names(effects: Effects) -> String {
+    let names = Effect::ALL.into_iter().filter(|effect| effects.has(*effect)).map(Effect::name);
+    let names: Vec<&str> = names.collect();
+    if names.is_empty() { "none".to_string() } else { names.join(",") }
 }
 
 /// What identifies the recording.

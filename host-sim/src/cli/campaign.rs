@@ -8,7 +8,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use rayon::prelude::*;
 
 use crate::campaign::event_table::EventTable;
-use crate::campaign::manifest::Entry;
+use crate::campaign::manifest::{self, Entry};
 use crate::campaign::summary::Summary;
 use crate::campaign::{TestRecord, programme, recorded};
 use crate::error::InputError;
@@ -74,6 +74,16 @@ impl Source {
         }
     }
 
+    /// All that is read: the list, the table in the directory, and every log.
+    fn files(&self, args: &Args) -> Vec<PathBuf> {
+        let logs = match self {
+            Self::Programme { .. } => &[],
+            Self::Logs(logs) => logs.as_slice(),
+        };
+        let lists = args.logs.iter().flat_map(|path| [path.clone(), path.join(manifest::NAME)]);
+        lists.chain(logs.iter().map(|entry| entry.path.clone())).collect()
+    }
+
     fn len(&self) -> u64 {
         match self {
             Self::Programme { tests, .. } => *tests,
@@ -101,12 +111,12 @@ impl Source {
 /// One line for the user.
 pub fn run(args: &Args) -> Result<(), InputError> {
     let json = args.json.as_deref().filter(|path| *path != Path::new(STANDARD));
-    let mut taken: Vec<&Path> = args.logs.iter().map(PathBuf::as_path).collect();
-    for path in [json, args.report.as_deref(), args.parquet.as_deref()].into_iter().flatten() {
-        output::check(path, &taken)?;
-        taken.push(path);
-    }
     let source = Source::new(args)?;
+    let outputs = [json, args.report.as_deref(), args.parquet.as_deref()];
+    let outputs: Vec<&Path> = outputs.into_iter().flatten().collect();
+    let inputs = source.files(args);
+    let inputs: Vec<&Path> = inputs.iter().map(PathBuf::as_path).collect();
+    let older = output::check(&outputs, &inputs)?;
     let started = Instant::now();
     let mut tests = Vec::new();
     let mut events = 0;
@@ -121,10 +131,11 @@ pub fn run(args: &Args) -> Result<(), InputError> {
     let seed = args.logs.is_none().then_some(args.seed);
     let left_out: Vec<String> = left_out.iter().map(ToString::to_string).collect();
     for problem in &left_out {
-        eprintln!("floe: left out: {problem}");
+        output::say(&format!("left out: {problem}"));
     }
     let summary = Summary { left_out, ..Summary::new(&tests, events, seed) };
     write(args, &summary, &tests)?;
+    older.tell();
     let seconds = started.elapsed().as_secs_f64();
     let left_out = match summary.left_out.len() {
         0 => String::new(),

@@ -32,14 +32,15 @@ pub struct Args {
 /// One line for the user.
 pub fn run(args: &Args) -> Result<(), InputError> {
     let name = if args.log == STANDARD { "standard input" } else { &args.log };
-    if let Some(path) = args.json.file() {
-        output::check(path, &[Path::new(&args.log)])?;
-    }
+    let outputs: Vec<&Path> = args.json.file().into_iter().collect();
+    let older = output::check(&outputs, &[Path::new(&args.log)])?;
     let found = open(&args.log, false)
         .and_then(|input| Log::from_reader(input, &args.options))
         .and_then(|mut log| inspect(&args.log, &mut log))
         .map_err(|error| error.within(name))?;
-    args.json.print(&found, || text(&found))
+    args.json.print(&found, || text(&found))?;
+    older.tell();
+    Ok(())
 }
 
 fn text(found: &Inspection) -> String {

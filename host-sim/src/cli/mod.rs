@@ -68,7 +68,7 @@ pub fn main() -> ExitCode {
     match result {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("floe: {error}");
+            output::say(&error.to_string());
             ExitCode::from(2)
         }
     }

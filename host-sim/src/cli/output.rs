@@ -1,18 +1,27 @@
-//! Writing results without ever leaving half a file or the input destroyed.
+//! Writing results: never half a file, never over an input, and nothing to a terminal
+//! that is not text.
+//!
+//! One rule for every command. Before any work [`check`] refuses an output that is an
+//! input or another output, by whatever path or link; an older output is replaced as a
+//! whole once the new one is complete, keeps its mode, and [`Older::tell`] says so.
 
-use std::fs::{self, File};
+use std::collections::BTreeSet;
+use std::fs::{self, File, Metadata};
 use std::io::{self, BufWriter, ErrorKind, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, Once};
 
-use crate::error::InputError;
+use crate::error::{InputError, printable_line, printable_text};
 
-/// Writes to standard output. A reader that has gone away (`| head`) is no error.
+/// Writes to standard output, fit for a terminal. A reader that has gone away
+/// (`| head`) is no error.
 ///
 /// # Errors
 /// Standard output cannot be written.
 pub fn print(text: &str) -> Result<(), InputError> {
     let mut out = std::io::stdout().lock();
-    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+    let written = out.write_all(printable_text(text).as_bytes()).and_then(|()| out.flush());
+    match written {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => {
             Err(InputError::new(format!("standard output cannot be written: {error}")))
         }
@@ -20,27 +29,85 @@ pub fn print(text: &str) -> Result<(), InputError> {
     }
 }
 
-/// Refuses an output that cannot be written or that is one of `inputs`, before
-/// any work is done.
+/// Says a line on standard error, fit for a terminal.
+pub fn say(line: &str) {
+    eprintln!("floe: {}", printable_line(line));
+}
+
+/// Outputs that were there before.
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[must_use = "what is replaced is said"]
+pub struct Older(Vec<PathBuf>);
+
+impl Older {
+    /// Says, once all is written, that they have been replaced.
+    pub fn tell(&self) {
+        for path in &self.0 {
+            say(&format!("{}: the file that was there has been replaced", path.display()));
+        }
+    }
+}
+
+/// Refuses outputs that cannot be written, or that are one of `inputs`, standard input
+/// or output, or each other. Gives those that are there already.
 ///
 /// # Errors
-/// Names the output and what is wrong with it.
-pub fn check(path: &Path, inputs: &[&Path]) -> Result<(), InputError> {
-    let refuse = |why: &str| Err(InputError::new(why).within(path.display()));
-    let same = |input: &Path| match (path.canonicalize(), input.canonicalize()) {
-        (Ok(a), Ok(b)) => a == b,
-        _ => path == input,
-    };
-    if inputs.iter().copied().any(same) {
-        return refuse("is read or written already by this command; name another output");
+/// Names the first such output and what is wrong with it.
+pub fn check(outputs: &[&Path], inputs: &[&Path]) -> Result<Older, InputError> {
+    let standard = ["/dev/stdin", "/dev/stdout"].map(Path::new);
+    let taken = inputs.iter().copied().chain(standard);
+    let mut taken: Vec<Identity> = taken.filter_map(Identity::of).collect();
+    for path in outputs {
+        let refuse = |why: &str| Err(InputError::new(why).within(path.display()));
+        if path.is_dir() {
+            return refuse("is a directory; name a file to write");
+        }
+        if !directory(path).is_dir() {
+            return refuse("its directory does not exist; make it first");
+        }
+        if let Some(identity) = Identity::of(path) {
+            if taken.contains(&identity) {
+                return refuse("is read or written already by this command; name another output");
+            }
+            taken.push(identity);
+        }
     }
-    if path.is_dir() {
-        return refuse("is a directory; name a file to write");
+    Ok(Older(outputs.iter().filter(|path| path.is_file()).map(|path| path.to_path_buf()).collect()))
+}
+
+/// What makes a file the same by any path.
+#[derive(Clone, Debug, PartialEq, Eq)]
+enum Identity {
+    /// An existing file: its file system and its number there.
+    #[cfg(unix)]
+    Node(u64, u64),
+    /// A file that is not there yet, or one of a system without such numbers.
+    Place(PathBuf),
+}
+
+impl Identity {
+    /// `None` for what several may write at once: a terminal, `/dev/null`.
+    fn of(path: &Path) -> Option<Self> {
+        match fs::metadata(path) {
+            Ok(there) => Self::of_existing(path, &there),
+            Err(_) => {
+                let place = directory(path).canonicalize().ok()?;
+                Some(Self::Place(place.join(path.file_name()?)))
+            }
+        }
     }
-    if !directory(path).is_dir() {
-        return refuse("its directory does not exist; make it first");
+
+    #[cfg(unix)]
+    fn of_existing(_: &Path, there: &Metadata) -> Option<Self> {
+        use std::os::unix::fs::{FileTypeExt, MetadataExt};
+        let shared = there.file_type().is_char_device();
+        (!shared).then(|| Self::Node(there.dev(), there.ino()))
     }
-    Ok(())
+
+    #[cfg(not(unix))]
+    fn of_existing(path: &Path, _: &Metadata) -> Option<Self> {
+        path.canonicalize().ok().map(Self::Place)
+    }
 }
 
 /// Replaces a file as a whole: the old one stays until the new one is complete.
@@ -59,6 +126,7 @@ pub fn stream(
     path: &Path,
     write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>,
 ) -> Result<(), InputError> {
+    // A link to a file stays a link; one that leads nowhere is not followed.
     let target = path.canonicalize().unwrap_or_else(|_| path.to_path_buf());
     let written = match fs::metadata(&target) {
         // A device or a pipe is written to, not replaced.
@@ -66,27 +134,71 @@ pub fn stream(
             let mut out = BufWriter::new(file);
             write(&mut out).and_then(|()| out.flush())
         }),
-        _ => replace_whole(&target, write),
+        Ok(old) => replace_whole(&target, Some(&old), write),
+        Err(_) => replace_whole(&target, None, write),
     };
     written.map_err(|e| InputError::new(format!("cannot be written: {e}")).within(path.display()))
 }
 
 fn replace_whole(
     path: &Path,
+    old: Option<&Metadata>,
     write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>,
 ) -> io::Result<()> {
-    let name = path.file_name().unwrap_or_default().to_string_lossy();
-    let new = directory(path).join(format!(".{name}.{}.part", std::process::id()));
+    let new = Unfinished::beside(path);
     let fill = |file: File| {
         let mut out = BufWriter::new(file);
-        write(&mut out).and_then(|()| out.flush()).and_then(|()| out.get_ref().sync_all())
+        write(&mut out).and_then(|()| out.flush())?;
+        if let Some(old) = old {
+            out.get_ref().set_permissions(old.permissions())?;
+        }
+        out.get_ref().sync_all()
     };
-    let written = File::create_new(&new).and_then(fill).and_then(|()| fs::rename(&new, path));
-    if written.is_err() {
-        // What went wrong is told by the first error.
-        let _ = fs::remove_file(&new);
+    File::create_new(&new.0).and_then(fill).and_then(|()| fs::rename(&new.0, path))
+}
+
+/// A file that is being written. It is gone when this is, and when the program is
+/// stopped by a signal.
+struct Unfinished(PathBuf);
+
+static UNFINISHED: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
+
+impl Unfinished {
+    fn beside(path: &Path) -> Self {
+        static HANDLER: Once = Once::new();
+        // Without a handler an interrupt leaves the file, under a name that says so.
+        HANDLER.call_once(|| drop(ctrlc::set_handler(remove_unfinished)));
+        // The longest name that any file system takes is 255 bytes.
+        let name: String =
+            path.file_name().unwrap_or_default().to_string_lossy().chars().take(50).collect();
+        let path = directory(path).join(format!(".{name}.{}.part", std::process::id()));
+        if let Ok(mut all) = UNFINISHED.lock() {
+            all.insert(path.clone());
+        }
+        Self(path)
     }
-    written
+}
+
+impl Drop for Unfinished {
+    fn drop(&mut self) {
+        if let Ok(mut all) = UNFINISHED.lock() {
+            // Renamed, if all went well; what went wrong is told by the first error.
+            let _ = fs::remove_file(&self.0);
+            all.remove(&self.0);
+        }
+    }
+}
+
+/// What a signal does.
+fn remove_unfinished() {
+    if let Ok(all) = UNFINISHED.lock() {
+        for path in all.iter() {
+            let _ = fs::remove_file(path);
+        }
+        // As shells report an interrupt. Nobody may begin another file meanwhile.
+        std::process::exit(130);
+    }
+    std::process::exit(130);
 }
 
 /// Where a file is, or will be.

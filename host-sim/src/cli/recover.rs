@@ -57,7 +57,8 @@ fn name(args: &Args, test: &Test, extension: &str) -> PathBuf {
 }
 
 fn refuse_existing(path: &Path) -> Result<(), InputError> {
-    if path.exists() {
+    // A link that leads nowhere is there too.
+    if path.symlink_metadata().is_ok() {
         let message = "is there already; name an empty directory, or remove it";
         return Err(InputError::new(message).within(path.display()));
     }

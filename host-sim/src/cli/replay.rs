@@ -99,16 +99,17 @@ type Findings = (ReplayResult, Option<Recorder>);
 pub fn run(args: &Args) -> Result<(), InputError> {
     let (args, path) = args.resolved()?;
     let name = if path == STANDARD { "standard input" } else { path };
-    let mut taken = vec![Path::new(path)];
-    for output in args.outputs() {
-        output::check(output, &taken)?;
-        taken.push(output);
-    }
+    let outputs: Vec<&Path> = args.outputs().collect();
+    let older = output::check(&outputs, &[Path::new(path)])?;
     if let Some(folder) = args.figures.as_deref().filter(|folder| folder.is_file()) {
         return Err(InputError::new("is a file; name a directory").within(folder.display()));
     }
     let input = open(path, args.quiet).map_err(|error| error.within(name))?;
-    evaluate(name, path, input, &args)
+    evaluate(name, path, input, &args)?;
+    if !args.quiet {
+        older.tell();
+    }
+    Ok(())
 }
 
 /// Name and content of the log in the binary, which says its own weight.
@@ -236,7 +237,7 @@ fn finish(
     }
     if !args.quiet {
         for warning in &result.log.warnings {
-            eprintln!("floe: warning: {}: {warning}", result.log.path);
+            output::say(&format!("warning: {}: {warning}", result.log.path));
         }
     }
     match args.json.as_deref() {

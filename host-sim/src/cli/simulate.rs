@@ -43,10 +43,9 @@ enum Form {
 /// One line for the user.
 pub fn run(args: &Args) -> Result<(), InputError> {
     let form = form(&args.output)?;
-    output::check(&args.output, &[&args.scene])?;
-    if let Some(truth) = &args.truth {
-        output::check(truth, &[&args.scene, &args.output])?;
-    }
+    let outputs: Vec<&Path> =
+        std::iter::once(&args.output).chain(&args.truth).map(PathBuf::as_path).collect();
+    let older = output::check(&outputs, &[&args.scene])?;
     let scene = read_scene(&args.scene, args.duration_s)?;
     let in_scene =
         |error: &dyn ToString| InputError::new(error.to_string()).within(args.scene.display());
@@ -61,6 +60,7 @@ pub fn run(args: &Args) -> Result<(), InputError> {
         let json = serde_json::to_string_pretty(&truth).map_err(|e| in_scene(&e))?;
         output::replace(path, &(json + "\n"))?;
     }
+    older.tell();
     output::print(&summary(args, &scene, &truth))
 }
 

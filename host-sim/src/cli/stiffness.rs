@@ -41,11 +41,12 @@ pub struct Args {
 /// # Errors
 /// One line for the user.
 pub fn run(args: &Args) -> Result<(), InputError> {
-    if let Some(path) = args.json.file() {
-        output::check(path, &[Path::new(&args.log)])?;
-    }
+    let outputs: Vec<&Path> = args.json.file().into_iter().collect();
+    let older = output::check(&outputs, &[Path::new(&args.log)])?;
     let found = measure(args).map_err(|error| error.within(&args.log))?;
-    args.json.print(&found, || text(&found))
+    args.json.print(&found, || text(&found))?;
+    older.tell();
+    Ok(())
 }
 
 fn measure(args: &Args) -> Result<Stiffness, InputError> {

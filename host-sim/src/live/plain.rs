@@ -5,6 +5,7 @@ use std::time::{Duration, Instant};
 
 use floe_core::Event;
 
+use crate::cli::output::say;
 use crate::error::InputError;
 use crate::replay::result::EventSummary;
 
@@ -41,6 +42,14 @@ pub fn run(place: &Place, port: &Port, form: Form, save: Option<Save>) -> Result
                 port.say("status");
             }
             Input::Down(reason) => list.down(place, reason),
+            Input::Dropped(bytes) => {
+                lines.restart();
+                list.state.drop(bytes, now);
+                say(&format!(
+                    "{} bytes so far came too fast and were left out",
+                    list.state.dropped
+                ));
+            }
             Input::Bytes(bytes) => {
                 for received in lines.take(&bytes) {
                     if let Some(save) = &mut list.save {
@@ -70,13 +79,13 @@ struct List {
 impl List {
     fn up(&mut self, place: &Place, now: Duration) {
         if self.state.away.is_some() {
-            eprintln!("floe: {place}: there again");
+            say(&format!("{place}: there again"));
         }
         self.state.up(now);
     }
 
     fn down(&mut self, place: &Place, reason: String) {
-        eprintln!("floe: {place}: gone ({reason}); trying again");
+        say(&format!("{place}: gone ({reason}); trying again"));
         self.state.down(reason);
     }
 
@@ -84,7 +93,7 @@ impl List {
     fn tell_damage(&mut self) {
         let damaged = self.state.damaged;
         if damaged >= self.told.map_or(1, |told| told.saturating_mul(10)) {
-            eprintln!("floe: {damaged} damaged lines so far");
+            say(&format!("{damaged} damaged lines so far"));
             self.told = Some(damaged);
         }
     }

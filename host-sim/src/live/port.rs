@@ -1,7 +1,7 @@
 //! The line to the board, kept up by a thread of its own.
 
 use std::io::ErrorKind;
-use std::sync::mpsc::{self, Receiver, Sender, TryRecvError};
+use std::sync::mpsc::{self, Receiver, Sender, SyncSender, TryRecvError, TrySendError};
 use std::thread;
 use std::time::Duration;
 
@@ -12,6 +12,10 @@ use super::place::{Place, Stream};
 /// Between attempts to open a port that went away.
 const RETRY_WAIT: Duration = Duration::from_millis(500);
 
+/// Pieces of at most 4 KiB that wait for the display: more is dropped and counted, so
+/// that neither memory nor the time to the newest line grows.
+const WAITING: usize = 64;
+
 /// What comes of a port.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Input {
@@ -19,6 +23,8 @@ pub enum Input {
     Up,
     /// The board said this, whole lines or not.
     Bytes(Vec<u8>),
+    /// So many bytes came faster than they were taken, and are gone.
+    Dropped(u64),
     /// It went away, and why; it is tried again.
     Down(String),
 }
@@ -37,7 +43,7 @@ impl Port {
     /// One line for the user.
     pub fn connect(place: &Place) -> Result<Self, InputError> {
         let stream = place.open()?;
-        let (to_display, inputs) = mpsc::channel();
+        let (to_display, inputs) = mpsc::sync_channel(WAITING);
         let (commands, to_board) = mpsc::channel();
         let place = place.clone();
         // It ends when nobody listens any more.
@@ -65,7 +71,7 @@ struct Unheard;
 fn keep_up(
     place: &Place,
     mut stream: Box<dyn Stream>,
-    to_display: &Sender<Input>,
+    to_display: &SyncSender<Input>,
     to_board: &Receiver<String>,
 ) -> Unheard {
     let tell = |input| to_display.send(input).is_ok();
@@ -92,10 +98,11 @@ fn keep_up(
 /// Talks until the port goes away: why it did.
 fn talk(
     stream: &mut dyn Stream,
-    to_display: &Sender<Input>,
+    to_display: &SyncSender<Input>,
     to_board: &Receiver<String>,
 ) -> Result<String, Unheard> {
     let mut bytes = [0; 4096];
+    let mut dropped = 0;
     loop {
         let mut said = Ok(());
         commands(to_board, |line| {
@@ -109,13 +116,33 @@ fn talk(
         match stream.read(&mut bytes) {
             Ok(0) => return Ok("closed".to_string()),
             Ok(count) => {
-                let bytes = bytes.get(..count).unwrap_or_default().to_vec();
-                to_display.send(Input::Bytes(bytes)).map_err(|_| Unheard)?;
+                let bytes = bytes.get(..count).unwrap_or_default();
+                hand_over(bytes, &mut dropped, to_display)?;
             }
             Err(error) if is_pause(error.kind()) => {}
             Err(error) => return Ok(error.to_string()),
         }
     }
+}
+
+/// Gives bytes to the display, or counts them if it has no room.
+fn hand_over(
+    bytes: &[u8],
+    dropped: &mut u64,
+    to_display: &SyncSender<Input>,
+) -> Result<(), Unheard> {
+    let offer = |input| match to_display.try_send(input) {
+        Ok(()) => Ok(true),
+        Err(TrySendError::Full(_)) => Ok(false),
+        Err(TrySendError::Disconnected(_)) => Err(Unheard),
+    };
+    if *dropped > 0 && offer(Input::Dropped(*dropped))? {
+        *dropped = 0;
+    }
+    if *dropped > 0 || !offer(Input::Bytes(bytes.to_vec()))? {
+        *dropped += bytes.len() as u64;
+    }
+    Ok(())
 }
 
 /// Does something with every command that waits.

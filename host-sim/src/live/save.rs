@@ -4,7 +4,7 @@ use std::fs::File;
 use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
-use crate::error::InputError;
+use crate::error::{InputError, printable_line};
 
 /// A new file for lines.
 #[derive(Debug)]
@@ -30,12 +30,13 @@ impl Save {
         Ok(Self { file, path: path.to_path_buf() })
     }
 
-    /// Adds a line at once: the power may fail.
+    /// Adds a line at once: the power may fail. What would command a terminal is written
+    /// as `\u001b`.
     ///
     /// # Errors
     /// The file cannot be written any more.
     pub fn line(&mut self, text: &str) -> Result<(), InputError> {
-        self.file.write_all(format!("{text}\n").as_bytes()).map_err(|error| {
+        self.file.write_all(format!("{}\n", printable_line(text)).as_bytes()).map_err(|error| {
             InputError::new(format!("cannot be written: {error}")).within(self.path.display())
         })
     }

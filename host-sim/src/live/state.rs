@@ -57,6 +57,10 @@ pub struct State {
     pub damaged: u64,
     /// When the last damaged line came.
     pub damage: Option<Duration>,
+    /// Bytes that came faster than they were taken.
+    pub dropped: u64,
+    /// When the last of them came.
+    pub flood: Option<Duration>,
     /// Whole lines of a kind that this version does not know.
     pub unknown: u64,
     /// The line before was the settings: what follows tells whether a test runs.
@@ -75,6 +79,13 @@ impl State {
     pub fn down(&mut self, reason: String) {
         self.away = Some(reason);
         self.testing = None;
+    }
+
+    /// More came than could be taken.
+    pub fn drop(&mut self, bytes: u64, now: Duration) {
+        self.dropped = self.dropped.saturating_add(bytes);
+        self.flood = Some(now);
+        self.after_settings = false;
     }
 
     /// Takes a line. Gives the event if it is one, for whoever lists them.

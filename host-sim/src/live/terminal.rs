@@ -20,6 +20,8 @@ use super::state::State;
 
 /// A key is noticed after this time at most, and so is a sample.
 const KEY_WAIT: Duration = Duration::from_millis(40);
+/// Pieces that are taken before the next frame and the next key, in a flood too.
+const BATCH: usize = 16;
 /// What changes by itself (a clock, a silence) is drawn after this time.
 const REDRAW: Duration = Duration::from_millis(500);
 /// The board is asked for its state this often at least, and at most once a second
@@ -78,9 +80,11 @@ impl<'a> Display<'a> {
     fn watch(&mut self, terminal: &mut DefaultTerminal) -> io::Result<()> {
         let mut drawn = None;
         loop {
-            let mut changed = self.listen();
+            let taken = self.listen();
+            let mut changed = taken > 0;
             self.question_board();
-            if event::poll(KEY_WAIT)? {
+            let wait = if taken < BATCH { KEY_WAIT } else { Duration::ZERO };
+            if event::poll(wait)? {
                 changed = true;
                 if let Event::Key(key) = event::read()? {
                     match self.ask.key(key) {
@@ -105,11 +109,10 @@ impl<'a> Display<'a> {
         self.state.said = Some((command, self.start.elapsed()));
     }
 
-    /// Takes all that has come; whether there was anything.
-    fn listen(&mut self) -> bool {
-        let mut any = false;
-        while let Some(input) = self.port.next(Duration::ZERO) {
-            any = true;
+    /// Takes what has come, up to a batch: how many pieces.
+    fn listen(&mut self) -> usize {
+        for taken in 0..BATCH {
+            let Some(input) = self.port.next(Duration::ZERO) else { return taken };
             let now = self.start.elapsed();
             match input {
                 Input::Up => {
@@ -121,9 +124,13 @@ impl<'a> Display<'a> {
                 }
                 Input::Down(reason) => self.state.down(reason),
                 Input::Bytes(bytes) => self.take(&bytes, now),
+                Input::Dropped(bytes) => {
+                    self.lines.restart();
+                    self.state.drop(bytes, now);
+                }
             }
         }
-        any
+        BATCH
     }
 
     fn take(&mut self, bytes: &[u8], now: Duration) {

@@ -128,6 +128,10 @@ fn answer(state: &State, now: Duration) -> Option<String> {
 
 /// What happened in the last seconds and is over.
 fn incident(state: &State, now: Duration) -> Option<String> {
+    if within(state.flood, READING_TIME, now) {
+        let dropped = state.dropped;
+        return Some(format!("{dropped} bytes came too fast and were left out: no logger's port?"));
+    }
     if within(state.damage, READING_TIME, now) {
         let damaged = state.damaged;
         return Some(format!(

@@ -10,6 +10,8 @@ use super::number::finite;
 pub struct Metadata {
     /// Name of the test.
     pub test_id: Option<String>,
+    /// Effects that were looked for, as in `--effects`.
+    pub effects: Option<String>,
     /// Weight of the block, N.
     pub weight_n: Option<f64>,
     /// Slope along the pull, degrees, uphill positive.
@@ -69,6 +71,9 @@ impl Metadata {
         let contradicted = match key.as_str() {
             "test_id" => {
                 replaced(&mut self.test_id, Some(value.to_string()).filter(|id| !id.is_empty()))
+            }
+            "effects" => {
+                replaced(&mut self.effects, Some(value.to_string()).filter(|it| !it.is_empty()))
             }
             "kind" => replaced(&mut self.kind, Some(value.to_string())),
             "track" => replaced(&mut self.track, Some(value.to_string())),

@@ -18,7 +18,8 @@ pub mod timeline;
 
 use known::{KnownOptions, Zero};
 use result::{
-    ChangeSummary, CoefficientSummary, EventSummary, LogSummary, ReplayResult, TestSummary,
+    ChangeSummary, CoefficientSummary, EffectSummary, EventSummary, LogSummary, ReplayResult,
+    TestSummary,
 };
 use timeline::Timeline;
 
@@ -99,7 +100,8 @@ pub fn replay_with_zero(
         slope_rad: config.slope_rad.into(),
     };
     let result = ReplayResult::new(log_summary, test, (config, &report), events, changes);
-    Ok(ReplayResult { means, ..result })
+    let effects = pipeline.findings().iter().map(EffectSummary::from).collect();
+    Ok(ReplayResult { means, effects, ..result })
 }
 
 /// Both means as they are known now.

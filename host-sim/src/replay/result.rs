@@ -3,7 +3,7 @@
 //! Forces in N, times in s, angles in rad. What is unknown is `None` (`null`);
 //! every number is finite.
 
-use floe_core::{Cause, Change, Config, Counters, Estimate, Event, Report};
+use floe_core::{Cause, Change, Config, Counters, Estimate, Event, Finding, Report};
 use serde::{Serialize, Serializer};
 
 use super::budget::{BudgetLine, lines};
@@ -37,11 +37,57 @@ pub struct ReplayResult {
     pub zero_n: Option<f64>,
     /// Where the block or its friction changed, in order.
     pub changes: Vec<ChangeSummary>,
+    /// What was looked for beyond the linear model, and what of it the data show.
+    pub effects: Vec<EffectSummary>,
     /// Every event, in order.
     pub events: Vec<EventSummary>,
     /// `mu_s` and `mu` as they were known with each event.
     #[serde(skip)]
     pub means: Vec<[CoefficientSummary; 2]>,
+}
+
+/// One effect.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct EffectSummary {
+    /// As in `--effects` and `docs/effects.md`.
+    pub name: &'static str,
+    /// Whether it was looked for.
+    pub enabled: bool,
+    /// Whether the data show it.
+    pub found: bool,
+    /// Its numbers, where it has any.
+    pub parameters: Vec<ParameterSummary>,
+}
+
+/// A number of an effect.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ParameterSummary {
+    /// What it is, with its unit.
+    pub name: &'static str,
+    /// Its value.
+    #[serde(serialize_with = "short")]
+    pub value: f64,
+    /// One standard deviation.
+    #[serde(serialize_with = "short")]
+    pub std: f64,
+}
+
+impl From<&Finding> for EffectSummary {
+    fn from(finding: &Finding) -> Self {
+        let known = finding.parameters.iter().flatten();
+        let finite = known.filter(|it| it.value.is_finite() && it.std.is_finite());
+        let parameters = finite.map(|it| ParameterSummary {
+            name: it.name,
+            value: it.value.into(),
+            std: it.std.into(),
+        });
+        Self {
+            name: finding.effect.name(),
+            enabled: finding.enabled,
+            found: finding.found,
+            parameters: parameters.collect(),
+        }
+    }
 }
 
 /// A change of the block or of its friction.
@@ -249,6 +295,7 @@ impl ReplayResult {
             quantities,
             zero_n: known(report.zero_n),
             changes,
+            effects: Vec::new(),
             events,
             means: Vec::new(),
         }

@@ -3,7 +3,9 @@
 use std::fmt::Write;
 
 use super::quantities::Quantities;
-use super::result::{CoefficientSummary, EventSummary, LogSummary, ReplayResult, zero_sentence};
+use super::result::{
+    CoefficientSummary, EffectSummary, EventSummary, LogSummary, ReplayResult, zero_sentence,
+};
 
 /// Events, then the result with its uncertainty, then what to know about it.
 #[must_use]
@@ -114,7 +116,15 @@ fn notices(out: &mut String, result: &ReplayResult) -> std::fmt::Result {
     if let Some(zero_n) = result.zero_n {
         writeln!(out, "zero   {}", zero_sentence(zero_n))?;
     }
-    if result.changes.is_empty() && result.zero_n.is_none() { Ok(()) } else { writeln!(out) }
+    let found: Vec<String> = result.effects.iter().filter(|it| it.found).map(effect).collect();
+    if !found.is_empty() {
+        writeln!(out, "shows  {}", found.join("; "))?;
+    }
+    if result.changes.is_empty() && result.zero_n.is_none() && found.is_empty() {
+        Ok(())
+    } else {
+        writeln!(out)
+    }
 }
 
 fn coefficients(out: &mut String, result: &ReplayResult) -> std::fmt::Result {
@@ -232,6 +242,13 @@ fn samples(out: &mut String, log: &LogSummary) -> std::fmt::Result {
     log.warnings.iter().try_for_each(|warning| writeln!(out, "note          {warning}"))
 }
 
+/// An effect that the data show, with its numbers.
+fn effect(effect: &EffectSummary) -> String {
+    let numbers = effect.parameters.iter();
+    let numbers = numbers.map(|it| format!(" {} {:.3e} ± {:.1e}", it.name, it.value, it.std));
+    format!("{}{}", effect.name, numbers.collect::<String>())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -285,6 +302,7 @@ mod tests {
             means: Vec::new(),
             zero_n: None,
             changes: Vec::new(),
+            effects: Vec::new(),
             events,
         }
     }

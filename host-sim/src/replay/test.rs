@@ -1,6 +1,6 @@
 //! What was pulled: from the options, else from the log.
 
-use floe_core::{Calibration, Config};
+use floe_core::{Calibration, Config, Effect, Effects};
 
 use crate::error::InputError;
 use crate::log::{Log, STANDARD_GRAVITY, Unit};
@@ -19,6 +19,10 @@ pub struct TestOptions {
     /// [default: `# slope_deg:` in the log, else 0]
     #[arg(long, value_name = "A", allow_negative_numbers = true)]
     pub slope_deg: Option<f64>,
+    /// What to look for beyond the linear model: auto (the data decide), none, or names with
+    /// commas between them, as in docs/effects.md [default: auto, or what the log says]
+    #[arg(long, value_name = "auto|none|LIST", value_parser = effects)]
+    pub effects: Option<Effects>,
     /// Converter code at zero force, for --unit counts
     #[arg(long, value_name = "C", allow_negative_numbers = true)]
     pub tare_counts: Option<i32>,
@@ -28,6 +32,31 @@ pub struct TestOptions {
     /// How well all this is known.
     #[command(flatten)]
     pub known: Box<KnownOptions>,
+}
+
+/// A set of effects by their names.
+///
+/// # Errors
+/// A name that is none.
+fn effects(text: &str) -> Result<Effects, String> {
+    match text {
+        "auto" => return Ok(Effects::default()),
+        "none" => return Ok(Effects::NONE),
+        _ => {}
+    }
+    text.split(',').map(str::trim).try_fold(Effects::NONE, |set, name| {
+        let effect = Effect::named(name).ok_or_else(|| {
+            let names = Effect::ALL.map(Effect::name).join(", ");
+            format!("no effect is called '{name}': auto, none, or some of {names}")
+        })?;
+        Ok(set.with(effect, true))
+    })
+}
+
+/// The effects that a log says were looked for; all, if it says nothing.
+fn said_effects(log: &Log) -> Result<Effects, InputError> {
+    let said = log.metadata().effects.as_deref().unwrap_or("auto");
+    effects(said).map_err(|error| InputError::new(format!("'# effects: {said}': {error}")))
 }
 
 /// The core's configuration for a log.
@@ -52,6 +81,7 @@ pub fn configure(log: &Log, options: &TestOptions) -> Result<Config, InputError>
         winch_m_per_s: said.winch_m_per_s.map(|speed| speed as f32),
         range_n: said.range_n.map(|range| range as f32),
         calibration: calibration(log, options)?,
+        effects: options.effects.map_or_else(|| said_effects(log), Ok)?,
         std: options.known.std(&said.known, weight_n, said.winch_m_per_s),
     };
     let given = format!("weight {weight_n} N, slope {slope_deg}°");

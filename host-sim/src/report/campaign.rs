@@ -7,6 +7,7 @@ use crate::campaign::trend::{Against, Coefficient, Group, Mean, points};
 use super::figure::{Figure, both, dot_key, line_key};
 use super::number::fixed;
 use super::plot::{Axis, Layout, Plot, Spec};
+use super::policy::policy;
 use super::scale::extent;
 use super::svg::{Path, escape};
 
@@ -27,13 +28,15 @@ const DRAWN: [(Group, &str); 2] = [(Group::NoSnow, "dynamic"), (Group::Snow, "st
 pub fn render_campaign(summary: &Summary, tests: &[TestRecord]) -> String {
     let figures: String =
         figures(summary, tests).iter().enumerate().map(|(i, f)| f.html(i + 1)).collect();
+    let script = format!("\n{SCRIPT}");
+    let policy = policy(&script);
     let kind = if summary.synthetic {
         "Simulated campaign: computed, not measured"
     } else {
         "Campaign of recorded tests"
     };
     format!(
-        "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"/>\
+        "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"/>{policy}\
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\
          <meta name=\"color-scheme\" content=\"light dark\"/>\
          <title>Campaign – sliding friction</title>\n<style>\n{STYLE}{TREND_STYLE}</style></head>\n\
@@ -41,7 +44,7 @@ pub fn render_campaign(summary: &Summary, tests: &[TestRecord]) -> String {
          <main><section>{}</section><section class=\"figures\">\n{figures}</section>{}</main>\n\
          <footer><p>Lines by least squares with the band of one standard error, from the \
          scatter between tests. Made by <b>floe {}</b>{}.</p></footer>\n\
-         <script>\n{SCRIPT}</script></body></html>\n",
+         <script>{script}</script></body></html>\n",
         summary.tests,
         summary.events,
         groups(&summary.groups),

@@ -23,6 +23,7 @@ mod number;
 mod page;
 mod phase_plane;
 mod plot;
+mod policy;
 mod provenance;
 mod recorder;
 mod running;

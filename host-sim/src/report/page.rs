@@ -6,6 +6,7 @@ use super::figure::Figure;
 use super::history::history;
 use super::number::{fixed, quantity};
 use super::phase_plane::phase_plane;
+use super::policy::policy;
 use super::provenance::Provenance;
 use super::summary::summary;
 use super::svg::escape;
@@ -20,14 +21,16 @@ const SCRIPT: &str = include_str!("script.js");
 pub(super) fn page(context: &Context<'_>, provenance: &Provenance) -> String {
     let result = context.result;
     let name = escape(&name(result));
+    let script = format!("\n{SCRIPT}");
+    let policy = policy(&script);
     format!(
-        "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"/>\
+        "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"/>{policy}\
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\
          <meta name=\"color-scheme\" content=\"light dark\"/>\
          <title>{name} – sliding friction</title>\n<style>\n{STYLE}</style></head>\n<body>\
          <header><p class=\"kind\">Sliding friction of a block pulled over ice</p>\
          <h1>{name}</h1>{}<p class=\"test\">{}</p></header>\n<main>{}{}{}</main>\n{}\
-         <script>\n{SCRIPT}</script></body></html>\n",
+         <script>{script}</script></body></html>\n",
         simulated(result),
         test_line(result),
         summary(result),

@@ -2,6 +2,13 @@
 
 use super::scene::{Scene, SceneError};
 
+/// Forces, stiffnesses and lengths beyond it are a slip of the pen.
+const LARGEST: f64 = 1e12;
+/// Samples of a scene: two years at 16 Hz.
+const MOST_SAMPLES: f64 = 1e9;
+/// Slips of a scene.
+const MOST_SLIPS: f64 = 1e8;
+
 /// Refuses with `message` unless `ok`.
 pub(super) fn require(ok: bool, message: impl FnOnce() -> String) -> Result<(), SceneError> {
     if ok { Ok(()) } else { Err(SceneError(message())) }
@@ -23,7 +30,14 @@ pub(super) fn not_negative(name: &str, value: f64) -> Result<(), SceneError> {
 
 /// Refuses unless `value` is finite and within the limits.
 pub(super) fn between(name: &str, value: f64, low: f64, high: f64) -> Result<(), SceneError> {
-    require((low..=high).contains(&value), || format!("{name} = {value}: must be {low} to {high}"))
+    require((low..=high).contains(&value), || {
+        format!("{name} = {}: must be {} to {}", short(value), short(low), short(high))
+    })
+}
+
+/// Without hundreds of digits.
+fn short(value: f64) -> String {
+    if value.abs() < 1e9 { format!("{value}") } else { format!("{value:e}") }
 }
 
 impl Scene {
@@ -34,6 +48,16 @@ impl Scene {
     pub fn validate(&self) -> Result<(), SceneError> {
         positive("duration_s", self.duration_s)?;
         between("duration_s", self.duration_s, 0.0, 1e8)?;
+        for (name, value) in [
+            ("stiffness_n_per_m", self.stiffness_n_per_m),
+            ("start_force_n", self.start_force_n),
+            ("cable_length_m", self.cable_length_m),
+        ] {
+            between(name, value, 0.0, LARGEST)?;
+        }
+        between("weight_n", self.weight_n, 1e-3, LARGEST)?;
+        between("winch_m_per_s", self.winch_m_per_s, 0.0, 100.0)?;
+        between("mu_s", self.mu_s, 0.0, 100.0)?;
         between("rate_hz", self.rate_hz, 1.0, 2000.0)?;
         positive("weight_n", self.weight_n)?;
         positive("stiffness_n_per_m", self.stiffness_n_per_m)?;
@@ -45,6 +69,7 @@ impl Scene {
         self.validate_terms()?;
         self.validate_friction()?;
         self.validate_length()?;
+        self.validate_work()?;
         self.measurement.validate(self.rate_hz)
     }
 
@@ -122,6 +147,26 @@ impl Scene {
             format!(
                 "cable_length_m = {}: in {} s the winch and the last slip take up {needed_m:.1} m",
                 self.cable_length_m, self.duration_s
+            )
+        })
+    }
+
+    /// It must come to an end, and its log fit a disk.
+    fn validate_work(&self) -> Result<(), SceneError> {
+        let samples = self.duration_s * self.rate_hz;
+        require(samples <= MOST_SAMPLES, || {
+            format!(
+                "duration_s = {}: {samples:.0} samples, at most {MOST_SAMPLES:e}",
+                self.duration_s
+            )
+        })?;
+        let (mu_s, mu) = self.coefficients();
+        let drop_n = 2.0 * (mu_s - mu).max(1e-3) * self.weight_n;
+        let slips = self.duration_s * self.stiffness_n_per_m * self.winch_m_per_s / drop_n;
+        require(slips <= MOST_SLIPS, || {
+            format!(
+                "stiffness_n_per_m = {}: about {slips:.1e} slips in {} s, at most {MOST_SLIPS:e}",
+                self.stiffness_n_per_m, self.duration_s
             )
         })
     }

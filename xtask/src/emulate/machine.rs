@@ -88,7 +88,10 @@ impl Machine {
     pub fn run(&self, record: &Record, setup: Setup<'_>) -> Result<Run> {
         let directory = Directory::new(setup.card)?;
         let live = if setup.samples { "live on\r\n" } else { "live off\r\n" };
-        directory.write("console.in", record.commands() + live + "start\r\n")?;
+        // A test that the power failed in would go on.
+        let first = if setup.card.is_some() { "stop\r\n" } else { "" };
+        let typed = first.to_string() + &record.commands() + live + "start\r\n";
+        directory.write("console.in", typed)?;
         // In a line of its own, whatever a person may just be typing.
         let typist = vec![(record.codes.len() as u64, "\r\nstop\r\n".to_string())];
         let typist = Typist::new(&directory.path("console.in"), typist);

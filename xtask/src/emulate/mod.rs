@@ -140,6 +140,8 @@ pub fn run(args: &Args, forced: Option<Route>) -> Result<()> {
     let mut outcome = outcome::decode(&run.shown)?;
     // Without an image there is no card, and no need to say so.
     outcome.troubles.retain(|t| args.card.is_some() || !t.starts_with("no card"));
+    // The question whether one was.
+    outcome.troubles.retain(|t| t != "no test is running");
     let health = &outcome.health;
     say(&format!(
         "{} samples in {:.1} s, {} lost, at most {} waiting; console {} bytes, CRC-32 {:08x}",

@@ -1,0 +1,180 @@
+//! The effects that a test may look for: what makes an event depart from line, ellipse,
+//! line.
+//!
+//! An effect that is not compiled in (a cargo feature of the same name) leaves the image; one
+//! that is not enabled in [`crate::Config`] leaves a test. What is enabled still has to show
+//! in the data before it changes a number. Sharing between events, the first answer and slack
+//! are no effects: the model has them always.
+
+use core::fmt;
+
+/// One effect.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[repr(u8)]
+pub enum Effect {
+    /// Creep before the onset and the mean that a converter takes round off the corners.
+    Corner,
+    /// A sagging cable is softer at small forces.
+    Sag,
+    /// A cable that gets shorter gets stiffer while the block slides.
+    Stiffening,
+    /// The block breaks: another mass.
+    Mass,
+    /// Friction goes to another level.
+    Level,
+    /// The zero of the cell drifts.
+    Drift,
+    /// The cable flops after a re-stick: the first samples of a rest scatter more.
+    Flop,
+    /// The force strays from its stick lines in a way that is not white noise.
+    Ripple,
+    /// Stick lines that bend: a shorter memory forecasts better.
+    Forgetting,
+}
+
+impl Effect {
+    /// All of them, in the order of their bits.
+    pub const ALL: [Self; 9] = [
+        Self::Corner,
+        Self::Sag,
+        Self::Stiffening,
+        Self::Mass,
+        Self::Level,
+        Self::Drift,
+        Self::Flop,
+        Self::Ripple,
+        Self::Forgetting,
+    ];
+
+    /// As in `--effects`, JSON and `docs/effects.md`.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Corner => "corner",
+            Self::Sag => "sag",
+            Self::Stiffening => "stiffening",
+            Self::Mass => "mass",
+            Self::Level => "level",
+            Self::Drift => "drift",
+            Self::Flop => "flop",
+            Self::Ripple => "ripple",
+            Self::Forgetting => "forgetting",
+        }
+    }
+
+    /// The effect of a name.
+    #[must_use]
+    pub fn named(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|effect| effect.name() == name)
+    }
+
+    const fn bit(self) -> u32 {
+        1 << self as u8
+    }
+}
+
+impl fmt::Display for Effect {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+/// A set of effects.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Effects(u32);
+
+impl Effects {
+    /// Line, ellipse, line: nothing else.
+    pub const NONE: Self = Self(0);
+
+    /// Those that this build has, by its cargo features.
+    pub const COMPILED: Self = Self::NONE
+        .with(Effect::Corner, cfg!(feature = "corner"))
+        .with(Effect::Sag, cfg!(feature = "sag"))
+        .with(Effect::Stiffening, cfg!(feature = "stiffening"))
+        .with(Effect::Mass, cfg!(feature = "mass"))
+        .with(Effect::Level, cfg!(feature = "level"))
+        .with(Effect::Drift, cfg!(feature = "drift"))
+        .with(Effect::Flop, cfg!(feature = "flop"))
+        .with(Effect::Ripple, cfg!(feature = "ripple"))
+        .with(Effect::Forgetting, cfg!(feature = "forgetting"));
+
+    /// As stored in a log: one bit each, in the order of [`Effect::ALL`]; bits beyond are of
+    /// later versions and stay away.
+    #[must_use]
+    pub const fn from_mask(bits: u32) -> Self {
+        Self(bits & ((1 << Effect::ALL.len()) - 1))
+    }
+
+    /// One bit each.
+    #[must_use]
+    pub const fn mask(self) -> u32 {
+        self.0
+    }
+
+    /// With one more, if wanted.
+    #[must_use]
+    pub const fn with(self, effect: Effect, wanted: bool) -> Self {
+        if wanted { Self(self.0 | effect.bit()) } else { self }
+    }
+
+    /// Is an effect among them, and compiled in? Known at compile time where it is not: then
+    /// its code is left out.
+    #[must_use]
+    #[inline]
+    pub const fn has(self, effect: Effect) -> bool {
+        Self::COMPILED.0 & effect.bit() != 0 && self.0 & effect.bit() != 0
+    }
+}
+
+impl Default for Effects {
+    /// All that are compiled in: the data decide.
+    fn default() -> Self {
+        Self::COMPILED
+    }
+}
+
+/// A number that an effect has, as far as the events of a test tell it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Parameter {
+    /// What it is, with its unit.
+    pub name: &'static str,
+    /// Its value.
+    pub value: f32,
+    /// One standard deviation.
+    pub std: f32,
+}
+
+/// What a test says of one effect.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Finding {
+    /// Which.
+    pub effect: Effect,
+    /// Whether it was looked for.
+    pub enabled: bool,
+    /// Whether the data show it.
+    pub found: bool,
+    /// Its numbers, where it has any.
+    pub parameters: [Option<Parameter>; 2],
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_and_bits_are_those_of_one_effect_each() {
+        for (place, effect) in (0..).zip(Effect::ALL) {
+            assert_eq!(Effect::named(effect.name()), Some(effect));
+            let alone = Effects::NONE.with(effect, true);
+            assert_eq!(alone.mask(), 1 << place);
+            assert_eq!(Effects::from_mask(alone.mask()), alone);
+            let others = Effect::ALL.into_iter().filter(|other| *other != effect);
+            assert!(others.into_iter().all(|other| !alone.has(other)));
+        }
+        assert_eq!(Effects::from_mask(u32::MAX).mask(), (1 << Effect::ALL.len()) - 1);
+        assert_eq!(Effect::named("gravity"), None);
+    }
+}

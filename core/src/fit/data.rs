@@ -1,0 +1,175 @@
+//! What one event's fit is made from: lines, samples, expectations.
+
+use crate::model::corner::{Corner, Shift};
+use crate::model::{CycleParams, Shape};
+use crate::noise::ripple::ColoredNoise;
+use crate::stats::line::Line;
+use crate::stats::normal_equations::{Gradient, Normal, UNKNOWNS};
+use crate::stats::prior::{Prior, loosened};
+
+/// The samples of the slip and its surroundings, one a period.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Samples<'a> {
+    /// Time of the first, sampling periods from the event's origin.
+    pub start: f32,
+    /// Forces, N; NaN where a sample is missing or bad.
+    pub forces_n: &'a [f32],
+    /// Weight of those later than a time, one over their variance; 1 for the others.
+    pub rest_weight: f32,
+    /// That time, periods.
+    pub rest_from: f32,
+}
+
+impl<'a> Samples<'a> {
+    /// Of equal weight.
+    #[must_use]
+    pub fn new(start: f32, forces_n: &'a [f32]) -> Self {
+        Self { start, forces_n, rest_weight: 1.0, rest_from: f32::INFINITY }
+    }
+
+    /// Time of the last sample, or before the first if there is none.
+    #[must_use]
+    pub fn end(&self) -> f32 {
+        self.start + self.forces_n.len() as f32 - 1.0
+    }
+
+    /// Weight of a sample at a time.
+    fn weight(&self, time: f32) -> f32 {
+        if time > self.rest_from { self.rest_weight } else { 1.0 }
+    }
+
+    /// Times, periods, and forces, N, of the good samples.
+    pub fn good(&self) -> impl Iterator<Item = (f32, f32)> + '_ {
+        let start = self.start;
+        let timed = self.forces_n.iter().enumerate().map(move |(i, &f)| (start + i as f32, f));
+        timed.filter(|(_, force_n)| !force_n.is_nan())
+    }
+}
+
+/// Everything one event's fit is made from.
+#[derive(Clone, Copy, Debug)]
+pub struct Data<'a> {
+    /// Stick line up to the first point.
+    pub before: &'a Line,
+    /// The samples in between.
+    pub samples: Samples<'a>,
+    /// Stick line after the last point.
+    pub after: &'a Line,
+    /// How far the force wanders about both lines.
+    pub wander: ColoredNoise,
+    /// Loading rate from earlier events, N per period.
+    pub rate: Prior,
+    /// Swing `1/ω` from earlier events, periods.
+    pub inverse_omega: Prior,
+    /// Change of the loading rate over the slip, N per period.
+    pub rate_change: Prior,
+    /// What rounds off the corners.
+    pub corner: Corner,
+    /// Held onset, for events whose onset the samples cannot tell.
+    pub onset: Prior,
+}
+
+impl Data<'_> {
+    /// Squared residuals, N², that a step may leave because the model is no straight
+    /// line: where the slide turns by an angle `φ`, `δd φ + (d + q) φ²/2` on each sample. Onset,
+    /// swing and, as `φ = atan(q/d)` at either end, the drop turn it.
+    ///
+    /// Without limit where the cable goes slack: there the force has kinks.
+    pub(crate) fn nonlinearity_n2(&self, cycle: &CycleParams, step: &Gradient) -> f32 {
+        if !cycle.is_taut() {
+            return f32::INFINITY;
+        }
+        let (d, q) = (cycle.half_drop_n, cycle.rate * cycle.inverse_omega());
+        let turn = 2.0 * q * step[3].abs() / (d * d + q * q);
+        let angle = cycle.omega * (step[0].abs() + core::f32::consts::PI * step[4].abs()) + turn;
+        let bend_n = (step[3].abs() + 0.5 * (d + q) * angle) * angle;
+        self.samples.forces_n.len() as f32 * bend_n * bend_n
+    }
+
+    /// What rounds off the corners adds to the force at a time since the onset.
+    fn shift(&self, shape: &Shape, since_onset: f32) -> Shift {
+        if self.corner.is_sharp() {
+            Shift::default()
+        } else {
+            self.corner.shift(shape, since_onset)
+        }
+    }
+
+    /// Takes samples into the normal equations at a trial cycle: as many as given, from a
+    /// place on.
+    pub(crate) fn add_samples(&self, normal: &mut Normal, shape: &Shape, from: usize, most: usize) {
+        let cycle = shape.cycle();
+        let forces_n = self.samples.forces_n.get(from..).unwrap_or_default();
+        let times = (0..most).map(|i| self.samples.start + (from + i) as f32);
+        for (time, &measured_n) in times.zip(forces_n) {
+            if measured_n.is_nan() {
+                continue;
+            }
+            let (force_n, mut gradient) = shape.force(time);
+            let shift = self.shift(shape, time - cycle.onset);
+            gradient[0] -= shift.rate;
+            let residual_n = measured_n - force_n - shift.force_n;
+            normal.add(residual_n, &gradient, self.samples.weight(time));
+        }
+    }
+
+    /// Takes the lines and what is expected into the normal equations at a trial cycle.
+    pub(crate) fn add_lines(&self, normal: &mut Normal, shape: &Shape) {
+        let cycle = shape.cycle();
+        let (before, after) = (self.before, self.after);
+        let shifted = |since_onset, (level_n, by): (f32, Gradient)| {
+            (level_n + self.shift(shape, since_onset).force_n, by)
+        };
+        let since_onset = before.time - cycle.onset;
+        let level = shifted(since_onset, shape.before(since_onset));
+        add_line(normal, before, &self.wander, [level, shape.slope_before()]);
+        let since_onset = after.time - cycle.onset;
+        let level = shifted(since_onset, shape.after(since_onset));
+        add_line(normal, after, &self.wander, [level, shape.slope_after()]);
+        for (unknown, (prior, value)) in self.priors(cycle).into_iter().enumerate() {
+            normal.add_one(prior.mean - value, unknown, prior.weight);
+        }
+    }
+
+    /// Times, periods, forces, N, and weights of samples and lines.
+    pub fn levels(&self) -> impl Iterator<Item = (f32, f32, f32)> + '_ {
+        let weight = |line: &Line| loosened(line.weight, self.wander.level);
+        let line = move |line: &Line| (line.time, line.level_n, weight(line));
+        let samples = self.samples.good().map(|(time, n)| (time, n, self.samples.weight(time)));
+        samples.chain([line(self.before), line(self.after)])
+    }
+
+    /// What is expected of each unknown, and its value.
+    #[must_use]
+    pub fn priors(&self, cycle: &CycleParams) -> [(Prior, f32); UNKNOWNS] {
+        let free = Prior::default();
+        [
+            (self.onset, cycle.onset),
+            (self.rate, cycle.rate),
+            (free, cycle.static_n),
+            (free, cycle.half_drop_n),
+            (self.inverse_omega, cycle.inverse_omega()),
+            (self.rate_change, cycle.rate_change),
+        ]
+    }
+}
+
+/// A line as two observations, its level and its slope, each as far off as the force
+/// wanders.
+fn add_line(
+    normal: &mut Normal,
+    line: &Line,
+    wander: &ColoredNoise,
+    [level, slope]: [(f32, Gradient); 2],
+) {
+    if line.weight <= 0.0 {
+        return;
+    }
+    // The rate is that next to the slip: on its way to the line's middle the force wanders off.
+    let far = wander.level + wander.slope * line.time * line.time;
+    normal.add(line.level_n - level.0, &level.1, loosened(line.weight, far));
+    if let Some(measured) = line.slope() {
+        let weight = loosened(line.slope_weight(), wander.slope);
+        normal.add(measured - slope.0, &slope.1, weight);
+    }
+}

@@ -1,0 +1,281 @@
+//! Damped Gauss-Newton (Levenberg, Marquardt), a bounded piece of it at a time.
+
+use core::ops::ControlFlow;
+
+use crate::fit::data::Data;
+use crate::fit::{Fit, Forces, rounding_n2};
+use crate::model::CycleParams;
+use crate::stats::normal_equations::{Factor, Gradient, Normal, dot};
+
+/// Most iterations before giving up; one or two are usual.
+const MOST_STEPS: u8 = 24;
+/// Settled when the next step, which is still taken, is below this share of a standard
+/// deviation, squared: what it leaves is its square.
+const SETTLED: f32 = 1e-2;
+/// The same when the iterations are used up: a sample may sit right on an end of
+/// the slip, where the sum of squares has a kink.
+const NEARLY_SETTLED: f32 = 0.05;
+/// Damping after the first refused step, and below which it is none.
+const DAMPING: f32 = 1e-3;
+/// Damping beyond which the data do not determine the unknowns.
+const MOST_DAMPING: f32 = 1e9;
+
+/// Samples that one step looks at: most slips have fewer, and are passed over in one step.
+const SAMPLES_A_STEP: usize = 32;
+/// Most guesses to choose from.
+const GUESSES: usize = 5;
+
+/// A fit under way, so that a board can do a piece of it with each sample.
+///
+/// A *pass* takes the samples and lines at a trial cycle into normal equations. Every
+/// [`Fitting::step`] wants the same data, but for what is expected, which may become better
+/// known meanwhile. Its cost is bounded: [`SAMPLES_A_STEP`] samples, two lines, one
+/// factorisation.
+#[derive(Clone, Copy, Debug)]
+pub struct Fitting {
+    /// Where to begin: the best of these.
+    guesses: [CycleParams; GUESSES],
+    left: usize,
+    /// The best so far.
+    cycle: CycleParams,
+    normal: Normal,
+    /// What the trial under way is expected to gain, N².
+    gain: f32,
+    damping: f32,
+    steps: u8,
+    pass: Option<Pass>,
+}
+
+/// Normal equations at a trial cycle, as far as the samples have been taken.
+#[derive(Clone, Copy, Debug)]
+struct Pass {
+    trial: CycleParams,
+    normal: Normal,
+    next: usize,
+}
+
+impl Pass {
+    fn at(trial: CycleParams) -> Self {
+        Self { trial, normal: Normal::default(), next: 0 }
+    }
+
+    /// Takes some more samples; true with the last ones, and then the lines.
+    fn advance(&mut self, data: &Data<'_>) -> bool {
+        let shape = self.trial.shape();
+        data.add_samples(&mut self.normal, &shape, self.next, SAMPLES_A_STEP);
+        self.next += SAMPLES_A_STEP;
+        let is_whole = self.next >= data.samples.forces_n.len();
+        if is_whole {
+            data.add_lines(&mut self.normal, &shape);
+        }
+        is_whole
+    }
+}
+
+impl Fitting {
+    /// Starts from a guess.
+    #[must_use]
+    pub fn new(guess: &CycleParams) -> Self {
+        Self { left: 1, ..Self::among([*guess; GUESSES]) }
+    }
+
+    /// Starts from the best of some guesses.
+    #[must_use]
+    pub fn among(guesses: [CycleParams; GUESSES]) -> Self {
+        let guesses = guesses.map(limited);
+        let [cycle, ..] = guesses;
+        // Whatever the first guess costs is less.
+        let normal = Normal { cost: f32::INFINITY, ..Normal::default() };
+        let pass = Some(Pass::at(cycle));
+        Self { guesses, left: GUESSES, cycle, normal, gain: 0.0, damping: 0.0, steps: 0, pass }
+    }
+
+    /// The best cycle so far.
+    #[must_use]
+    pub fn cycle(&self) -> &CycleParams {
+        &self.cycle
+    }
+
+    /// One piece. Breaks with the fit, or with `None` when the data do not determine the
+    /// unknowns.
+    ///
+    /// `noise_n2` is the variance of a sample: it decides only when the iteration
+    /// has settled.
+    pub fn step(&mut self, data: &Data<'_>, noise_n2: f32) -> ControlFlow<Option<Fit>> {
+        if let Some(pass) = &mut self.pass {
+            if !pass.advance(data) {
+                return ControlFlow::Continue(());
+            }
+            let Pass { trial, normal, .. } = *pass;
+            self.pass = None;
+            if self.left > 0 {
+                return self.choose(trial, normal);
+            }
+            self.judge(trial, normal, noise_n2)?;
+        }
+        self.propose(data, noise_n2)
+    }
+
+    /// Keeps the better guess and goes on with the next one.
+    fn choose(&mut self, trial: CycleParams, normal: Normal) -> ControlFlow<Option<Fit>> {
+        if normal.cost < self.normal.cost {
+            (self.cycle, self.normal) = (trial, normal);
+        }
+        self.left -= 1;
+        let next = self.guesses.iter().rev().nth(self.left.wrapping_sub(1));
+        self.pass = next.map(|guess| Pass::at(*guess));
+        ControlFlow::Continue(())
+    }
+
+    /// Takes the trial, or refuses it.
+    fn judge(
+        &mut self,
+        trial: CycleParams,
+        next: Normal,
+        noise_n2: f32,
+    ) -> ControlFlow<Option<Fit>> {
+        let least_n2 = self.least_n2(noise_n2);
+        // Rounding may make a good step look a little worse. A NaN cost compares false and
+        // is a refused step.
+        if next.cost <= self.normal.cost + SETTLED * least_n2 {
+            (self.cycle, self.normal) = (trial, next);
+            self.damping = if self.damping > DAMPING { 0.1 * self.damping } else { 0.0 };
+        } else {
+            self.refuse()?;
+        }
+        if self.steps < MOST_STEPS {
+            return ControlFlow::Continue(());
+        }
+        ControlFlow::Break(self.settled(self.gain < NEARLY_SETTLED * least_n2))
+    }
+
+    /// The next trial, unless the best cycle so far is as good as it.
+    fn propose(&mut self, data: &Data<'_>, noise_n2: f32) -> ControlFlow<Option<Fit>> {
+        self.steps += 1;
+        let Some(factor) = self.normal.factor(self.damping) else { return self.refuse() };
+        let step = factor.solve(&self.normal.right);
+        // What the step is expected to gain: in units of the noise, its length squared.
+        let gain = dot(&step, &self.normal.right);
+        let least_n2 = self.least_n2(noise_n2);
+        let trial = limited(moved(&self.cycle, &step));
+        if self.damping > 0.0 && gain < SETTLED * least_n2 {
+            return ControlFlow::Break(self.settled(true));
+        }
+        if gain.min(data.nonlinearity_n2(&self.cycle, &step)) < SETTLED * least_n2 {
+            (self.cycle, self.normal.cost) = (trial, self.normal.cost - gain);
+            return ControlFlow::Break(self.fit(&factor, true));
+        }
+        (self.gain, self.pass) = (gain, Some(Pass::at(trial)));
+        ControlFlow::Continue(())
+    }
+
+    fn least_n2(&self, noise_n2: f32) -> f32 {
+        noise_n2 + rounding_n2(self.cycle.static_n)
+    }
+
+    /// Smaller steps from here on.
+    fn refuse(&mut self) -> ControlFlow<Option<Fit>> {
+        self.damping = (10.0 * self.damping).max(DAMPING);
+        if self.damping > MOST_DAMPING || self.steps > MOST_STEPS {
+            return ControlFlow::Break(None);
+        }
+        ControlFlow::Continue(())
+    }
+
+    fn settled(&self, converged: bool) -> Option<Fit> {
+        // What is all but singular in single precision gets the least help that it needs.
+        const LEAST_HELP: f32 = 1e-5;
+        let factor = self.normal.factor(0.0).or_else(|| self.normal.factor(LEAST_HELP));
+        self.fit(&factor?, converged)
+    }
+
+    fn fit(&self, information: &Factor, converged: bool) -> Option<Fit> {
+        let Self { cycle, normal, .. } = *self;
+        let (forces, variances) = (Forces::new(&cycle, information), information.variances());
+        normal.cost.is_finite().then_some(Fit { cycle, normal, forces, variances, converged })
+    }
+}
+
+impl Data<'_> {
+    /// Starts from a guess and returns the best fit near it, see [`Fitting`].
+    #[must_use]
+    pub fn fit(&self, guess: &CycleParams, noise_n2: f32) -> Option<Fit> {
+        let mut fitting = Fitting::new(guess);
+        loop {
+            if let ControlFlow::Break(fit) = fitting.step(self, noise_n2) {
+                return fit;
+            }
+        }
+    }
+}
+
+fn moved(cycle: &CycleParams, step: &Gradient) -> CycleParams {
+    // Omega and the rate stay positive by never losing more than two thirds at once. Not
+    // `clamp`, which panics at a limit that is no number.
+    let grown = |value: f32, by: f32| (value + by).max(0.33 * value).min(3.0 * value);
+    CycleParams {
+        onset: cycle.onset + step[0].clamp(-1.0, 1.0),
+        rate: grown(cycle.rate, step[1]),
+        static_n: cycle.static_n + step[2],
+        half_drop_n: grown(cycle.half_drop_n, step[3]),
+        omega: 1.0 / grown(cycle.inverse_omega(), step[4]),
+        rate_change: cycle.rate_change + step[5],
+    }
+}
+
+/// Keeps the unknowns where the formulas hold.
+fn limited(cycle: CycleParams) -> CycleParams {
+    const TINY: f32 = 1e-12;
+    let least_n = (TINY * cycle.static_n.abs()).max(f32::MIN_POSITIVE);
+    CycleParams {
+        rate: cycle.rate.max(least_n),
+        half_drop_n: cycle.half_drop_n.max(least_n),
+        omega: cycle.omega.clamp(1e-3, 60.0),
+        ..cycle
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fit::data::Samples;
+    use crate::model::corner::Corner;
+    use crate::noise::ripple::ColoredNoise;
+    use crate::stats::line::Line;
+    use crate::stats::prior::Prior;
+
+    #[test]
+    fn a_short_step_settles_a_fit_and_a_long_one_does_not() {
+        let (static_n, half_drop_n) = (781.2, 289.8);
+        let truth = CycleParams {
+            onset: 3.3,
+            rate: 22.5,
+            static_n,
+            half_drop_n,
+            omega: 1.1828,
+            rate_change: 0.0,
+        };
+        let shape = truth.shape();
+        let forces_n: [f32; 12] = core::array::from_fn(|i| shape.force(i as f32).0);
+        let (line, free) = (Line::default(), Prior::default());
+        let data = Data {
+            before: &line,
+            samples: Samples::new(0.0, &forces_n),
+            after: &line,
+            wander: ColoredNoise::NONE,
+            rate: free,
+            inverse_omega: free,
+            rate_change: Prior { mean: 0.0, weight: 1e6 },
+            onset: free,
+            corner: Corner::default(),
+        };
+        let first_step = |onset, half_drop_n| {
+            let mut fitting = Fitting::new(&CycleParams { onset, half_drop_n, ..truth });
+            assert!(fitting.step(&data, 4.0).is_continue(), "the guess is looked at first");
+            fitting.step(&data, 4.0)
+        };
+        let ControlFlow::Break(Some(fit)) = first_step(3.303, 291.0) else { panic!("settles") };
+        assert!((fit.forces.static_n - static_n).abs() < 0.02 && fit.cost() < 0.04);
+        assert!(first_step(3.4, 300.0).is_continue());
+    }
+}

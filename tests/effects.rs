@@ -1,0 +1,87 @@
+//! Looking for an effect costs nothing where there is none.
+
+use std::path::Path;
+
+use floe::sim::Scene;
+use floe_core::{Effect, Effects};
+use floe_tests::score::{self, rms};
+
+const RECORDS: u64 = 6;
+/// Most that the answers of a linear scene may differ with and without looking for effects:
+/// root mean square in stated standard deviations, and relative difference of the median
+/// standard deviation.
+const MOST: f64 = 0.01;
+/// Scenes that miss this today, and why: the list shrinks.
+const NOT_YET: [(&str, &str); 2] = [
+    ("linear/heavy.toml", "a corner that is only possible widens the median by 8 %: few events"),
+    ("linear/snow.toml", "one record in six takes noise for a corner, at .09 of a stated std"),
+];
+
+fn scene(name: &str) -> Scene {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../host-sim/scenes").join(name);
+    Scene::from_toml(&std::fs::read_to_string(path).expect("a scene")).expect("a good scene")
+}
+
+/// Differences of both coefficients in stated standard deviations, and the ratio of the
+/// median standard deviations.
+fn differences(scene: &Scene, effects: Effects) -> ([f64; 2], [f64; 2], usize) {
+    let (mut apart, mut stds, mut lost) =
+        ([vec![], vec![]], [[vec![], vec![]], [vec![], vec![]]], 0);
+    for seed in 1..=RECORDS {
+        let all = score::run_looking_for(Effects::default(), scene, seed).found;
+        let some = score::run_looking_for(effects, scene, seed).found;
+        lost += all.len().abs_diff(some.len());
+        for (a, b) in all.iter().zip(&some) {
+            for (i, pair) in [(a.mu_s, b.mu_s), (a.mu, b.mu)].into_iter().enumerate() {
+                let (Some(a), Some(b)) = pair else { continue };
+                apart[i].push(f64::from(a.value - b.value) / f64::from(b.std));
+                stds[i][0].push(f64::from(a.std));
+                stds[i][1].push(f64::from(b.std));
+            }
+        }
+    }
+    let ratios = stds.map(|[all, some]| {
+        let median = |of: Vec<f64>| score::quantile(of.into_iter(), 0.5);
+        median(all) / median(some)
+    });
+    (apart.map(|them| rms(&them)), ratios, lost)
+}
+
+#[test]
+fn on_linear_scenes_auto_is_none() {
+    let mut faults = Vec::new();
+    for name in [
+        "dff8-13.toml",
+        "linear/heavy.toml",
+        "linear/fast.toml",
+        "linear/snow.toml",
+        "linear/light.toml",
+    ] {
+        let (apart, ratios, lost) = differences(&scene(name), Effects::NONE);
+        println!("{name}: rms {apart:.4?} stated std, median std {ratios:.4?}, {lost} events lost");
+        let far =
+            apart.iter().any(|it| *it > MOST) || ratios.iter().any(|it| (it - 1.0).abs() > MOST);
+        let known = NOT_YET.iter().any(|(scene, _)| *scene == name);
+        if known != far {
+            faults
+                .push(format!("{name}: on the list of NOT_YET it does not belong, or is missing"));
+        }
+        if lost > 0 {
+            faults.push(format!("{name}: {apart:?} {ratios:?} {lost}"));
+        }
+    }
+    assert!(faults.is_empty(), "{faults:#?}");
+}
+
+#[test]
+fn one_effect_left_out_changes_no_linear_scene() {
+    let scene = scene("dff8-13.toml");
+    for effect in Effect::ALL {
+        let others = Effect::ALL.into_iter().filter(|other| *other != effect);
+        let set = others.fold(Effects::NONE, |set, other| set.with(other, true));
+        let (apart, ratios, lost) = differences(&scene, set);
+        println!("without {effect}: rms {apart:.4?} stated std, median std {ratios:.4?}");
+        assert!(apart.iter().all(|it| *it <= MOST) && lost == 0, "{effect}: {apart:?}");
+        assert!(ratios.iter().all(|it| (it - 1.0).abs() <= MOST), "{effect}: {ratios:?}");
+    }
+}

@@ -1,0 +1,162 @@
+//! The battery pulled at random bytes of what is written to a card, through the real
+//! file system code: nothing older is lost, nothing wrong is read, the logger goes on.
+//!
+//! `FLOE_POWER_CUTS=10000` sets their number.
+
+use std::io::{Cursor, Write as _};
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+use floe::card::{self, Test};
+use floe_core::Counts;
+use floe_firmware::card::CardLog;
+use floe_firmware::line::Line;
+use floe_tests::board::{lines, with_board};
+use floe_tests::fat::{Rest, SimCard, formatted, partition};
+use floe_tests::fuzz::Dice;
+use floe_tests::records::stick_slip;
+
+/// 512 KiB: eight minutes.
+const LOG_SECTORS: u32 = 1024;
+/// Samples in a test that is not cut.
+const WHOLE: u32 = 400;
+const BEGIN: &str = "set weight 630\nset span 5000\nlive off\nstart\n";
+
+/// Switches the board on, types, and runs it until so many ticks have passed or its
+/// power is gone: the samples that it took.
+fn run(card: &SimCard, typed: &str, codes: &[i32], ticks: u32) -> u32 {
+    with_board(CardLog::new(card.clone(), LOG_SECTORS), codes, |board| {
+        board.type_in(typed.as_bytes());
+        for tick in 0..ticks {
+            if card.is_dead() {
+                return tick.saturating_sub(1);
+            }
+            board.tick();
+        }
+        ticks.saturating_sub(1)
+    })
+}
+
+fn tests(card: &SimCard) -> Vec<Test> {
+    card::tests(Cursor::new(card.content())).map(|(tests, _)| tests).unwrap_or_default()
+}
+
+/// Code after code as it was measured; a wrong one is what must never be.
+fn assert_true(test: &Test, codes: &[i32]) {
+    for sample in &test.samples {
+        let expected = codes[sample.index as usize % codes.len()];
+        assert_eq!(sample.reading, Ok(Counts(expected)), "{sample:?}");
+    }
+}
+
+/// A card with one whole test.
+fn used_card(codes: &[i32]) -> Vec<u8> {
+    let card = SimCard::new(formatted());
+    run(&card, BEGIN, codes, WHOLE + 1);
+    run(&card, "stop\n", codes, 0);
+    card.content()
+}
+
+fn fsck() -> Option<PathBuf> {
+    ["/usr/sbin/fsck.fat", "/sbin/fsck.fat"].iter().map(PathBuf::from).find(|p| p.exists())
+}
+
+/// Whether the file system is clean.
+fn is_clean(fsck: &Path, place: &Path, card: &SimCard) -> bool {
+    let mut file = std::fs::File::create(place).expect("a file");
+    file.write_all(partition(&card.content())).expect("room");
+    let mut command = Command::new(fsck);
+    let checked = command.arg("-n").arg(place).stdin(Stdio::null()).output().expect("runs");
+    checked.status.success()
+}
+
+#[test]
+fn nothing_is_lost_but_the_last_half_second() {
+    let cuts: u64 =
+        std::env::var("FLOE_POWER_CUTS").ok().and_then(|n| n.parse().ok()).unwrap_or(300);
+    let codes = stick_slip(WHOLE);
+    let used = used_card(&codes);
+    let place = std::env::temp_dir().join(format!("floe-cuts-{}.img", std::process::id()));
+    let fsck = fsck();
+    let (mut worst, mut dirty, mut checked, mut resumed) = (0, 0, 0, 0);
+    for number in 0..cuts {
+        let dice = &mut Dice::new(number);
+        let card = SimCard::new(used.clone());
+        let rest = *dice.pick(&[Rest::Old, Rest::Erased, Rest::Noise]);
+        card.cut_after(dice.below(40 * 512) as u64, rest);
+        let taken = run(&card, BEGIN, &codes, 2 * WHOLE);
+        assert!(card.is_dead(), "cut {number} came too late");
+        card.revive();
+
+        let found = tests(&card);
+        assert_eq!(found[0].samples.len(), WHOLE as usize, "cut {number}: the older test");
+        let kept = found.get(1).map_or(0, |test| test.samples.len() as u32);
+        worst = worst.max(taken - kept);
+        if let Some(fsck) = &fsck {
+            dirty += u32::from(!is_clean(fsck, &place, &card));
+            checked += 1;
+        }
+
+        // The power is back: the test goes on by itself, if it had begun.
+        let before = found.get(1).map(|test| test.part);
+        run(&card, "", &codes, 100);
+        let found = tests(&card);
+        for test in &found {
+            assert_true(test, &codes);
+        }
+        if let (Some(before), Some(after)) = (before, found.get(2)) {
+            assert_eq!((after.part.id, after.part.number), (before.id, 1), "cut {number}");
+            assert_eq!(after.samples.len(), 96, "cut {number}");
+            resumed += 1;
+        }
+    }
+    let _ = std::fs::remove_file(&place);
+    println!(
+        "{cuts} power cuts: at most {worst} samples lost ({} ms), {resumed} tests went on, \
+         {checked} file systems checked, {dirty} of them not clean",
+        f64::from(worst) * 62.5
+    );
+    assert!(worst <= 8 && dirty == 0 && resumed * 10 >= cuts * 9);
+}
+
+/// The settings that a board has after it was switched on.
+fn settings(card: &SimCard, codes: &[i32]) -> f32 {
+    with_board(CardLog::new(card.clone(), LOG_SECTORS), codes, |board| {
+        board.type_in(b"status\n");
+        let said = board.said();
+        let weight = lines(&said).find_map(|line| {
+            if let Line::Start { settings, .. } = line {
+                Some(settings.config.weight_n)
+            } else {
+                None
+            }
+        });
+        weight.expect("its settings")
+    })
+}
+
+/// A save that is cut at any of its bytes leaves the old settings or the new ones.
+#[test]
+fn settings_are_the_old_or_the_new() {
+    let codes = stick_slip(WHOLE);
+    let used = used_card(&codes);
+    let (mut old, mut new) = (0, 0);
+    for cut in 0..=512 {
+        for rest in [Rest::Old, Rest::Erased, Rest::Noise] {
+            let card = SimCard::new(used.clone());
+            card.cut_after(cut, rest);
+            run(&card, "set weight 700\n", &codes, 0);
+            card.revive();
+            match settings(&card, &codes) {
+                630.0 => old += 1,
+                700.0 => new += 1,
+                other => panic!("cut at byte {cut}: {other} N"),
+            }
+            // And they can be set again.
+            run(&card, "set weight 800\n", &codes, 0);
+            assert_eq!(settings(&card, &codes).to_bits(), 800.0_f32.to_bits(), "byte {cut}");
+        }
+    }
+    println!("settings: {old} saves cut left the old ones, {new} the new ones");
+    assert!(old > 1500 && new > 0);
+}

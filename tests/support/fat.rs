@@ -1,0 +1,178 @@
+//! A memory card with a FAT16 file system, whose power can be cut at any byte.
+
+use std::cell::{Cell, RefCell};
+use std::rc::Rc;
+
+use embedded_sdmmc::{Block, BlockCount, BlockDevice, BlockIdx};
+
+const SECTOR: usize = 512;
+/// Where the partition begins, in sectors.
+pub const START: u32 = 8;
+const SECTORS: u16 = 8400;
+const FAT_SECTORS: u16 = 33;
+const ROOT_ENTRIES: u16 = 512;
+
+/// An empty card: partition table and file system.
+#[must_use]
+pub fn formatted() -> Vec<u8> {
+    let mut card = vec![0; SECTOR * (START as usize + usize::from(SECTORS))];
+    let mut put = |sector: usize, at: usize, bytes: &[u8]| {
+        let at = sector * SECTOR + at;
+        card[at..at + bytes.len()].copy_from_slice(bytes);
+    };
+    // One partition of type 6, FAT16.
+    let mut entry = [0; 16];
+    entry[4] = 0x06;
+    entry[8..12].copy_from_slice(&START.to_le_bytes());
+    entry[12..16].copy_from_slice(&u32::from(SECTORS).to_le_bytes());
+    put(0, 446, &entry);
+    put(0, 510, &[0x55, 0xAA]);
+
+    let boot = START as usize;
+    put(boot, 0, &[0xEB, 0x3C, 0x90]);
+    put(boot, 3, b"MSDOS5.0");
+    put(boot, 11, &(SECTOR as u16).to_le_bytes());
+    // A cluster is a sector; one sector before the two tables.
+    put(boot, 13, &[1, 1, 0, 2]);
+    put(boot, 17, &ROOT_ENTRIES.to_le_bytes());
+    put(boot, 19, &SECTORS.to_le_bytes());
+    put(boot, 21, &[0xF8]);
+    put(boot, 22, &FAT_SECTORS.to_le_bytes());
+    put(boot, 24, &[32, 0, 64, 0]);
+    put(boot, 28, &START.to_le_bytes());
+    put(boot, 36, &[0x80, 0, 0x29, 1, 2, 3, 4]);
+    put(boot, 43, b"NO NAME    FAT16   ");
+    put(boot, 510, &[0x55, 0xAA]);
+    for table in 0..2 {
+        let sector = boot + 1 + table * usize::from(FAT_SECTORS);
+        put(sector, 0, &[0xF8, 0xFF, 0xFF, 0xFF]);
+    }
+    card
+}
+
+/// The partition alone, as `fsck.fat` wants it.
+#[must_use]
+pub fn partition(card: &[u8]) -> &[u8] {
+    &card[SECTOR * START as usize..]
+}
+
+/// What becomes of the rest of a sector whose writing was cut short.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Rest {
+    /// As it was before.
+    Old,
+    /// All ones: erased.
+    Erased,
+    /// Anything.
+    Noise,
+}
+
+/// A card in its slot.
+#[derive(Clone, Debug)]
+pub struct SimCard {
+    bytes: Rc<RefCell<Vec<u8>>>,
+    written: Rc<Cell<u64>>,
+    cut: Rc<Cell<Option<(u64, Rest)>>>,
+}
+
+/// The power is gone.
+#[derive(Clone, Copy, Debug)]
+pub struct Dead;
+
+impl core::fmt::Display for Dead {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.write_str("the power is gone")
+    }
+}
+
+impl core::error::Error for Dead {}
+
+impl SimCard {
+    /// A card with that content.
+    #[must_use]
+    pub fn new(bytes: Vec<u8>) -> Self {
+        let (written, cut) = (Rc::new(Cell::new(0)), Rc::new(Cell::new(None)));
+        Self { bytes: Rc::new(RefCell::new(bytes)), written, cut }
+    }
+
+    /// The power fails when so many more bytes have been written.
+    pub fn cut_after(&self, bytes: u64, rest: Rest) {
+        self.cut.set(Some((self.written.get() + bytes, rest)));
+    }
+
+    /// Whether the power has failed.
+    #[must_use]
+    pub fn is_dead(&self) -> bool {
+        self.cut.get().is_some_and(|(at, _)| self.written.get() >= at)
+    }
+
+    /// The power is back.
+    pub fn revive(&self) {
+        self.cut.set(None);
+    }
+
+    /// Bytes written since it was made.
+    #[must_use]
+    pub fn written(&self) -> u64 {
+        self.written.get()
+    }
+
+    /// All that is on it.
+    #[must_use]
+    pub fn content(&self) -> Vec<u8> {
+        self.bytes.borrow().clone()
+    }
+
+    fn write_block(&self, block: &Block, at: usize) -> Result<(), Dead> {
+        let mut bytes = self.bytes.borrow_mut();
+        let place = bytes.get_mut(at..at + SECTOR).ok_or(Dead)?;
+        let before = self.written.get();
+        self.written.set(before + SECTOR as u64);
+        let Some((cut, rest)) = self.cut.get().filter(|(cut, _)| *cut < before + SECTOR as u64)
+        else {
+            place.copy_from_slice(&block.contents);
+            return Ok(());
+        };
+        let whole = (cut - before) as usize;
+        place[..whole].copy_from_slice(&block.contents[..whole]);
+        let noise = |i: usize| (cut as usize * 31 + i * 167 + i * i * 13) as u8;
+        for (i, byte) in place.iter_mut().enumerate().skip(whole) {
+            match rest {
+                Rest::Old => {}
+                Rest::Erased => *byte = 0xFF,
+                Rest::Noise => *byte = noise(i),
+            }
+        }
+        Err(Dead)
+    }
+}
+
+impl BlockDevice for SimCard {
+    type Error = Dead;
+
+    fn read(&self, blocks: &mut [Block], start: BlockIdx) -> Result<(), Dead> {
+        if self.is_dead() {
+            return Err(Dead);
+        }
+        let bytes = self.bytes.borrow();
+        for (block, index) in blocks.iter_mut().zip(start.0 as usize..) {
+            let from = bytes.get(index * SECTOR..(index + 1) * SECTOR).ok_or(Dead)?;
+            block.contents.copy_from_slice(from);
+        }
+        Ok(())
+    }
+
+    fn write(&self, blocks: &[Block], start: BlockIdx) -> Result<(), Dead> {
+        for (block, index) in blocks.iter().zip(start.0 as usize..) {
+            if self.is_dead() {
+                return Err(Dead);
+            }
+            self.write_block(block, index * SECTOR)?;
+        }
+        Ok(())
+    }
+
+    fn num_blocks(&self) -> Result<BlockCount, Dead> {
+        Ok(BlockCount((self.bytes.borrow().len() / SECTOR) as u32))
+    }
+}

@@ -1,0 +1,91 @@
+//! Cases that nobody thought of: what is well-formed, with a few things wrong.
+
+use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
+use std::time::{Duration, Instant};
+
+/// A small generator, the same everywhere (splitmix64).
+#[derive(Clone, Debug)]
+pub struct Dice(u64);
+
+impl Dice {
+    /// Different numbers for every seed.
+    #[must_use]
+    pub fn new(seed: u64) -> Self {
+        Self(seed)
+    }
+
+    /// 64 random bits.
+    pub fn bits(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+        z ^ (z >> 31)
+    }
+
+    /// A number below a limit, 0 for a limit of 0.
+    pub fn below(&mut self, limit: usize) -> usize {
+        (self.bits() % limit.max(1) as u64) as usize
+    }
+
+    /// One of several.
+    pub fn pick<'a, T>(&mut self, of: &'a [T]) -> &'a T {
+        &of[self.below(of.len())]
+    }
+
+    /// So many random bytes.
+    pub fn bytes(&mut self, count: usize) -> Vec<u8> {
+        (0..count).map(|_| self.bits() as u8).collect()
+    }
+
+    /// One to eight changes; `words` are put in now and then.
+    pub fn damage(&mut self, text: &mut Vec<u8>, words: &[&[u8]]) {
+        for _ in 0..=self.below(8) {
+            let at = self.below(text.len() + 1);
+            let end = (at + self.below(20)).min(text.len());
+            match self.below(7) {
+                0 if at < text.len() => text[at] ^= 1 << self.below(8),
+                1 if at < text.len() => text[at] = self.bits() as u8,
+                2 => drop(text.drain(at..end)),
+                3 => {
+                    let again = text[at..end].to_vec();
+                    text.splice(at..at, again);
+                }
+                4 => text.truncate(at),
+                _ => {
+                    let word: Vec<u8> = self.pick(words).to_vec();
+                    text.splice(at..end, word);
+                }
+            }
+        }
+    }
+}
+
+/// Longest time for one case: beyond it, it hangs.
+const LONGEST: Duration = Duration::from_secs(20);
+
+/// Runs case after case for a time (`FLOE_FUZZ_S` seconds, else 2), and prints how many
+/// there were. What a case comes of is its number alone, so that it can be run again.
+///
+/// # Panics
+/// A case panicked, or took too long; its number is printed.
+pub fn run(name: &str, mut case: impl FnMut(&mut Dice)) {
+    let seconds = std::env::var("FLOE_FUZZ_S").ok().and_then(|s| s.parse().ok()).unwrap_or(2.0);
+    let first = std::env::var("FLOE_FUZZ_CASE").ok().and_then(|s| s.parse().ok());
+    let limit = Duration::from_secs_f64(if first.is_some() { 0.0 } else { seconds });
+    let (start, mut number) = (Instant::now(), first.unwrap_or(0_u64));
+    loop {
+        let began = Instant::now();
+        let mut dice = Dice::new(number.wrapping_mul(0xD134_2543_DE82_EF95));
+        if let Err(panic) = catch_unwind(AssertUnwindSafe(|| case(&mut dice))) {
+            eprintln!("{name}: case {number}: FLOE_FUZZ_CASE={number} runs it alone");
+            resume_unwind(panic);
+        }
+        assert!(began.elapsed() < LONGEST, "{name}: case {number} took {:?}", began.elapsed());
+        number += 1;
+        if start.elapsed() >= limit {
+            break;
+        }
+    }
+    println!("{name}: {number} cases in {:.1} s", start.elapsed().as_secs_f64());
+}

@@ -1,0 +1,240 @@
+//! `cargo xtask budgets`: what the core alone costs on the board, counted in the emulator,
+//! held against `xtask/budgets.toml`.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use floe::sim::{Scene, simulate};
+use serde::{Deserialize, Serialize};
+
+use crate::Result;
+use crate::arm::Route;
+use crate::qemu;
+use crate::shell::{output, root};
+
+/// An instruction takes 2 to this power in ns of the emulator's clock.
+const COUNTING: u32 = 8;
+/// A rise by more than this part fails.
+const RISE: f64 = 0.02;
+/// The scene whose mean has a limit of its own.
+const REFERENCE: &str = "dff8-13";
+
+/// What `xtask/budgets.toml` holds.
+#[derive(Debug, Default, Deserialize, Serialize)]
+struct Budgets {
+    limits: Limits,
+    /// By compiler, then by record.
+    #[serde(default)]
+    measured: BTreeMap<String, BTreeMap<String, Cost>>,
+}
+
+/// Absolute limits, instructions and bytes.
+#[derive(Clone, Copy, Debug, Default, Deserialize, Serialize)]
+struct Limits {
+    quiet: u64,
+    mean_reference: u64,
+    worst: u64,
+    state_bytes: u64,
+}
+
+/// Instructions of one record's steps.
+#[derive(Clone, Copy, Debug, Default, Deserialize, Serialize)]
+struct Cost {
+    quiet: u64,
+    mean: u64,
+    worst: u64,
+}
+
+/// A record as the board's program reads it.
+struct Record {
+    name: String,
+    bytes: Vec<u8>,
+}
+
+/// What the board's program said of one record.
+struct Counted {
+    name: String,
+    samples: u64,
+    events: u64,
+    cost: Cost,
+    worst_at: u64,
+    state_bytes: u64,
+}
+
+/// Prints the table; `write` makes it the budget of this compiler.
+///
+/// # Errors
+/// A limit is exceeded, or something rose by more than 2 %.
+pub fn run(forced: Option<Route>, write: bool) -> Result<()> {
+    let route = Route::find(forced)?;
+    let program = route.build_firmware("mps2-budget", "mps2-an386")?;
+    let qemu = qemu::find()?;
+    let records = records()?;
+    let counted: Result<Vec<Counted>> =
+        records.iter().map(|record| count(qemu, &program, record)).collect();
+    let counted = counted?;
+    print(&counted);
+    let place = root().join("xtask/budgets.toml");
+    let text = fs::read_to_string(&place).map_err(|e| format!("{}: {e}", place.display()))?;
+    let mut budgets: Budgets =
+        toml::from_str(&text).map_err(|e| format!("{}: {e}", place.display()))?;
+    let compiler = compiler(route);
+    let mut over = beyond(&budgets.limits, &counted);
+    if write {
+        let costs = counted.iter().map(|c| (c.name.clone(), c.cost)).collect();
+        budgets.measured.insert(compiler, costs);
+        let head: String =
+            text.lines().take_while(|line| line.starts_with('#')).collect::<Vec<_>>().join("\n");
+        let table = toml::to_string(&budgets).map_err(|e| e.to_string())?;
+        let text = format!("{head}\n{table}");
+        fs::write(&place, text).map_err(|e| format!("{}: {e}", place.display()))?;
+    } else if let Some(before) = budgets.measured.get(&compiler) {
+        over.extend(risen(before, &counted));
+    } else {
+        println!("no budget for {compiler}: absolute limits alone");
+    }
+    if over.is_empty() { Ok(()) } else { Err(over.join("\n       ")) }
+}
+
+/// Every linear and hard scene, and what no block does.
+fn records() -> Result<Vec<Record>> {
+    let scenes = root().join("host-sim/scenes");
+    let mut files = vec![scenes.join("dff8-13.toml")];
+    for folder in ["linear", "hard"] {
+        let entries = fs::read_dir(scenes.join(folder)).map_err(|e| e.to_string())?;
+        let mut found: Vec<PathBuf> = entries.flatten().map(|entry| entry.path()).collect();
+        found.sort();
+        files.extend(found);
+    }
+    let mut records = Vec::new();
+    for file in &files {
+        records.push(scene_record(file)?);
+    }
+    records.extend(adversarial());
+    Ok(records)
+}
+
+fn scene_record(file: &Path) -> Result<Record> {
+    let text = fs::read_to_string(file).map_err(|e| format!("{}: {e}", file.display()))?;
+    let scene = Scene::from_toml(&text).map_err(|e| format!("{}: {e}", file.display()))?;
+    let samples = simulate(&scene, 2).map_err(|e| format!("{}: {e}", file.display()))?.samples;
+    let last = samples.last().map_or(0, |sample| sample.index) as usize;
+    let mut forces_n = vec![f32::NAN; last + 1];
+    for sample in &samples {
+        if let Some(force_n) = forces_n.get_mut(sample.index as usize) {
+            *force_n = sample.force_n as f32;
+        }
+    }
+    let name = file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    let measurement = &scene.measurement;
+    let range_n = (measurement.range_n - measurement.tare_n.abs()).max(0.0) as f32;
+    let head = [scene.rate_hz as f32, scene.weight_n as f32, scene.slope_rad() as f32, range_n];
+    Ok(Record { name, bytes: bytes(head, &forces_n) })
+}
+
+/// Records that no block makes, to look for steps that take long.
+fn adversarial() -> Vec<Record> {
+    let record = |name: &str, force_n: &dyn Fn(u32) -> f32| {
+        let forces_n: Vec<f32> = (0..1920).map(force_n).collect();
+        Record { name: name.into(), bytes: bytes([16.0, 630.0, 0.0, 0.0], &forces_n) }
+    };
+    // A generator of Knuth's: its upper bits are as good as random.
+    let random = |i: u32| (i.wrapping_mul(1_664_525).wrapping_add(1_013_904_223) >> 16) as f32;
+    vec![
+        record("saw of 3", &|i| 300.0 + 100.0 * (i % 3) as f32),
+        record("saw of 5", &|i| 300.0 + 60.0 * (i % 5) as f32),
+        record("saw of 200", &|i| 300.0 + 2.0 * (i % 200) as f32),
+        record("triangle", &|i| 300.0 + 4.0 * (i % 100).abs_diff(50) as f32),
+        record("random", &|i| random(i.wrapping_mul(2_654_435_761)) / 65.536),
+        record("gaps", &|i| if i % 7 == 3 { f32::NAN } else { 300.0 + 20.0 * (i % 29) as f32 }),
+        record("constant", &|_| 500.0),
+    ]
+}
+
+fn bytes(head: [f32; 4], forces_n: &[f32]) -> Vec<u8> {
+    head.iter().chain(forces_n).flat_map(|number| number.to_le_bytes()).collect()
+}
+
+fn count(qemu: &str, program: &Path, record: &Record) -> Result<Counted> {
+    let directory = root().join("target").join(format!("budget-{}", std::process::id()));
+    fs::create_dir_all(&directory).map_err(|e| e.to_string())?;
+    fs::write(directory.join("samples"), &record.bytes).map_err(|e| e.to_string())?;
+    let said = qemu::board(qemu, COUNTING, None, program, &directory).output();
+    let _ = fs::remove_dir_all(&directory);
+    let said = said.map_err(|e| format!("{}: {e}", record.name))?;
+    let text = String::from_utf8_lossy(&said.stdout);
+    let failed = || format!("{}: {text}{}", record.name, String::from_utf8_lossy(&said.stderr));
+    let line = text.lines().find_map(|line| line.strip_prefix("budget ")).ok_or_else(failed)?;
+    let numbers: Vec<u64> = line.split(' ').filter_map(|word| word.parse().ok()).collect();
+    let &[samples, events, quiet, mean, worst, worst_at, state_bytes] = numbers.as_slice() else {
+        return Err(failed());
+    };
+    let cost = Cost { quiet, mean, worst };
+    Ok(Counted { name: record.name.clone(), samples, events, cost, worst_at, state_bytes })
+}
+
+fn print(counted: &[Counted]) {
+    println!("core alone on the board: instructions a step, counted by the emulator");
+    println!(
+        "{:14} {:>7} {:>6} {:>6} {:>6} {:>7}  at sample",
+        "record", "samples", "events", "quiet", "mean", "worst"
+    );
+    for Counted { name, samples, events, cost: Cost { quiet, mean, worst }, worst_at, .. } in
+        counted
+    {
+        println!("{name:14} {samples:7} {events:6} {quiet:6} {mean:6} {worst:7}  {worst_at}");
+    }
+    let state = counted.first().map_or(0, |c| c.state_bytes);
+    println!("state of the pipeline: {state} bytes");
+}
+
+/// What is over an absolute limit.
+fn beyond(limits: &Limits, counted: &[Counted]) -> Vec<String> {
+    let mut over = Vec::new();
+    let mut check = |what: String, value: u64, limit: u64| {
+        if value > limit {
+            over.push(format!("{what}: {value}, the limit is {limit}"));
+        }
+    };
+    for Counted { name, cost, state_bytes, .. } in counted {
+        check(format!("{name}: worst step"), cost.worst, limits.worst);
+        if name == REFERENCE {
+            check(format!("{name}: quiet step"), cost.quiet, limits.quiet);
+            check(format!("{name}: mean step"), cost.mean, limits.mean_reference);
+            check("state of the pipeline, bytes".into(), *state_bytes, limits.state_bytes);
+        }
+    }
+    over
+}
+
+/// What costs more than it did.
+fn risen(before: &BTreeMap<String, Cost>, counted: &[Counted]) -> Vec<String> {
+    let mut over = Vec::new();
+    for Counted { name, cost, .. } in counted {
+        let Some(was) = before.get(name) else { continue };
+        let figures = [
+            ("quiet", was.quiet, cost.quiet),
+            ("mean", was.mean, cost.mean),
+            ("worst", was.worst, cost.worst),
+        ];
+        for (what, was, is) in figures {
+            if is as f64 > (1.0 + RISE) * was as f64 {
+                over.push(format!("{name}: {what} rose from {was} to {is}"));
+            }
+        }
+    }
+    over
+}
+
+/// The compiler that made the program.
+fn compiler(route: Route) -> String {
+    let rustc = if route == Route::Debian { "/usr/bin/rustc".into() } else { rustc() };
+    let said = output(Command::new(rustc).arg("--version")).unwrap_or_default();
+    said.split(" (").next().unwrap_or_default().trim().to_owned()
+}
+
+fn rustc() -> std::ffi::OsString {
+    std::env::var_os("RUSTC").unwrap_or("rustc".into())
+}
