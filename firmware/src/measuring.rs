@@ -62,7 +62,8 @@ pub struct Measuring {
     weighed: Weighed,
     /// Code of the zero.
     tare: f32,
-    /// The known weight, codes, when it last rested.
+    /// The known weight, codes, as sharply as it was seen: what comes when it is taken off
+    /// belongs to another.
     rested: Option<Load>,
 }
 
@@ -73,6 +74,8 @@ struct Span {
     std: f32,
     /// Largest distance of a weight from the line through zero, N.
     residual_n: f32,
+    /// Largest of the weights, N.
+    largest_n: f32,
 }
 
 impl Measuring {
@@ -98,7 +101,7 @@ impl Measuring {
     }
 
     /// Goes on with another known weight, which may hang there already; the one before is
-    /// kept as it last rested.
+    /// kept as it rested.
     ///
     /// # Errors
     /// It has not rested, or there is no room for another.
@@ -151,7 +154,10 @@ impl Measuring {
     fn look(&mut self) {
         match self.task {
             Task::Tare => {}
-            Task::Calibrate(_) => self.rested = self.load().ok().or(self.rested),
+            Task::Calibrate(_) => {
+                let sharper = |load: &Load| self.rested.is_none_or(|kept| load.std < kept.std);
+                self.rested = self.load().ok().filter(sharper).or(self.rested);
+            }
             Task::Weigh => {
                 let duration_s = self.weighing.duration_s();
                 self.weighed = Weighed { duration_s, load: self.load_above(0.0) };
@@ -173,8 +179,8 @@ impl Measuring {
         let due = [8, 16, 32].contains(&seconds) || seconds.is_multiple_of(64);
         let news = match self.task {
             Task::Tare if due => self.zero().map(|rest| tare_news(&rest, settings)),
-            Task::Calibrate(force_n) if due => {
-                self.span().map(|(span, load)| span_news(force_n, span, &load, settings))
+            Task::Calibrate(_) if due => {
+                self.span().map(|(span, load)| span_news(span, &load, settings))
             }
             Task::Tare | Task::Calibrate(_) | Task::Weigh => return None,
         };
@@ -255,9 +261,10 @@ impl Measuring {
         let counts_per_n = products / squares;
         let residual = |(force_n, load): (f32, Load)| (load.value / counts_per_n - force_n).abs();
         let residual_n = all().map(residual).fold(0.0, f32::max);
+        let largest_n = all().map(|(force_n, _)| force_n).fold(0.0, f32::max);
         let std = sqrt(variance) / squares;
         let good = counts_per_n.is_finite() && counts_per_n != 0.0;
-        let span = Span { counts_per_n, std, residual_n };
+        let span = Span { counts_per_n, std, residual_n, largest_n };
         if good { Ok((span, newest)) } else { Err("the weights do not make a span") }
     }
 }
@@ -312,17 +319,17 @@ fn tare_news(rest: &Rest, settings: &Settings) -> Text {
     text((zero, moves))
 }
 
-fn span_news(force_n: f32, span: Span, load: &Load, settings: &Settings) -> Text {
-    let Span { counts_per_n, std, residual_n } = span;
+fn span_news(span: Span, load: &Load, settings: &Settings) -> Text {
+    let Span { counts_per_n, std, residual_n, largest_n } = span;
     let before = settings.config.calibration.counts_per_n;
     let warning = if counts_per_n < 0.0 {
         "; REVERSED: the reading falls under load"
-    } else if force_n < FEW * settings.range_n() {
-        "; LITTLE OF THE RANGE: hang more"
-    } else if residual_n > AGREE * force_n {
+    } else if residual_n > AGREE * largest_n {
         "; THE WEIGHTS DISAGREE"
     } else if !USUAL.contains(&(counts_per_n / before)) {
         "; NOT THE SAME CELL as before?"
+    } else if largest_n < FEW * settings.range_n() {
+        "; LITTLE OF THE RANGE: hang more"
     } else {
         ""
     };

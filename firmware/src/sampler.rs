@@ -49,11 +49,12 @@ impl<'q, A: BridgeAdc> Sampler<'q, A> {
         }
     }
 
-    /// The conversion that is going on is given up.
+    /// The conversion that is going on is given up: no sample, and no fault.
     fn change_input(&mut self) {
         let wanted = self.shared.wanted();
         if wanted != self.input && self.adc.select(wanted) {
             self.input = wanted;
+            self.running = None;
         }
     }
 }

@@ -107,8 +107,10 @@ impl<P: Read + ReadReady + Write, S: Store> App<'_, P, S> {
                 self.sync(next);
             }
         }
-        match self.clock.at(self.newest) {
-            Some(unix_ms) => self.info(&text(("clock ", Moment(unix_ms)))),
+        match self.clock.at(self.newest.wrapping_add(1)) {
+            Some(next_ms) => {
+                self.info(&text(("clock ", Moment(next_ms.saturating_add(HALF_A_PERIOD_MS)))));
+            }
             None => self.info("the clock is not set: clock 2027-03-02T10:15:00Z"),
         }
         Ok(())
