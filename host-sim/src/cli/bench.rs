@@ -1,22 +1,23 @@
 //! `floe bench`: methods side by side, speed against error.
 
-use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
-
-use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::bench::result::BenchResult;
 use crate::bench::{self, page, picture, table};
 use crate::error::InputError;
 
-use super::output;
+use super::json::Json;
+use super::{output, progress};
 
 /// Compare methods: speed against error, on the same simulated samples
 #[derive(Clone, Debug, clap::Args)]
+#[command(after_help = "\
+Examples:
+  floe bench --quick
+  floe bench --json bench.json")]
 pub struct Args {
-    /// Print JSON instead of the table
-    #[arg(long)]
-    json: bool,
+    #[command(flatten)]
+    json: Json,
     /// Fewer events: a look in a few seconds, rougher figures
     #[arg(long)]
     quick: bool,
@@ -35,26 +36,20 @@ const PICTURE: &str = "speed-vs-error.svg";
 /// One line for the user.
 pub fn run(args: &Args) -> Result<(), InputError> {
     let files = args.docs.as_deref().map(|docs| (docs.join(PAGE), docs.join(PICTURE)));
-    if let Some((page, picture)) = &files {
-        // The pages of this project, which are there to be replaced.
-        let _ = output::check(&[page, picture], &[])?;
-    }
+    let pages = files.iter().flat_map(|(page, picture)| [page.as_path(), picture]);
+    let outputs: Vec<&Path> = args.json.file().into_iter().chain(pages).collect();
+    let older = output::check(&outputs, &[])?;
     let result = compare(args.quick)?;
     if let Some((page, picture)) = &files {
         write(&result, page, picture)?;
     }
-    if args.json {
-        let json = serde_json::to_string_pretty(&result);
-        let json = json.map_err(|error| InputError::new(error.to_string()))?;
-        return output::print(&(json + "\n"));
-    }
-    let written = files.iter().flat_map(|(page, picture)| [page, picture]);
-    let written: String = written.map(|path| format!("written {}\n", path.display())).collect();
-    output::print(&(table::text(&result) + &written))
+    args.json.print(&result, || table::text(&result))?;
+    older.tell();
+    Ok(())
 }
 
 fn compare(quick: bool) -> Result<BenchResult, InputError> {
-    let bar = if std::io::stderr().is_terminal() { bar() } else { ProgressBar::hidden() };
+    let bar = progress::bar(1, "scene {pos} of {len}: {msg}");
     let result = bench::run(quick, |done, total, name| {
         bar.set_length(total as u64);
         bar.set_position(done as u64);
@@ -62,13 +57,6 @@ fn compare(quick: bool) -> Result<BenchResult, InputError> {
     });
     bar.finish_and_clear();
     result.map_err(|error| InputError::new(error.to_string()))
-}
-
-/// A bar on standard error.
-fn bar() -> ProgressBar {
-    let style = ProgressStyle::with_template("{wide_bar} scene {pos} of {len}: {msg}");
-    let style = style.unwrap_or_else(|_| ProgressStyle::default_bar());
-    ProgressBar::new(1).with_style(style)
 }
 
 fn write(result: &BenchResult, page: &Path, picture: &Path) -> Result<(), InputError> {

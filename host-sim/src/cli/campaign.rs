@@ -4,7 +4,6 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use indicatif::{ProgressBar, ProgressStyle};
 use rayon::prelude::*;
 
 use crate::campaign::event_table::EventTable;
@@ -14,15 +13,19 @@ use crate::campaign::{TestRecord, programme, recorded};
 use crate::error::InputError;
 use crate::report::render_campaign;
 
-use super::output;
+use super::json::Json;
+use super::{output, progress};
 
 /// Tests that are computed before their events are written.
 const CHUNK: usize = 256;
-const STANDARD: &str = "-";
 
 /// Evaluate many tests: means, trends against weight, pull rate and snow
 #[derive(Clone, Debug, clap::Args)]
 #[command(after_help = "\
+Examples:
+  floe campaign logs/ --report campaign.html --parquet events.parquet
+  floe campaign --repeat 40 --json campaign.json
+
 Without DIR or LIST, a programme of 25 tests is simulated from the published trends.
 A list names one log a line, relative to itself. Logs must say their weight (# weight_n:), and
 what is known of winch_m_per_s, snow_mm, kind and track, or a table tests.csv says it: a line of
@@ -52,9 +55,8 @@ pub struct Args {
     /// Write all events as one Parquet table
     #[arg(long, value_name = "FILE.parquet")]
     parquet: Option<PathBuf>,
-    /// Write the summary as JSON to FILE, or to standard output and nothing else there
-    #[arg(long, value_name = "FILE", num_args = 0..=1, default_missing_value = STANDARD)]
-    json: Option<PathBuf>,
+    #[command(flatten)]
+    json: Json,
 }
 
 /// Where the tests come from.
@@ -110,9 +112,8 @@ impl Source {
 /// # Errors
 /// One line for the user.
 pub fn run(args: &Args) -> Result<(), InputError> {
-    let json = args.json.as_deref().filter(|path| *path != Path::new(STANDARD));
     let source = Source::new(args)?;
-    let outputs = [json, args.report.as_deref(), args.parquet.as_deref()];
+    let outputs = [args.json.file(), args.report.as_deref(), args.parquet.as_deref()];
     let outputs: Vec<&Path> = outputs.into_iter().flatten().collect();
     let inputs = source.files(args);
     let inputs: Vec<&Path> = inputs.iter().map(PathBuf::as_path).collect();
@@ -200,7 +201,7 @@ fn in_order(
 ) -> Result<Vec<InputError>, InputError> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(args.threads.unwrap_or(0)).build();
     let pool = pool.map_err(|error| InputError::new(error.to_string()))?;
-    let bar = progress(source.len());
+    let bar = progress::bar(source.len(), "{pos} of {len} tests, {eta} left");
     let stop = args.strict || args.logs.is_none();
     let (mut first, mut left_out) = (0, Vec::new());
     while first < source.len() {
@@ -221,23 +222,9 @@ fn in_order(
     Ok(left_out)
 }
 
-/// A bar on standard error, if that is a terminal.
-fn progress(tests: u64) -> ProgressBar {
-    let style = ProgressStyle::with_template("{wide_bar} {pos} of {len} tests, {eta} left");
-    ProgressBar::new(tests).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
-}
-
 fn write(args: &Args, summary: &Summary, tests: &[TestRecord]) -> Result<(), InputError> {
     if let Some(path) = &args.report {
         output::replace(path, &render_campaign(summary, tests))?;
     }
-    let json = serde_json::to_string_pretty(summary)
-        .map_err(|error| InputError::new(error.to_string()))?
-        + "\n";
-    match args.json.as_deref() {
-        Some(path) if path == Path::new(STANDARD) => return output::print(&json),
-        Some(path) => output::replace(path, &json)?,
-        None => {}
-    }
-    output::print(&summary.text())
+    args.json.print(summary, || summary.text())
 }

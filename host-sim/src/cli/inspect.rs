@@ -19,7 +19,7 @@ Examples:
   floe inspect export.txt --delimiter ';' --time-column Uhrzeit --column Kraft --unit kN")]
 pub struct Args {
     /// The log: a file, or - for standard input
-    log: String,
+    log: Option<String>,
     #[command(flatten)]
     options: LogOptions,
     #[command(flatten)]
@@ -31,14 +31,15 @@ pub struct Args {
 /// # Errors
 /// One line for the user.
 pub fn run(args: &Args) -> Result<(), InputError> {
-    let name = if args.log == STANDARD { "standard input" } else { &args.log };
-    let outputs: Vec<&Path> = args.json.file().into_iter().collect();
-    let older = output::check(&outputs, &[Path::new(&args.log)])?;
-    let found = open(&args.log, false)
+    let (path, json) = args.json.with_log(args.log.as_deref())?;
+    let name = if path == STANDARD { "standard input" } else { &path };
+    let outputs: Vec<&Path> = json.file().into_iter().collect();
+    let older = output::check(&outputs, &[Path::new(&path)])?;
+    let found = open(&path, false)
         .and_then(|input| Log::from_reader(input, &args.options))
-        .and_then(|mut log| inspect(&args.log, &mut log))
+        .and_then(|mut log| inspect(&path, &mut log))
         .map_err(|error| error.within(name))?;
-    args.json.print(&found, || text(&found))?;
+    json.print(&found, || text(&found))?;
     older.tell();
     Ok(())
 }

@@ -1,4 +1,5 @@
-//! `--json [FILE]`, the same in every command.
+//! `--json [FILE]`, the same in every command: bare, the result goes to standard output
+//! and nothing else does; with a file, what a person reads still goes there.
 
 use std::path::{Path, PathBuf};
 
@@ -22,6 +23,22 @@ impl Json {
     #[must_use]
     pub fn file(&self) -> Option<&Path> {
         self.json.as_deref().filter(|path| *path != Path::new(STANDARD))
+    }
+
+    /// The log, and where its result goes. In `--json LOG` without another log, what looks
+    /// like the output is the log.
+    ///
+    /// # Errors
+    /// There is no log.
+    pub fn with_log(&self, log: Option<&str>) -> Result<(String, Self), InputError> {
+        if let Some(log) = log {
+            return Ok((log.to_string(), self.clone()));
+        }
+        let log = self.file().filter(|file| file.is_file()).and_then(Path::to_str);
+        let log = log.ok_or_else(|| {
+            InputError::new("no log given: name a file, or - for standard input (see --help)")
+        })?;
+        Ok((log.to_string(), Self { json: Some(STANDARD.into()) }))
     }
 
     /// Writes a result where it was asked for; `text` is for a person.

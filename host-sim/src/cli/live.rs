@@ -9,6 +9,11 @@ use crate::live::{Form, Place, Port, Save, display, print_events};
 /// Show a board's measurement while it runs
 #[derive(Clone, Debug, clap::Args)]
 #[command(after_help = "\
+Examples:
+  floe live /dev/ttyACM0
+  floe live COM3 -o field-notes.txt
+  floe live 127.0.0.1:4004 --json > events.jsonl
+
 PORT is a serial device (/dev/ttyACM0, COM3), HOST:PORT (an emulated board, a serial server), or
 unix:PATH. When standard output is no terminal, every event is printed as one line. The port is
 tried again when it goes away.")]
@@ -18,7 +23,7 @@ pub struct Args {
     /// Print every event as one line of JSON instead of the display
     #[arg(long)]
     json: bool,
-    /// Keep all lines of the board in this new file
+    /// Keep all lines of the board in this new file; none is replaced
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
 }

@@ -17,6 +17,7 @@ pub mod inspect;
 pub mod json;
 pub mod live;
 pub mod output;
+pub mod progress;
 pub mod provenance;
 pub mod recover;
 pub mod replay;
@@ -27,6 +28,14 @@ pub mod weigh;
 /// Friction of sea ice from the force in the cable: replays, simulates, compares.
 #[derive(Debug, Parser)]
 #[command(name = "floe", version)]
+#[command(after_help = "\
+Files: --json FILE, --report FILE and their like write a file; --json alone writes to standard output, and
+nothing else goes there. No output is ever an input. A result that was there is replaced once the new one is
+whole, and that is said; a recording (live -o, recover -o) replaces nothing.
+
+Exit: 0 done, 2 bad usage or a file that cannot be read or written, with one line that says what to do.
+
+Without a command, the bundled log is replayed.")]
 struct Cli {
     #[command(subcommand)]
     command: Option<Command>,
@@ -133,6 +142,22 @@ mod tests {
         assert_eq!(text, "--seed must be a whole number like 12, not '1.5'");
         let text = said(&["replay", "x.csv", "--delimiter", "ab"]);
         assert!(text.contains("must be one character like ;"), "{text}");
+    }
+
+    #[test]
+    fn every_command_shows_examples_that_can_be_typed() {
+        for command in <Cli as clap::CommandFactory>::command().get_subcommands() {
+            let help = command.clone().render_help().to_string();
+            let typed = |line: &str| line.starts_with("  floe ").then(|| line.trim().to_string());
+            let examples: Vec<String> = help.lines().filter_map(typed).collect();
+            assert!(help.contains("Examples:") && !examples.is_empty(), "{}", command.get_name());
+            for example in examples {
+                let floe = example.split(['|', '>']).next().unwrap_or_default();
+                let words = floe.split_whitespace().map(|word| word.trim_matches('\''));
+                let parsed = Cli::try_parse_from(words);
+                assert!(parsed.is_ok(), "{example}: {}", parsed.unwrap_err());
+            }
+        }
     }
 
     #[test]

@@ -1,16 +1,21 @@
 //! `floe recover`: every test of a card as files of its own.
 
-use std::fs::{self, File};
+use std::fs;
 use std::path::{Path, PathBuf};
 
 use crate::card::{self, Found, Test};
 use crate::error::InputError;
 
+use super::input::open_file;
 use super::output;
 
 /// Recover the tests of a logger's card, as CSV
 #[derive(Clone, Debug, clap::Args)]
 #[command(after_help = "\
+Examples:
+  floe recover FLOE.LOG -o tests
+  floe recover card.img -o tests --toa5
+
 INPUT is the card's FLOE.LOG, or an image of the whole card (or its device), in whatever
 state: every sector stands alone, and what is damaged is left out and counted.")]
 pub struct Args {
@@ -30,9 +35,8 @@ pub struct Args {
 /// One line for the user.
 pub fn run(args: &Args) -> Result<(), InputError> {
     let place = args.input.display();
-    let file =
-        File::open(&args.input).map_err(|e| InputError::new(e.to_string()).within(&place))?;
-    let (tests, found) = card::tests(file).map_err(|e| e.within(&place))?;
+    let read = open_file(&args.input, false).and_then(card::tests);
+    let (tests, found) = read.map_err(|e| e.within(&place))?;
     fs::create_dir_all(&args.output)
         .map_err(|e| InputError::new(e.to_string()).within(args.output.display()))?;
     let mut files = Vec::new();

@@ -14,7 +14,7 @@ use crate::replay::{replay_with_zero, table};
 use crate::report::{self, Recorder};
 
 use super::input::{STANDARD, open};
-use super::json::json;
+use super::json::Json;
 use super::output;
 use super::provenance::{Checksum, Summed, provenance};
 
@@ -40,9 +40,8 @@ pub struct Args {
     log_options: LogOptions,
     #[command(flatten)]
     test: TestOptions,
-    /// Write the result as JSON to FILE, or to standard output and nothing else there
-    #[arg(long, value_name = "FILE", num_args = 0..=1, default_missing_value = STANDARD)]
-    json: Option<PathBuf>,
+    #[command(flatten)]
+    json: Json,
     /// Write a report to look at, one HTML file
     #[arg(long, value_name = "FILE")]
     report: Option<PathBuf>,
@@ -64,29 +63,10 @@ pub struct Args {
 }
 
 impl Args {
-    /// `--json LOG` with no other log: what looks like the output is the log.
-    fn resolved(&self) -> Result<(Self, &str), InputError> {
-        let mut args = self.clone();
-        let log = match (&self.log, &self.json) {
-            (Some(log), _) => log.as_str(),
-            (None, Some(file)) if file.is_file() => {
-                args.json = Some(STANDARD.into());
-                file.to_str().ok_or_else(no_log)?
-            }
-            (None, _) => return Err(no_log()),
-        };
-        Ok((args, log))
-    }
-
     fn outputs(&self) -> impl Iterator<Item = &Path> {
-        let json = self.json.as_deref().filter(|path| *path != Path::new(STANDARD));
         let named = [&self.report, &self.events, &self.samples].map(|path| path.as_deref());
-        [json].into_iter().chain(named).flatten()
+        [self.json.file()].into_iter().chain(named).flatten()
     }
-}
-
-fn no_log() -> InputError {
-    InputError::new("no log given: name a file, or - for standard input (see --help)")
 }
 
 /// A result, and what a report needs beside it.
@@ -97,7 +77,9 @@ type Findings = (ReplayResult, Option<Recorder>);
 /// # Errors
 /// One line for the user.
 pub fn run(args: &Args) -> Result<(), InputError> {
-    let (args, path) = args.resolved()?;
+    let (path, json) = args.json.with_log(args.log.as_deref())?;
+    let args = Args { json, ..args.clone() };
+    let path = path.as_str();
     let name = if path == STANDARD { "standard input" } else { path };
     let outputs: Vec<&Path> = args.outputs().collect();
     let older = output::check(&outputs, &[Path::new(path)])?;
@@ -230,7 +212,7 @@ fn finish(
         output::replace(path, &report::render(result, recorder, &provenance(checksum)))?;
     }
     if let (Some(folder), Some(recorder)) = (&args.figures, &recorder) {
-        write_figures(folder, &report::figures(result, recorder))?;
+        write_figures(folder, &report::figures(result, recorder), args)?;
     }
     if let Some(path) = &args.events {
         output::replace(path, &events_csv(result)?)?;
@@ -240,24 +222,35 @@ fn finish(
             output::say(&format!("warning: {}: {warning}", result.log.path));
         }
     }
-    match args.json.as_deref() {
-        Some(path) if path == Path::new(STANDARD) => return output::print(&json(result)?),
-        Some(path) => output::replace(path, &json(result)?)?,
-        None => {}
-    }
-    if args.quiet {
-        return Ok(());
-    }
-    let written = args.outputs().map(|path| format!("written       {}\n", path.display()));
-    let text = if args.summary { table::summary(result) } else { table::text(result) };
-    output::print(&(text + &written.collect::<String>()))
+    args.json.print(result, || {
+        let written = args.outputs().map(|path| format!("written       {}\n", path.display()));
+        match (args.quiet, args.summary) {
+            (true, _) => String::new(),
+            (false, true) => table::summary(result) + &written.collect::<String>(),
+            (false, false) => table::text(result) + &written.collect::<String>(),
+        }
+    })
 }
 
-fn write_figures(folder: &Path, figures: &[(String, String)]) -> Result<(), InputError> {
+fn write_figures(
+    folder: &Path,
+    figures: &[(String, String)],
+    args: &Args,
+) -> Result<(), InputError> {
     std::fs::create_dir_all(folder).map_err(|error| {
         InputError::new(format!("cannot be made: {error}")).within(folder.display())
     })?;
-    figures.iter().try_for_each(|(name, svg)| output::replace(&folder.join(name), svg))
+    let paths: Vec<PathBuf> = figures.iter().map(|(name, _)| folder.join(name)).collect();
+    let outputs: Vec<&Path> = paths.iter().map(PathBuf::as_path).collect();
+    let log: Vec<&Path> = args.log.iter().map(Path::new).collect();
+    let older = output::check(&outputs, &log)?;
+    for (path, (_, svg)) in paths.iter().zip(figures) {
+        output::replace(path, svg)?;
+    }
+    if !args.quiet {
+        older.tell();
+    }
+    Ok(())
 }
 
 fn events_csv(result: &ReplayResult) -> Result<String, InputError> {

@@ -8,10 +8,16 @@ use crate::error::InputError;
 use crate::sim::truth_file::{Truth, TruthBuilder};
 use crate::sim::{Method, Run, Scene, write};
 
-use super::output;
+use super::{output, progress};
 
 /// Simulate a test: a log with known truth
 #[derive(Clone, Debug, clap::Args)]
+#[command(after_help = "\
+Examples:
+  floe simulate scene.toml -o pull.csv --truth pull-truth.json
+  floe simulate scene.toml -o pull.dat --seed 7 --duration-s 3600
+
+Scenes to begin with: host-sim/scenes; what may stand in one: docs/simulator.md.")]
 pub struct Args {
     /// The scene, TOML
     #[arg(value_name = "SCENE.toml")]
@@ -36,6 +42,9 @@ enum Form {
     Csv,
     Cr10,
 }
+
+/// Samples between two looks at how far it is.
+const LOOK: u64 = 4096;
 
 /// Runs the command.
 ///
@@ -100,7 +109,11 @@ fn write_log(
     if let Form::Csv = form {
         write::csv_head(out, scene, args.seed, &command_line(args))?;
     }
+    let bar = progress::bar(scene.sample_count(), "{pos} of {len} samples, {eta} left");
     for sample in run {
+        if sample.index % LOOK == 0 {
+            bar.set_position(sample.index);
+        }
         truth.push(&sample);
         match form {
             Form::Csv => write::csv_line(out, scene, &sample)?,

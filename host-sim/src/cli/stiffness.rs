@@ -14,10 +14,14 @@ use super::output;
 
 /// Stiffness of the cable from a log of a pull against a fixed post
 #[derive(Clone, Debug, clap::Args)]
+#[command(after_help = "\
+Examples:
+  floe stiffness post.csv --winch-m-per-s 0.0157
+  floe stiffness post.csv --winch-m-per-s 0.0157 --cable-length-m 24.5 --json post.json")]
 pub struct Args {
     /// The log: a file, or - for standard input
     #[arg(value_name = "LOG")]
-    log: String,
+    log: Option<String>,
     /// Take-up speed of the winch, m/s [default: as the log says]
     #[arg(long, value_name = "W")]
     winch_m_per_s: Option<f64>,
@@ -41,16 +45,17 @@ pub struct Args {
 /// # Errors
 /// One line for the user.
 pub fn run(args: &Args) -> Result<(), InputError> {
-    let outputs: Vec<&Path> = args.json.file().into_iter().collect();
-    let older = output::check(&outputs, &[Path::new(&args.log)])?;
-    let found = measure(args).map_err(|error| error.within(&args.log))?;
-    args.json.print(&found, || text(&found))?;
+    let (path, json) = args.json.with_log(args.log.as_deref())?;
+    let outputs: Vec<&Path> = json.file().into_iter().collect();
+    let older = output::check(&outputs, &[Path::new(&path)])?;
+    let found = measure(&path, args).map_err(|error| error.within(&path))?;
+    json.print(&found, || text(&found))?;
     older.tell();
     Ok(())
 }
 
-fn measure(args: &Args) -> Result<Stiffness, InputError> {
-    let mut log = Log::from_reader(open(&args.log, false)?, &args.log_options)?;
+fn measure(path: &str, args: &Args) -> Result<Stiffness, InputError> {
+    let mut log = Log::from_reader(open(path, false)?, &args.log_options)?;
     let mut samples = Vec::new();
     while let Some(sample) = log.next_sample()? {
         match sample.raw.reading {

@@ -17,13 +17,17 @@ use super::output;
 /// Weigh a block: from a recording of it on the tripod, its swing averaged
 #[derive(Clone, Debug, clap::Args)]
 #[command(after_help = "\
+Examples:
+  floe weigh tripod.csv
+  floe weigh tripod.csv --unit counts --tare-counts 4120 --counts-per-n 812.5 --json
+
 The last 64 s count. What a steady swing adds is taken off; a load that drifts or is pulled is
 refused. The standard deviation is that of the weighing, without the zero's and the span's: when
 the same cell pulls the block afterwards, the span cancels.")]
 pub struct Args {
     /// The log: a file, or - for standard input
     #[arg(value_name = "LOG")]
-    log: String,
+    log: Option<String>,
     #[command(flatten)]
     log_options: LogOptions,
     /// Converter code at zero force, for --unit counts
@@ -41,16 +45,17 @@ pub struct Args {
 /// # Errors
 /// One line for the user.
 pub fn run(args: &Args) -> Result<(), InputError> {
-    let outputs: Vec<&Path> = args.json.file().into_iter().collect();
-    let older = output::check(&outputs, &[Path::new(&args.log)])?;
-    let weight = measure(args).map_err(|error| error.within(&args.log))?;
-    args.json.print(&weight, || text(&weight))?;
+    let (path, json) = args.json.with_log(args.log.as_deref())?;
+    let outputs: Vec<&Path> = json.file().into_iter().collect();
+    let older = output::check(&outputs, &[Path::new(&path)])?;
+    let weight = measure(&path, args).map_err(|error| error.within(&path))?;
+    json.print(&weight, || text(&weight))?;
     older.tell();
     Ok(())
 }
 
-fn measure(args: &Args) -> Result<Weight, InputError> {
-    let mut log = Log::from_reader(open(&args.log, false)?, &args.log_options)?;
+fn measure(path: &str, args: &Args) -> Result<Weight, InputError> {
+    let mut log = Log::from_reader(open(path, false)?, &args.log_options)?;
     let (tare_counts, counts_per_n) = (args.tare_counts, args.counts_per_n);
     let given = TestOptions { tare_counts, counts_per_n, ..TestOptions::default() };
     let calibration = calibration(&log, &given)?;

@@ -1,0 +1,17 @@
+//! How far a long command is: one line on standard error, on a terminal only, gone at
+//! the end.
+
+use std::io::IsTerminal;
+
+use indicatif::{ProgressBar, ProgressFinish, ProgressStyle};
+
+/// A bar to `total`; `text` says beside it what is counted, in indicatif's terms.
+#[must_use]
+pub fn bar(total: u64, text: &str) -> ProgressBar {
+    if !std::io::stderr().is_terminal() {
+        return ProgressBar::hidden();
+    }
+    let style = ProgressStyle::with_template(&format!("{{wide_bar}} {text}"));
+    let style = style.unwrap_or_else(|_| ProgressStyle::default_bar());
+    ProgressBar::new(total).with_style(style).with_finish(ProgressFinish::AndClear)
+}

@@ -1,0 +1,88 @@
+//! What every command of `floe` does alike: `--json [FILE]`, files that were there, text
+//! without colours in a pipe.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+const REPLACED: &str = "the file that was there has been replaced";
+
+/// An empty directory with the bundled log in it.
+fn directory(test: &str) -> PathBuf {
+    let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(test);
+    let _ = fs::remove_dir_all(&path);
+    fs::create_dir_all(&path).unwrap();
+    let bundled = Path::new(env!("CARGO_MANIFEST_DIR")).join("logs/dff8-13.csv");
+    fs::copy(bundled, path.join("log.csv")).unwrap();
+    let rest: String =
+        (0..640).map(|i| format!("{},630.{}\n", f64::from(i) / 16.0, i % 3)).collect();
+    fs::write(path.join("rest.csv"), "time_s,force_n\n".to_string() + &rest).unwrap();
+    let post: String = (0..640).map(|i| format!("{},{}\n", f64::from(i) / 16.0, i * 5)).collect();
+    fs::write(
+        path.join("post.csv"),
+        "# winch_m_per_s: 0.0157\ntime_s,force_n\n".to_string() + &post,
+    )
+    .unwrap();
+    path
+}
+
+fn floe(directory: &Path, arguments: &[&str]) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_floe"));
+    let output = command.current_dir(directory).args(arguments).output().unwrap();
+    assert_eq!(output.status.code(), Some(0), "{arguments:?}: {}", text(&output.stderr));
+    output
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8(bytes.to_vec()).unwrap()
+}
+
+/// Commands that evaluate a log, with one that suits them.
+const ON_LOGS: [(&str, &str); 4] = [
+    ("replay", "log.csv"),
+    ("inspect", "log.csv"),
+    ("weigh", "rest.csv"),
+    ("stiffness", "post.csv"),
+];
+
+#[test]
+fn json_is_the_same_option_everywhere() {
+    let dir = directory("json_everywhere");
+    for (command, log) in ON_LOGS {
+        let bare = floe(&dir, &[command, log, "--json"]).stdout;
+        assert!(serde_json::from_slice::<serde_json::Value>(&bare).unwrap().is_object());
+        let swapped = floe(&dir, &[command, "--json", log]).stdout;
+        assert!(bare == swapped, "{command}: --json LOG");
+        let plain = text(&floe(&dir, &[command, log]).stdout);
+        let first = floe(&dir, &[command, log, "--json", "x.json"]);
+        assert!(text(&first.stdout).starts_with(&plain), "{command}: the text is there as well");
+        assert!(!text(&first.stderr).contains(REPLACED), "{command}");
+        assert!(fs::read(dir.join("x.json")).unwrap() == bare, "{command}");
+        let second = floe(&dir, &[command, log, "--json", "x.json"]);
+        assert!(text(&second.stderr).contains(&format!("x.json: {REPLACED}")), "{command}");
+        fs::remove_file(dir.join("x.json")).unwrap();
+    }
+}
+
+#[test]
+fn every_file_of_figures_that_is_replaced_is_said() {
+    let dir = directory("figures_replaced");
+    let arguments = ["replay", "log.csv", "--figures", "figures"];
+    assert_eq!(text(&floe(&dir, &arguments).stderr).matches(REPLACED).count(), 0);
+    let count = fs::read_dir(dir.join("figures")).unwrap().count();
+    assert_eq!(text(&floe(&dir, &arguments).stderr).matches(REPLACED).count(), count);
+}
+
+#[test]
+fn a_pipe_gets_neither_colours_nor_bars() {
+    let dir = directory("no_colours");
+    let mut commands: Vec<Vec<&str>> = ON_LOGS.iter().map(|(c, log)| vec![*c, *log]).collect();
+    commands.push(vec!["--help"]);
+    commands.push(vec!["replay", "--help"]);
+    commands.push(vec!["campaign"]);
+    for command in commands {
+        let output = floe(&dir, &command);
+        assert!(!output.stdout.contains(&0x1b) && !output.stderr.contains(&0x1b), "{command:?}");
+        assert!(!output.stderr.contains(&b'\r'), "{command:?}");
+    }
+}
