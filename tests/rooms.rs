@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// From the bottom up: a room imports from those before it, never from those after.
-const ROOMS: [&str; 20] = [
+const ROOMS: [&str; 21] = [
     "num",
     "units",
     "sample",
@@ -20,6 +20,7 @@ const ROOMS: [&str; 20] = [
     "detector",
     "effects",
     "event",
+    "stretch",
     "report",
     "budget",
     "estimator",

@@ -44,6 +44,28 @@ pub enum Reason {
     /// Omega is not that of the events before: the mass may have changed, which the
     /// next event tells.
     Suspect,
+    /// Fewer than four samples from slip to slip.
+    Aliased,
+    /// The force does not rise again after the fall.
+    NoRest,
+    /// A coefficient above 3, or clearly below zero.
+    Implausible,
+    /// The force falls to nothing at once, or stays there: perhaps no slip.
+    LetGo,
+    /// The force falls evenly: no slip.
+    WoundBack,
+    /// The force is below zero: no slip.
+    Negative,
+    /// The force scatters too much to show a slip.
+    Scatters,
+}
+
+impl Reason {
+    /// Does it say that nothing slipped?
+    #[must_use]
+    pub fn is_no_slip(self) -> bool {
+        matches!(self, Self::WoundBack | Self::Negative | Self::Scatters)
+    }
 }
 
 impl fmt::Display for Quality {
@@ -64,6 +86,17 @@ impl fmt::Display for Reason {
             Self::TooShort => "too few samples around the slip",
             Self::NoFit => "the model does not describe the samples",
             Self::Suspect => "omega is another than before: the block may have changed",
+            Self::Aliased => "fewer than four samples from slip to slip: sample faster",
+            Self::NoRest => {
+                "the force does not rise after it: the block slid on or the winch stood"
+            }
+            Self::Implausible => "a coefficient above 3 or below 0: check weight, unit and zero",
+            Self::LetGo => {
+                "the force falls to nothing at once or stays there: the cable may have been let go"
+            }
+            Self::WoundBack => "the force falls evenly: the winch turned back",
+            Self::Scatters => "the force scatters: noise, or slips too fast for the sampling",
+            Self::Negative => "the force is below zero: check polarity and zero",
         })
     }
 }

@@ -33,6 +33,7 @@ pub mod report;
 pub mod sample;
 pub mod signal;
 pub mod stats;
+pub mod stretch;
 pub mod units;
 pub mod weighing;
 
@@ -46,4 +47,5 @@ pub use pipeline::{Pipeline, Step};
 pub use report::{Counters, Report};
 pub use sample::{Fault, ForceSample, Phase, RawSample, Reading, SampleFlag, SampleTime};
 pub use stats::quantity::Quantity;
+pub use stretch::{Stretch, StretchKind};
 pub use units::{Counts, Newtons};

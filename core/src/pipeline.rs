@@ -18,6 +18,7 @@ use crate::signal::decimate::Decimator;
 use crate::signal::derivative::{Central, Rate};
 use crate::signal::spike::{Judged, SpikeFilter, Usual};
 use crate::stats::quantity::Quantity;
+use crate::stretch::{Stretch, Stretches};
 
 /// Standard gravity, m/s²: turns a weight into a mass.
 const GRAVITY: f32 = 9.806_65;
@@ -45,6 +46,8 @@ pub struct Step {
     pub event: Option<Event>,
     /// A change of the block or of its friction that the event told.
     pub change: Option<Change>,
+    /// A stretch without events that is now complete.
+    pub stretch: Option<Stretch>,
 }
 
 impl Step {
@@ -59,6 +62,7 @@ impl Step {
             provisional: None,
             event: None,
             change: None,
+            stretch: None,
         }
     }
 }
@@ -92,6 +96,7 @@ pub struct Pipeline {
     /// The newest change, and whether a step has told it.
     change: Option<Change>,
     told: bool,
+    stretches: Stretches,
     onsets: Option<(SampleTime, SampleTime)>,
 }
 
@@ -130,6 +135,7 @@ impl Pipeline {
             events: 0,
             change: None,
             told: true,
+            stretches: Stretches::new(rate_hz, config.weight_n, config.winch_m_per_s.is_some()),
             onsets: None,
         })
     }
@@ -166,6 +172,7 @@ impl Pipeline {
         if !self.told {
             (step.change, self.told) = (self.change, true);
         }
+        step.stretch = self.next_stretch();
         if let Some(Provisional { mu_s, mu }) = &mut step.provisional {
             self.add_systematic(Some(mu_s), mu.as_mut());
         }
@@ -188,10 +195,32 @@ impl Pipeline {
         let held = self.spikes.finish().and_then(|held| self.decimator.step(held));
         let event = held.and_then(|block| self.advance(block));
         let event = event.or_else(|| self.decimator.finish().and_then(|block| self.advance(block)));
-        event.or_else(|| self.catch_up()).or_else(|| {
-            let event = self.cycles.finish(&self.detector);
-            event.map(|finished| self.count(finished))
-        })
+        event.or_else(|| self.catch_up()).or_else(|| self.last_event())
+    }
+
+    /// Ends what is left of a test whose events are all given, one stretch a call, until `None`.
+    pub fn finish_stretch(&mut self) -> Option<Stretch> {
+        self.stretches.interrupt(Some(u64::MAX));
+        self.stretches.close();
+        self.next_stretch()
+    }
+
+    /// A complete stretch, in samples.
+    fn next_stretch(&mut self) -> Option<Stretch> {
+        let stretch = self.stretches.next()?;
+        let [start, stop] = [stretch.start, stretch.stop].map(|it| self.decimator.moment(it));
+        Some(Stretch { start, stop, ..stretch })
+    }
+
+    /// The next event of fits that are under way or have to be made.
+    fn last_event(&mut self) -> Option<Event> {
+        while let Some(finished) = self.cycles.finish(&self.detector) {
+            let event = self.count(finished);
+            if event.is_some() {
+                return event;
+            }
+        }
+        None
     }
 
     /// The result so far.
@@ -325,7 +354,7 @@ impl Pipeline {
         if is_block && slips {
             step.provisional = self.turned(block);
         }
-        let transition = self.detector.step(block.index, block.force_n);
+        let transition = self.detect(block);
         if transition.is_some() || !self.cycles.is_idle() {
             step.event = self.follow(transition);
         }
@@ -335,6 +364,13 @@ impl Pipeline {
         }
     }
 
+    fn detect(&mut self, sample: ForcePoint) -> Option<Transition> {
+        if self.stretches.take(sample) {
+            self.detector.stays_below(self.stretches.ceiling_n());
+        }
+        self.detector.step(sample.index, sample.force_n)
+    }
+
     /// A first answer if the slip is over with the next sample.
     fn turned(&mut self, next: ForcePoint) -> Option<Provisional> {
         if self.detector.turns_with(next) { self.cycles.turned(&self.detector) } else { None }
@@ -342,7 +378,7 @@ impl Pipeline {
 
     /// Takes a good sample through the detector and on.
     fn advance(&mut self, sample: ForcePoint) -> Option<Event> {
-        let transition = self.detector.step(sample.index, sample.force_n);
+        let transition = self.detect(sample);
         if transition.is_none() && self.cycles.is_idle() {
             return None;
         }
@@ -361,6 +397,11 @@ impl Pipeline {
     }
 
     fn follow(&mut self, transition: Option<Transition>) -> Option<Event> {
+        if transition.is_some() {
+            let (peak, _) = self.detector.extremes();
+            let is_new = self.detector.is_up_to_date();
+            self.stretches.interrupt(is_new.then(|| peak.index.saturating_sub(1)));
+        }
         let finished = match transition {
             None | Some(Transition::Onset | Transition::Cancelled) => self.cycles.work(),
             Some(Transition::Restick { peak, low }) => {
@@ -368,12 +409,19 @@ impl Pipeline {
             }
             Some(Transition::Lost) => self.cycles.lose(&self.detector),
         };
-        finished.map(|finished| self.count(finished))
+        finished.and_then(|finished| self.count(finished))
     }
 
-    fn count(&mut self, finished: Finished) -> Event {
+    /// Counts an event, unless nothing slipped.
+    fn count(&mut self, finished: Finished) -> Option<Event> {
+        if let Some(reason) = finished.event.reason.filter(|reason| reason.is_no_slip()) {
+            self.stretches.refuse(finished.event.onset, finished.event.stop, reason);
+            return None;
+        }
+        self.stretches.end_before(finished.event.onset);
+        let onset = self.stretches.onset(&finished.event);
         let Finished { mut event, alone, common, change } = finished;
-        event.onset = self.decimator.moment(event.onset);
+        event.onset = self.decimator.moment(onset);
         event.stop = self.decimator.moment(event.stop);
         if let Some(noise_n) = self.cycles.noise_n() {
             self.detector.fitted_noise(noise_n);
@@ -403,7 +451,7 @@ impl Pipeline {
         }
         self.add_systematic(event.mu_s.as_mut(), event.mu.as_mut());
         self.onsets = Some((self.onsets.map_or(event.onset, |(first, _)| first), event.onset));
-        event
+        Some(event)
     }
 
     /// `k` from `F' = k w` where the winch speed is known, else from `ω² = k / M`.

@@ -308,6 +308,9 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
         if let Some(change) = step.change {
             self.tell(&Line::Change(change));
         }
+        if let Some(stretch) = step.stretch {
+            self.tell(&Line::Stretch(stretch));
+        }
         self.journal.counters(self.shared.overruns(), self.health.adc_faults);
         let stored = self.journal.sample(sample);
         self.check_store(stored.is_err());
@@ -402,6 +405,9 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
         }
         while let Some(event) = self.finish_event() {
             self.tell_event(event);
+        }
+        while let Some(stretch) = self.pipeline.as_mut().and_then(Pipeline::finish_stretch) {
+            self.tell(&Line::Stretch(stretch));
         }
         if let Some(report) = self.view().report {
             self.tell(&Line::Report(report));

@@ -121,6 +121,9 @@ impl CycleFit {
     }
 
     fn start(&mut self, learnt: &mut Expectations) -> ControlFlow<Outcome> {
+        if let Some(reason) = self.pending.refused {
+            return ControlFlow::Break(Outcome::Failed(reason));
+        }
         learnt.weigh(&self.pending);
         let known = learnt.residuals.variance_n2().is_some();
         let fitting = self.begin(learnt, learnt.fitted_noise_n2(&self.pending));

@@ -6,6 +6,7 @@
 
 mod cycle_fit;
 mod expectations;
+mod refusal;
 mod slip_record;
 
 use core::ops::ControlFlow;
@@ -76,6 +77,8 @@ pub struct CycleTracker {
     /// The same stop and the force there, N, if it was measured.
     rested: Option<(SampleTime, f32)>,
     count: u32,
+    /// A slip was seen to take time: the block slides, and no hand lets go.
+    slides: bool,
 }
 
 impl CycleTracker {
@@ -94,6 +97,7 @@ impl CycleTracker {
             last_load: None,
             rested: None,
             count: 0,
+            slides: false,
         }
     }
 
@@ -194,12 +198,20 @@ impl CycleTracker {
         last_hidden: Option<u64>,
     ) -> Option<Finished> {
         let (stick, window) = (detector.ended(), detector.window());
+        let mut refused = None;
+        if let Some(before) = &mut self.pending
+            && refusal::is_aliased(before.peak.index, peak.index)
+        {
+            refused = Some(Reason::Aliased);
+            before.refused = refused;
+        }
         let finished = self.complete(stick, window, peak);
         let mut next = self.slip(stick, detector, (peak, low));
         next.hidden |= last_hidden.is_some_and(|index| index + 4 >= stick.next);
         if let Some((origin, cycle)) = self.early.take() {
             next.know(CycleParams { onset: cycle.onset + since(next.origin, origin), ..cycle });
         }
+        next.refused = refused;
         self.pending = Some(next);
         finished
     }
@@ -219,6 +231,10 @@ impl CycleTracker {
         });
         if let Some(pending) = &mut self.pending {
             pending.end_before(stick, window, next_peak.index);
+            let periods = since(pending.low.index, next_peak.index);
+            let refused = refusal::of_fall(pending, stick.highest.force_n, periods, self.slides);
+            pending.refused = pending.refused.or(refused);
+            self.slides |= pending.refused.is_none() && refusal::takes_time(pending);
             let after = pending.line_after(stick, window, next_onset);
             self.finishing = Some(CycleFit::new(*pending, after));
         }
@@ -280,9 +296,8 @@ impl CycleTracker {
         extremes: (ForcePoint, ForcePoint),
     ) -> SlipRecord {
         let now = detector.last().index;
-        let mut slip = SlipRecord::new(stick, self.start(stick), detector.window(), now, extremes);
-        let noise_n = detector.noise_n().unwrap_or(1.0);
-        slip.noise_n2 = noise_n * noise_n;
+        let (start, noise_n) = (self.start(stick), detector.noise_n().unwrap_or(1.0));
+        let mut slip = SlipRecord::new(stick, start, detector.window(), now, extremes, noise_n);
         slip.wander = detector.wander();
         slip.rest_weight = detector.rest_weight();
         if let Some(previous) = self.unfinished() {
@@ -317,7 +332,7 @@ impl CycleTracker {
         let finishing = self.finishing.take()?;
         let pending = finishing.pending;
         let mut load = None;
-        let finished = match outcome {
+        let mut finished = match outcome {
             Outcome::Failed(reason) => self.without_coefficients(&pending, reason).into(),
             Outcome::Fitted(Measured { posterior, alone, noise_n2, verdict }) => {
                 let site = self.site();
@@ -347,9 +362,21 @@ impl CycleTracker {
                 finished
             }
         };
-        self.last_stop = Some(finished.event.stop);
+        let event = &finished.event;
+        let limit = moment(pending.origin, pending.limit);
+        let overlaps = event.stop > limit || self.last_stop.is_some_and(|it| it > event.onset);
+        let overlaps = overlaps.then_some(Reason::NoFit).filter(|_| event.reason.is_none());
+        if let Some(reason) = refusal::of_event(event).or(overlaps) {
+            finished = self.without_coefficients(&pending, reason).into();
+        }
+        let event = &mut finished.event;
+        event.onset = self.last_stop.map_or(event.onset, |it| later(it, event.onset));
+        event.stop = later(event.onset, earlier(event.stop, limit));
+        self.last_stop = Some(event.stop);
         self.last_load = load.or(self.last_stop);
-        self.count = self.count.saturating_add(1);
+        if !event.reason.is_some_and(Reason::is_no_slip) {
+            self.count = self.count.saturating_add(1);
+        }
         Some(finished)
     }
 
@@ -514,8 +541,8 @@ impl CycleTracker {
 
     /// An event that is only seen, from its highest and lowest sample.
     fn without_coefficients(&self, pending: &SlipRecord, reason: Reason) -> Event {
-        let onset = since(pending.origin, pending.peak.index);
-        let fall = (pending.low.index - pending.peak.index) as f32;
+        let (onset, stop) = pending.fall_edges();
+        let fall = stop - onset;
         let drop = pending.peak.force_n - pending.low.force_n;
         let cycle = CycleParams {
             onset,
@@ -532,6 +559,10 @@ impl CycleTracker {
             rate_change: 0.0,
         };
         let mut event = self.bare(pending, &cycle, &cycle.shape());
+        event.stop = moment(pending.origin, stop);
+        event.slip_s = fall / self.site.rate_hz;
+        (event.peak_force_n, event.restick_force_n) = (pending.peak.force_n, pending.low.force_n);
+        event.slack = false;
         event.quality =
             if reason == Reason::Hidden { Quality::Clipped } else { Quality::Unresolved };
         event.omega_rad_per_s = None;
@@ -544,6 +575,14 @@ impl CycleTracker {
 fn moment(origin: u64, time: f32) -> SampleTime {
     let whole = libm::floorf(time);
     SampleTime { index: origin.saturating_add_signed(whole as i64), fraction: time - whole }
+}
+
+fn earlier(a: SampleTime, b: SampleTime) -> SampleTime {
+    if b < a { b } else { a }
+}
+
+fn later(a: SampleTime, b: SampleTime) -> SampleTime {
+    if b > a { b } else { a }
 }
 
 /// Periods from one moment to another.

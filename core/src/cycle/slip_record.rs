@@ -1,6 +1,7 @@
 //! A slip between two stick lines, gathered sample by sample.
 
 use crate::detector::Stick;
+use crate::event::Reason;
 use crate::fit::{Data, Fitting, Samples};
 use crate::model::CycleParams;
 use crate::noise::ripple::ColoredNoise;
@@ -45,6 +46,10 @@ pub(crate) struct SlipRecord {
     pub(crate) hidden: bool,
     /// The cycle as far as it was known before the stick line after it.
     pub(crate) early: Option<CycleParams>,
+    /// Where the event ends at the latest, periods: the next slip's highest sample.
+    pub(crate) limit: f32,
+    /// Why it is not even fitted.
+    pub(crate) refused: Option<Reason>,
 }
 
 /// Loading rate, N per period, to within a factor of two, and the time of the slip.
@@ -56,6 +61,9 @@ pub(crate) struct Rough {
     pub(crate) slide_std: f32,
     /// Half-way down, periods from the event's origin.
     pub(crate) middle: f32,
+    /// The last sample before that which is still high, and the first one after it which is
+    /// low: the highest and the lowest sample may lie anywhere on a slow line.
+    edges: (f32, f32),
 }
 
 /// A slip that ended on a slack cable.
@@ -87,7 +95,7 @@ impl Rough {
         // From the highest to the lowest force the slide turns by π, in all by π + 2 φ.
         let turn = core::f32::consts::FRAC_2_PI * fall / (peak.force_n - low.force_n);
         let longer = 1.0 + core::f32::consts::FRAC_2_PI * math::atan2(rate * turn, 1.0);
-        Self { rate, slide: slide * longer, slide_std: slide_std * longer, middle: 0.0 }
+        Self { rate, slide: slide * longer, slide_std: slide_std * longer, ..Self::default() }
     }
 
     /// The slip lies around its middle: as much as one sample in between can tell,
@@ -105,6 +113,7 @@ impl SlipRecord {
         window: &Window,
         now: u64,
         (peak, low): (ForcePoint, ForcePoint),
+        noise_n: f32,
     ) -> Self {
         let first = stick.next;
         let mut pending = Self {
@@ -116,15 +125,18 @@ impl SlipRecord {
             peak,
             low,
             rough: Rough::new(stick, window, (peak, low)),
-            noise_n2: 0.0,
+            noise_n2: noise_n * noise_n,
             wander: ColoredNoise::NONE,
             rest_weight: 1.0,
             rest_from: since(first, low.index),
             hidden: false,
             early: None,
+            limit: f32::MAX,
+            refused: None,
         };
         pending.take(window, start, now);
         pending.rough.middle = pending.crossing();
+        pending.rough.edges = pending.edges();
         let missing = (first..=now).filter(|&index| window.get(index).is_none()).count();
         pending.hidden = missing > 3 || pending.length == CORE;
         pending
@@ -163,7 +175,8 @@ impl SlipRecord {
             self.take(window, next, next_peak.saturating_sub(1));
         }
         let peak_time = self.early.map_or(0.0, |cycle| cycle.peak_time());
-        let end = since(self.origin, next_peak) - peak_time - self.start;
+        self.limit = since(self.origin, next_peak);
+        let end = self.limit - peak_time - self.start;
         self.length = self.length.min(libm::ceilf(end).max(0.0) as usize);
     }
 
@@ -273,6 +286,16 @@ impl SlipRecord {
         cycle
     }
 
+    /// Loading rate, N per period, to within a factor of two.
+    pub(crate) fn rate(&self) -> f32 {
+        self.rough.rate
+    }
+
+    /// Where the fall begins and ends as the samples have it, periods.
+    pub(crate) fn fall_edges(&self) -> (f32, f32) {
+        self.rough.edges
+    }
+
     /// What the extremes tell together with the stick line after the slip.
     pub(crate) fn rough(&self, after: &Line) -> Rough {
         let Some(Slack { part, .. }) = self.slack(after) else { return self.rough };
@@ -312,12 +335,38 @@ impl SlipRecord {
     }
 
     /// Is a fitted cycle the slip that the samples show? Its ends lie within half the
-    /// drop and the rise of two periods of the highest and the lowest sample.
+    /// drop and the rise of two periods of the highest and the lowest sample, and within
+    /// two periods and half the fall of where that begins and ends.
     pub(crate) fn holds(&self, cycle: &CycleParams) -> bool {
         let (peak_n, low_n) = (self.peak.force_n, self.low.force_n);
         let far_n = 0.5 * (peak_n - low_n) + 2.0 * cycle.rate;
         let is_near = |a: f32, b: f32| (a - b).abs() < far_n;
-        is_near(cycle.static_n, peak_n) && is_near(cycle.restick_n(), low_n)
+        let (from, to) = self.rough.edges;
+        let most = 2.0 + 0.5 * (to - from);
+        let begins = (cycle.onset - from).abs() < most;
+        let ends = !cycle.is_taut() || (cycle.shape().stop() - to).abs() < most;
+        begins && ends && is_near(cycle.static_n, peak_n) && is_near(cycle.restick_n(), low_n)
+    }
+
+    /// Part of the drop that begins and ends the fall: beyond what the noise does.
+    pub(crate) fn edge_part(&self) -> f32 {
+        let drop_n = self.peak.force_n - self.low.force_n;
+        (0.1 + 3.0 * math::sqrt(self.noise_n2) / drop_n).min(0.3)
+    }
+
+    fn edges(&self) -> (f32, f32) {
+        let part_n = self.edge_part() * (self.peak.force_n - self.low.force_n);
+        let (high_n, low_n) = (self.peak.force_n - part_n, self.low.force_n + part_n);
+        let times = (since(self.origin, self.peak.index), since(self.origin, self.low.index));
+        let record = self.samples();
+        let before = record.good().filter(|&(time, force_n)| {
+            time > times.0 && time < self.rough.middle && force_n > high_n
+        });
+        let mut after = record.good().filter(|&(time, force_n)| {
+            time > self.rough.middle && time < times.1 && force_n < low_n
+        });
+        let from = before.last().map_or(times.0, |(time, _)| time);
+        (from, after.next().map_or(times.1, |(time, _)| time))
     }
 
     /// Time at which the samples fall through half the drop.

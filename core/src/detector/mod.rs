@@ -238,6 +238,8 @@ pub struct Detector {
     creep_periods: f32,
     /// Half the usual drop below the last highest sample, N.
     middle_n: f32,
+    /// A stick line that has not risen above this ends in no slip, N.
+    ceiling_n: f32,
 }
 
 impl Detector {
@@ -269,6 +271,7 @@ impl Detector {
             line_delay: line_delay(usual_fall, 0.0),
             creep_periods: 0.0,
             middle_n: 0.0,
+            ceiling_n: f32::NEG_INFINITY,
         }
     }
 
@@ -380,6 +383,11 @@ impl Detector {
         self.line_delay = line_delay(self.usual_fall, self.creep_periods);
     }
 
+    /// Where the force is constant nothing slips before it has risen above this, N.
+    pub fn stays_below(&mut self, ceiling_n: Option<f32>) {
+        self.ceiling_n = ceiling_n.unwrap_or(f32::NEG_INFINITY);
+    }
+
     /// Takes a good sample with an index past all earlier ones.
     pub fn step(&mut self, index: u64, force_n: f32) -> Option<Transition> {
         let lies = self.floor.is_some_and(|floor| floor.is_long());
@@ -421,7 +429,9 @@ impl Detector {
         None
     }
 
-    fn is_up_to_date(&self) -> bool {
+    /// Has it looked at all that it was given?
+    #[must_use]
+    pub fn is_up_to_date(&self) -> bool {
         self.next > self.newest
     }
 
@@ -527,6 +537,7 @@ impl Detector {
     #[inline(never)]
     fn leaves_line(&self, now: ForcePoint, drop: f32, std: f32) -> bool {
         drop >= self.least_drop(std)
+            && self.stick.highest.force_n > self.ceiling_n
             // Rests too briefly for a line: the drop alone decides.
             && self.depth(now).is_none_or(|depth| depth > OFF_LINE * std)
     }

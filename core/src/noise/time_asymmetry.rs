@@ -38,7 +38,7 @@ impl TimeAsymmetry {
 
     /// Takes a step from one sample to the next.
     pub(crate) fn add(&mut self, step_n: f32) {
-        const MEMORY: f32 = 64.0;
+        const MEMORY: f32 = 16.0;
         self.drift_n += (step_n - self.drift_n) / MEMORY;
         let step_n = step_n - self.drift_n;
         if step_n * self.steepest_n < 0.0 {

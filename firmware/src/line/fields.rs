@@ -138,6 +138,13 @@ impl Word for Reason {
         (Self::TooShort, "short"),
         (Self::NoFit, "nofit"),
         (Self::Suspect, "suspect"),
+        (Self::Aliased, "aliased"),
+        (Self::NoRest, "norest"),
+        (Self::Implausible, "implausible"),
+        (Self::LetGo, "letgo"),
+        (Self::WoundBack, "woundback"),
+        (Self::Negative, "negative"),
+        (Self::Scatters, "scatters"),
     ];
 }
 

@@ -15,7 +15,7 @@ use core::fmt;
 
 use crc::{CRC_16_XMODEM, Crc, NoTable};
 use floe_core::weighing::Load;
-use floe_core::{Change, Event, Phase, Provisional, Report, SampleFlag};
+use floe_core::{Change, Event, Phase, Provisional, Report, SampleFlag, Stretch};
 use heapless::String;
 
 pub use decimal::Decimal;
@@ -51,6 +51,8 @@ pub enum Line<'a> {
     Event(Event),
     /// `C`: the block or its friction has changed.
     Change(Change),
+    /// `F`: a stretch without events: a constant force, or what was not understood.
+    Stretch(Stretch),
     /// `R`: the result so far.
     Report(Report),
     /// `Z`: the test is over; the last report and event have been sent.
@@ -223,7 +225,7 @@ mod tests {
     use floe_core::weighing::Swing;
     use floe_core::{
         Calibration, Cause, Coefficient, Config, Counters, Estimate, InputStd, Pipeline, Quality,
-        Quantity, Reason, SampleTime,
+        Quantity, Reason, SampleTime, StretchKind,
     };
 
     fn returns(line: &Line<'_>) {
@@ -243,6 +245,18 @@ mod tests {
             let none = Pipeline::new(&config).unwrap().report();
             returns(&Line::Report(none));
             returns(&Line::Report(Report { change: Some(change), ..none }));
+        }
+    }
+
+    #[test]
+    fn a_stretch_returns_as_it_was() {
+        let [start, stop] =
+            [(7, 0.0), (964, 0.404)].map(|(index, fraction)| SampleTime { index, fraction });
+        let steady =
+            |moving| StretchKind::Steady { force_over_weight: 0.78, std: 1.0 / 3.0, moving };
+        let refused = StretchKind::NotUnderstood(Reason::WoundBack);
+        for kind in [steady(None), steady(Some(true)), steady(Some(false)), refused] {
+            returns(&Line::Stretch(Stretch { start, stop, kind }));
         }
     }
 

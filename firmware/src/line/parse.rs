@@ -3,7 +3,7 @@
 use floe_core::weighing::{Load, Swing};
 use floe_core::{
     Calibration, Change, Coefficient, Config, Counters, Estimate, Event, InputStd, Provisional,
-    Quantity, Report, SampleTime,
+    Quantity, Report, SampleTime, Stretch, StretchKind,
 };
 use heapless::String;
 
@@ -33,6 +33,7 @@ impl<'a> Line<'a> {
             "A" => Line::About(about(from)?),
             "E" => Line::Event(event(from)?),
             "C" => Line::Change(change(from)?.ok_or(LineError::Field)?),
+            "F" => Line::Stretch(stretch(from)?),
             "R" => Line::Report(report(from)?),
             "Z" => Line::End { run: from.take()? },
             "H" => Line::Health(health(from)?),
@@ -229,6 +230,19 @@ fn change(from: &mut Reader<'_>) -> Result<Option<Change>, LineError> {
         weight_ratio: from.take()?,
         weight_ratio_std: from.take()?,
     }))
+}
+
+fn stretch(from: &mut Reader<'_>) -> Result<Stretch, LineError> {
+    let (reason, start, stop) = (from.take_some_word()?, time(from)?, time(from)?);
+    let kind = match reason {
+        Some(reason) => StretchKind::NotUnderstood(reason),
+        None => StretchKind::Steady {
+            force_over_weight: from.take()?,
+            std: from.take()?,
+            moving: from.take_some_word()?,
+        },
+    };
+    Ok(Stretch { start, stop, kind })
 }
 
 fn estimate(from: &mut Reader<'_>) -> Result<Option<Estimate>, LineError> {

@@ -2,7 +2,10 @@
 
 use core::fmt;
 
-use floe_core::{Change, Coefficient, Config, Estimate, Event, Provisional, Report, SampleTime};
+use floe_core::{
+    Change, Coefficient, Config, Estimate, Event, Provisional, Report, SampleTime, Stretch,
+    StretchKind,
+};
 
 use super::fields::Writer;
 use super::{About, Health, Line, LiveSample, Mean, Text, Weighed, checksum};
@@ -31,6 +34,7 @@ impl Line<'_> {
             Line::About(_) => "A",
             Line::Event(_) => "E",
             Line::Change(_) => "C",
+            Line::Stretch(_) => "F",
             Line::Report(_) => "R",
             Line::End { .. } => "Z",
             Line::Health(_) => "H",
@@ -53,6 +57,7 @@ impl Line<'_> {
             Line::About(a) => about(out, a),
             Line::Event(e) => event(out, e),
             Line::Change(c) => change(out, c),
+            Line::Stretch(s) => stretch(out, s),
             Line::Report(r) => report(out, r),
             Line::End { run } => out.put(*run),
             Line::Health(h) => health(out, h),
@@ -212,6 +217,23 @@ fn change(out: &mut Writer<'_>, change: &Change) -> fmt::Result {
     out.put_word(change.cause)?;
     out.put_f32(change.weight_ratio)?;
     out.put_f32(change.weight_ratio_std)
+}
+
+/// A stretch that was not understood has its reason first, a steady one nothing.
+fn stretch(out: &mut Writer<'_>, stretch: &Stretch) -> fmt::Result {
+    let (reason, steady) = match stretch.kind {
+        StretchKind::NotUnderstood(reason) => (Some(reason), None),
+        StretchKind::Steady { force_over_weight, std, moving } => {
+            (None, Some((force_over_weight, std, moving)))
+        }
+    };
+    out.put_some_word(reason)?;
+    time(out, stretch.start)?;
+    time(out, stretch.stop)?;
+    let Some((force_over_weight, std, moving)) = steady else { return Ok(()) };
+    out.put_f32(force_over_weight)?;
+    out.put_f32(std)?;
+    out.put_some_word(moving)
 }
 
 fn estimate(out: &mut Writer<'_>, estimate: Option<Estimate>) -> fmt::Result {

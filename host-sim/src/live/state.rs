@@ -153,6 +153,9 @@ impl State {
                 self.about = self.about.filter(|about| !about.is_followed_by(&event));
                 return Some(event);
             }
+            Line::Stretch(stretch) => {
+                self.answer = Some((crate::replay::stretches::told(&stretch), now));
+            }
             Line::Change(change) => self.answer = Some((told(&change), now)),
             Line::Report(report) => {
                 self.report = Some(report);

@@ -1,6 +1,6 @@
 //! A recorded log through the core: `floe replay`.
 
-use floe_core::{Config, Event, Pipeline, Step};
+use floe_core::{Config, Event, Pipeline, Step, Stretch};
 use floe_firmware::wall_clock::Moment;
 
 use crate::error::InputError;
@@ -12,6 +12,7 @@ pub mod known;
 pub mod quantities;
 pub mod result;
 pub mod samples;
+pub mod stretches;
 pub mod table;
 pub mod test;
 pub mod timeline;
@@ -21,6 +22,7 @@ use result::{
     ChangeSummary, CoefficientSummary, EffectSummary, EventSummary, LogSummary, ReplayResult,
     TestSummary,
 };
+use stretches::Stretches;
 use timeline::Timeline;
 
 /// Runs a whole log through the core; constant memory apart from the events.
@@ -57,6 +59,7 @@ pub fn replay_with_zero(
     let mut pipeline = Pipeline::new(config).map_err(refused)?;
     let mut timeline = Timeline::new(log.rate_hz());
     let (mut events, mut changes, mut means) = (Vec::new(), Vec::new(), Vec::new());
+    let mut stretches = Stretches::default();
     let mut take = |sample: Sample| {
         timeline.push(sample.raw.index, sample.time_s);
         let step = pipeline.step(sample.raw);
@@ -66,6 +69,7 @@ pub fn replay_with_zero(
             means.push(so_far(&pipeline));
         }
         changes.extend(step.change.map(|it| ChangeSummary::new(&it, timeline.seconds(it.onset))));
+        step.stretch.iter().for_each(|it| add(&mut stretches, it, &timeline));
     };
     if zero.is_nothing() {
         batches::for_each_sample(log, take)?;
@@ -78,6 +82,9 @@ pub fn replay_with_zero(
     while let Some(event) = pipeline.finish() {
         events.push(summary(&event, &timeline));
         means.push(so_far(&pipeline));
+    }
+    while let Some(stretch) = pipeline.finish_stretch() {
+        add(&mut stretches, &stretch, &timeline);
     }
     if let Some(start_ms) = log.metadata().start_unix_ms {
         for event in &mut events {
@@ -101,7 +108,7 @@ pub fn replay_with_zero(
     };
     let result = ReplayResult::new(log_summary, test, (config, &report), events, changes);
     let effects = pipeline.findings().iter().map(EffectSummary::from).collect();
-    Ok(ReplayResult { means, effects, ..result })
+    Ok(ReplayResult { means, effects, stretches, ..result })
 }
 
 /// Both means as they are known now.
@@ -114,6 +121,10 @@ fn so_far(pipeline: &Pipeline) -> [CoefficientSummary; 2] {
 fn onset_time(start_ms: f64, onset_s: f64) -> Option<String> {
     let unix_ms = (start_ms + 1000.0 * onset_s).round();
     (unix_ms >= 0.0).then(|| Moment(unix_ms as u64).to_string())
+}
+
+fn add(stretches: &mut Stretches, it: &Stretch, timeline: &Timeline) {
+    stretches.add(it, timeline.seconds(it.start), timeline.seconds(it.stop));
 }
 
 fn summary(event: &Event, timeline: &Timeline) -> EventSummary {

@@ -8,6 +8,7 @@ use serde::{Serialize, Serializer};
 
 use super::budget::{BudgetLine, lines};
 use super::quantities::Quantities;
+use super::stretches::Stretches;
 
 /// Name and version of this format; changes when a meaning changes.
 pub const SCHEMA: &str = "floe-replay/2";
@@ -37,6 +38,9 @@ pub struct ReplayResult {
     pub zero_n: Option<f64>,
     /// Where the block or its friction changed, in order.
     pub changes: Vec<ChangeSummary>,
+    /// Stretches of the log that belong to no event: `steady`, `not_understood`.
+    #[serde(flatten)]
+    pub stretches: Stretches,
     /// What was looked for beyond the linear model, and what of it the data show.
     pub effects: Vec<EffectSummary>,
     /// Every event, in order.
@@ -295,6 +299,7 @@ impl ReplayResult {
             quantities,
             zero_n: known(report.zero_n),
             changes,
+            stretches: Stretches::default(),
             effects: Vec::new(),
             events,
             means: Vec::new(),

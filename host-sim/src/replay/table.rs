@@ -6,6 +6,7 @@ use super::quantities::Quantities;
 use super::result::{
     CoefficientSummary, EffectSummary, EventSummary, LogSummary, ReplayResult, zero_sentence,
 };
+use super::stretches::Stretches;
 
 /// Events, then the result with its uncertainty, then what to know about it.
 #[must_use]
@@ -120,11 +121,19 @@ fn notices(out: &mut String, result: &ReplayResult) -> std::fmt::Result {
     if !found.is_empty() {
         writeln!(out, "shows  {}", found.join("; "))?;
     }
-    if result.changes.is_empty() && result.zero_n.is_none() && found.is_empty() {
-        Ok(())
-    } else {
-        writeln!(out)
+    let Stretches { steady, not_understood } = &result.stretches;
+    for it in steady {
+        writeln!(out, "steady {}", it.sentence(result.test.slope_rad))?;
     }
+    for it in not_understood {
+        writeln!(out, "not understood {}", it.sentence())?;
+    }
+    let nothing = result.changes.is_empty()
+        && result.zero_n.is_none()
+        && found.is_empty()
+        && steady.is_empty()
+        && not_understood.is_empty();
+    if nothing { Ok(()) } else { writeln!(out) }
 }
 
 fn coefficients(out: &mut String, result: &ReplayResult) -> std::fmt::Result {
@@ -302,6 +311,7 @@ mod tests {
             means: Vec::new(),
             zero_n: None,
             changes: Vec::new(),
+            stretches: Stretches::default(),
             effects: Vec::new(),
             events,
         }

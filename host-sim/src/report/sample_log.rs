@@ -268,6 +268,7 @@ fn result(events: Vec<EventSummary>, samples: u64, duration_s: f64) -> ReplayRes
         means,
         zero_n: None,
         changes: Vec::new(),
+        stretches: Default::default(),
         effects: Vec::new(),
         events,
     }

@@ -4,6 +4,7 @@ use super::budget::budget;
 use super::number::{count, decimals_for, decimals_of_error, fixed, quantity, significant};
 use super::svg::escape;
 use crate::replay::result::{ChangeSummary, CoefficientSummary, ReplayResult, zero_sentence};
+use crate::replay::stretches::NotUnderstood;
 
 /// Both coefficients, large, then everything else.
 pub(super) fn summary(result: &ReplayResult) -> String {
@@ -35,7 +36,13 @@ fn notices(result: &ReplayResult) -> String {
         format!("<p class=\"notice\">Change: {}.</p>", escape(&c.sentence(result.test.weight_n)))
     };
     let zero = |zero_n| format!("<p class=\"notice\">Zero: {}.</p>", zero_sentence(zero_n));
+    let steady = result.stretches.steady.iter().map(|it| it.sentence(result.test.slope_rad));
+    let steady = steady.map(|it| format!("<p class=\"notice\">Steady: {}.</p>", escape(&it)));
+    let unclear = result.stretches.not_understood.iter().map(NotUnderstood::sentence);
+    let unclear =
+        unclear.map(|it| format!("<p class=\"notice\">Not understood: {}.</p>", escape(&it)));
     nothing(result).to_string()
+        + &steady.chain(unclear).collect::<String>()
         + &result.changes.iter().map(change).collect::<String>()
         + &result.zero_n.map(zero).unwrap_or_default()
 }

@@ -4,9 +4,10 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 use floe::replay::result::{ChangeSummary, EventSummary, LogSummary, ReplayResult, TestSummary};
+use floe::replay::stretches::Stretches;
 use floe_core::{
     Change, Coefficient, Config, Counts, Event, Fault, Pipeline, RawSample, Reading, Report,
-    SampleFlag, SampleTime,
+    SampleFlag, SampleTime, Stretch,
 };
 use floe_firmware::line::{Health, Line};
 
@@ -22,6 +23,8 @@ pub struct Outcome {
     pub events: Vec<Event>,
     /// Every change.
     pub changes: Vec<Change>,
+    /// Stretches without events, in order.
+    pub stretches: Vec<Stretch>,
     /// The last report.
     pub report: Report,
     /// The last health.
@@ -39,12 +42,13 @@ pub struct Outcome {
 pub fn decode(shown: &str) -> Result<Outcome> {
     let (mut config, mut report, mut health, mut ended) = (None, None, None, false);
     let (mut events, mut troubles, mut rejected) = (Vec::new(), Vec::new(), BTreeSet::new());
-    let mut changes = Vec::new();
+    let (mut changes, mut stretches) = (Vec::new(), Vec::new());
     for line in shown.lines() {
         match Line::parse(line).map_err(|e| format!("the board's line '{line}': {e}"))? {
             Line::Start { settings, .. } => config = Some(settings.core_config()),
             Line::Event(event) => events.push(event),
             Line::Change(change) => changes.push(change),
+            Line::Stretch(stretch) => stretches.push(stretch),
             Line::Report(r) => report = Some(r),
             Line::Health(h) => health = Some(h),
             Line::End { .. } => ended = true,
@@ -69,7 +73,7 @@ pub fn decode(shown: &str) -> Result<Outcome> {
     }
     match (config, report, health, ended) {
         (Some(config), Some(report), Some(health), true) => {
-            Ok(Outcome { config, events, changes, report, health, rejected, troubles })
+            Ok(Outcome { config, events, changes, stretches, report, health, rejected, troubles })
         }
         _ => Err(format!("the board did not complete a test: {troubles:?}")),
     }
@@ -153,8 +157,13 @@ impl Outcome {
         let events = self.events.iter();
         let events = events.map(|e| EventSummary::new(e, seconds(e.onset), seconds(e.stop)));
         let changes = self.changes.iter().map(|c| ChangeSummary::new(c, seconds(c.onset)));
+        let mut stretches = Stretches::default();
+        self.stretches.iter().for_each(|it| {
+            stretches.add(it, seconds(it.start), seconds(it.stop));
+        });
         let inputs = (&self.config, &self.report);
-        ReplayResult::new(log, test, inputs, events.collect(), changes.collect())
+        let result = ReplayResult::new(log, test, inputs, events.collect(), changes.collect());
+        ReplayResult { stretches, ..result }
     }
 }
 

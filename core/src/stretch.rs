@@ -1,0 +1,309 @@
+//! Stretches of a record that are no events: a constant force, and what was not understood.
+//!
+//! A cable that is tightened and held and a block that slides evenly are the same constant
+//! force. The samples are taken in blocks of a second or 16 samples; a stretch goes on while
+//! the blocks' means stay within what they scatter and rise by no more than chance. Work per
+//! sample: one mean and one squared difference; nothing is looked at twice.
+
+use crate::event::{Event, Reason};
+use crate::num::math::{self, larger};
+use crate::sample::{ForcePoint, SampleTime};
+use crate::stats::line::Line;
+
+/// Fewest samples of a block.
+const LEAST_BLOCK: f32 = 16.0;
+/// Fewest and most blocks of a stretch: what is shorter may be a slow stick, what is longer
+/// is told in parts.
+const BLOCKS: (u32, u32) = (8, 128);
+/// Standard deviations that are no chance.
+const SURE: f32 = 4.0;
+/// A mean that differs by less than this part of the force is the same.
+const SAME: f32 = 0.01;
+/// Largest scatter of the samples, parts of the weight: more of it hides slips.
+const LARGEST_SCATTER: f32 = 0.06;
+/// The same of a force in which nothing may slip before it has risen: more of it may be slips.
+const QUIET_SCATTER: f32 = 0.01;
+/// Standard deviations by which the highest of very many samples lies above their mean.
+const HIGHEST: f32 = 4.5;
+/// Longest gap within a stretch, periods.
+const LONGEST_GAP: u64 = 8;
+
+/// A stretch of samples that belongs to no event.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Stretch {
+    /// Its first moment.
+    pub start: SampleTime,
+    /// Its last moment.
+    pub stop: SampleTime,
+    /// What it was.
+    pub kind: StretchKind,
+}
+
+/// What a [`Stretch`] was.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum StretchKind {
+    /// A constant force.
+    Steady {
+        /// Mean force over the weight.
+        force_over_weight: f32,
+        /// One standard deviation of that mean, from the scatter of the means of blocks.
+        std: f32,
+        /// Whether the block moved: with a winch that is known to turn it did. `None`: held
+        /// or sliding, the force alone cannot tell.
+        moving: Option<bool>,
+    },
+    /// Falls of the force that are no slips.
+    NotUnderstood(Reason),
+}
+
+/// Finds constant forces.
+#[derive(Clone, Copy, Debug)]
+struct SteadyForce {
+    /// Samples of a block.
+    block: u32,
+    start: u64,
+    last: ForcePoint,
+    /// Of the block that grows: samples, mean, and squared differences of neighbours, N².
+    count: u32,
+    mean_n: f32,
+    steps_n2: f32,
+    /// Sum of its squared distances from the mean of all, N²; and all samples' variance.
+    squares_n2: f32,
+    variance_n2: f32,
+    /// The means of the full blocks, by their number; what the noise adds to one of them, N².
+    means: Line,
+    noise_n2: f32,
+    /// The samples scatter too much to be called steady.
+    scatters: bool,
+}
+
+/// First and last index, the means of the blocks, and whether their samples scatter.
+type Steady = (u64, u64, Line, bool);
+
+impl SteadyForce {
+    fn new(rate_hz: f32) -> Self {
+        Self {
+            block: larger(rate_hz, LEAST_BLOCK) as u32,
+            start: 0,
+            last: ForcePoint::ZERO,
+            count: 0,
+            mean_n: 0.0,
+            steps_n2: 0.0,
+            squares_n2: 0.0,
+            variance_n2: 0.0,
+            means: Line::default(),
+            noise_n2: 0.0,
+            scatters: false,
+        }
+    }
+
+    /// Takes a sample; gives a stretch that it ends. `most_n` is the largest scatter.
+    fn take(&mut self, now: ForcePoint, most_n: f32) -> Option<Steady> {
+        let gap = now.index.saturating_sub(self.last.index);
+        let ended = if gap > LONGEST_GAP { self.end(now.index) } else { None };
+        let step_n = if self.count > 0 { now.force_n - self.last.force_n } else { 0.0 };
+        self.last = now;
+        self.count += 1;
+        let off_n = now.force_n - self.mean_n;
+        self.mean_n += off_n / self.count as f32;
+        self.squares_n2 += off_n * (now.force_n - self.mean_n);
+        self.steps_n2 += step_n * step_n;
+        if self.count < self.block { ended } else { self.end_block(most_n) }
+    }
+
+    /// Ends the stretch before the block that grows; what follows begins at an index.
+    fn end(&mut self, next: u64) -> Option<Steady> {
+        let (start, means) = (self.start, self.means);
+        let stop = self.last.index.saturating_sub(self.count.into());
+        self.clear_block();
+        (self.start, self.means) = (next, Line::default());
+        (self.noise_n2, self.variance_n2) = (0.0, 0.0);
+        (means.count >= BLOCKS.0).then_some((start, stop, means, self.scatters))
+    }
+
+    fn clear_block(&mut self) {
+        (self.count, self.mean_n, self.steps_n2, self.squares_n2) = (0, 0.0, 0.0, 0.0);
+    }
+
+    /// What a force that has been constant for long has to exceed before it has risen: of
+    /// samples that scatter by no more than this.
+    fn ceiling_n(&self, most_n: f32) -> Option<f32> {
+        let variance_n2 = self.variance_n2 + self.scatter_n2(0.0);
+        let is_constant =
+            self.means.count >= BLOCKS.0 && !self.scatters && variance_n2 < most_n * most_n;
+        is_constant.then(|| self.means.level_n + HIGHEST * math::sqrt(variance_n2))
+    }
+
+    fn end_block(&mut self, most_n: f32) -> Option<Steady> {
+        let (count, mean_n) = (self.count as f32, self.mean_n);
+        // White noise differs from its neighbour by twice its variance.
+        let sample_n2 = 0.5 * self.steps_n2 / (count - 1.0);
+        let noise_n2 = sample_n2 / count;
+        let first = (self.last.index + 1).saturating_sub(self.count.into());
+        let scatters = sample_n2 > most_n * most_n;
+        let block_n2 = self.squares_n2 / count;
+        let goes_on = scatters == self.scatters && (scatters || self.goes_on(mean_n, noise_n2));
+        let ended = (!goes_on).then(|| self.end(first)).flatten();
+        self.clear_block();
+        self.scatters = scatters;
+        let blocks = self.means.count as f32;
+        self.noise_n2 += (noise_n2 - self.noise_n2) / (blocks + 1.0);
+        self.variance_n2 += (block_n2 - self.variance_n2) / (blocks + 1.0);
+        self.means.add(blocks, mean_n, 1.0, 1.0);
+        if self.means.count == BLOCKS.0 && !scatters && self.rises(self.noise_n2) {
+            // A slow stick line.
+            (self.start, self.means) = (self.last.index + 1, Line::default());
+        }
+        let is_long = self.means.count >= BLOCKS.1;
+        ended.or_else(|| if is_long { self.end(self.last.index + 1) } else { None })
+    }
+
+    /// Is a block's mean that of the blocks before it, and have they no slope?
+    fn goes_on(&self, mean_n: f32, noise_n2: f32) -> bool {
+        let means = &self.means;
+        let scatter_n = SURE * math::sqrt(self.scatter_n2(noise_n2));
+        let is_same =
+            (mean_n - means.level_n).abs() < larger(SAME * means.level_n.abs(), scatter_n);
+        means.count == 0 || (is_same && (means.count < BLOCKS.0 || !self.rises(noise_n2)))
+    }
+
+    /// Variance of a block's mean, N².
+    fn scatter_n2(&self, noise_n2: f32) -> f32 {
+        let free = larger(self.means.count as f32 - 2.0, 1.0);
+        larger(self.means.residual() / free, larger(self.noise_n2, noise_n2))
+    }
+
+    fn rises(&self, noise_n2: f32) -> bool {
+        let slope = self.means.slope().unwrap_or(0.0);
+        slope * slope * self.means.slope_weight() > SURE * SURE * self.scatter_n2(noise_n2)
+    }
+}
+
+/// Stretches on their way out, in order: one a step.
+#[derive(Clone, Debug)]
+pub(crate) struct Stretches {
+    steady: SteadyForce,
+    weight_n: f32,
+    moving: Option<bool>,
+    /// What is not understood, as long as it may grow.
+    open: Option<Stretch>,
+    /// The newest moment that a stretch was told of.
+    told: SampleTime,
+    /// Oldest first.
+    ready: [Option<Stretch>; 4],
+}
+
+impl Stretches {
+    /// For a rate in hertz and a weight; `winch` if it is known to turn.
+    pub(crate) fn new(rate_hz: f32, weight_n: f32, winch: bool) -> Self {
+        let steady = SteadyForce::new(rate_hz);
+        Self {
+            steady,
+            weight_n,
+            moving: winch.then_some(true),
+            open: None,
+            told: SampleTime { index: 0, fraction: 0.0 },
+            ready: [None; 4],
+        }
+    }
+
+    /// Takes a sample; does it end a block?
+    pub(crate) fn take(&mut self, now: ForcePoint) -> bool {
+        if let Some(steady) = self.steady.take(now, LARGEST_SCATTER * self.weight_n) {
+            self.tell_steady(steady);
+        }
+        self.steady.count == 0
+    }
+
+    /// What the force has to exceed before a slip can begin: where it is constant nothing rose.
+    pub(crate) fn ceiling_n(&self) -> Option<f32> {
+        self.steady.ceiling_n(QUIET_SCATTER * self.weight_n)
+    }
+
+    /// The force has left what it was: a stretch ends before this index. `None`: the sample
+    /// is not the newest, so what was taken for a constant force is none.
+    pub(crate) fn interrupt(&mut self, last: Option<u64>) {
+        let next = self.steady.last.index + 1;
+        let Some((start, stop, means, scatters)) = self.steady.end(next) else { return };
+        // A slip begins a little before it is seen.
+        if let Some(last) = last.filter(|&last| last > start) {
+            self.tell_steady((start, stop.min(last), means, scatters));
+        }
+    }
+
+    /// Takes a fall that is no slip.
+    pub(crate) fn refuse(&mut self, start: SampleTime, stop: SampleTime, reason: Reason) {
+        let kind = StretchKind::NotUnderstood(reason);
+        match &mut self.open {
+            Some(open) if open.kind == kind => open.stop = stop,
+            _ => {
+                self.end_before(start);
+                self.open = Some(Stretch { start, stop, kind });
+            }
+        }
+    }
+
+    /// An event begins: it may be older than what was not understood.
+    pub(crate) fn end_before(&mut self, onset: SampleTime) {
+        self.open = self.open.filter(|open| open.start < onset);
+        if let Some(open) = self.open.as_mut().filter(|open| open.stop > onset) {
+            open.stop = onset;
+        }
+        self.close();
+    }
+
+    /// The onset of an event, or where what was told before it ends.
+    pub(crate) fn onset(&self, event: &Event) -> SampleTime {
+        let is_inside = event.onset < self.told && self.told < event.stop;
+        if is_inside { self.told } else { event.onset }
+    }
+
+    /// What was not understood is over.
+    pub(crate) fn close(&mut self) {
+        if let Some(open) = self.open.take() {
+            self.push(open);
+        }
+    }
+
+    /// The oldest one that is complete.
+    pub(crate) fn next(&mut self) -> Option<Stretch> {
+        let [first, second, third, last] = self.ready;
+        self.ready = [second, third, last, None];
+        first
+    }
+
+    fn tell_steady(&mut self, (start, stop, means, scatters): Steady) {
+        let [start, stop] = [start, stop].map(|index| SampleTime { index, fraction: 0.0 });
+        if scatters {
+            let goes_on = |open: &mut Stretch| open.stop.index + 1 >= start.index;
+            if !self.open.as_mut().is_some_and(goes_on) {
+                self.close();
+            }
+            return self.refuse(start, stop, Reason::Scatters);
+        }
+        self.close();
+        let count = means.count as f32;
+        let slope = means.slope().unwrap_or(0.0);
+        let squares_n2 = means.residual() + slope * slope * means.slope_weight();
+        let std = math::sqrt(squares_n2 / (count * (count - 1.0))) / self.weight_n;
+        let force_over_weight = means.level_n / self.weight_n;
+        let kind = StretchKind::Steady { force_over_weight, std, moving: self.moving };
+        self.push(Stretch { start, stop, kind });
+    }
+
+    /// There is always room: a stretch takes many samples, and each step takes one out.
+    fn push(&mut self, mut stretch: Stretch) {
+        if stretch.start < self.told {
+            stretch.start = self.told;
+        }
+        if stretch.start >= stretch.stop {
+            return;
+        }
+        self.told = stretch.stop;
+        if let Some(place) = self.ready.iter_mut().find(|place| place.is_none()) {
+            *place = Some(stretch);
+        }
+    }
+}

@@ -1,0 +1,143 @@
+//! Stretches of a log that belong to no event.
+
+use floe_core::{Stretch, StretchKind};
+use serde::Serialize;
+
+/// All of a log, in order.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Stretches {
+    /// Where the force was constant.
+    pub steady: Vec<SteadySummary>,
+    /// Where the force fell, and no slip was why.
+    pub not_understood: Vec<NotUnderstood>,
+}
+
+/// A constant force: a held cable and a block that slides evenly look the same.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct SteadySummary {
+    /// In the log's own time.
+    pub start_s: f64,
+    /// In the log's own time.
+    pub stop_s: f64,
+    /// Mean force over the weight.
+    pub force_over_weight: f64,
+    /// One standard deviation of that mean.
+    pub std: f64,
+    /// Whether the block moved; `null`: not known.
+    pub moving: Option<bool>,
+}
+
+/// Falls of the force that are no slips.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct NotUnderstood {
+    /// In the log's own time.
+    pub start_s: f64,
+    /// In the log's own time.
+    pub stop_s: f64,
+    /// What they were taken for.
+    pub reason: String,
+}
+
+impl Stretches {
+    /// Takes the next one, with its times in the log's seconds.
+    pub fn add(&mut self, stretch: &Stretch, start_s: f64, stop_s: f64) {
+        match stretch.kind {
+            StretchKind::Steady { force_over_weight, std, moving } => {
+                let [force_over_weight, std] = [force_over_weight, std].map(shortest);
+                let steady = SteadySummary { start_s, stop_s, force_over_weight, std, moving };
+                self.steady.push(steady);
+            }
+            StretchKind::NotUnderstood(reason) => {
+                let reason = reason.to_string();
+                self.not_understood.push(NotUnderstood { start_s, stop_s, reason });
+            }
+        }
+    }
+}
+
+impl SteadySummary {
+    /// One sentence for a person, on ice with this slope.
+    #[must_use]
+    pub fn sentence(&self, slope_rad: f64) -> String {
+        let Self { start_s, stop_s, force_over_weight, std, moving } = self;
+        let (sin, cos) = slope_rad.sin_cos();
+        let what = match moving {
+            None => "held or sliding: the force alone cannot tell".to_string(),
+            Some(false) => "the winch stood: the cable was held".to_string(),
+            Some(true) => {
+                let mu = (force_over_weight - sin) / cos;
+                format!("the winch turned, so the block slid: mu {mu:.4} ± {:.4}", std / cos)
+            }
+        };
+        format!(
+            "{start_s:.2} to {stop_s:.2} s: constant force, F/W {force_over_weight:.4} ± {std:.4}; \
+             {what}"
+        )
+    }
+}
+
+impl NotUnderstood {
+    /// One sentence for a person.
+    #[must_use]
+    pub fn sentence(&self) -> String {
+        format!("{:.2} to {:.2} s: {}", self.start_s, self.stop_s, self.reason)
+    }
+}
+
+/// A few words, for a display.
+#[must_use]
+pub fn told(stretch: &Stretch) -> String {
+    match stretch.kind {
+        StretchKind::Steady { force_over_weight, std, moving } => {
+            let what = match moving {
+                None => "held or sliding",
+                Some(false) => "held",
+                Some(true) => "sliding",
+            };
+            format!("constant force, F/W {force_over_weight:.4} ± {std:.4}: {what}")
+        }
+        StretchKind::NotUnderstood(reason) => format!("no slip: {reason}"),
+    }
+}
+
+/// The number whose shortest text is that of the `f32`.
+fn shortest(value: f32) -> f64 {
+    value.to_string().parse().unwrap_or(f64::from(value))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use floe_core::{Reason, SampleTime};
+
+    fn stretch(kind: StretchKind) -> Stretch {
+        let time = SampleTime { index: 0, fraction: 0.0 };
+        Stretch { start: time, stop: time, kind }
+    }
+
+    #[test]
+    fn each_is_said_as_the_interface_has_it() {
+        let mut all = Stretches::default();
+        let steady = StretchKind::Steady { force_over_weight: 0.78, std: 0.000_5, moving: None };
+        all.add(&stretch(steady), 2.0, 22.5);
+        all.add(&stretch(StretchKind::NotUnderstood(Reason::WoundBack)), 30.0, 31.5);
+        let json = serde_json::to_string(&all).unwrap();
+        assert_eq!(
+            json,
+            r#"{"steady":[{"start_s":2.0,"stop_s":22.5,"force_over_weight":0.78,"std":0.0005,"moving":null}],"#
+                .to_owned()
+                + r#""not_understood":[{"start_s":30.0,"stop_s":31.5,"reason":"the force falls evenly: the winch turned back"}]}"#
+        );
+    }
+
+    #[test]
+    fn only_a_winch_that_turns_makes_it_a_coefficient() {
+        let said = |moving| {
+            SteadySummary { start_s: 0.0, stop_s: 9.0, force_over_weight: 0.5, std: 1e-3, moving }
+                .sentence(0.1)
+        };
+        assert!(said(None).contains("held or sliding: the force alone cannot tell"));
+        assert!(said(Some(true)).ends_with("mu 0.4022 ± 0.0010"), "{}", said(Some(true)));
+        assert!(!said(Some(false)).contains("mu"));
+    }
+}

@@ -1,0 +1,358 @@
+//! Records in which the force does not do what slips do: nothing is invented, what was
+//! there instead is said, and events come in order.
+
+use floe::sim::{Scene, simulate};
+use floe_core::{Config, Event, Pipeline, Reason, SampleTime, Stretch, StretchKind};
+use floe_tests::feed;
+use floe_tests::normal::Normal;
+use proptest::prelude::*;
+use proptest::test_runner::{Config as Cases, RngAlgorithm, TestRng, TestRunner};
+
+const WEIGHT_N: f64 = 630.0;
+const HZ: f64 = 16.0;
+const NOISE_N: f64 = 2.0;
+const SEEDS: u64 = 30;
+
+/// What came out of a record.
+struct Outcome {
+    events: Vec<Event>,
+    stretches: Vec<Stretch>,
+}
+
+impl Outcome {
+    /// Without a coefficient none counts.
+    fn coefficients(&self) -> usize {
+        self.events.iter().filter(|e| e.mu_s.is_some() || e.mu.is_some()).count()
+    }
+
+    fn steady(&self) -> Vec<(f64, f64, Option<bool>)> {
+        let steady = |s: &Stretch| match s.kind {
+            StretchKind::Steady { force_over_weight, std, moving } => {
+                Some((f64::from(force_over_weight), f64::from(std), moving))
+            }
+            StretchKind::NotUnderstood(_) => None,
+        };
+        self.stretches.iter().filter_map(steady).collect()
+    }
+
+    fn reasons(&self) -> Vec<Reason> {
+        let reason = |s: &Stretch| match s.kind {
+            StretchKind::NotUnderstood(reason) => Some(reason),
+            StretchKind::Steady { .. } => None,
+        };
+        self.stretches.iter().filter_map(reason).collect()
+    }
+}
+
+fn config() -> Config {
+    Config { weight_n: WEIGHT_N as f32, ..Config::default() }
+}
+
+fn read(config: &Config, forces_n: impl IntoIterator<Item = f64>) -> Outcome {
+    let mut pipeline = Pipeline::new(config).expect("the configuration is valid");
+    let (mut events, mut stretches) = (Vec::new(), Vec::new());
+    for (index, force_n) in (0..).zip(forces_n) {
+        let step = pipeline.step(feed::force(index, force_n));
+        events.extend(step.event);
+        stretches.extend(step.stretch);
+    }
+    events.extend(feed::finish(&mut pipeline));
+    stretches.extend(std::iter::from_fn(|| pipeline.finish_stretch()));
+    Outcome { events, stretches }
+}
+
+/// A force of time, s, with white noise.
+fn noisy(seed: u64, seconds: f64, force_n: impl Fn(f64) -> f64) -> Vec<f64> {
+    let mut normal = Normal::new(seed);
+    let samples = (seconds * HZ) as u32;
+    (0..samples).map(|i| force_n(f64::from(i) / HZ) + NOISE_N * normal.sample()).collect()
+}
+
+/// Periods from one moment to another.
+fn since(from: SampleTime, to: SampleTime) -> f64 {
+    (to.index - from.index) as f64 + f64::from(to.fraction - from.fraction)
+}
+
+/// Between 0 and 1, another one for each seed.
+fn phase(seed: u64) -> f64 {
+    (seed as f64 * 0.618_033_988_749_895).fract()
+}
+
+/// For every seed.
+fn each(record: impl Fn(u64) -> Vec<f64>, check: impl Fn(u64, &Outcome)) {
+    for seed in 1..=SEEDS {
+        check(seed, &read(&config(), record(seed)));
+    }
+}
+
+#[test]
+fn a_cable_tightened_and_held_is_a_constant_force() {
+    for (start_s, rate) in [(0.0, 360.0), (0.0, 720.0), (5.0, 360.0)] {
+        let top_s = |seed| start_s + (0.3 + 0.9 * phase(seed)) * 360.0 / rate;
+        let held =
+            |seed| noisy(seed, 60.0, move |t| rate * (t.min(top_s(seed)) - start_s).max(0.0));
+        each(held, |seed, outcome| {
+            assert!(outcome.events.is_empty(), "{seed} {:?}", outcome.events);
+            let truth = rate * (top_s(seed) - start_s) / WEIGHT_N;
+            let [(mean, std, None)] = outcome.steady()[..] else { panic!("{seed}") };
+            assert!((mean - truth).abs() < 5.0 * std && std < 3e-4, "{seed} {mean} {truth} {std}");
+        });
+    }
+}
+
+#[test]
+fn a_pause_before_the_pull_costs_no_event() {
+    let scene = Scene { start_force_n: 300.0, ..Scene::default() };
+    let pulled = simulate(&scene, 1).unwrap();
+    let truths = pulled.events.len();
+    each(
+        |seed| {
+            let hold_s = 20.0 + phase(seed);
+            let samples = pulled.samples.iter().map(|s| s.force_n).collect::<Vec<_>>();
+            let hold = (hold_s * HZ) as usize;
+            let noise = noisy(seed, hold_s + 121.0, |_| 0.0);
+            let forces = std::iter::repeat_n(300.0, hold).chain(samples);
+            forces.zip(noise).map(|(force_n, noise_n)| force_n + noise_n).collect()
+        },
+        |seed, outcome| {
+            assert!(outcome.events.len().abs_diff(truths) <= 1, "{seed} {}", outcome.events.len());
+            let hold_s = 20.0 + phase(seed);
+            assert!(f64::from(outcome.events[0].onset.index as u32) / HZ > hold_s);
+            assert_eq!(outcome.steady().len(), 1, "{seed}");
+        },
+    );
+}
+
+/// Sliding evenly: white noise, coloured noise, coarse steps; and an idle cell.
+#[test]
+fn steady_sliding_is_no_event() {
+    let coloured = |seed, memory: f64| {
+        let (mut normal, mut noise) = (Normal::new(seed), 0.0);
+        let next = move |_| {
+            noise = memory * noise + (1.0 - memory * memory).sqrt() * NOISE_N * normal.sample();
+            491.4 + noise
+        };
+        (0..1600).map(next).collect::<Vec<f64>>()
+    };
+    let none = |seed: u64, outcome: &Outcome| {
+        assert!(outcome.events.is_empty(), "{seed} {:?}", outcome.events);
+        assert!(outcome.reasons().is_empty(), "{seed}");
+    };
+    let white = |seed| noisy(seed, 100.0, |_| 491.4);
+    each(white, |seed, outcome| {
+        none(seed, outcome);
+        let long = |s: &Stretch| since(s.start, s.stop) / HZ;
+        assert!(outcome.stretches.iter().map(long).sum::<f64>() > 85.0, "{seed}");
+    });
+    each(|seed| noisy(seed, 100.0, |_| 0.0), none);
+    each(|seed| white(seed).iter().map(|f| (f / 1.5).round() * 1.5).collect(), none);
+    each(|seed| coloured(seed, 0.5), none);
+}
+
+#[test]
+fn only_a_winch_that_turns_makes_a_constant_force_a_motion() {
+    let forces = noisy(1, 60.0, |_| 491.4);
+    let told = |winch_m_per_s| {
+        let config = Config { winch_m_per_s, ..config() };
+        read(&config, forces.iter().copied()).steady().iter().map(|s| s.2).collect::<Vec<_>>()
+    };
+    assert_eq!((told(None), told(Some(0.0157))), (vec![None], vec![Some(true)]));
+}
+
+/// The winch turns back as fast as it pulled, or three times as fast, with and without
+/// rests: the force falls evenly.
+#[test]
+fn winding_back_is_no_slip() {
+    let trapezium = |seed, top_n: f64, [up_s, rest_s, down_s]: [f64; 3]| {
+        let shift_s = phase(seed) / HZ;
+        noisy(seed, 90.0, move |t| {
+            let t = (t + shift_s) % (up_s + down_s + 2.0 * rest_s);
+            let up = (t / up_s).min(1.0);
+            let down = ((t - up_s - rest_s) / down_s).clamp(0.0, 1.0);
+            top_n * (up - down)
+        })
+    };
+    for times in [[2.0, 1.0, 2.0], [2.0, 0.0, 2.0], [3.0, 0.0, 1.0]] {
+        each(
+            |seed| trapezium(seed, 700.0, times),
+            |seed, outcome| {
+                assert!(outcome.events.is_empty(), "{times:?} {seed}");
+                assert_eq!(outcome.reasons(), [Reason::WoundBack], "{times:?} {seed}");
+            },
+        );
+    }
+}
+
+/// Pulled and let go by hand every 8 s: with the winch going on, and with a wait.
+#[test]
+fn a_cable_let_go_gives_no_coefficient() {
+    for (rate, pull_s) in [(69.0, 8.0), (69.0, 5.0), (360.0, 1.6)] {
+        let let_go = |seed| {
+            noisy(seed, 90.0, move |t| {
+                let t = (t + phase(seed) / HZ) % 8.0;
+                if t < pull_s { rate * t } else { 0.0 }
+            })
+        };
+        each(let_go, |seed, outcome| {
+            assert_eq!(outcome.coefficients(), 0, "{rate} {seed} {:?}", outcome.events);
+            let reasons = outcome.events.iter().map(|e| e.reason);
+            assert!(
+                reasons.eq(outcome.events.iter().map(|_| Some(Reason::LetGo))),
+                "{rate} {seed}"
+            );
+            assert!(outcome.events.len() > 9, "{rate} {seed}");
+        });
+    }
+}
+
+/// A block that water drags on so much that it never stops again, in small steps.
+fn dragged(seed: u64, drag_n_s_per_m: f64, mu: f64) -> Vec<f64> {
+    const STEP_S: f64 = 2.5e-4;
+    let (stiffness, winch, mass) = (23_000.0, 0.01565, WEIGHT_N / 9.81);
+    let (mut stretch, mut speed, mut slides) = (-phase(seed) * winch / HZ, 0.0, false);
+    let mut normal = Normal::new(seed);
+    let sample = |_| {
+        for _ in 0..(1.0 / (HZ * STEP_S)) as u32 {
+            let force_n = stiffness * stretch;
+            slides |= force_n > 1.24 * WEIGHT_N;
+            if slides {
+                speed += STEP_S * (force_n - mu * WEIGHT_N - drag_n_s_per_m * speed) / mass;
+            }
+            stretch += STEP_S * (winch - speed);
+        }
+        stiffness * stretch + NOISE_N * normal.sample()
+    };
+    (0..1440).map(sample).collect()
+}
+
+/// The block breaks away and slides on evenly: a slip without a rest.
+#[test]
+fn a_breakaway_into_steady_sliding_gives_no_coefficient() {
+    for (drag, mu) in [(1500.0, 0.7), (3000.0, 0.75), (8000.0, 0.6)] {
+        each(
+            |seed| dragged(seed, drag, mu),
+            |seed, outcome| {
+                let reasons: Vec<_> = outcome.events.iter().map(|e| e.reason).collect();
+                assert_eq!(reasons, [Some(Reason::NoRest)], "{drag} {seed}");
+                assert_eq!(outcome.coefficients(), 0, "{drag} {seed}");
+                assert!(!outcome.steady().is_empty(), "{drag} {seed}");
+            },
+        );
+    }
+}
+
+fn pulled(scene: &Scene, seed: u64) -> Vec<f64> {
+    let mut scene = scene.clone();
+    scene.measurement.white_n = NOISE_N;
+    simulate(&scene, seed).unwrap().samples.iter().map(|s| s.force_n).collect()
+}
+
+#[test]
+fn a_cell_wired_the_other_way_round_is_said() {
+    let record = |seed| pulled(&Scene::default(), seed).iter().map(|f| -f).collect();
+    each(record, |seed, outcome| {
+        assert!(outcome.events.is_empty(), "{seed}");
+        assert_eq!(outcome.reasons(), [Reason::Negative], "{seed}");
+    });
+}
+
+#[test]
+fn a_weight_that_cannot_be_is_said() {
+    let config = Config { weight_n: 63.0, ..config() };
+    let outcome = read(&config, pulled(&Scene::default(), 1));
+    assert!(outcome.events.len() > 60 && outcome.coefficients() == 0);
+    assert!(outcome.events.iter().all(|e| e.reason == Some(Reason::Implausible)));
+}
+
+/// Three samples from slip to slip, and two.
+#[test]
+fn a_recurrence_of_less_than_four_samples_is_refused() {
+    for (rate_hz, found) in [(1.7, true), (1.235, false)] {
+        let scene = Scene { rate_hz, duration_s: 600.0, ..Scene::default() };
+        let config = Config { rate_hz: rate_hz as f32, ..config() };
+        let outcome = read(&config, pulled(&scene, 1));
+        assert_eq!(!outcome.events.is_empty(), found, "{rate_hz}");
+        let aliased = outcome.events.iter().filter(|e| e.reason == Some(Reason::Aliased)).count();
+        assert!(aliased * 50 >= outcome.events.len() * 49, "{rate_hz} {aliased}");
+        assert!(found || outcome.reasons() == [Reason::Scatters], "{:?}", outcome.reasons());
+    }
+}
+
+/// One after the other, and nothing twice.
+fn in_order(outcome: &Outcome) -> Result<(), TestCaseError> {
+    for event in &outcome.events {
+        prop_assert!(event.onset <= event.stop, "{event:?}");
+    }
+    for pair in outcome.events.windows(2) {
+        prop_assert!(pair[0].stop <= pair[1].onset, "{pair:?}");
+        prop_assert_eq!(pair[0].index + 1, pair[1].index);
+    }
+    for pair in outcome.stretches.windows(2) {
+        prop_assert!(pair[0].stop <= pair[1].start, "{pair:?}");
+    }
+    for stretch in &outcome.stretches {
+        prop_assert!(stretch.start <= stretch.stop, "{stretch:?}");
+        let meets = |e: &&Event| e.onset < stretch.stop && stretch.start < e.stop;
+        prop_assert_eq!(outcome.events.iter().find(meets), None);
+    }
+    Ok(())
+}
+
+#[test]
+fn events_and_stretches_are_ordered_and_disjoint_in_every_scene() {
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../host-sim/scenes");
+    let mut scenes = 0;
+    for folder in [folder.join("hard"), folder.join("linear")] {
+        for file in std::fs::read_dir(folder).unwrap() {
+            let path = file.unwrap().path();
+            if path.extension().is_none_or(|e| e != "toml") {
+                continue;
+            }
+            let scene = Scene::from_toml(&std::fs::read_to_string(&path).unwrap()).unwrap();
+            let config = floe_tests::both::config(&scene);
+            scenes += 1;
+            for seed in 1..=4 {
+                let samples = simulate(&scene, seed).unwrap().samples;
+                let outcome = read(&config, samples.iter().map(|s| s.force_n));
+                in_order(&outcome).unwrap_or_else(|e| panic!("{} {seed}: {e}", path.display()));
+            }
+        }
+    }
+    assert!(scenes > 20, "{scenes}");
+}
+
+/// Height, period, part that falls, noise, scatter.
+type Saw = (f64, f64, f64, f64, f64);
+/// Step of the walk, height and period of the swing, level, seed.
+type Rest = (f64, f64, f64, f64, u64);
+
+/// Saws, walks, swings and steps of any size with noise of any size.
+#[test]
+fn events_and_stretches_are_ordered_and_disjoint_whatever_the_force_does() {
+    const SEED: [u8; 32] = *b"floe no slip, always the same...";
+    println!("seed {:?}", String::from_utf8_lossy(&SEED));
+    let parts = (0.0..500.0_f64, 2.0..60.0_f64, 0.05..0.9_f64, 0.0..40.0_f64, 0.0..0.8_f64);
+    let more = (0.0..20.0_f64, 0.0..200.0_f64, 2.0..100.0_f64, -200.0..600.0_f64, 0..1000_u64);
+    let cases = Cases { cases: 300, failure_persistence: None, ..Cases::default() };
+    let mut runner =
+        TestRunner::new_with_rng(cases, TestRng::from_seed(RngAlgorithm::ChaCha, &SEED));
+    let test = |(
+        (saw_n, period, fall, noise_n, scatter),
+        (walk_n, swing_n, swing, level_n, seed),
+    ): (Saw, Rest)| {
+        let mut normal = Normal::new(seed);
+        let (mut walk, mut phase, mut size) = (0.0, 0.0, 1.0);
+        let force_n = |i: u32| {
+            walk += walk_n * normal.sample();
+            phase += 1.0 / period;
+            if phase >= 1.0 {
+                (phase, size) = (phase - 1.0, 1.0 + scatter * normal.sample());
+            }
+            let saw = if phase < 1.0 - fall { phase / (1.0 - fall) } else { (1.0 - phase) / fall };
+            let swings = swing_n * (f64::from(i) / swing).sin();
+            level_n + walk + saw_n * size * saw + swings + noise_n * normal.sample()
+        };
+        in_order(&read(&config(), (0..1500).map(force_n)))
+    };
+    runner.run(&(parts, more), test).unwrap_or_else(|error| panic!("{error}"));
+}
