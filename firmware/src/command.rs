@@ -86,10 +86,6 @@ stop; status; live on|off";
 
 const MISSING: &str = "a number like 12.5 is missing";
 
-/// What `set` takes.
-const SET: &str = "set weight|slope|winch|range|span|tare|name|snow|kind|size|track|cable, \
-or weight|slope|zero|span|damping-std, or weight-from";
-
 impl Command {
     /// Reads a line; words are separated by spaces.
     ///
@@ -137,7 +133,8 @@ impl Command {
 /// The first word and all behind it.
 fn first_word(text: &str) -> (&str, &str) {
     let text = text.trim_ascii();
-    let (word, rest) = text.split_once(' ').unwrap_or((text, ""));
+    let end = text.bytes().position(|byte| byte == b' ').unwrap_or(text.len());
+    let (word, rest) = text.split_at_checked(end).unwrap_or((text, ""));
     (word, rest.trim_ascii())
 }
 
@@ -150,7 +147,7 @@ impl Setting {
             "winch" => Self::Winch(number(value)?),
             "range" => Self::Range(number(value)?),
             "span" => Self::Span(number(value)?),
-            "tare" => Self::Tare(value.parse().map_err(|_| "a whole number of codes")?),
+            "tare" => Self::Tare(code(value)?),
             "name" => Self::Name(name(value)?),
             "snow" => Self::Snow(size(value)?),
             "kind" => {
@@ -170,7 +167,7 @@ impl Setting {
             "weight-from" => Self::WeightFrom(
                 from_word(WeightFrom::ALL, value).ok_or("weight-from same_cell, or other")?,
             ),
-            _ => return Err(SET),
+            _ => return Err("set what? help lists it"),
         })
     }
 }
@@ -191,19 +188,31 @@ fn size(text: &str) -> Result<f32, &'static str> {
 /// library's parser would be a tenth of the program.
 fn number(text: &str) -> Result<f32, &'static str> {
     const MOST_DIGITS: usize = 15;
-    let (sign, digits) = match text.strip_prefix('-') {
-        Some(digits) => (-1.0, digits),
-        None => (1.0, text),
+    let (sign, digits) = match text.as_bytes() {
+        [b'-', digits @ ..] => (-1.0, digits),
+        digits => (1.0, digits),
     };
-    let (whole, fraction) = digits.split_once('.').unwrap_or((digits, ""));
-    let count = whole.len() + fraction.len();
-    let all = whole.bytes().chain(fraction.bytes());
-    if count == 0 || count > MOST_DIGITS || !all.clone().all(|c| c.is_ascii_digit()) {
-        return Err(MISSING);
+    let (mut number, mut scale, mut count, mut behind_point) = (0, 1, 0, false);
+    for letter in digits {
+        match letter {
+            b'0'..=b'9' if count < MOST_DIGITS => {
+                number = number * 10 + u64::from(letter - b'0');
+                scale *= if behind_point { 10 } else { 1 };
+                count += 1;
+            }
+            b'.' if !behind_point => behind_point = true,
+            _ => return Err(MISSING),
+        }
     }
-    let number = all.fold(0, |number, digit| number * 10 + u64::from(digit - b'0'));
-    let scale = fraction.bytes().fold(1, |scale, _| scale * 10);
-    Ok(sign * ratio(number, scale))
+    if count == 0 { Err(MISSING) } else { Ok(sign * ratio(number, scale)) }
+}
+
+/// A whole number of codes; a converter has 24 digits of two, and so has an `f32`.
+fn code(text: &str) -> Result<i32, &'static str> {
+    let number = number(text)?;
+    let code = number as i32;
+    let is_whole = (code as f32).to_bits() == number.to_bits();
+    if is_whole { Ok(code) } else { Err("a whole number of codes") }
 }
 
 /// The `f32` nearest to a ratio of two numbers below 2⁵³, the second above zero; the even

@@ -4,6 +4,7 @@
 
 use core::fmt;
 
+use floe_core::num::long_division::divide;
 use heapless::string::StringView;
 
 use crate::text::{Show, whole};
@@ -45,23 +46,30 @@ impl Moment {
     /// to 2099.
     #[must_use]
     pub fn parse(text: &str) -> Option<Self> {
-        let (date, time) = text.strip_suffix('Z')?.split_once('T')?;
-        let [year, month, day] = numbers(date, '-')?;
-        let (time, fraction) = time.split_once('.').unwrap_or((time, "0"));
-        let [hour, minute, second] = numbers(time, ':')?;
+        const MARKS: [(usize, u8); 5] = [(4, b'-'), (7, b'-'), (10, b'T'), (13, b':'), (16, b':')];
+        let bytes = text.as_bytes();
+        let two = |from: usize| number(bytes.get(from..from + 2)?);
+        let (year, month, day) = (number(bytes.get(..4)?)?, two(5)?, two(8)?);
+        let (hour, minute, second) = (two(11)?, two(14)?, two(17)?);
+        let ms = match bytes.get(19..)? {
+            b"Z" => 0,
+            [b'.', digits @ .., b'Z'] => thousandths(digits)?,
+            _ => return None,
+        };
         let leap = u32::from(year.is_multiple_of(4));
         let days = DAYS_BEFORE.get(month.checked_sub(1)? as usize)?;
         let last = DAYS_BEFORE.get(month as usize).copied().unwrap_or(365) - days;
         let last = if month == 2 { last + leap } else { last };
         let good = (2000..2100).contains(&year) && (1..=last).contains(&day);
-        if !good || hour > 23 || minute > 59 || second > 59 {
+        let marked = MARKS.iter().all(|(at, mark)| bytes.get(*at) == Some(mark));
+        if !good || !marked || hour > 23 || minute > 59 || second > 59 {
             return None;
         }
         let years = year - 2000;
         let extra = years.div_ceil(4) + if month > 2 { leap } else { 0 };
         let days = DAYS_TO_2000 + 365 * years + extra + days + day - 1;
         let seconds = 3600 * hour + 60 * minute + second;
-        Some(Self(u64::from(days) * DAY_MS + u64::from(seconds) * 1000 + thousandths(fraction)?))
+        Some(Self(u64::from(days) * DAY_MS + u64::from(seconds) * 1000 + u64::from(ms)))
     }
 }
 
@@ -69,25 +77,34 @@ const DAYS_TO_2000: u32 = 10_957;
 /// Days of a common year before each month.
 const DAYS_BEFORE: [u32; 12] = [0, 31, 59, 90, 120, 151, 181, 212, 243, 273, 304, 334];
 
-/// Three whole numbers with a separator between them.
-fn numbers(text: &str, separator: char) -> Option<[u32; 3]> {
-    let mut parts = text.split(separator);
-    let mut next = || parts.next().filter(|part| (1..=4).contains(&part.len()))?.parse().ok();
-    let all = [next()?, next()?, next()?];
-    parts.next().is_none().then_some(all)
+/// Digits as a number.
+#[inline(never)]
+fn number(digits: &[u8]) -> Option<u32> {
+    let add = |number: u32, digit: &u8| {
+        digit.is_ascii_digit().then(|| number.wrapping_mul(10).wrapping_add((digit - b'0').into()))
+    };
+    digits.iter().try_fold(0, add)
 }
 
 /// Digits behind the point as ms; what is finer is left out.
-fn thousandths(digits: &str) -> Option<u64> {
-    let good = !digits.is_empty() && digits.bytes().all(|digit| digit.is_ascii_digit());
-    let digit = |place: usize| digits.as_bytes().get(place).map_or(0, |digit| digit - b'0');
-    let ms = [0, 1, 2].map(digit).iter().fold(0, |ms, &digit| 10 * ms + u64::from(digit));
-    good.then_some(ms)
+fn thousandths(digits: &[u8]) -> Option<u32> {
+    number(digits).filter(|_| !digits.is_empty())?;
+    let digit = |place: usize| digits.get(place).map_or(0, |digit| u32::from(digit - b'0'));
+    Some(100 * digit(0) + 10 * digit(1) + digit(2))
+}
+
+/// Days since 1970, seconds of the day, ms of the second.
+#[inline(never)]
+fn parts(unix_ms: u64) -> (u32, u32, u16) {
+    let (seconds, ms) = divide(unix_ms, 1000);
+    let (hours, second) = divide(seconds, 3600);
+    let (days, hour) = divide(hours, 24);
+    (days as u32, 3600 * u32::from(hour) + u32::from(second), ms)
 }
 
 impl Show for Moment {
     fn show(&self, out: &mut StringView) -> fmt::Result {
-        let (mut day, ms) = ((self.0 / DAY_MS) as u32, (self.0 % DAY_MS) as u32);
+        let (mut day, _, ms) = parts(self.0);
         let mut year = 1970;
         let leap = |year: u32| {
             let by = |years: u32| year.is_multiple_of(years);
@@ -108,7 +125,7 @@ impl Show for Moment {
             whole(out, number.into(), 2)?;
         }
         ("T", TimeOfDay(self.0), ".").show(out)?;
-        whole(out, (ms % 1000).into(), 3)?;
+        whole(out, ms.into(), 3)?;
         "Z".show(out)
     }
 }
@@ -127,7 +144,7 @@ pub struct TimeOfDay(pub u64);
 
 impl Show for TimeOfDay {
     fn show(&self, out: &mut StringView) -> fmt::Result {
-        let seconds = (self.0 % DAY_MS / 1000) as u32;
+        let (_, seconds, _) = parts(self.0);
         whole(out, (seconds / 3600).into(), 2)?;
         ":".show(out)?;
         whole(out, (seconds / 60 % 60).into(), 2)?;

@@ -19,6 +19,12 @@ pub struct Measured {
     pub std_error: f64,
 }
 
+impl Measured {
+    fn relative(&self) -> f64 {
+        (self.std_error / self.value).abs()
+    }
+}
+
 /// The winch and the cable of the pull.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pull {
@@ -43,6 +49,14 @@ pub struct Stiffness {
     pub samples: usize,
     /// First and last force of the line, N.
     pub range_n: (f64, f64),
+}
+
+impl Stiffness {
+    /// What the winch's speed adds to the relative uncertainty of `k`.
+    fn winch_relative(&self) -> f64 {
+        let (k, rate) = (self.stiffness_n_per_m.relative(), self.loading_rate_n_per_s.relative());
+        (k * k - rate * rate).max(0.0).sqrt()
+    }
 }
 
 /// Fits the straight part of a pull, from 20 to 95 % of the largest force, given
@@ -83,8 +97,8 @@ pub struct Together {
 
 /// Puts pulls together, each with the length of its cable, m; `None` for fewer than two.
 ///
-/// The pulls are weighted by their uncertainties, which do not contain what all have in
-/// common: the winch's speed.
+/// The pulls are weighted by the uncertainties of their own lines; what all have in common,
+/// the winch's speed, no number of pulls averages out.
 #[must_use]
 pub fn together(pulls: &[(Stiffness, f64)]) -> Option<Together> {
     let (_, first_m) = pulls.first()?;
@@ -94,15 +108,18 @@ pub fn together(pulls: &[(Stiffness, f64)]) -> Option<Together> {
         .iter()
         .map(|(pull, length_m)| {
             let k = pull.stiffness_n_per_m;
-            let std = (k.std_error / k.value).max(SMALLEST) / k.value;
+            let std = pull.loading_rate_n_per_s.relative().max(SMALLEST) / k.value;
             (*length_m, 1.0 / k.value, std.powi(-2))
         })
         .collect();
     let sum = |of: fn(&(f64, f64, f64)) -> f64| points.iter().map(|p| p.2 * of(p)).sum::<f64>();
     let weight = sum(|_| 1.0);
     let (length_m, compliance) = (sum(|p| p.0) / weight, sum(|p| p.1) / weight);
-    let inverse =
-        |value: f64, std: f64| Measured { value: 1.0 / value, std_error: std / value.powi(2) };
+    let common = pulls.iter().map(|(pull, _)| pull.winch_relative()).fold(0.0, f64::max);
+    let inverse = |value: f64, std: f64| {
+        let relative = (std / value).hypot(common);
+        Measured { value: 1.0 / value, std_error: relative / value.abs() }
+    };
     let none = Together {
         pulls: pulls.len(),
         stiffness_n_per_m: None,
@@ -140,8 +157,9 @@ fn product(a: Measured, b: Measured, combine: impl Fn(f64, f64) -> f64) -> Measu
     Measured { value, std_error: value.abs() * relative }
 }
 
-/// The samples on the way up to the largest force.
-fn straight_part(samples: &[(f64, f64)]) -> &[(f64, f64)] {
+/// The samples on the way up to the largest force, the straight part of it.
+#[must_use]
+pub fn straight_part(samples: &[(f64, f64)]) -> &[(f64, f64)] {
     let largest_n = samples.iter().map(|s| s.1).fold(0.0, f64::max);
     let end = samples.iter().position(|s| s.1 >= TO * largest_n).unwrap_or(0);
     let rise = samples.get(..end).unwrap_or_default();
@@ -213,8 +231,10 @@ mod tests {
         let of = |length_m: f64, off: f64| {
             let k = (1.0 / ends + length_m / ae).recip();
             let value = k * (1.0 + 0.002 * off);
-            let stiffness_n_per_m = Measured { value, std_error: 0.002 * k };
-            (Stiffness { stiffness_n_per_m, ..pull(1).unwrap() }, length_m)
+            let measured =
+                |scale: f64| Measured { value: scale * value, std_error: 0.002 * scale * k };
+            let (stiffness_n_per_m, loading_rate_n_per_s) = (measured(1.0), measured(0.0157));
+            (Stiffness { stiffness_n_per_m, loading_rate_n_per_s, ..pull(1).unwrap() }, length_m)
         };
         let offs = [1.1, -0.7, 0.2, -1.4, 0.9, 0.5, -0.3, -1.0, 1.6, -0.2, 0.4, -0.9];
         let pulls: Vec<_> =

@@ -17,7 +17,9 @@ use crate::wall_clock::Moment;
 const HALF_A_PERIOD_MS: u64 = 31;
 
 impl<P: Read + ReadReady + Write, S: Store> App<'_, P, S> {
+    // This and the next on their own: a measurement is big, and on the stack while it moves.
     /// Begins to measure what hangs there, or goes on with another known weight.
+    #[inline(never)]
     pub(super) fn measure(&mut self, task: Task) -> Result<(), &'static str> {
         let hint = match (task, &mut self.job) {
             (Task::Calibrate(force_n), Job::Measuring(measuring)) if measuring.is_calibration() => {
@@ -41,6 +43,7 @@ impl<P: Read + ReadReady + Write, S: Store> App<'_, P, S> {
     }
 
     /// Once a second: how far the measurement has come.
+    #[inline(never)]
     pub(super) fn measured(&mut self) {
         let Job::Measuring(measuring) = &self.job else { return };
         let (weighed, news) = (measuring.weighed(), measuring.news(&self.settings));
@@ -53,6 +56,7 @@ impl<P: Read + ReadReady + Write, S: Store> App<'_, P, S> {
     }
 
     /// Uses what was measured.
+    #[inline(never)]
     pub(super) fn accept(&mut self) -> Result<(), &'static str> {
         let Job::Measuring(measuring) = &self.job else {
             return Err("nothing to accept; tare, calibrate N or weigh first");

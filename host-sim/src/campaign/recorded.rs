@@ -5,11 +5,10 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use floe_firmware::line::{Line, LineError};
-use floe_firmware::wall_clock::Moment;
 
 use crate::error::InputError;
 use crate::log::Log;
-use crate::replay::replay;
+use crate::replay::replay_with;
 use crate::replay::test::configure;
 
 use super::manifest::{self, Entry};
@@ -98,7 +97,8 @@ fn read(entry: &Entry, test: u32) -> Result<TestRecord, InputError> {
     let mut log = Log::from_reader(Box::new(file), &entry.log)?;
     let config = configure(&log, &entry.test)?;
     let name = path.file_stem().unwrap_or_default().to_string_lossy();
-    let result = replay(&name, &mut log, &config, |_, _| {})?;
+    let around = entry.test.around(&log);
+    let result = replay_with(&name, &mut log, &config, around, |_, _| {})?;
     let said = log.metadata();
     let untold = |measured| EventRecord { measured, true_mu_s: None, true_mu: None };
     let events: Vec<EventRecord> = result.events.into_iter().map(untold).collect();
@@ -114,7 +114,7 @@ fn read(entry: &Entry, test: u32) -> Result<TestRecord, InputError> {
         kind: notes.kind.or_else(|| said.kind.clone()),
         track: notes.track.or_else(|| said.track.clone()),
         cable_length_m: notes.cable_length_m.or(said.cable_length_m),
-        start_time: said.start_unix_ms.map(|ms| Moment(ms as u64).to_string()),
+        start_time: log.start().and_then(|start| start.after(0.0)),
         temperature_c: said.temperature_c,
         hold_s: TestRecord::mean_hold_s(&events),
         mu_s: result.estimate.mu_s,

@@ -14,6 +14,10 @@ pub struct Metadata {
     pub effects: Option<String>,
     /// Weight of the block, N.
     pub weight_n: Option<f64>,
+    /// Mass of the block, kg.
+    pub mass_kg: Option<f64>,
+    /// Normal force of a block under the ice, N.
+    pub normal_n: Option<f64>,
     /// Slope along the pull, degrees, uphill positive.
     pub slope_deg: Option<f64>,
     /// How well all this is known.
@@ -28,6 +32,8 @@ pub struct Metadata {
     pub track: Option<String>,
     /// When the test was started, ms since 1970 (UTC).
     pub start_unix_ms: Option<f64>,
+    /// Its stamps count from a day that means nothing: the logger's clock was not set.
+    pub undated: bool,
     /// Mean temperature of the converter, °C.
     pub temperature_c: Option<f64>,
     /// Depth of the snow cover, mm.
@@ -112,6 +118,8 @@ impl Metadata {
     fn field(&mut self, key: &str) -> Option<&mut Option<f64>> {
         Some(match key {
             "weight_n" => &mut self.weight_n,
+            "mass_kg" => &mut self.mass_kg,
+            "normal_n" => &mut self.normal_n,
             "slope_deg" => &mut self.slope_deg,
             "winch_m_per_s" => &mut self.winch_m_per_s,
             "cable_length_m" => &mut self.cable_length_m,

@@ -1,7 +1,6 @@
 //! A recorded log through the core: `floe replay`.
 
 use floe_core::{Config, Event, Pipeline, Step, Stretch};
-use floe_firmware::wall_clock::Moment;
 
 use crate::error::InputError;
 use crate::log::{Log, Sample};
@@ -17,12 +16,12 @@ pub mod table;
 pub mod test;
 pub mod timeline;
 
-use known::{KnownOptions, Zero};
 use result::{
     ChangeSummary, CoefficientSummary, EffectSummary, EventSummary, LogSummary, ReplayResult,
     TestSummary,
 };
 use stretches::Stretches;
+use test::{Around, TestOptions};
 use timeline::Timeline;
 
 /// Runs a whole log through the core; constant memory apart from the events.
@@ -39,22 +38,23 @@ pub fn replay(
     config: &Config,
     observe: impl FnMut(f64, &Step),
 ) -> Result<ReplayResult, InputError> {
-    let zero = KnownOptions::default().zero(log);
-    replay_with_zero(path, log, config, zero, observe)
+    let around = TestOptions::default().around(log);
+    replay_with(path, log, config, around, observe)
 }
 
-/// The same with a zero of the load cell to take off: needs the whole log in memory if there
-/// is one.
+/// The same with what the caller says beside the configuration. A zero of the load cell to
+/// take off needs the whole log in memory.
 ///
 /// # Errors
 /// A line of the log that cannot be used.
-pub fn replay_with_zero(
+pub fn replay_with(
     path: &str,
     log: &mut Log,
     config: &Config,
-    zero: Zero,
+    around: Around,
     mut observe: impl FnMut(f64, &Step),
 ) -> Result<ReplayResult, InputError> {
+    let Around { zero, mass_kg } = around;
     let refused = |error: floe_core::ConfigError| InputError::new(error.to_string());
     let mut pipeline = Pipeline::new(config).map_err(refused)?;
     let mut timeline = Timeline::new(log.rate_hz());
@@ -86,9 +86,9 @@ pub fn replay_with_zero(
     while let Some(stretch) = pipeline.finish_stretch() {
         add(&mut stretches, &stretch, &timeline);
     }
-    if let Some(start_ms) = log.metadata().start_unix_ms {
+    if let Some(start) = log.start() {
         for event in &mut events {
-            event.onset_time = onset_time(start_ms, event.onset_s);
+            event.onset_time = start.after(event.onset_s);
         }
     }
     let report = pipeline.report();
@@ -105,6 +105,7 @@ pub fn replay_with_zero(
         test_id: log.metadata().test_id.clone(),
         weight_n: config.weight_n.into(),
         slope_rad: config.slope_rad.into(),
+        mass_kg,
     };
     let result = ReplayResult::new(log_summary, test, (config, &report), events, changes);
     let effects = pipeline.findings().iter().map(EffectSummary::from).collect();
@@ -115,12 +116,6 @@ pub fn replay_with_zero(
 fn so_far(pipeline: &Pipeline) -> [CoefficientSummary; 2] {
     let report = pipeline.report();
     [report.mu_s.into(), report.mu.into()]
-}
-
-/// The moment of an onset in a log whose time begins at `start_ms`, ms since 1970 (UTC).
-fn onset_time(start_ms: f64, onset_s: f64) -> Option<String> {
-    let unix_ms = (start_ms + 1000.0 * onset_s).round();
-    (unix_ms >= 0.0).then(|| Moment(unix_ms as u64).to_string())
 }
 
 fn add(stretches: &mut Stretches, it: &Stretch, timeline: &Timeline) {

@@ -250,6 +250,7 @@ fn result(events: Vec<EventSummary>, samples: u64, duration_s: f64) -> ReplayRes
             test_id: Some("DFF8-13 (synthetic)".into()),
             weight_n: WEIGHT_N,
             slope_rad: 0.0,
+            mass_kg: None,
         },
         estimate: EstimateSummary {
             mu_s: coefficient(&values(|e| e.mu_s)),
