@@ -5,12 +5,12 @@
 //! slopes. Numbers in parentheses are the paper's.
 
 use floe::sim::motion::{Method, Segment, Segments};
-use floe::sim::scene::GRAVITY_M_PER_S2;
 use floe::sim::truth::{EventBuilder, TrueEvent};
 use floe::sim::{Phase, Scene};
 use floe_core::model::corner::Corner;
 use floe_core::model::{self, CycleParams};
 use floe_core::num::math;
+use floe_core::units::STANDARD_GRAVITY_M_PER_S2 as GRAVITY_M_PER_S2;
 use floe_tests::brute::{Block, Pull, State, Truth};
 use floe_tests::scenes;
 

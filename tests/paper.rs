@@ -10,6 +10,7 @@ use floe::sim::motion::Segments;
 use floe::sim::state::End;
 use floe::sim::{Method, Phase, Sample, Scene, Simulation, TrueEvent, paper, simulate};
 use floe::stiffness::{Measured, Pull, stiffness};
+use floe_core::units::STANDARD_GRAVITY_M_PER_S2 as GRAVITY;
 
 fn scene(name: &str) -> Scene {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../host-sim/scenes/paper");
@@ -24,7 +25,7 @@ fn run(name: &str) -> (Scene, Simulation) {
 }
 
 fn omega(scene: &Scene) -> f64 {
-    (scene.stiffness_n_per_m / (scene.weight_n / 9.81)).sqrt()
+    (scene.stiffness_n_per_m / (scene.weight_n / GRAVITY)).sqrt()
 }
 
 /// Central difference over one sample to each side: the paper's rate.
@@ -65,6 +66,40 @@ fn figs_6_and_7_dff8_13_is_reproduced() {
     assert!((loading_n_per_s - 360.0).abs() < 0.5);
     assert!((190.0..250.0).contains(&low) && (750.0..800.0).contains(&high));
     assert!((event.slip_s * 16.0 - 2.77).abs() < 0.01);
+}
+
+/// What Figs 6 and 7 show together, and what of it the log has.
+#[test]
+fn figs_6_and_7_fit_together() {
+    let scenes = Path::new(env!("CARGO_MANIFEST_DIR")).join("../host-sim/scenes");
+    let scene = fs::read_to_string(scenes.join("fig6-7.toml")).unwrap();
+    let scene = Scene::from_toml(&scene).unwrap();
+    let Simulation { samples, events } = simulate(&scene, 39).unwrap();
+    let forces: Vec<f64> = samples.iter().map(|s| s.force_n).collect();
+    let loading_n_per_s = scene.stiffness_n_per_m * scene.winch_m_per_s;
+    let recurrences = events.windows(2).map(|w| w[1].onset_s - w[0].onset_s);
+    let recurrence_s = recurrences.sum::<f64>() / (events.len() - 1) as f64;
+    // Seven seconds as in the figures.
+    let shown = &forces[16..112];
+    let (low, high) = shown.iter().fold((f64::MAX, f64::MIN), |(l, h), &f| (l.min(f), h.max(f)));
+    let rates: Vec<f64> = forces.windows(3).map(|w| (w[2] - w[0]) * 0.5 * 16.0).collect();
+    let (steepest, fastest) =
+        rates.iter().fold((f64::MAX, f64::MIN), |(l, h), &f| (l.min(f), h.max(f)));
+    let slip = events.iter().position(|e| (3.25..3.3125).contains(&e.onset_s)).unwrap();
+    println!("Figs 6, 7 together: k w = {loading_n_per_s:.0} N/s, recurrence {recurrence_s:.3} s");
+    println!("           forces {low:.0} to {high:.0} N, F' {steepest:.0} to {fastest:.0} N/s");
+    println!(
+        "           onsets {:.3} and {:.3} s, lowest at {:.4} s",
+        events[slip].onset_s,
+        events[slip + 1].onset_s,
+        (53..60).min_by(|a, b| forces[*a].total_cmp(&forces[*b])).unwrap() as f64 / 16.0
+    );
+    // 3.3125 s is sample 53: the highest, and three samples that fall.
+    assert!((54..57).all(|i| forces[i] < forces[i - 1]) && forces[57] > forces[56]);
+    assert!(forces[53] > forces[52] && (events[slip + 1].onset_s - 4.5).abs() < 0.0625);
+    assert!((recurrence_s - 1.19).abs() < 0.02 && (loading_n_per_s - 600.0).abs() < 30.0);
+    assert!((190.0..230.0).contains(&low) && (760.0..800.0).contains(&high));
+    assert!(steepest > -5000.0 && fastest < 5000.0);
 }
 
 fn over_a_grid(mut check: impl FnMut(&Scene, &[TrueEvent])) -> u32 {
@@ -156,6 +191,13 @@ fn slope_left_out_reads_both_coefficients_too_high() {
         assert!((event.mu_s - 0.91).abs() < 1e-12 && (event.mu - 0.56).abs() < 1e-12);
         assert!((mu / 0.56 - 1.17).abs() < 0.005 && (mu_s / 0.91 - 1.10).abs() < 0.005);
     }
+    // The paper's second example.
+    let gentle = Scene { slope_deg: 0.06_f64.atan().to_degrees(), ..scene.clone() };
+    let event = &simulate(&gentle, 1).unwrap().events[0];
+    let rise = |force_n: f64, true_value: f64| force_n / gentle.weight_n / true_value - 1.0;
+    let (mu, mu_s) = (rise(event.dynamic_force_n, 0.56), rise(event.static_force_n, 0.91));
+    println!("Slope: tan 0.06: mu +{:.1} %, mu_s +{:.1} %", 100.0 * mu, 100.0 * mu_s);
+    assert!((mu - 0.105).abs() < 0.003 && (mu_s - 0.064).abs() < 0.003);
     let event = &simulation.events[0];
     println!(
         "Slope: without it mu reads {:.3} (+{:.1} %), mu_s {:.3} (+{:.1} %)",
@@ -189,7 +231,7 @@ fn weighing_a_swinging_block() {
         weighing.damping_per_s = 0.0;
     }
     let amplitude = 5.0_f64.to_radians();
-    let period_s = 2.0 * PI * (3.0_f64 / 9.81).sqrt() * (1.0 + amplitude * amplitude / 16.0);
+    let period_s = 2.0 * PI * (3.0_f64 / GRAVITY).sqrt() * (1.0 + amplitude * amplitude / 16.0);
     still.duration_s = 17.0 * period_s;
     let samples = simulate(&still, 1).unwrap().samples;
     let ratio = samples.iter().map(|s| s.force_n).sum::<f64>() / samples.len() as f64 / 630.0;
@@ -202,7 +244,7 @@ fn large_scale_stress_of_rafting() {
     // mu from the average of all tests; 0.3 m of ice over 10 m.
     let resultant = paper::rafting_resultant_n_per_m(0.56, 0.3, 10.0);
     println!("Rafting: mu 0.56, h 0.3 m, l 10 m: {:.1} kN/m", resultant / 1e3);
-    assert!((resultant - 0.56 * 910.0 * 9.81 * 0.3 * 10.0).abs() < 1e-6);
+    assert!((resultant - 0.56 * 910.0 * GRAVITY * 0.3 * 10.0).abs() < 1e-6);
     let one_more_metre = paper::rafting_resultant_n_per_m(0.56, 0.3, 11.0);
     assert!((one_more_metre / resultant - 1.1).abs() < 1e-12);
 }

@@ -83,7 +83,7 @@ fn friction_terms(scene: Scene) -> impl Strategy<Value = Scene> {
                 .prop_map(move |(t, w)| Breaking { at_s: t, weight_n: w * weight_n }),
         ),
         maybe((-2.0..2.0).prop_map(|t| Tilt { deg_per_m: t })),
-        maybe(decades(-1.0, 3.0).prop_map(|c| Drag { n_s2_per_m2: c })),
+        maybe(decades(-1.0, 3.0).prop_map(|c| Drag { n_s2_per_m2: c, n_s_per_m: c })),
     )
         .prop_map(
             move |(

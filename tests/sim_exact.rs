@@ -3,6 +3,7 @@
 use floe::sim::motion::Segments;
 use floe::sim::state::End;
 use floe::sim::{Method, Phase, Scene, simulate};
+use floe_core::units::STANDARD_GRAVITY_M_PER_S2 as GRAVITY;
 
 /// Force, speed, slack and way by classical Runge-Kutta with a tiny step, events
 /// taken at the end of the step in which they happen. Knows only (2) and (3).
@@ -20,7 +21,7 @@ impl BruteForce<'_> {
         let (sin, cos) = s.slope_rad().sin_cos();
         let force_n = s.stiffness_n_per_m * extension_m.max(0.0);
         let resistance_n = s.weight_n * (sin + s.mu * cos);
-        (s.winch_m_per_s - speed, (force_n - resistance_n) / (s.weight_n / 9.81))
+        (s.winch_m_per_s - speed, (force_n - resistance_n) / (s.weight_n / GRAVITY))
     }
 
     fn step(&mut self, h: f64) -> Option<End> {
@@ -132,7 +133,7 @@ fn equations_16_22_25_and_31_hold() {
         };
         let events = simulate(&scene, 0).unwrap().events;
         let drop_n = (mu_s - mu) * weight_n;
-        let omega = (k / (weight_n / 9.81)).sqrt();
+        let omega = (k / (weight_n / GRAVITY)).sqrt();
         let a = drop_n.hypot(k * w / omega);
         for pair in events.windows(2) {
             let (e, next) = (&pair[0], &pair[1]);

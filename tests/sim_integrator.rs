@@ -3,8 +3,9 @@
 
 use floe::sim::motion::{Segment, Segments};
 use floe::sim::{Method, Phase, Scene, simulate, simulate_by};
+use floe_core::units::STANDARD_GRAVITY_M_PER_S2 as GRAVITY;
 
-const INTEGRATOR: Method = Method::Integrator { tolerance: 1e-13 };
+const INTEGRATOR: Method = Method::Integrator { tolerance: 5e-14 };
 
 /// Largest difference of the forces, relative to the weight, and of the event
 /// times.
@@ -45,7 +46,7 @@ fn corner(k: f64, difference: f64, w: f64) -> Scene {
     let mu = 0.6;
     let weight_n = 630.0;
     let (mu_s, restick_n) = (mu + difference, weight_n * (mu - difference));
-    let omega = (k / (weight_n / 9.81)).sqrt();
+    let omega = (k / (weight_n / GRAVITY)).sqrt();
     let stick_s = 2.0 * difference * weight_n / (k * w);
     let way_s = weight_n * (mu_s + mu) / (k * w);
     Scene {
@@ -99,7 +100,7 @@ fn whole_phase(segments: &mut Segments) -> Segment {
 #[test]
 fn a_cable_about_to_go_slack_keeps_its_event_times() {
     let base = Scene { mu_s: 1.2, mu: 0.7, duration_s: 20.0, ..Scene::default() };
-    let omega = (base.stiffness_n_per_m / (base.weight_n / 9.81)).sqrt();
+    let omega = (base.stiffness_n_per_m / (base.weight_n / GRAVITY)).sqrt();
     // a² = (0.5 Mg)² + (k w / omega)² = (0.7 Mg)²
     let sine_n = base.weight_n * (0.7_f64.powi(2) - 0.5_f64.powi(2)).sqrt();
     let touching = sine_n * omega / base.stiffness_n_per_m;

@@ -6,6 +6,7 @@ use floe::sim::terms::{
     Breaking, Creep, Drag, HoldTime, RateDependence, Sag, Tilt, Variation, WinchProfile,
 };
 use floe::sim::{Measurement, Phase, Scene, simulate};
+use floe_core::units::STANDARD_GRAVITY_M_PER_S2 as GRAVITY;
 
 /// Steps per sample of the brute force.
 const STEPS: u64 = 1 << 15;
@@ -31,7 +32,7 @@ impl Equations {
             resistance: Box::new(move |_, _| mu * weight),
             static_n: Box::new(move |_, _| mu_s * weight),
             creep: Box::new(|_| 0.0),
-            mass: Box::new(move |_| weight / 9.81),
+            mass: Box::new(move |_| weight / GRAVITY),
         }
     }
 
@@ -183,7 +184,7 @@ fn tilting_beam() {
 
 #[test]
 fn drag_of_water() {
-    let scene = Scene { drag: Some(Drag { n_s2_per_m2: 500.0 }), ..base() };
+    let scene = Scene { drag: Some(Drag { n_s2_per_m2: 500.0, n_s_per_m: 0.0 }), ..base() };
     let mut e = Equations::linear(&scene);
     e.resistance = Box::new(|v, _| 0.78 * 630.0 + 500.0 * v * v);
     agrees("drag", &scene, &e);

@@ -21,7 +21,7 @@ use crate::stats::quantity::Quantity;
 use crate::stretch::{Stretch, Stretches};
 
 /// Standard gravity, m/s²: turns a weight into a mass.
-const GRAVITY: f32 = 9.806_65;
+const GRAVITY: f32 = crate::units::STANDARD_GRAVITY_M_PER_S2 as f32;
 
 /// Indices beyond this one are refused as duplicates: it takes a billion years.
 const LAST_INDEX: u64 = u64::MAX / 2;

@@ -12,3 +12,6 @@ pub struct Counts(pub i32);
 #[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Newtons(pub f32);
+
+/// Standard gravity, m/s²: what turns a weight into a mass, here and in all tools.
+pub const STANDARD_GRAVITY_M_PER_S2: f64 = 9.806_65;

@@ -3,7 +3,7 @@
 use embedded_io::{Read, ReadReady, Write};
 use floe_core::{Event, Phase, Pipeline, Provisional, Report, Step};
 
-use crate::command::{Command, HELP};
+use crate::command::{Command, HELP, Setting};
 use crate::console::{Console, Typed};
 use crate::journal::Journal;
 use crate::line::{About, Health, Line, LiveSample, Mean, Weighed};
@@ -14,14 +14,14 @@ use crate::record::Part;
 use crate::sample::{Sample, SampleConsumer, Shared};
 use crate::self_test::{SelfTest, part_of_range};
 use crate::settings::{Effects, Settings};
-use crate::store::Store;
+use crate::store::{CardState, Store};
 use crate::text::{Fixed, text};
 use crate::wall_clock::WallClock;
 
 mod around;
 
 /// Periods between two lines of temperature and supply: a minute.
-const CLIMATE_PERIODS: u64 = 960;
+const CLIMATE_PERIODS: u32 = 960;
 
 /// Everything but the sampling interrupt and the board.
 #[expect(missing_debug_implementations, reason = "the queue has none")]
@@ -46,6 +46,8 @@ pub struct App<'q, P, S> {
     newest: u32,
     /// Whether a test has ended since the zero was taken.
     pulled: bool,
+    card: Option<CardState>,
+    warning: Option<&'static str>,
 }
 
 /// What the samples are used for.
@@ -100,6 +102,8 @@ pub struct View {
     pub provisional: Option<Provisional>,
     /// The state of the board.
     pub health: Health,
+    /// The state of the card.
+    pub card: CardState,
 }
 
 impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
@@ -132,6 +136,8 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
             clock: WallClock::default(),
             newest: 0,
             pulled: false,
+            card: None,
+            warning: None,
         }
     }
 
@@ -146,14 +152,74 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
         while let Some(typed) = self.console.poll() {
             self.obey(&typed);
         }
+        if !self.has_samples() {
+            self.tend();
+        }
         any
+    }
+
+    /// The card comes, goes, is being made ready.
+    fn tend(&mut self) {
+        let state = self.journal.tend();
+        let before = self.card.replace(state);
+        // Every tenth part of the log's file is said.
+        let shown = |state: CardState| {
+            if let CardState::Making(percent) = state {
+                CardState::Making(percent / 10)
+            } else {
+                state
+            }
+        };
+        if before.map(shown) == Some(shown(state)) {
+            return;
+        }
+        log::info!("card: {}", state);
+        if !before.is_some_and(CardState::is_usable) {
+            self.take_over();
+        }
+        match state {
+            CardState::Making(percent @ 10..) => {
+                self.info(&text(("log file made to ", u32::from(percent), " %")));
+            }
+            CardState::Making(_) | CardState::Ready => self.info(state.words()),
+            CardState::NoCard
+            | CardState::Unreadable
+            | CardState::ExFat
+            | CardState::Fat12
+            | CardState::NotFat
+            | CardState::NoRoom => self.console.tell(&Line::Trouble(state.words())),
+        }
+    }
+
+    /// Goes on behind the last test of the card, unless there was one since power-up.
+    /// Its settings are taken unless there are others already, and if it was not ended
+    /// it goes on.
+    fn take_over(&mut self) {
+        if self.testing() || self.part.run != 0 {
+            return;
+        }
+        let Some(last) = self.journal.last() else { return };
+        self.journal.recall(&last);
+        self.part = last.part;
+        if self.settings == Settings::default() {
+            self.settings = last.settings;
+            if last.running {
+                self.resume();
+            }
+        }
+    }
+
+    /// Something of the board that whoever reads a test has to know: said now and
+    /// in every test.
+    pub fn warn(&mut self, words: &'static str) {
+        self.warning = Some(words);
+        self.trouble(words);
     }
 
     /// Takes the settings of the last test from the card; says hello, and why the
     /// board started, if not by being switched on. A test that was not ended goes on.
     #[inline(never)]
     pub fn power_up(&mut self, last_words: Option<&str>) {
-        let last = self.journal.last();
         self.info("floe, help lists the commands");
         if let Some(words) = last_words {
             let words = text(("restarted after: ", words));
@@ -163,12 +229,7 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
                 self.journal.line(&line);
             }
         }
-        let Some(last) = last else { return };
-        self.journal.recall(&last);
-        (self.part, self.settings) = (last.part, last.settings);
-        if last.running {
-            self.resume();
-        }
+        self.take_over();
     }
 
     /// The next part of the test that was running. The estimate begins anew: what
@@ -184,9 +245,14 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
         self.info("the test goes on: stop ends it");
     }
 
-    /// Whether a sample waits: no time to sleep.
+    /// Whether a sample waits.
     pub fn has_samples(&self) -> bool {
         self.queue.ready()
+    }
+
+    /// Whether there is something to do: no time to sleep.
+    pub fn is_busy(&self) -> bool {
+        self.has_samples() || matches!(self.card, Some(CardState::Making(_)))
     }
 
     /// What a display should show now.
@@ -208,6 +274,7 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
             phase: test.map_or(Phase::Unknown, |t| t.phase),
             provisional: test.and_then(|t| t.about).map(|about| about.answer),
             health: self.health(),
+            card: self.card.unwrap_or_default(),
         }
     }
 
@@ -292,7 +359,8 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
         if begins {
             self.sync(sample.index);
         }
-        if step.sample.index.is_multiple_of(CLIMATE_PERIODS) {
+        // Their number in 32 bits: eight years.
+        if (step.sample.index as u32).is_multiple_of(CLIMATE_PERIODS) {
             self.say_climate(step.sample.index);
         }
         if self.live {
@@ -353,11 +421,16 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
             Command::Measure(task) => self.measure(task)?,
             Command::Accept => self.accept()?,
             Command::SelfTest => self.begin_self_test(),
-            Command::Set(setting) => {
-                let settings = self.settings.with(setting).map_err(config_error)?;
-                self.change(settings);
-            }
+            Command::Set(setting) => self.set(setting)?,
         }
+        Ok(())
+    }
+
+    // On its own: settings are big, and on the stack while they change.
+    #[inline(never)]
+    fn set(&mut self, setting: Setting) -> Result<(), &'static str> {
+        let settings = self.settings.with(setting).map_err(config_error)?;
+        self.change(settings);
         Ok(())
     }
 
@@ -390,6 +463,9 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
         }
         let (phase, about, rate_n_per_s) = (Phase::Unknown, None, None);
         self.job = Job::Test(Test { first_index: None, phase, about, rate_n_per_s });
+        if let Some(words) = self.warning {
+            self.trouble(words);
+        }
     }
 
     // On its own: while it is made, a good part of it is on the stack.

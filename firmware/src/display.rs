@@ -11,6 +11,7 @@ use heapless::String;
 use crate::app::View;
 use crate::line::{Health, Weighed};
 use crate::measuring::Hindrance;
+use crate::store::CardState;
 use crate::text::{Fixed, Show};
 use crate::wall_clock::TimeOfDay;
 
@@ -192,8 +193,18 @@ fn is_well(health: &Health) -> bool {
 
 fn health(view: &View) -> Row {
     let health = &view.health;
-    let card = if health.store_failures > 0 { "NO CARD" } else { "card ok" };
-    row((card, " lost ", lost(health).min(9_999_999)))
+    let lost = (" lost ", lost(health).min(9_999_999));
+    match view.card {
+        CardState::Making(percent) => row(("card ", u32::from(percent), (" %", lost))),
+        CardState::Ready if health.store_failures == 0 => row(("card ok", lost)),
+        CardState::Ready => row(("card was away", lost)),
+        CardState::NoCard => row(("NO CARD", lost)),
+        CardState::Unreadable
+        | CardState::ExFat
+        | CardState::Fat12
+        | CardState::NotFat
+        | CardState::NoRoom => row(("BAD CARD", lost)),
+    }
 }
 
 #[cfg(test)]
@@ -218,6 +229,7 @@ mod tests {
             phase: Phase::Unknown,
             provisional: None,
             health: Health::default(),
+            card: CardState::Ready,
         }
     }
 
@@ -258,7 +270,7 @@ mod tests {
     #[test]
     fn what_is_known_is_drawn() {
         let health = Health::default();
-        let empty = View { health, ..nothing() };
+        let empty = View { health, card: CardState::Ready, ..nothing() };
         let force = View { force_n: Some(-8888.8), ..empty };
         assert!(picture(&force).len() > picture(&empty).len());
         let mu_s = Coefficient::random(1.24, 0.01);
@@ -296,6 +308,7 @@ mod tests {
             report: Some(Report { change, ..report }),
             phase: Phase::Stick,
             health: Health { overruns, ..Health::default() },
+            card: CardState::Ready,
             ..nothing()
         };
         let change = Some(told(Cause::Mass));
@@ -323,7 +336,8 @@ mod tests {
         let health = Health { overruns: u32::MAX, store_failures: 1, ..Health::default() };
         let mu = Coefficient::random(-11.234, 0.1);
         let provisional = Some(Provisional { mu_s: mu, mu: Some(mu) });
-        let view = View { force_n: Some(-65_432.1), provisional, health, ..nothing() };
+        let card = CardState::NoCard;
+        let view = View { force_n: Some(-65_432.1), provisional, health, card, ..nothing() };
         assert_eq!(about(&view).as_str(), "about -11.234 -11.234");
         assert!(force(&view).len() <= 10, "twice as large: 10 letters a row");
         assert_eq!(super::health(&view).as_str(), "NO CARD lost 9999999");

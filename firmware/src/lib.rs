@@ -24,6 +24,8 @@ pub mod journal;
 pub mod line;
 mod log;
 pub mod measuring;
+#[cfg(feature = "card")]
+pub mod media;
 pub mod notebook;
 pub mod period;
 pub mod record;

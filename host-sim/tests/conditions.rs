@@ -70,7 +70,10 @@ fn under_the_ice_the_normal_force_presses_and_the_mass_moves() {
     for (arguments, why) in [
         (&["replay", "under.csv", "--normal-n", "200"][..], "--mass-kg"),
         (&["replay", "under.csv", "--normal-n", "200", "--mass-kg", "0"], "--mass-kg"),
-        (&["replay", "under.csv", "--normal-n", "200", "--mass-kg", "9", "--slope-deg", "2"], "level"),
+        (
+            &["replay", "under.csv", "--normal-n", "200", "--mass-kg", "9", "--slope-deg", "2"],
+            "level",
+        ),
         (&["replay", "under.csv", "--normal-n", "200", "--weight-n", "630"], "--weight-n"),
         (&["replay", "under.csv", "--normal-n", "-3", "--mass-kg", "9"], "-3"),
     ] {

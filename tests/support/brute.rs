@@ -63,7 +63,7 @@ impl Default for Pull {
             duration_s: 120.0,
             delay_s: 0.0,
             step_s: 1e-3,
-            gravity_m_per_s2: 9.806_65,
+            gravity_m_per_s2: floe_core::units::STANDARD_GRAVITY_M_PER_S2,
         }
     }
 }

@@ -7,6 +7,7 @@ pub mod brute;
 pub mod fat;
 pub mod feed;
 pub mod fuzz;
+pub mod honesty;
 pub mod maths;
 pub mod normal;
 pub mod records;

@@ -64,7 +64,7 @@ impl fmt::Display for Error {
 const FORCE: f64 = 0.02 * 0.14 * 0.001 / 2.0;
 /// Test DFF8-13: `mu_s − mu`; and `k w / (ω M g) = w ω / g` at the fastest winch.
 const DROP: f64 = 1.24 - 0.78;
-const WINCH: f64 = 0.04 * 18.9 / 9.81;
+const WINCH: f64 = 0.04 * 18.9 / floe_core::units::STANDARD_GRAVITY_M_PER_S2;
 /// Range of a creep's force: a sixth of that drop.
 const CREEP: f64 = 0.08;
 /// Angle at which a fit begins, rad.

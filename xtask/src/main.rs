@@ -9,6 +9,7 @@ mod budgets;
 mod defmt;
 mod emulate;
 mod flash;
+mod image;
 mod maths;
 mod panics;
 mod python;
@@ -45,7 +46,9 @@ enum Job {
         firmware: bool,
     },
     /// Run a log through the firmware in the emulator
-    Emulate(emulate::Args),
+    Emulate(Box<emulate::Args>),
+    /// What can happen to the user's board, on the image that is flashed: one table
+    Faults,
     /// Speed on this PC and on the board, one table
     Bench,
     /// What the core alone costs on the board, held against xtask/budgets.toml
@@ -58,6 +61,8 @@ enum Job {
     Maths,
     /// Write the firmware to a NUCLEO-L476RG on USB
     Flash,
+    /// The files to copy onto the board's USB drive: .bin and .hex
+    Image,
     /// Decode the firmware's own log of an emulated test
     #[cfg(feature = "defmt")]
     Defmt,
@@ -70,10 +75,12 @@ fn main() -> ExitCode {
     let done = match &cli.job {
         Job::Test { firmware } => test::run(cli.arm, *firmware),
         Job::Emulate(args) => emulate::run(args, cli.arm),
+        Job::Faults => arm::Route::find(cli.arm).and_then(emulate::check_board),
         Job::Bench => bench::run(cli.arm),
         Job::Budgets { write } => budgets::run(cli.arm, *write),
         Job::Maths => maths::run(cli.arm),
         Job::Flash => flash::run(cli.arm),
+        Job::Image => image::run(cli.arm),
         #[cfg(feature = "defmt")]
         Job::Defmt => defmt::run(cli.arm),
         Job::Size => size::run(cli.arm),

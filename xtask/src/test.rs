@@ -78,6 +78,7 @@ fn firmware(tally: &mut Tally, forced: Option<Route>) {
     tally.step("logs through the firmware", || emulate::check_bundled(route));
     tally.step("converter troubles", || emulate::check_troubles(route));
     tally.step("card and power cuts", || emulate::check_card(route));
+    tally.step("the board's image", || emulate::check_board(route));
     tally.step("live console", || emulate::check_live(route));
     tally.step("firmware's log", || {
         let mut decode = cargo();

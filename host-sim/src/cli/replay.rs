@@ -97,7 +97,7 @@ pub fn run(args: &Args) -> Result<(), InputError> {
 
 /// Name and content of the log in the binary, which says its own weight.
 const BUNDLED: (&str, &[u8]) =
-    ("host-sim/logs/dff8-13.csv", include_bytes!("../../logs/dff8-13.csv"));
+    ("host-sim/logs/fig6-7.csv", include_bytes!("../../logs/fig6-7.csv"));
 
 /// The bundled log; in the repository with a report where the build puts its files.
 ///

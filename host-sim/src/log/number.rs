@@ -6,7 +6,7 @@ use floe_core::{Counts, Fault, Newtons, Reading};
 pub const SENTINELS: [f64; 3] = [-6999.0, 6999.0, -99999.0];
 
 /// Standard gravity, m/s²: turns a mass into a weight and kgf into N.
-pub const STANDARD_GRAVITY: f64 = 9.80665;
+pub use floe_core::units::STANDARD_GRAVITY_M_PER_S2 as STANDARD_GRAVITY;
 
 /// Unit of the force column.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]

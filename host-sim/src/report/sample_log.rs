@@ -42,7 +42,7 @@ impl Noise {
 }
 
 fn omega() -> f64 {
-    (STIFFNESS_N_PER_M / (WEIGHT_N / 9.81)).sqrt()
+    (STIFFNESS_N_PER_M / (WEIGHT_N / floe_core::units::STANDARD_GRAVITY_M_PER_S2)).sqrt()
 }
 
 /// The event that follows a re-stick at `from_s` with `from_n`.

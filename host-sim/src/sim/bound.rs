@@ -20,7 +20,9 @@
 
 use std::f64::consts::PI;
 
-use super::scene::{GRAVITY_M_PER_S2, Scene};
+use floe_core::units::STANDARD_GRAVITY_M_PER_S2 as GRAVITY_M_PER_S2;
+
+use super::scene::Scene;
 use super::truth::TrueEvent;
 
 /// Number of unknowns.
@@ -357,7 +359,7 @@ mod tests {
             loading_rate_n_per_s: 360.0,
             static_force_n: 1.24 * 630.0,
             dynamic_force_n: 0.78 * 630.0,
-            omega_rad_per_s: (23_000.0_f64 / (630.0 / 9.81)).sqrt(),
+            omega_rad_per_s: (23_000.0_f64 / (630.0 / 9.806_65)).sqrt(),
         }
     }
 
@@ -365,7 +367,7 @@ mod tests {
         let (static_force_n, dynamic_force_n) = (630.0, 252.0);
         SlackEvent {
             taut: LinearEvent { static_force_n, dynamic_force_n, ..dff8_13() },
-            mass_kg: 630.0 / 9.81,
+            mass_kg: 630.0 / 9.806_65,
         }
     }
 

@@ -3,6 +3,7 @@
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal, StandardUniform};
 
+use super::coloured;
 use super::measurement::Measurement;
 use super::random::{self, Stream};
 
@@ -48,7 +49,9 @@ impl Flicker {
 pub(super) struct Converter {
     settings: Measurement,
     white: ChaCha8Rng,
+    coloured: Option<coloured::Process>,
     flicker: Option<Flicker>,
+    jitter: ChaCha8Rng,
     faults: ChaCha8Rng,
 }
 
@@ -67,20 +70,33 @@ impl Converter {
         Self {
             settings: settings.clone(),
             white: random::stream(seed, Stream::White),
+            coloured: settings
+                .coloured
+                .map(|law| coloured::Process::new(law, random::stream(seed, Stream::Coloured))),
             flicker,
+            jitter: random::stream(seed, Stream::Jitter),
             faults: random::stream(seed, Stream::Faults),
         }
     }
 
-    /// How late the next sample is taken, s.
+    /// How late the next sample is taken, s; below zero: how early.
     pub(super) fn delay_s(&mut self) -> f64 {
-        let Some(late) = self.settings.late else { return 0.0 };
-        if self.happens(late.probability) { late.delay_s } else { 0.0 }
+        let jitter_s = self.jitter_s();
+        let Some(late) = self.settings.late else { return jitter_s };
+        if self.happens(late.probability) { jitter_s + late.delay_s } else { jitter_s }
+    }
+
+    fn jitter_s(&mut self) -> f64 {
+        let Some(jitter) = self.settings.jitter else { return 0.0 };
+        let z: f64 = StandardNormal.sample(&mut self.jitter);
+        jitter.std_s * z.clamp(-4.0, 4.0)
     }
 
     /// The reading of a force at a time, N.
     pub(super) fn read_n(&mut self, force_n: f64, time_s: f64) -> f64 {
-        let analogue_n = force_n + self.zero_n(time_s) + self.noise_n() + self.settings.tare_n;
+        let ramp = self.settings.ramp.unwrap_or_default();
+        let scaled_n = force_n * (1.0 + ramp.span_per_s * time_s);
+        let analogue_n = scaled_n + self.zero_n(time_s) + self.noise_n() + self.settings.tare_n;
         let mut code_n = self.digitise(analogue_n);
         if let Some(spikes) = self.settings.spikes
             && self.happens(spikes.probability)
@@ -109,7 +125,8 @@ impl Converter {
             .drift
             .map_or(0.0, |d| d.amplitude_n * (std::f64::consts::TAU * time_s / d.period_s).sin());
         let step = self.settings.zero_step.filter(|s| time_s >= s.at_s);
-        drift_n + step.map_or(0.0, |s| s.height_n)
+        let ramp_n = self.settings.ramp.map_or(0.0, |r| r.zero_n_per_s * time_s);
+        drift_n + ramp_n + step.map_or(0.0, |s| s.height_n)
     }
 
     fn noise_n(&mut self) -> f64 {
@@ -118,6 +135,7 @@ impl Converter {
             let z: f64 = StandardNormal.sample(&mut self.white);
             noise_n += self.settings.white_n * z;
         }
+        noise_n += self.coloured.as_mut().map_or(0.0, coloured::Process::next_n);
         noise_n + self.flicker.as_mut().map_or(0.0, Flicker::next_n)
     }
 

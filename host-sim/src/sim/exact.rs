@@ -142,7 +142,11 @@ pub fn finish(phase: Phase, from: &State, mechanics: &Mechanics) -> (f64, End, S
         Phase::SlackSliding => finish_slack_sliding(&motion, from, mechanics),
         Phase::SlackStuck => {
             let slack_m = from.slack_m;
-            let duration_s = if slack_m > 0.0 { slack_m / mechanics.winch_m_per_s } else { 0.0 };
+            let duration_s = match mechanics.winch_m_per_s {
+                w if w < 0.0 => f64::INFINITY,
+                w if slack_m > 0.0 => slack_m / w,
+                _ => 0.0,
+            };
             let end = State { slack_m: 0.0, time_s: from.time_s + duration_s, ..*from };
             (duration_s, End::Taut, end)
         }
@@ -150,6 +154,12 @@ pub fn finish(phase: Phase, from: &State, mechanics: &Mechanics) -> (f64, End, S
 }
 
 fn finish_stick(from: &State, mechanics: &Mechanics) -> (f64, End, State) {
+    let rate = mechanics.loading_rate_n_per_s();
+    if rate < 0.0 && from.force_n < mechanics.static_force_n(from) {
+        let duration_s = from.force_n / -rate;
+        let end = State { force_n: 0.0, time_s: from.time_s + duration_s, ..*from };
+        return (duration_s, End::Slack, end);
+    }
     let duration_s = match mechanics.hold {
         None => loading_time_s(from, mechanics, mechanics.reference_static_force_n),
         Some(_) => held_time_s(from, mechanics),

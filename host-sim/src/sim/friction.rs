@@ -5,6 +5,7 @@ use rand_distr::{Distribution, StandardNormal, StandardUniform};
 
 use super::scene::Scene;
 use super::terms::{PartialSlips, Variation};
+use super::wander::Wander;
 
 /// Coefficients of one event.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -22,6 +23,8 @@ pub struct Pair {
 pub struct Friction {
     mean: Pair,
     variation: Option<Variation>,
+    wander: Option<Wander>,
+    level: Option<f64>,
     partial_slips: Option<PartialSlips>,
     random: ChaCha8Rng,
 }
@@ -34,6 +37,8 @@ impl Friction {
         Self {
             mean: Pair { mu_s, mu, partial: false },
             variation: scene.variation,
+            wander: scene.wander,
+            level: None,
             partial_slips: scene.partial_slips,
             random,
         }
@@ -44,6 +49,10 @@ impl Friction {
         let pair = match self.variation {
             Some(variation) => self.vary(variation),
             None => self.mean,
+        };
+        let pair = match self.wander {
+            Some(wander) => self.wandered(pair, wander),
+            None => pair,
         };
         match self.partial_slips {
             Some(partial) => self.reduce(pair, partial),
@@ -62,6 +71,12 @@ impl Friction {
         let mu_s = full.mu + self.uniform() * difference;
         let mu = (mu_s - partial.drop_fraction * difference).max(0.1 * full.mu);
         Pair { mu_s, mu, partial: true }
+    }
+
+    fn wandered(&mut self, pair: Pair, wander: Wander) -> Pair {
+        let level = wander.next(self.level, &mut self.random);
+        self.level = Some(level);
+        Pair { mu_s: pair.mu_s * (1.0 + level), mu: pair.mu * (1.0 + level), ..pair }
     }
 
     fn vary(&mut self, variation: Variation) -> Pair {

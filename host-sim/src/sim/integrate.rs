@@ -17,7 +17,7 @@ use super::state::{End, Phase, State};
 use super::step::{COUNT, NODES, Step, Vector, to_state, to_vector};
 
 /// Relative tolerance of a step unless told otherwise.
-pub const TOLERANCE: f64 = 1e-13;
+pub const TOLERANCE: f64 = 5e-14;
 
 pub(super) type Method = ExplicitRungeKutta<Ordinary, Adaptive, f64, Vector, 9, 16, 21>;
 
@@ -33,18 +33,24 @@ impl ODE<f64, Vector> for Equations<'_> {
         let physics = self.physics;
         let state = State { time_s: self.from.time_s + t, ..self.from };
         let state = to_state(self.phase, *y, state);
-        let (v, x) = (state.speed_m_per_s, state.position_m);
+        let (v, x, age) = (state.speed_m_per_s, state.position_m, state.contact_s);
         let winch = physics.winch_m_per_s(state.time_s);
-        let accelerate = |force_n: f64| (force_n - physics.resistance_n(v, x)) / physics.mass_kg();
+        let accelerate =
+            |force_n: f64| (force_n - physics.resistance_n(&state)) / physics.mass_kg();
         let stiffness = || physics.stiffness_n_per_m(state.force_n, x);
+        let ageing = |v: f64| physics.ageing(v, age);
         *dydt = match self.phase {
             Phase::Stick => {
                 let creep = physics.creep_m_per_s(&state);
-                [stiffness() * (winch - creep), 0.0, creep]
+                [stiffness() * (winch - creep), 0.0, creep, ageing(creep)]
             }
-            Phase::Slip => [stiffness() * (winch - v), accelerate(state.force_n), v],
-            Phase::SlackSliding => [v - winch, accelerate(0.0), v],
-            Phase::SlackStuck => [-winch, 0.0, 0.0],
+            Phase::Slip => {
+                let faster = accelerate(state.force_n);
+                let lost = physics.damping_n_s_per_m() * faster;
+                [stiffness() * (winch - v) - lost, faster, v, ageing(v)]
+            }
+            Phase::SlackSliding => [v - winch, accelerate(0.0), v, ageing(v)],
+            Phase::SlackStuck => [-winch, 0.0, 0.0, ageing(0.0)],
         };
     }
 }
@@ -89,18 +95,18 @@ impl Limits {
         let mechanics = physics.mechanics(from);
         let omega = mechanics.omega_rad_per_s();
         let reach_n = mechanics.reference_static_force_n.min(1e3 * mechanics.weight_n);
-        let speed = mechanics.winch_m_per_s + reach_n / (omega * mechanics.mass_kg);
+        let speed = mechanics.winch_m_per_s.abs() + reach_n / (omega * mechanics.mass_kg);
         let u = match phase {
             Phase::Stick | Phase::Slip => mechanics.weight_n,
             Phase::SlackSliding | Phase::SlackStuck => speed / omega,
         };
         // A quarter of a stick or a turn of the ellipse: no more can be resolved.
-        let stick_s = mechanics.weight_n / mechanics.loading_rate_n_per_s();
+        let stick_s = mechanics.weight_n / mechanics.loading_rate_n_per_s().abs();
         let longest_s = (0.25 * stick_s).max(6.0 / omega).min(1e6);
         let longest_s = longest_s.min(physics.longest_step_s());
         Self {
             relative,
-            absolute: [u, speed, speed / omega].map(|scale| scale * relative),
+            absolute: [u, speed, speed / omega, 1e-3].map(|scale| scale * relative),
             first_s: (0.05 / omega).min(longest_s),
             longest_s,
         }
@@ -203,8 +209,11 @@ impl Integrator {
             }
         };
         let goes_on = event.is_none() && kink.is_none();
-        let (mean_resistance_n, mean_mu) =
-            if self.phase.is_moving() { step.averages(physics, fraction) } else { (0.0, 0.0) };
+        let (mean_resistance_n, mean_mu) = if self.phase.is_moving() {
+            step.averages(physics, &start, fraction)
+        } else {
+            (0.0, 0.0)
+        };
         let to = settle(end, to, physics);
         Ok(Advance { step, to, end, goes_on, mean_resistance_n, mean_mu })
     }
@@ -239,8 +248,9 @@ impl Integrator {
         let slope = (after - before) / (2.0 * near * step.length_s);
         let shift_s = -value(length_s, y) / slope;
         let mut t = length_s;
-        if shift_s.abs() < 1e-6 * step.length_s {
-            let mut rate = [0.0; 3];
+        // Right at the start of a step it must not lead to before it.
+        if shift_s.abs() < 1e-6 * step.length_s && t + shift_s >= 0.0 {
+            let mut rate = [0.0; 4];
             equations.diff(start_s + t, &y, &mut rate);
             for (value, rate) in y.iter_mut().zip(rate) {
                 *value += rate * shift_s;
@@ -253,7 +263,7 @@ impl Integrator {
 }
 
 fn dense(method: &mut Method, phase: Phase, start_s: f64) -> Result<Step, String> {
-    let (end_s, mut at_nodes) = (method.t(), [[0.0; 3]; COUNT]);
+    let (end_s, mut at_nodes) = (method.t(), [[0.0; 4]; COUNT]);
     for (node, values) in NODES.iter().zip(&mut at_nodes) {
         let t = (start_s + node * (end_s - start_s)).min(end_s);
         *values = method.interpolate(t).map_err(|e| explain(&e))?;
@@ -268,7 +278,7 @@ fn dense(method: &mut Method, phase: Phase, start_s: f64) -> Result<Step, String
 fn event_value(end: End, state: &State, physics: &Physics) -> f64 {
     match end {
         End::Onset => physics.mechanics(state).static_force_n(state) - state.force_n,
-        End::Stop => state.speed_m_per_s,
+        End::Stop => state.speed_m_per_s - physics.rest_m_per_s(),
         End::Slack => state.force_n,
         End::Taut => state.slack_m,
         End::Continue => 1.0,
@@ -285,6 +295,7 @@ fn first_kink(step: &Step, start: &State, physics: &Physics) -> Option<f64> {
 /// The first event in a step, as a fraction of it.
 fn first_event(step: &Step, start: &State, physics: &Physics) -> Option<(f64, End)> {
     let possible: &[End] = match step.phase {
+        Phase::Stick if physics.winch_m_per_s(start.time_s) < 0.0 => &[End::Onset, End::Slack],
         Phase::Stick => &[End::Onset],
         Phase::Slip => &[End::Slack, End::Stop],
         Phase::SlackSliding => &[End::Taut, End::Stop],
@@ -307,7 +318,11 @@ fn settle(end: End, to: State, physics: &Physics) -> State {
         End::Onset => State { speed_m_per_s: physics.onset_speed_m_per_s(to.time_s), ..to },
         End::Stop => State { speed_m_per_s: 0.0, rest_since_s: to.time_s, ..to },
         End::Slack => State { force_n: 0.0, ..to },
-        End::Taut => State { slack_m: 0.0, ..to },
+        End::Taut => {
+            let stretching = physics.winch_m_per_s(to.time_s) - to.speed_m_per_s;
+            let force_n = physics.damping_n_s_per_m() * stretching.max(0.0);
+            State { slack_m: 0.0, force_n, ..to }
+        }
         End::Continue => to,
     }
 }

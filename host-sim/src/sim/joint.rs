@@ -87,7 +87,7 @@ mod tests {
             loading_rate_n_per_s: 360.0,
             static_force_n: 1.24 * 630.0,
             dynamic_force_n: 0.78 * 630.0,
-            omega_rad_per_s: (23_000.0_f64 / (630.0 / 9.81)).sqrt(),
+            omega_rad_per_s: (23_000.0_f64 / (630.0 / 9.806_65)).sqrt(),
         }
     }
 

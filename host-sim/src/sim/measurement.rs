@@ -3,14 +3,15 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::scene::SceneError;
-use super::validate::{between, not_negative, positive, require};
+use super::check::{SceneError, between, not_negative, positive, require};
+pub use super::coloured::Coloured;
+pub use super::lag::Lag;
 
 /// Measurement terms, each off unless given.
 ///
-/// In the order in which they act: flop of the cable and hum of the mains add to
-/// the force; the converter averages over its aperture; zero errors and noise
-/// add; the range cuts off; the step rounds; faults strike single samples.
+/// In the order in which they act: flop of the cable adds to the force; the cell lags;
+/// hum of the mains adds; the converter averages over its aperture; scale and zero errors
+/// and noise add; the range cuts off; the step rounds; faults strike single samples.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Measurement {
@@ -20,12 +21,18 @@ pub struct Measurement {
     pub hum: Option<Hum>,
     /// Time over which the converter averages, from the sample's time on, s.
     pub aperture_s: f64,
+    /// The cell lags behind the force; not together with an aperture or jitter.
+    pub lag: Option<Lag>,
+    /// Zero and scale move evenly.
+    pub ramp: Option<Ramp>,
     /// Drift of the zero with temperature.
     pub drift: Option<Drift>,
     /// One step of the zero.
     pub zero_step: Option<ZeroStep>,
     /// Standard deviation of white noise on each sample, N.
     pub white_n: f64,
+    /// Noise whose neighbours are correlated.
+    pub coloured: Option<Coloured>,
     /// Noise with a spectrum of 1/f: standard deviation within each decade of
     /// frequency, N.
     pub flicker_n: f64,
@@ -43,6 +50,8 @@ pub struct Measurement {
     pub repeated: Option<Chance>,
     /// Samples taken later than their stamps say.
     pub late: Option<Late>,
+    /// Samples taken a little before or after their stamps.
+    pub jitter: Option<Jitter>,
     /// The logger's clock is slow by this, 1e-6.
     pub clock_ppm: f64,
 }
@@ -68,6 +77,25 @@ pub struct Hum {
     pub amplitude_n: f64,
     /// Frequency, Hz.
     pub hz: f64,
+}
+
+/// Zero and scale that move evenly from the start of the record on.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Ramp {
+    /// Of the zero, N/s.
+    pub zero_n_per_s: f64,
+    /// Of the scale, parts of the force per second.
+    pub span_per_s: f64,
+}
+
+/// Samples taken a normally distributed time off their stamps, by at most four standard
+/// deviations.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Jitter {
+    /// Standard deviation, s, at most a fifth of the sampling period.
+    pub std_s: f64,
 }
 
 /// The zero follows the temperature: `amplitude_n sin(2 pi t / period_s)`.
@@ -119,6 +147,7 @@ impl Measurement {
         between("measurement.tare_n", self.tare_n, -1e9, 1e9)?;
         between("measurement.clock_ppm", self.clock_ppm, -1e5, 1e5)?;
         self.validate_waves()?;
+        self.validate_cell(rate_hz)?;
         self.validate_faults(rate_hz)
     }
 
@@ -141,6 +170,22 @@ impl Measurement {
             between("measurement.zero_step.height_n", step.height_n, -1e9, 1e9)?;
         }
         Ok(())
+    }
+
+    fn validate_cell(&self, rate_hz: f64) -> Result<(), SceneError> {
+        self.coloured.as_ref().map_or(Ok(()), |c| c.validate())?;
+        self.lag.as_ref().map_or(Ok(()), |l| l.validate())?;
+        require(self.lag.is_none() || self.aperture_s <= 0.0, || {
+            "measurement.lag: not together with measurement.aperture_s".to_owned()
+        })?;
+        let ramp = self.ramp.unwrap_or_default();
+        between("measurement.ramp.zero_n_per_s", ramp.zero_n_per_s, -1e6, 1e6)?;
+        between("measurement.ramp.span_per_s", ramp.span_per_s, -1.0, 1.0)?;
+        let jitter_s = self.jitter.map_or(0.0, |j| j.std_s);
+        require(self.lag.is_none() || jitter_s <= 0.0, || {
+            "measurement.lag: not together with measurement.jitter".to_owned()
+        })?;
+        between("measurement.jitter.std_s", jitter_s, 0.0, 0.2 / rate_hz + 1e-12)
     }
 
     fn validate_faults(&self, rate_hz: f64) -> Result<(), SceneError> {

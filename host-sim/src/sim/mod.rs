@@ -10,35 +10,46 @@
 //! centre of the ellipse, `Fe` at re-stick, `k` stiffness, `w` winch speed,
 //! `omega = sqrt(k/M)`.
 
+pub mod along_slip;
 pub mod bound;
+mod check;
+mod coloured;
 mod converter;
+pub mod damping;
 pub mod exact;
 pub mod friction;
 pub mod integrate;
 pub mod joint;
+mod lag;
 pub mod measurement;
 pub mod motion;
 pub mod paper;
 pub mod physics;
 mod quadrature;
 pub mod random;
+pub mod rate_and_state;
+pub mod rocking;
 mod root;
 pub mod run;
 pub mod scene;
 mod signal;
 pub mod state;
 pub mod step;
+pub mod stribeck;
 pub mod terms;
 pub mod truth;
 pub mod truth_file;
-mod validate;
+pub mod wander;
 mod weighing;
+pub mod winch;
 pub mod write;
 
+pub use check::SceneError;
+pub use floe_core::units::STANDARD_GRAVITY_M_PER_S2;
 pub use measurement::Measurement;
 pub use motion::Method;
 pub use run::{Run, Sample};
-pub use scene::{Scene, SceneError, Start};
+pub use scene::{Scene, Start};
 pub use state::Phase;
 pub use truth::TrueEvent;
 

@@ -62,6 +62,8 @@ pub struct Segment {
     pub partial: bool,
     /// The motion in between.
     pub motion: Motion,
+    /// A slip that starts here has the peak of its force some time later.
+    pub smooth_onset: bool,
     /// Average force of friction, slope and drag over the way, N.
     pub mean_resistance_n: f64,
     /// Average dynamic coefficient over the way.
@@ -117,11 +119,11 @@ impl Segments {
     #[must_use]
     pub fn new(scene: &Scene, seed: u64, method: Method) -> Self {
         let mut friction = Friction::new(scene, random::stream(seed, Stream::Friction));
-        let mut physics = Physics::new(scene, friction.draw());
-        let mut state = State { force_n: scene.start_force_n, ..State::default() };
+        let mut physics = Physics::new(scene, friction.draw(), seed);
+        let mut state = State { force_n: scene.start_force_n, contact_s: 1.0, ..State::default() };
         if scene.start_sliding {
             state.speed_m_per_s = scene.winch_m_per_s;
-            state.force_n = physics.resistance_n(state.speed_m_per_s, 0.0);
+            state.force_n = physics.resistance_n(&state);
         }
         physics.settle_cable(&state);
         let phase = if scene.start_sliding { Phase::Slip } else { Phase::Stick };
@@ -166,6 +168,7 @@ impl Segments {
             end,
             mechanics,
             partial: self.physics.pair().partial,
+            smooth_onset: false,
             motion,
             mean_resistance_n: mechanics.dynamic_force_n,
             mean_mu: mechanics.mu,
@@ -195,6 +198,7 @@ impl Segments {
             end: advance.end,
             mechanics: physics.mechanics(at),
             partial: physics.pair().partial,
+            smooth_onset: physics.has_smooth_onset(),
             motion: Motion::Step(advance.step),
             mean_resistance_n: advance.mean_resistance_n,
             mean_mu: advance.mean_mu,
@@ -220,12 +224,30 @@ impl Segments {
         if last.end == End::Stop {
             let pair = self.friction.draw();
             self.physics.set_pair(pair);
+            self.physics.note_stop();
+        }
+        if last.end == End::Onset {
+            self.physics.start_slip(&self.state);
         }
         if last.end == End::Continue && last.to.time_s >= self.physics.next_break_s() {
-            self.physics.pass_break();
+            self.pass_break();
         }
         if self.integrator.is_none() {
             self.physics.settle_cable(&self.state);
+        }
+    }
+}
+
+impl Segments {
+    /// What is lost in the cable changes at once with the speed of the winch.
+    fn pass_break(&mut self) {
+        let time_s = self.state.time_s;
+        let before = self.physics.winch_m_per_s(time_s);
+        self.physics.pass_break();
+        let faster = self.physics.winch_m_per_s(time_s) - before;
+        if self.phase == Phase::Stick || self.phase == Phase::Slip {
+            let change_n = self.physics.damping_n_s_per_m() * faster;
+            self.state.force_n = (self.state.force_n + change_n).max(0.0);
         }
     }
 }
@@ -255,7 +277,7 @@ fn after(phase: Phase, end: End) -> Phase {
         (Phase::Stick, End::Onset) | (Phase::SlackSliding, End::Taut) => Phase::Slip,
         (Phase::Slip, End::Stop) | (Phase::SlackStuck, End::Taut) => Phase::Stick,
         (Phase::Slip, End::Slack) => Phase::SlackSliding,
-        (Phase::SlackSliding, End::Stop) => Phase::SlackStuck,
+        (Phase::SlackSliding, End::Stop) | (Phase::Stick, End::Slack) => Phase::SlackStuck,
         (phase, End::Continue | End::Onset | End::Stop | End::Slack | End::Taut) => phase,
     }
 }

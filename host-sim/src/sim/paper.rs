@@ -1,6 +1,6 @@
 //! Formulas of the paper that need no simulation.
 
-use super::scene::GRAVITY_M_PER_S2;
+use floe_core::units::STANDARD_GRAVITY_M_PER_S2 as GRAVITY_M_PER_S2;
 
 /// Density of sea ice, kg/m³.
 pub const ICE_DENSITY_KG_PER_M3: f64 = 910.0;

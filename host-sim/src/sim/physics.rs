@@ -1,9 +1,18 @@
 //! The forces of a scene at any moment, with all its terms.
 
 use super::friction::Pair;
-use super::scene::{GRAVITY_M_PER_S2, Scene};
+use floe_core::units::STANDARD_GRAVITY_M_PER_S2 as GRAVITY_M_PER_S2;
+
+use super::along_slip::AlongSlip;
+use super::damping::CableDamping;
+use super::random::{self, Stream};
+use super::rate_and_state::RateAndState;
+use super::rocking::Rocking;
+use super::scene::Scene;
 use super::state::{Hold, Mechanics, State};
-use super::terms::{Breaking, Creep, Drag, RateDependence, Sag, WinchProfile};
+use super::stribeck::Stribeck;
+use super::terms::{Breaking, Creep, Drag, RateDependence, Sag};
+use super::winch::Winch;
 
 /// What acts on block and cable now. Parameters that change in steps (weight,
 /// winch on and off) are advanced with [`Physics::pass_break`].
@@ -13,62 +22,40 @@ pub struct Physics {
     weight_n: f64,
     stiffness_n_per_m: f64,
     length_m: f64,
-    winch_m_per_s: f64,
+    winch: Winch,
     slope_rad: f64,
     slope_rad_per_m: f64,
     post: bool,
     hold: Option<Hold>,
     rate: Option<RateDependence>,
+    stribeck: Option<Stribeck>,
+    rate_and_state: Option<RateAndState>,
+    along_slip: Option<AlongSlip>,
+    rocking: Option<Rocking>,
+    /// Where and when the slip began.
+    slip_from: (f64, f64),
     creep: Option<Creep>,
     shortening: bool,
     sag: Option<Sag>,
     cable_lies: bool,
-    ripple: Option<WinchProfile>,
+    damping: Option<CableDamping>,
     drag: Option<Drag>,
     weighing: bool,
     breaking: Option<Breaking>,
-    switching: Option<Switching>,
-}
-
-/// A winch that is switched on and off.
-#[derive(Clone, Copy, Debug)]
-struct Switching {
-    go_s: f64,
-    stop_s: f64,
-    cycle: u32,
-    running: bool,
-}
-
-impl Switching {
-    fn next_s(&self) -> f64 {
-        let start = f64::from(self.cycle) * (self.go_s + self.stop_s);
-        start + if self.running { self.go_s } else { self.go_s + self.stop_s }
-    }
-
-    fn switch(&mut self) {
-        self.cycle += u32::from(!self.running);
-        self.running = !self.running;
-    }
 }
 
 impl Physics {
     /// The forces at the start of a scene, with the coefficients of the first
     /// event.
     #[must_use]
-    pub fn new(scene: &Scene, pair: Pair) -> Self {
-        let (ripple, switching) = match scene.winch_profile {
-            Some(WinchProfile::StopAndGo { go_s, stop_s }) => {
-                (None, Some(Switching { go_s, stop_s, cycle: 0, running: true }))
-            }
-            Some(ripple @ WinchProfile::Ripple { .. }) => (Some(ripple), None),
-            None => (None, None),
-        };
+    pub fn new(scene: &Scene, pair: Pair, seed: u64) -> Self {
+        let random = random::stream(seed, Stream::Winch);
         Self {
             pair,
             weight_n: scene.weight_n,
             stiffness_n_per_m: scene.stiffness_n_per_m,
             length_m: scene.cable_length_m,
-            winch_m_per_s: scene.winch_m_per_s,
+            winch: Winch::new(scene.winch_m_per_s, scene.winch_profile.clone(), random),
             slope_rad: scene.slope_rad(),
             slope_rad_per_m: scene.tilt.map_or(0.0, |t| t.deg_per_m.to_radians()),
             post: scene.post,
@@ -76,15 +63,19 @@ impl Physics {
                 .hold_time
                 .map(|h| Hold { reference_s: h.reference_s, per_decade: h.per_decade }),
             rate: scene.rate_dependence,
+            stribeck: scene.stribeck,
+            rate_and_state: scene.rate_and_state,
+            along_slip: scene.along_slip,
+            rocking: scene.rocking,
+            slip_from: (0.0, 0.0),
             creep: scene.creep,
             shortening: scene.shortening,
             sag: scene.sag,
             cable_lies: false,
-            ripple,
+            damping: scene.cable_damping,
             drag: scene.drag,
             weighing: scene.weighing.is_some(),
             breaking: scene.breaking,
-            switching,
         }
     }
 
@@ -120,11 +111,7 @@ impl Physics {
     /// Speed of the winch, m/s.
     #[must_use]
     pub fn winch_m_per_s(&self, time_s: f64) -> f64 {
-        match (self.switching, self.ripple) {
-            (Some(Switching { running: false, .. }), _) => 0.0,
-            (_, Some(ripple)) => self.winch_m_per_s * ripple.factor(time_s),
-            (_, None) => self.winch_m_per_s,
-        }
+        self.winch.m_per_s(time_s)
     }
 
     /// Free length of the cable, m.
@@ -178,26 +165,83 @@ impl Physics {
         self.sag.is_some()
     }
 
-    /// Dynamic coefficient at a speed.
+    /// Coefficient of the moving block.
     #[must_use]
-    pub fn mu(&self, speed_m_per_s: f64) -> f64 {
-        self.rate.map_or(self.pair.mu, |r| {
-            let ratio = speed_m_per_s.max(0.0) / r.reference_m_per_s;
-            self.pair.mu + r.per_decade * (1.0 + ratio).log10()
-        })
+    pub fn mu(&self, state: &State) -> f64 {
+        let speed = state.speed_m_per_s.max(0.0);
+        let Pair { mu_s, mu, .. } = self.pair;
+        let law = match (self.rate_and_state, self.rate) {
+            (Some(law), _) => law.mu(mu, speed, state.contact_s),
+            (None, Some(r)) => mu + r.per_decade * (1.0 + speed / r.reference_m_per_s).log10(),
+            (None, None) => mu,
+        };
+        let falling = self.stribeck.map_or(0.0, |s| (mu_s - mu) * s.left(speed));
+        (law + falling) * self.factor_in_slip(state)
+    }
+
+    /// What changes the friction within a slip.
+    fn factor_in_slip(&self, state: &State) -> f64 {
+        let (from_m, from_s) = self.slip_from;
+        let along = self.along_slip.map_or(1.0, |a| a.factor(state.position_m - from_m));
+        let rocking = self.rocking.map_or(1.0, |r| {
+            let omega = (self.stiffness_n_per_m / self.mass_kg()).sqrt();
+            r.factor(omega, state.time_s - from_s)
+        });
+        along * rocking
+    }
+
+    /// Notes that a slip begins.
+    pub fn start_slip(&mut self, state: &State) {
+        self.slip_from = (state.position_m, state.time_s);
+    }
+
+    /// Notes that the block has come to rest.
+    pub fn note_stop(&mut self) {
+        self.winch.note_stop();
+    }
+
+    /// Whether the force has its peak some time after the block begins to move.
+    #[must_use]
+    pub fn has_smooth_onset(&self) -> bool {
+        self.stribeck.is_some() || self.rate_and_state.is_some()
+    }
+
+    /// Force in the cable per speed by which it is stretched, N s/m.
+    #[must_use]
+    pub fn damping_n_s_per_m(&self) -> f64 {
+        self.damping.map_or(0.0, |d| d.n_s_per_m(self.stiffness_n_per_m, self.mass_kg()))
+    }
+
+    /// Rate of the age of the contacts; the block's speed is given.
+    #[must_use]
+    pub fn ageing(&self, speed_m_per_s: f64, contact_s: f64) -> f64 {
+        self.rate_and_state.map_or(0.0, |law| law.ageing(speed_m_per_s, contact_s))
+    }
+
+    /// Speed below which a moving block counts as resting, m/s.
+    #[must_use]
+    pub fn rest_m_per_s(&self) -> f64 {
+        self.rate_and_state.map_or(0.0, |law| law.rest_m_per_s(self.winch.nominal_m_per_s()))
     }
 
     /// Force that balances friction, slope and drag on the moving block, N.
     #[must_use]
-    pub fn resistance_n(&self, speed_m_per_s: f64, position_m: f64) -> f64 {
-        let (sin, cos) = self.slope_rad(position_m).sin_cos();
-        let drag_n = self.drag.map_or(0.0, |d| d.n_s2_per_m2 * speed_m_per_s * speed_m_per_s);
-        self.weight_n * (sin + self.mu(speed_m_per_s) * cos) + drag_n
+    pub fn resistance_n(&self, state: &State) -> f64 {
+        let (sin, cos) = self.slope_rad(state.position_m).sin_cos();
+        let v = state.speed_m_per_s;
+        let drag_n = self.drag.map_or(0.0, |d| (d.n_s_per_m + d.n_s2_per_m2 * v) * v);
+        self.weight_n * (sin + self.mu(state) * cos) + drag_n
     }
 
     /// Speed of the creep of a resting block, m/s.
     #[must_use]
     pub fn creep_m_per_s(&self, state: &State) -> f64 {
+        if let Some(law) = self.rate_and_state {
+            let (sin, cos) = self.slope_rad(state.position_m).sin_cos();
+            let mu = (state.force_n / self.weight_n - sin) / cos;
+            let most = self.winch.nominal_m_per_s();
+            return law.creep_m_per_s(self.pair.mu, mu, state.contact_s, most);
+        }
         let Some(creep) = self.creep else { return 0.0 };
         let below_n = state.force_n - self.mechanics(state).static_force_n(state);
         // Above the onset only within a step that goes too far.
@@ -205,9 +249,17 @@ impl Physics {
         creep.onset_fraction * self.winch_m_per_s(state.time_s) * growth
     }
 
-    /// Speed with which a slip starts, m/s: that of the creep at `Fs`.
+    /// Speed with which a slip starts, m/s: that of the creep at `Fs`. Where friction
+    /// falls from its static value a block at rest stays in balance: a thousandth of the
+    /// winch's speed sets it going.
     #[must_use]
     pub fn onset_speed_m_per_s(&self, time_s: f64) -> f64 {
+        if let Some(law) = self.rate_and_state {
+            return law.slip_m_per_s(self.winch.nominal_m_per_s());
+        }
+        if self.stribeck.is_some() {
+            return 1e-3 * self.winch.nominal_m_per_s();
+        }
         self.creep.map_or(0.0, |c| c.onset_fraction * self.winch_m_per_s(time_s))
     }
 
@@ -216,7 +268,11 @@ impl Physics {
     #[must_use]
     pub fn mechanics(&self, state: &State) -> Mechanics {
         let (sin, cos) = self.slope_rad(state.position_m).sin_cos();
-        let static_n = self.weight_n * (sin + self.pair.mu_s * cos);
+        let mu_s = self.rate_and_state.map_or(self.pair.mu_s, |law| {
+            let speed = law.slip_m_per_s(self.winch.nominal_m_per_s());
+            law.mu(self.pair.mu, speed, state.contact_s)
+        });
+        let static_n = self.weight_n * (sin + mu_s * cos);
         Mechanics {
             weight_n: self.weight_n,
             mass_kg: self.mass_kg(),
@@ -224,8 +280,8 @@ impl Physics {
             stiffness_n_per_m: self.stiffness_n_per_m(state.force_n, state.position_m),
             winch_m_per_s: self.winch_m_per_s(state.time_s),
             reference_static_force_n: if self.post { f64::INFINITY } else { static_n },
-            dynamic_force_n: self.resistance_n(state.speed_m_per_s, state.position_m),
-            mu: self.mu(state.speed_m_per_s),
+            dynamic_force_n: self.resistance_n(state),
+            mu: self.mu(state),
             hold: self.hold,
         }
     }
@@ -233,8 +289,16 @@ impl Physics {
     /// Whether the closed form holds between breaks.
     #[must_use]
     pub fn is_linear(&self) -> bool {
-        let constant_cable = !self.shortening && self.sag.is_none() && self.ripple.is_none();
-        let constant_friction = self.rate.is_none() && self.drag.is_none() && self.creep.is_none();
+        let constant_cable = !self.shortening
+            && self.sag.is_none()
+            && self.damping.is_none()
+            && self.winch.is_even();
+        let constant_friction = self.rate.is_none()
+            && self.drag.is_none()
+            && self.creep.is_none()
+            && self.along_slip.is_none()
+            && self.rocking.is_none()
+            && !self.has_smooth_onset();
         // An exact zero switches the tilt off.
         !self.weighing && constant_cable && constant_friction && self.slope_rad_per_m.abs() <= 0.0
     }
@@ -243,7 +307,7 @@ impl Physics {
     #[must_use]
     pub fn next_break_s(&self) -> f64 {
         let breaking_s = self.breaking.map_or(f64::INFINITY, |b| b.at_s);
-        self.switching.map_or(f64::INFINITY, |s| s.next_s()).min(breaking_s)
+        self.winch.next_s().min(breaking_s)
     }
 
     /// Changes what changes at [`Physics::next_break_s`].
@@ -253,17 +317,23 @@ impl Physics {
             self.weight_n = breaking.weight_n;
             self.breaking = None;
         }
-        if let Some(switching) = self.switching.as_mut().filter(|s| s.next_s() <= now_s) {
-            switching.switch();
+        if self.winch.next_s() <= now_s {
+            self.winch.pass();
         }
     }
 
     /// The longest step that cannot overlook anything, s.
     #[must_use]
     pub fn longest_step_s(&self) -> f64 {
-        match self.ripple {
-            Some(WinchProfile::Ripple { period_s, .. }) => 0.125 * period_s,
-            Some(WinchProfile::StopAndGo { .. }) | None => f64::INFINITY,
-        }
+        self.winch.longest_step_s()
+    }
+}
+
+impl Scene {
+    /// Whether the closed form holds from event to event.
+    #[must_use]
+    pub fn is_linear(&self) -> bool {
+        let (mu_s, mu) = self.coefficients();
+        Physics::new(self, Pair { mu_s, mu, partial: false }, 0).is_linear()
     }
 }

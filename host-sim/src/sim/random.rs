@@ -15,6 +15,12 @@ pub enum Stream {
     Flicker = 2,
     /// Spikes, dropped, repeated and late samples.
     Faults = 3,
+    /// Coloured noise.
+    Coloured = 4,
+    /// Jitter of the time stamps.
+    Jitter = 5,
+    /// Pauses of the winch.
+    Winch = 6,
 }
 
 /// The generator for a purpose.

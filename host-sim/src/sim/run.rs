@@ -1,8 +1,9 @@
 //! A scene as a stream of samples.
 
+use super::check::SceneError;
 use super::converter::{Converter, Delivery};
 use super::motion::{Method, Segment};
-use super::scene::{Scene, SceneError};
+use super::scene::Scene;
 use super::signal::Signal;
 use super::state::Phase;
 use super::truth::{EventBuilder, TrueEvent};
@@ -92,9 +93,10 @@ impl Run {
         let delay_s = self.converter.delay_s();
         let (builder, events) = (&mut self.builder, &mut self.events);
         let meet = |segment: &Segment| events.extend(builder.push(segment));
-        self.signal.cover(true_s, true_s + delay_s + self.aperture_s, meet);
+        let taken_s = (true_s + delay_s).max(0.0);
+        self.signal.cover(true_s.min(taken_s), true_s.max(taken_s) + self.aperture_s, meet);
         let (true_force_n, phase) = self.signal.force_n(true_s);
-        let seen_n = self.signal.seen_n(true_s + delay_s);
+        let seen_n = self.signal.seen_n(taken_s);
         let force_n = self.converter.read_n(seen_n, true_s);
         Sample { index, time_s, force_n, true_force_n, phase }
     }

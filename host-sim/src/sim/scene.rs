@@ -2,16 +2,22 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::friction::Pair;
+mod terms_on;
+mod validate;
+
+use super::along_slip::AlongSlip;
+use super::check::SceneError;
+use super::damping::CableDamping;
 use super::measurement::Measurement;
-use super::physics::Physics;
+use super::rate_and_state::RateAndState;
+use super::rocking::Rocking;
+use super::stribeck::Stribeck;
 use super::terms::{
     Breaking, Creep, Drag, HoldTime, PartialSlips, RateDependence, Sag, Snow, Tilt, Variation,
-    Weighing, WinchProfile,
+    Weighing,
 };
-
-/// Gravity used to turn weights into masses, m/s².
-pub const GRAVITY_M_PER_S2: f64 = 9.81;
+use super::wander::Wander;
+use super::winch::WinchProfile;
 
 /// One simulated test. SI units; every term beyond the linear block on a cable
 /// is off unless given.
@@ -61,12 +67,22 @@ pub struct Scene {
     pub snow: Option<Snow>,
     /// See [`Variation`].
     pub variation: Option<Variation>,
+    /// See [`Wander`].
+    pub wander: Option<Wander>,
     /// See [`PartialSlips`].
     pub partial_slips: Option<PartialSlips>,
     /// See [`HoldTime`].
     pub hold_time: Option<HoldTime>,
     /// See [`RateDependence`].
     pub rate_dependence: Option<RateDependence>,
+    /// See [`Stribeck`].
+    pub stribeck: Option<Stribeck>,
+    /// See [`RateAndState`].
+    pub rate_and_state: Option<RateAndState>,
+    /// See [`AlongSlip`].
+    pub along_slip: Option<AlongSlip>,
+    /// See [`Rocking`].
+    pub rocking: Option<Rocking>,
     /// See [`Creep`].
     pub creep: Option<Creep>,
     /// The cable gets shorter and stiffer as the block comes near:
@@ -75,6 +91,8 @@ pub struct Scene {
     pub shortening: bool,
     /// See [`Sag`].
     pub sag: Option<Sag>,
+    /// See [`CableDamping`].
+    pub cable_damping: Option<CableDamping>,
     /// See [`WinchProfile`].
     pub winch_profile: Option<WinchProfile>,
     /// See [`Breaking`].
@@ -143,12 +161,18 @@ impl Default for Scene {
             weighing: None,
             snow: None,
             variation: None,
+            wander: None,
             partial_slips: None,
             hold_time: None,
             rate_dependence: None,
+            stribeck: None,
+            rate_and_state: None,
+            along_slip: None,
+            rocking: None,
             creep: None,
             shortening: false,
             sag: None,
+            cable_damping: None,
             winch_profile: None,
             breaking: None,
             tilt: None,
@@ -173,13 +197,6 @@ impl Scene {
         (self.mu_s + mu_s, self.mu + mu)
     }
 
-    /// Whether the closed form holds from event to event.
-    #[must_use]
-    pub fn is_linear(&self) -> bool {
-        let (mu_s, mu) = self.coefficients();
-        Physics::new(self, Pair { mu_s, mu, partial: false }).is_linear()
-    }
-
     /// Number of samples in the record.
     #[must_use]
     pub fn sample_count(&self) -> u64 {
@@ -196,18 +213,6 @@ impl Scene {
         Ok(scene)
     }
 }
-
-/// Why a scene cannot be simulated, as one line.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct SceneError(pub(super) String);
-
-impl std::fmt::Display for SceneError {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(&self.0)
-    }
-}
-
-impl std::error::Error for SceneError {}
 
 fn one_line(error: &toml::de::Error, text: &str) -> String {
     let message = error.message().replace('\n', " ");

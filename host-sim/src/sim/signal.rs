@@ -2,6 +2,7 @@
 
 use std::collections::VecDeque;
 
+use super::lag::Lagging;
 use super::measurement::{Flop, Hum, Measurement};
 use super::motion::{Method, Segment, Segments};
 use super::quadrature;
@@ -16,6 +17,7 @@ pub(super) struct Signal {
     flop: Option<Flop>,
     hum: Option<Hum>,
     aperture_s: f64,
+    lag: Option<Lagging>,
     first_stop_s: f64,
 }
 
@@ -28,6 +30,7 @@ impl Signal {
             flop,
             hum,
             aperture_s,
+            lag: scene.measurement.lag.map(Lagging::new),
             first_stop_s: f64::INFINITY,
         }
     }
@@ -39,6 +42,7 @@ impl Signal {
     /// Makes the segments from `start_s` to `end_s` present, forgets earlier
     /// ones, and shows each new one to `meet`.
     pub(super) fn cover(&mut self, start_s: f64, end_s: f64, mut meet: impl FnMut(&Segment)) {
+        let start_s = self.lag.map_or(start_s, |lag| start_s.min(lag.at_s));
         while self.window.front().is_some_and(|s| s.to.time_s < start_s) {
             self.window.pop_front();
         }
@@ -64,13 +68,23 @@ impl Signal {
     }
 
     /// What the converter sees at a time: mean over the aperture from there on, N.
-    pub(super) fn seen_n(&self, time_s: f64) -> f64 {
+    pub(super) fn seen_n(&mut self, time_s: f64) -> f64 {
         let mechanical_n = if self.aperture_s > 0.0 {
-            self.integral(time_s, time_s + self.aperture_s) / self.aperture_s
+            self.integral(time_s, time_s + self.aperture_s, &|_| 1.0) / self.aperture_s
         } else {
-            self.at(time_s).map_or(0.0, |s| self.mechanical_n(s, time_s))
+            self.lagging_n(time_s)
         };
         mechanical_n + self.hum_n(time_s)
+    }
+
+    /// What the cell shows at a time, N; the times must come in order.
+    fn lagging_n(&mut self, time_s: f64) -> f64 {
+        let now_n = self.at(time_s).map_or(0.0, |s| self.mechanical_n(s, time_s));
+        let Some(mut lag) = self.lag else { return now_n };
+        let shown_n =
+            lag.advance(time_s, now_n, |from_s, weight| self.integral(from_s, time_s, weight));
+        self.lag = Some(lag);
+        shown_n
     }
 
     fn mechanical_n(&self, segment: &Segment, time_s: f64) -> f64 {
@@ -96,15 +110,15 @@ impl Signal {
         hum.amplitude_n * passed * (std::f64::consts::TAU * hum.hz * time_s + half).sin()
     }
 
-    fn integral(&self, start_s: f64, end_s: f64) -> f64 {
+    fn integral(&self, start_s: f64, end_s: f64, weight: &dyn Fn(f64) -> f64) -> f64 {
         let mut sum = 0.0;
         for segment in &self.window {
             let from_s = start_s.max(segment.from.time_s);
             let to_s = end_s.min(segment.to.time_s);
             if from_s < to_s {
                 let panel_s = self.panel_s(segment);
-                sum +=
-                    quadrature::integral(|t| self.mechanical_n(segment, t), from_s, to_s, panel_s);
+                let force = |t: f64| weight(t) * self.mechanical_n(segment, t);
+                sum += quadrature::integral(force, from_s, to_s, panel_s);
             }
         }
         sum
@@ -117,6 +131,7 @@ impl Signal {
         } else {
             f64::INFINITY
         };
-        self.flop.map_or(slip_s, |f| slip_s.min(0.1 / f.hz))
+        let slip_s = self.flop.map_or(slip_s, |f| slip_s.min(0.1 / f.hz));
+        self.lag.map_or(slip_s, |lag| slip_s.min(lag.law.time_s))
     }
 }

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 ///   Stick ───────────► Slip ◄────────────────► SlackSliding
 ///     ▲  ◄─────────────  │       taut again         │ v = 0
 ///     │      v = 0                                  ▼
-///     └───────────────── taut again ────────── SlackStuck
+///     └◄──────────────── taut again, paid out ─► SlackStuck
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -47,6 +47,8 @@ pub struct State {
     pub position_m: f64,
     /// When the block last came to rest, s.
     pub rest_since_s: f64,
+    /// Age of the contacts between block and ice, s, where the friction knows one.
+    pub contact_s: f64,
 }
 
 /// Why a piece of motion ended.
@@ -84,7 +86,7 @@ pub struct Mechanics {
     pub slope_rad: f64,
     /// Stiffness `k`, N/m.
     pub stiffness_n_per_m: f64,
-    /// Take-up speed `w`, m/s, not below zero.
+    /// Take-up speed `w`, m/s; below zero it pays out.
     pub winch_m_per_s: f64,
     /// Force that starts a slip `Fs`, N, after the reference time of rest.
     pub reference_static_force_n: f64,

@@ -5,8 +5,8 @@ use super::quadrature::GAUSS_5;
 use super::root;
 use super::state::{Phase, State};
 
-/// Force on a taut cable or slack on a slack one, speed, way.
-pub(super) type Vector = [f64; 3];
+/// Force on a taut cable or slack on a slack one, speed, way, age of the contacts.
+pub(super) type Vector = [f64; 4];
 /// Number of points that fix a polynomial of degree 9.
 pub(super) const COUNT: usize = 10;
 
@@ -48,7 +48,7 @@ impl Step {
 
     /// Barycentric interpolation at a fraction of the step.
     pub(super) fn values(&self, fraction: f64) -> Vector {
-        let (mut sum, mut weights) = ([0.0; 3], 0.0);
+        let (mut sum, mut weights) = ([0.0; 4], 0.0);
         for (j, (node, values)) in NODES.iter().zip(&self.at_nodes).enumerate() {
             let distance = fraction - node;
             if distance == 0.0 {
@@ -100,24 +100,25 @@ impl Step {
 
     /// Averages over the way, by Gauss-Legendre: force of resistance, N, and
     /// dynamic coefficient.
-    pub(super) fn averages(&self, physics: &Physics, end: f64) -> (f64, f64) {
+    pub(super) fn averages(&self, physics: &Physics, from: &State, end: f64) -> (f64, f64) {
         let (mut way, mut work, mut friction) = (0.0, 0.0, 0.0);
         for (point, weight) in GAUSS_5 {
-            let [_, v, x] = self.values(point * end);
+            let state = self.state(from, point * end * self.length_s);
+            let v = state.speed_m_per_s;
             way += weight * v;
-            work += weight * v * physics.resistance_n(v, x);
-            friction += weight * v * physics.mu(v);
+            work += weight * v * physics.resistance_n(&state);
+            friction += weight * v * physics.mu(&state);
         }
         if way > 0.0 { (work / way, friction / way) } else { (0.0, 0.0) }
     }
 }
 
-pub(super) fn to_state(phase: Phase, [u, v, x]: Vector, state: State) -> State {
+pub(super) fn to_state(phase: Phase, [u, v, x, contact_s]: Vector, state: State) -> State {
     let (force_n, slack_m) = match phase {
         Phase::Stick | Phase::Slip => (u, 0.0),
         Phase::SlackSliding | Phase::SlackStuck => (0.0, u),
     };
-    State { force_n, slack_m, speed_m_per_s: v, position_m: x, ..state }
+    State { force_n, slack_m, speed_m_per_s: v, position_m: x, contact_s, ..state }
 }
 
 pub(super) fn to_vector(phase: Phase, state: &State) -> Vector {
@@ -125,5 +126,5 @@ pub(super) fn to_vector(phase: Phase, state: &State) -> Vector {
         Phase::Stick | Phase::Slip => state.force_n,
         Phase::SlackSliding | Phase::SlackStuck => state.slack_m,
     };
-    [u, state.speed_m_per_s, state.position_m]
+    [u, state.speed_m_per_s, state.position_m, state.contact_s]
 }

@@ -3,8 +3,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::scene::{Scene, SceneError};
-use super::validate::{between, not_negative, positive};
+use super::check::{SceneError, between, not_negative, positive};
+pub use super::winch::WinchProfile;
 
 /// Snow on the ice: adds to both coefficients.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -63,26 +63,6 @@ pub struct Sag {
     pub height_m: f64,
 }
 
-/// A winch that does not run evenly.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, tag = "kind", rename_all = "snake_case")]
-pub enum WinchProfile {
-    /// `w (1 + fraction sin(2 pi t / period_s))`.
-    Ripple {
-        /// Amplitude over the mean speed, 0 to 1.
-        fraction: f64,
-        /// Period, s.
-        period_s: f64,
-    },
-    /// Runs, stops, runs again.
-    StopAndGo {
-        /// Time of running, s.
-        go_s: f64,
-        /// Time of standing, s.
-        stop_s: f64,
-    },
-}
-
 /// The block breaks: its weight changes once.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -101,13 +81,15 @@ pub struct Tilt {
     pub deg_per_m: f64,
 }
 
-/// Drag of the water on a block pulled under the ice, quadratic in its speed.
+/// Drag of the water on a block pulled under the ice, or of the air.
 /// Ours: the paper leaves it out.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
 pub struct Drag {
     /// Force over speed squared, N s²/m².
     pub n_s2_per_m2: f64,
+    /// Force over speed, N s/m.
+    pub n_s_per_m: f64,
 }
 
 /// The block creeps before the slip, at
@@ -156,77 +138,5 @@ impl RateDependence {
         positive("rate_dependence.reference_m_per_s", self.reference_m_per_s)?;
         // Four decades above the reference must leave some friction.
         between("rate_dependence.per_decade", self.per_decade, -mu / 4.0, 10.0)
-    }
-}
-
-impl WinchProfile {
-    pub(super) fn validate(&self) -> Result<(), SceneError> {
-        match *self {
-            Self::Ripple { fraction, period_s } => {
-                between("winch_profile.fraction", fraction, 0.0, 1.0)?;
-                positive("winch_profile.period_s", period_s)
-            }
-            Self::StopAndGo { go_s, stop_s } => {
-                positive("winch_profile.go_s", go_s)?;
-                positive("winch_profile.stop_s", stop_s)
-            }
-        }
-    }
-
-    /// Speed over the nominal speed at a time.
-    #[must_use]
-    pub fn factor(&self, time_s: f64) -> f64 {
-        match *self {
-            Self::Ripple { fraction, period_s } => {
-                1.0 + fraction * (std::f64::consts::TAU * time_s / period_s).sin()
-            }
-            Self::StopAndGo { go_s, stop_s } => {
-                f64::from(u8::from(time_s.rem_euclid(go_s + stop_s) < go_s))
-            }
-        }
-    }
-}
-
-impl Scene {
-    /// The terms beyond the linear block on level ice that are on, by name.
-    #[must_use]
-    pub fn terms(&self) -> Vec<&'static str> {
-        let measurement = &self.measurement;
-        [
-            ("slope", self.slope_deg.abs() > 0.0),
-            ("post", self.post),
-            ("weighing", self.weighing.is_some()),
-            ("start_sliding", self.start_sliding),
-            ("snow", self.snow.is_some()),
-            ("variation", self.variation.is_some()),
-            ("partial_slips", self.partial_slips.is_some()),
-            ("hold_time", self.hold_time.is_some()),
-            ("rate_dependence", self.rate_dependence.is_some()),
-            ("creep", self.creep.is_some()),
-            ("shortening", self.shortening),
-            ("sag", self.sag.is_some()),
-            ("winch_profile", self.winch_profile.is_some()),
-            ("breaking", self.breaking.is_some()),
-            ("tilt", self.tilt.is_some()),
-            ("drag (ours, not the paper's)", self.drag.is_some()),
-            ("flop", measurement.flop.is_some()),
-            ("hum", measurement.hum.is_some()),
-            ("aperture", measurement.aperture_s > 0.0),
-            ("drift", measurement.drift.is_some()),
-            ("zero_step", measurement.zero_step.is_some()),
-            ("white noise", measurement.white_n > 0.0),
-            ("1/f noise", measurement.flicker_n > 0.0),
-            ("tare", measurement.tare_n.abs() > 0.0),
-            ("range", measurement.range_n > 0.0),
-            ("step", measurement.step_n > 0.0),
-            ("spikes", measurement.spikes.is_some()),
-            ("dropped", measurement.dropped.is_some()),
-            ("repeated", measurement.repeated.is_some()),
-            ("late", measurement.late.is_some()),
-            ("clock", measurement.clock_ppm.abs() > 0.0),
-        ]
-        .into_iter()
-        .filter_map(|(name, on)| on.then_some(name))
-        .collect()
     }
 }

@@ -14,7 +14,7 @@ pub struct TrueEvent {
     pub onset_s: f64,
     /// The block rests again, s.
     pub stop_s: f64,
-    /// `Fs`, N.
+    /// `Fs`, N; the peak where friction falls smoothly.
     pub static_force_n: f64,
     /// `Fp`, N.
     pub dynamic_force_n: f64,
@@ -22,9 +22,10 @@ pub struct TrueEvent {
     pub peak_force_n: f64,
     /// `Fe`, N; zero when the block stopped on a slack cable.
     pub restick_force_n: f64,
-    /// Static coefficient.
+    /// Static coefficient: of the force at which the slip begins, or of the peak of the
+    /// force where friction falls smoothly.
     pub mu_s: f64,
-    /// Dynamic coefficient.
+    /// Dynamic coefficient: the average over the distance slid.
     pub mu: f64,
     /// Time of rest before the onset, s.
     pub stick_s: f64,
@@ -64,6 +65,8 @@ struct Pending {
     way_m: f64,
     resistance_j: f64,
     friction_m: f64,
+    /// Slope, rad, of an event with a smooth onset.
+    smooth_slope_rad: Option<f64>,
 }
 
 impl EventBuilder {
@@ -78,7 +81,14 @@ impl EventBuilder {
     pub fn push(&mut self, segment: &Segment) -> Option<TrueEvent> {
         if segment.end == End::Onset {
             let event = self.open(segment);
-            self.pending = Some(Pending { event, way_m: 0.0, resistance_j: 0.0, friction_m: 0.0 });
+            let smooth_slope_rad = segment.smooth_onset.then_some(segment.mechanics.slope_rad);
+            self.pending = Some(Pending {
+                event,
+                way_m: 0.0,
+                resistance_j: 0.0,
+                friction_m: 0.0,
+                smooth_slope_rad,
+            });
         }
         let pending = self.pending.as_mut()?;
         if segment.phase.is_moving() {
@@ -131,7 +141,12 @@ impl Pending {
         self.event.slack |= moving.phase == Phase::SlackSliding;
     }
 
-    fn close(self, last: &Segment) -> TrueEvent {
+    fn close(mut self, last: &Segment) -> TrueEvent {
+        if let Some(slope_rad) = self.smooth_slope_rad {
+            let (sin, cos) = slope_rad.sin_cos();
+            self.event.static_force_n = self.event.peak_force_n;
+            self.event.mu_s = (self.event.peak_force_n / self.event.weight_n - sin) / cos;
+        }
         // A slip without way (coefficients that meet) has the values of its end.
         let average = |sum: f64, end: f64| if self.way_m > 0.0 { sum / self.way_m } else { end };
         TrueEvent {

@@ -5,9 +5,11 @@
 //! `Mg (1 + A²/4)`, not `Mg`: the cell measures along the cable.
 
 use super::integrate;
-use super::scene::{GRAVITY_M_PER_S2, Scene};
+use floe_core::units::STANDARD_GRAVITY_M_PER_S2 as GRAVITY_M_PER_S2;
+
+use super::scene::Scene;
 use super::state::{Phase, State};
-use super::step::{COUNT, NODES, Step};
+use super::step::{COUNT, NODES, Step, Vector};
 use super::terms::Weighing;
 
 use differential_equations::interpolate::Interpolation;
@@ -15,15 +17,15 @@ use differential_equations::ode::{ODE, OrdinaryNumericalMethod};
 
 struct Pendulum(Weighing);
 
-impl ODE<f64, [f64; 3]> for Pendulum {
-    fn diff(&self, _t: f64, [theta, speed, _]: &[f64; 3], rate: &mut [f64; 3]) {
+impl ODE<f64, Vector> for Pendulum {
+    fn diff(&self, _t: f64, [theta, speed, ..]: &Vector, rate: &mut Vector) {
         let pull = -GRAVITY_M_PER_S2 / self.0.length_m * theta.sin();
-        *rate = [*speed, pull - 2.0 * self.0.damping_per_s * speed, 0.0];
+        *rate = [*speed, pull - 2.0 * self.0.damping_per_s * speed, 0.0, 0.0];
     }
 }
 
 impl Pendulum {
-    fn tension_n(&self, weight_n: f64, [theta, speed, _]: [f64; 3]) -> f64 {
+    fn tension_n(&self, weight_n: f64, [theta, speed, ..]: Vector) -> f64 {
         weight_n * (theta.cos() + self.0.length_m * speed * speed / GRAVITY_M_PER_S2)
     }
 }
@@ -46,8 +48,8 @@ impl Swing {
     pub(super) fn new(scene: &Scene, weighing: Weighing) -> Result<Self, String> {
         let pendulum = Pendulum(weighing);
         let omega = (GRAVITY_M_PER_S2 / weighing.length_m).sqrt();
-        let start = [weighing.swing_deg.to_radians(), 0.0, 0.0];
-        let mut method = integrate::verner_9(integrate::TOLERANCE, [1e-13; 3], 0.2 / omega);
+        let start = [weighing.swing_deg.to_radians(), 0.0, 0.0, 0.0];
+        let mut method = integrate::verner_9(integrate::TOLERANCE, [1e-13; 4], 0.2 / omega);
         method.init(&pendulum, 0.0, 1e12, &start).map_err(|e| integrate::explain(&e))?;
         Ok(Self { pendulum, weight_n: scene.weight_n, method: Box::new(method) })
     }
@@ -57,11 +59,11 @@ impl Swing {
         let start_s = self.method.t();
         integrate::accepted_step(&mut self.method, &self.pendulum)?;
         let length_s = self.method.t() - start_s;
-        let mut at_nodes = [[0.0; 3]; COUNT];
+        let mut at_nodes = [[0.0; 4]; COUNT];
         for (node, values) in NODES.iter().zip(&mut at_nodes) {
             let t = (start_s + node * length_s).min(self.method.t());
             let angle = self.method.interpolate(t).map_err(|e| integrate::explain(&e))?;
-            *values = [self.pendulum.tension_n(self.weight_n, angle), 0.0, 0.0];
+            *values = [self.pendulum.tension_n(self.weight_n, angle), 0.0, 0.0, 0.0];
         }
         let step = Step::new(Phase::Stick, length_s, at_nodes);
         Ok((step, step.state(from, length_s)))

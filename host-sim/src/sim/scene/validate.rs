@@ -1,6 +1,7 @@
 //! What a scene must satisfy before it is computed.
 
-use super::scene::{Scene, SceneError};
+use super::{Scene, SceneError, WinchProfile};
+use crate::sim::check::{between, not_negative, positive, require};
 
 /// Forces, stiffnesses and lengths beyond it are a slip of the pen.
 const LARGEST: f64 = 1e12;
@@ -8,37 +9,6 @@ const LARGEST: f64 = 1e12;
 const MOST_SAMPLES: f64 = 1e9;
 /// Slips of a scene.
 const MOST_SLIPS: f64 = 1e8;
-
-/// Refuses with `message` unless `ok`.
-pub(super) fn require(ok: bool, message: impl FnOnce() -> String) -> Result<(), SceneError> {
-    if ok { Ok(()) } else { Err(SceneError(message())) }
-}
-
-/// Refuses unless `value` is finite and above zero.
-pub(super) fn positive(name: &str, value: f64) -> Result<(), SceneError> {
-    require(value.is_finite() && value > 0.0, || {
-        format!("{name} = {value}: must be a number above zero")
-    })
-}
-
-/// Refuses unless `value` is finite and not negative.
-pub(super) fn not_negative(name: &str, value: f64) -> Result<(), SceneError> {
-    require(value.is_finite() && value >= 0.0, || {
-        format!("{name} = {value}: must be a number not below zero")
-    })
-}
-
-/// Refuses unless `value` is finite and within the limits.
-pub(super) fn between(name: &str, value: f64, low: f64, high: f64) -> Result<(), SceneError> {
-    require((low..=high).contains(&value), || {
-        format!("{name} = {}: must be {} to {}", short(value), short(low), short(high))
-    })
-}
-
-/// Without hundreds of digits.
-fn short(value: f64) -> String {
-    if value.abs() < 1e9 { format!("{value}") } else { format!("{value:e}") }
-}
 
 impl Scene {
     /// Checks every value.
@@ -101,6 +71,7 @@ impl Scene {
         }
         if let Some(drag) = &self.drag {
             not_negative("drag.n_s2_per_m2", drag.n_s2_per_m2)?;
+            not_negative("drag.n_s_per_m", drag.n_s_per_m)?;
         }
         if let Some(weighing) = &self.weighing {
             between("weighing.swing_deg", weighing.swing_deg, 0.0, 60.0)?;
@@ -109,7 +80,32 @@ impl Scene {
         }
         self.hold_time.as_ref().map_or(Ok(()), |h| h.validate())?;
         self.rate_dependence.as_ref().map_or(Ok(()), |r| r.validate(self.mu))?;
-        self.winch_profile.as_ref().map_or(Ok(()), |w| w.validate())
+        self.validate_laws()?;
+        self.winch_profile.as_ref().map_or(Ok(()), WinchProfile::validate)
+    }
+
+    /// Laws of the friction and of the cable that do not go together are refused.
+    fn validate_laws(&self) -> Result<(), SceneError> {
+        self.wander.as_ref().map_or(Ok(()), |w| w.validate())?;
+        self.stribeck.as_ref().map_or(Ok(()), |s| s.validate())?;
+        self.along_slip.as_ref().map_or(Ok(()), |a| a.validate())?;
+        self.rocking.as_ref().map_or(Ok(()), |r| r.validate())?;
+        if let Some(law) = &self.rate_and_state {
+            law.validate(self.mu)?;
+            let other = self.stribeck.is_some()
+                || self.rate_dependence.is_some()
+                || self.hold_time.is_some()
+                || self.creep.is_some();
+            require(!other, || {
+                "rate_and_state: has its own law of speed, rest and creep: leave out stribeck, \
+                 rate_dependence, hold_time and creep"
+                    .to_owned()
+            })?;
+        }
+        let Some(damping) = &self.cable_damping else { return Ok(()) };
+        damping.validate()?;
+        let ripples = matches!(self.winch_profile, Some(WinchProfile::Ripple { .. }));
+        require(!ripples, || "cable_damping: not with a winch that ripples".to_owned())
     }
 
     /// The block must rest on the slope by itself: the state machine knows no

@@ -1,0 +1,44 @@
+//! The checks of a scene's values, and what they refuse with.
+
+/// Why a scene cannot be simulated, as one line.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct SceneError(pub(super) String);
+
+impl std::fmt::Display for SceneError {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+impl std::error::Error for SceneError {}
+
+/// Refuses with `message` unless `ok`.
+pub(super) fn require(ok: bool, message: impl FnOnce() -> String) -> Result<(), SceneError> {
+    if ok { Ok(()) } else { Err(SceneError(message())) }
+}
+
+/// Refuses unless `value` is finite and above zero.
+pub(super) fn positive(name: &str, value: f64) -> Result<(), SceneError> {
+    require(value.is_finite() && value > 0.0, || {
+        format!("{name} = {value}: must be a number above zero")
+    })
+}
+
+/// Refuses unless `value` is finite and not negative.
+pub(super) fn not_negative(name: &str, value: f64) -> Result<(), SceneError> {
+    require(value.is_finite() && value >= 0.0, || {
+        format!("{name} = {value}: must be a number not below zero")
+    })
+}
+
+/// Refuses unless `value` is finite and within the limits.
+pub(super) fn between(name: &str, value: f64, low: f64, high: f64) -> Result<(), SceneError> {
+    require((low..=high).contains(&value), || {
+        format!("{name} = {}: must be {} to {}", short(value), short(low), short(high))
+    })
+}
+
+/// Without hundreds of digits.
+fn short(value: f64) -> String {
+    if value.abs() < 1e9 { format!("{value}") } else { format!("{value:e}") }
+}

@@ -1,0 +1,80 @@
+//! Friction by rate and state (Dieterich 1979, Ruina 1983).
+
+use serde::{Deserialize, Serialize};
+
+use super::check::{SceneError, between, positive};
+
+/// `mu(v, θ) = mu + direct ln(v/v0) + evolving ln(v0 θ/D)` with the age of the contacts
+/// `θ' = 1 - v θ/D`. The scene's `mu` is that of steady sliding at `v0`; its `mu_s` has no
+/// meaning.
+///
+/// Below a tenth of the winch's speed the block creeps with the friction in balance with
+/// the force, above it by Newton's law; back to creep at half that speed. The onset is
+/// smooth: the truth's `mu_s` is the peak of the force over the normal force, its `mu`
+/// the average over the distance.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RateAndState {
+    /// Reference speed `v0`, m/s.
+    pub reference_m_per_s: f64,
+    /// Direct effect `a`.
+    pub direct: f64,
+    /// Evolution effect `b`.
+    pub evolving: f64,
+    /// Distance `D` over which the contacts are renewed, m.
+    pub renewal_m: f64,
+}
+
+/// Speed at which creep becomes a slip, and at which a slip becomes creep, over the
+/// winch's.
+const SLIP: f64 = 0.1;
+const REST: f64 = 0.05;
+
+impl RateAndState {
+    pub(super) fn validate(&self, mu: f64) -> Result<(), SceneError> {
+        positive("rate_and_state.reference_m_per_s", self.reference_m_per_s)?;
+        positive("rate_and_state.direct", self.direct)?;
+        positive("rate_and_state.renewal_m", self.renewal_m)?;
+        // Ten factors of e in age or speed must leave some friction.
+        between("rate_and_state.direct", self.direct, 1e-4, mu / 20.0)?;
+        between("rate_and_state.evolving", self.evolving, 0.0, mu / 10.0)
+    }
+
+    /// Speed from which a slip is followed by Newton's law, m/s.
+    #[must_use]
+    pub fn slip_m_per_s(&self, winch_m_per_s: f64) -> f64 {
+        SLIP * winch_m_per_s
+    }
+
+    /// Speed below which it is creep again, m/s.
+    #[must_use]
+    pub fn rest_m_per_s(&self, winch_m_per_s: f64) -> f64 {
+        REST * winch_m_per_s
+    }
+
+    /// Coefficient at a speed and an age of the contacts.
+    #[must_use]
+    pub fn mu(&self, steady: f64, speed_m_per_s: f64, contact_s: f64) -> f64 {
+        // A trial step of the integrator may go too far.
+        let least = 1e-30;
+        let speed = (speed_m_per_s / self.reference_m_per_s).max(least).ln();
+        steady + self.direct * speed + self.evolving * self.age(contact_s.max(least))
+    }
+
+    fn age(&self, contact_s: f64) -> f64 {
+        (self.reference_m_per_s * contact_s / self.renewal_m).ln()
+    }
+
+    /// Speed at which the friction has a coefficient, m/s, at most the winch's.
+    #[must_use]
+    pub fn creep_m_per_s(&self, steady: f64, mu: f64, contact_s: f64, most: f64) -> f64 {
+        let age = self.evolving * self.age(contact_s.max(1e-30));
+        (self.reference_m_per_s * ((mu - steady - age) / self.direct).exp()).min(most)
+    }
+
+    /// Rate of the contacts' age.
+    #[must_use]
+    pub fn ageing(&self, speed_m_per_s: f64, contact_s: f64) -> f64 {
+        1.0 - speed_m_per_s * contact_s / self.renewal_m
+    }
+}

@@ -1,0 +1,30 @@
+//! A block that rocks while it slips.
+
+use serde::{Deserialize, Serialize};
+
+use super::check::{SceneError, between, positive};
+
+/// The pressure on the ice, and with it the friction, swings while the block slips:
+/// times `1 + fraction sin(ratio omega t)`, `t` from the onset. The truth's `mu` is the
+/// average over the distance.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Rocking {
+    /// Amplitude, 0 to 0.5.
+    pub fraction: f64,
+    /// Frequency over that of the block on its cable.
+    pub ratio: f64,
+}
+
+impl Rocking {
+    pub(super) fn validate(&self) -> Result<(), SceneError> {
+        between("rocking.fraction", self.fraction, 0.0, 0.5)?;
+        positive("rocking.ratio", self.ratio)
+    }
+
+    /// Friction over its value without this term.
+    #[must_use]
+    pub fn factor(&self, omega_rad_per_s: f64, since_onset_s: f64) -> f64 {
+        1.0 + self.fraction * (self.ratio * omega_rad_per_s * since_onset_s).sin()
+    }
+}

@@ -1,0 +1,200 @@
+//! How the winch runs.
+
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardUniform};
+use serde::{Deserialize, Serialize};
+
+use super::check::{SceneError, between, not_negative, positive, require};
+
+/// A winch that does not run evenly.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, tag = "kind", rename_all = "snake_case")]
+pub enum WinchProfile {
+    /// `w (1 + fraction sin(2 pi t / period_s))`: also the cogging of a motor.
+    Ripple {
+        /// Amplitude over the mean speed, 0 to 1.
+        fraction: f64,
+        /// Period, s.
+        period_s: f64,
+    },
+    /// Runs, stops, runs again.
+    StopAndGo {
+        /// Time of running, s.
+        go_s: f64,
+        /// Time of standing, s.
+        stop_s: f64,
+    },
+    /// Stops now and then: runs for times that are exponentially distributed, stands for
+    /// times that are evenly distributed.
+    Pauses {
+        /// Mean time of running, s.
+        every_s: f64,
+        /// Shortest time of standing, s.
+        least_s: f64,
+        /// Longest time of standing, s.
+        most_s: f64,
+    },
+    /// Runs at another speed until the first slip has ended.
+    FirstSlip {
+        /// Speed until then over the nominal one.
+        factor: f64,
+    },
+    /// From each time on at another speed over the nominal one: `[time_s, factor]`; 1
+    /// before the first. Below zero the winch pays cable out.
+    Steps {
+        /// In order of time.
+        steps: Vec<[f64; 2]>,
+        /// The steps begin anew after this time, s; never if not given.
+        period_s: Option<f64>,
+    },
+}
+
+impl WinchProfile {
+    pub(super) fn validate(&self) -> Result<(), SceneError> {
+        match self {
+            Self::Ripple { fraction, period_s } => {
+                between("winch_profile.fraction", *fraction, 0.0, 1.0)?;
+                positive("winch_profile.period_s", *period_s)
+            }
+            Self::StopAndGo { go_s, stop_s } => {
+                positive("winch_profile.go_s", *go_s)?;
+                positive("winch_profile.stop_s", *stop_s)
+            }
+            Self::Pauses { every_s, least_s, most_s } => {
+                positive("winch_profile.every_s", *every_s)?;
+                positive("winch_profile.least_s", *least_s)?;
+                between("winch_profile.most_s", *most_s, *least_s, 1e6)
+            }
+            Self::FirstSlip { factor } => between("winch_profile.factor", *factor, 0.01, 100.0),
+            Self::Steps { steps, period_s } => validate_steps(steps, *period_s),
+        }
+    }
+}
+
+fn validate_steps(steps: &[[f64; 2]], period_s: Option<f64>) -> Result<(), SceneError> {
+    let mut before_s = 0.0;
+    for &[at_s, factor] in steps {
+        not_negative("winch_profile.steps: time", at_s)?;
+        require(at_s >= before_s, || format!("winch_profile.steps: {at_s} s is out of order"))?;
+        between("winch_profile.steps: factor", factor, -100.0, 100.0)?;
+        before_s = at_s;
+    }
+    let last_s = before_s;
+    require(period_s.is_none_or(|p| p.is_finite() && p > last_s), || {
+        "winch_profile.period_s: must be after the last step".to_owned()
+    })
+}
+
+/// The winch at work. Its speed changes in steps, at [`Winch::next_s`], and swings in
+/// between if it ripples.
+#[derive(Clone, Debug)]
+pub(super) struct Winch {
+    nominal_m_per_s: f64,
+    factor: f64,
+    next_s: f64,
+    /// Steps passed.
+    passed: u32,
+    profile: Option<WinchProfile>,
+    random: ChaCha8Rng,
+}
+
+impl Winch {
+    pub(super) fn new(
+        nominal_m_per_s: f64,
+        profile: Option<WinchProfile>,
+        random: ChaCha8Rng,
+    ) -> Self {
+        let factor = match profile {
+            Some(WinchProfile::FirstSlip { factor }) => factor,
+            _ => 1.0,
+        };
+        let next_s = f64::INFINITY;
+        let mut winch = Self { nominal_m_per_s, factor, next_s, passed: 0, profile, random };
+        winch.next_s = winch.following_s(0.0);
+        if winch.next_s <= 0.0 {
+            winch.pass();
+        }
+        winch
+    }
+
+    pub(super) fn is_even(&self) -> bool {
+        !matches!(self.profile, Some(WinchProfile::Ripple { .. }))
+    }
+
+    /// Speed, m/s.
+    pub(super) fn m_per_s(&self, time_s: f64) -> f64 {
+        let ripple = match self.profile {
+            Some(WinchProfile::Ripple { fraction, period_s }) => {
+                fraction * (std::f64::consts::TAU * time_s / period_s).sin()
+            }
+            _ => 0.0,
+        };
+        self.nominal_m_per_s * self.factor * (1.0 + ripple)
+    }
+
+    /// Speed on which the laws of the friction are scaled, m/s.
+    pub(super) fn nominal_m_per_s(&self) -> f64 {
+        self.nominal_m_per_s
+    }
+
+    /// When the speed changes next, s; infinite if never.
+    pub(super) fn next_s(&self) -> f64 {
+        self.next_s
+    }
+
+    /// The longest step that cannot overlook anything, s.
+    pub(super) fn longest_step_s(&self) -> f64 {
+        match self.profile {
+            Some(WinchProfile::Ripple { period_s, .. }) => 0.125 * period_s,
+            _ => f64::INFINITY,
+        }
+    }
+
+    /// Changes the speed as it does at [`Winch::next_s`].
+    pub(super) fn pass(&mut self) {
+        let now_s = self.next_s;
+        self.factor = match &self.profile {
+            Some(WinchProfile::StopAndGo { .. } | WinchProfile::Pauses { .. }) => 1.0 - self.factor,
+            Some(WinchProfile::Steps { steps, .. }) => steps[self.passed as usize % steps.len()][1],
+            Some(WinchProfile::Ripple { .. } | WinchProfile::FirstSlip { .. }) | None => 1.0,
+        };
+        self.passed += 1;
+        self.next_s = self.following_s(now_s);
+    }
+
+    /// A slip has ended.
+    pub(super) fn note_stop(&mut self) {
+        if let Some(WinchProfile::FirstSlip { .. }) = self.profile {
+            self.factor = 1.0;
+        }
+    }
+
+    /// When the speed changes after the last change.
+    fn following_s(&mut self, now_s: f64) -> f64 {
+        let running = self.factor > 0.0;
+        match &self.profile {
+            // From the number of the cycle, or the rounding would add up.
+            Some(WinchProfile::StopAndGo { go_s, stop_s }) => {
+                let start_s = f64::from(self.passed / 2) * (go_s + stop_s);
+                start_s + if running { *go_s } else { go_s + stop_s }
+            }
+            Some(WinchProfile::Pauses { every_s, least_s, most_s }) => {
+                let u: f64 = StandardUniform.sample(&mut self.random);
+                let running_s = -every_s * (1.0 - u).ln();
+                now_s + if running { running_s } else { least_s + u * (most_s - least_s) }
+            }
+            Some(WinchProfile::Steps { steps, period_s }) => {
+                let round = self.passed as usize / steps.len().max(1);
+                let within = steps.get(self.passed as usize % steps.len().max(1));
+                match (within, period_s) {
+                    (Some(step), None) if round == 0 => step[0],
+                    (Some(step), Some(period_s)) => round as f64 * period_s + step[0],
+                    _ => f64::INFINITY,
+                }
+            }
+            Some(WinchProfile::Ripple { .. } | WinchProfile::FirstSlip { .. }) | None => {
+                f64::INFINITY
+            }
+        }
+    }
+}

@@ -1,0 +1,69 @@
+//! Is the uncertainty of a whole test's mean what it says? Many seeds of every linear and hard
+//! scene.
+//!
+//! `cargo run --release -p floe-tests --example means -- [SEEDS]` (400 unless given)
+
+use floe::sim::Scene;
+use floe_core::Estimate;
+use floe_tests::score::{rms, run};
+
+/// Errors of the means of a coefficient in their combined standard deviations, and how
+/// many of the 95 % intervals hold the truth.
+#[derive(Default)]
+struct Means {
+    errors: Vec<f64>,
+    covered: usize,
+}
+
+impl Means {
+    fn add(&mut self, got: Option<Estimate>, truth: f64) {
+        let stated = got.and_then(|e| Some((e.mean, e.combined_std()?, e.ci95()?)));
+        let Some((mean, std, (low, high))) = stated else { return };
+        self.errors.push((f64::from(mean) - truth) / f64::from(std));
+        self.covered += usize::from((f64::from(low)..=f64::from(high)).contains(&truth));
+    }
+
+    fn coverage(&self) -> f64 {
+        self.covered as f64 / self.errors.len().max(1) as f64
+    }
+}
+
+/// Of `mu_s` and of `mu`.
+fn means(scene: &Scene, seeds: u64) -> [Means; 2] {
+    let mut means = [Means::default(), Means::default()];
+    let (mu_s, mu) = scene.coefficients();
+    for seed in 1..=seeds {
+        let report = run(scene, seed).report;
+        means[0].add(report.mu_s, mu_s);
+        means[1].add(report.mu, mu);
+    }
+    means
+}
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let seeds = std::env::args().nth(1).map_or(Ok(400), |n| n.parse())?;
+    let scenes = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../host-sim/scenes");
+    let mut files = vec![scenes.join("dff8-13.toml")];
+    for folder in ["linear", "hard"] {
+        let own = std::fs::read_dir(scenes.join(folder))?.flatten().map(|f| f.path());
+        let mut own: Vec<_> = own.filter(|f| f.extension().is_some_and(|e| e == "toml")).collect();
+        own.sort();
+        files.extend(own);
+    }
+    println!("| scene | tests | rms z: mu_s | mu | coverage: mu_s | mu |");
+    println!("|---|---:|---:|---:|---:|---:|");
+    for file in files {
+        let scene = Scene::from_toml(&std::fs::read_to_string(&file)?)?;
+        let [mu_s, mu] = means(&scene, seeds);
+        println!(
+            "| {} | {} | {:.2} | {:.2} | {:.3} | {:.3} |",
+            file.file_stem().unwrap_or_default().display(),
+            mu_s.errors.len(),
+            rms(&mu_s.errors),
+            rms(&mu.errors),
+            mu_s.coverage(),
+            mu.coverage()
+        );
+    }
+    Ok(())
+}

@@ -1,0 +1,128 @@
+//! Scenes drawn over the plane of weight, stiffness, winch speed and noise: is any mean
+//! far off, and what is refused?
+//!
+//! `cargo run --release -p floe-tests --example plane -- [SCENES [SEED]]` (300 and 1 unless
+//! given)
+
+use std::collections::BTreeMap;
+
+use floe::sim::{STANDARD_GRAVITY_M_PER_S2, Scene};
+use floe_core::Estimate;
+use floe_tests::normal::Normal;
+use floe_tests::score::{Tried, run};
+
+/// Recurrences of a record, and its longest time, s.
+const RECURRENCES: f64 = 20.0;
+const LONGEST_S: f64 = 20_000.0;
+
+/// Even in the logarithm.
+fn drawn(random: &mut Normal, low: f64, high: f64) -> f64 {
+    low * (high / low).powf(random.uniform())
+}
+
+/// A scene, its slips and recurrence in samples, and its noise over the weight.
+struct Case {
+    scene: Scene,
+    slip: f64,
+    recurrence: f64,
+    noise: f64,
+}
+
+fn case(random: &mut Normal) -> Case {
+    let weight_n = drawn(random, 100.0, 20_000.0);
+    let k = drawn(random, 5e3, 1e6);
+    let w = drawn(random, 1e-3, 0.4);
+    let noise = drawn(random, 2e-4, 0.05);
+    let mu = 0.3 + 0.6 * random.uniform();
+    let drop = 0.05 + 0.45 * random.uniform();
+    // (22) and (25).
+    let omega = (k * STANDARD_GRAVITY_M_PER_S2 / weight_n).sqrt();
+    let half = drop * weight_n;
+    let stick_s = 2.0 * half / (k * w);
+    let turn = (half / half.hypot(k * w / omega)).acos() + std::f64::consts::FRAC_PI_2;
+    let slip_s = 2.0 * turn / omega;
+    let first_s = (mu + drop) * weight_n / (k * w);
+    let wanted_s = first_s + RECURRENCES * (stick_s + slip_s);
+    let mut scene = Scene {
+        weight_n,
+        mu_s: mu + drop,
+        mu,
+        stiffness_n_per_m: k,
+        winch_m_per_s: w,
+        duration_s: wanted_s.clamp(10.0, LONGEST_S),
+        ..Scene::default()
+    };
+    scene.measurement.white_n = noise * weight_n;
+    let hz = scene.rate_hz;
+    Case { scene, slip: slip_s * hz, recurrence: (stick_s + slip_s) * hz, noise }
+}
+
+/// How far a mean is off, in its combined standard deviations.
+fn off(got: Option<Estimate>, truth: f64) -> Option<f64> {
+    let mean = got?;
+    Some((f64::from(mean.mean) - truth) / f64::from(mean.combined_std()?))
+}
+
+/// Why there is no mean: what the events say most often.
+fn reason(tried: &Tried) -> String {
+    let mut reasons = BTreeMap::new();
+    for event in &tried.found {
+        let reason = event.reason.map_or("no reason".to_owned(), |r| r.to_string());
+        *reasons.entry(reason).or_insert(0) += 1;
+    }
+    let most = reasons.into_iter().max_by_key(|(_, count)| *count);
+    most.map_or("no event found".to_owned(), |(reason, count)| format!("{reason} ({count})"))
+}
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let mut args = std::env::args().skip(1);
+    let scenes: u32 = args.next().map_or(Ok(300), |n| n.parse())?;
+    let seed: u64 = args.next().map_or(Ok(1), |n| n.parse())?;
+    let mut random = Normal::new(seed);
+    let (mut far, mut refused, mut clear, mut clear_events) = (Vec::new(), Vec::new(), 0, [0, 0]);
+    for number in 1..=scenes {
+        let case = case(&mut random);
+        let tried = run(&case.scene, u64::from(number));
+        let Case { scene: s, slip, recurrence, noise } = &case;
+        let about = format!(
+            "{number}: {:.0} N, {:.0} kN/m, {:.1} mm/s, noise {:.2} %, mu_s {:.2}, mu {:.2}; slip {slip:.1}, \
+             recurrence {recurrence:.1} samples",
+            s.weight_n,
+            s.stiffness_n_per_m / 1e3,
+            1e3 * s.winch_m_per_s,
+            100.0 * noise,
+            s.mu_s,
+            s.mu
+        );
+        let offs = [off(tried.report.mu_s, s.mu_s), off(tried.report.mu, s.mu)];
+        if offs.iter().flatten().any(|z| z.abs() > 5.0) {
+            far.push(format!(
+                "{about}: {:.1?} standard deviations off",
+                offs.map(|z| z.unwrap_or(0.0))
+            ));
+        }
+        if offs.iter().any(Option::is_none) {
+            refused.push(format!("{about}: {}", reason(&tried)));
+        }
+        if *slip >= 1.0 && *recurrence >= 4.0 && *noise <= 0.02 {
+            clear += 1;
+            let read = |&&(_, f): &&(usize, usize)| {
+                tried.found[f].mu_s.is_some() && tried.found[f].mu.is_some()
+            };
+            clear_events[0] += tried.pairs.iter().filter(read).count();
+            clear_events[1] += tried.truths.len();
+        }
+    }
+    println!("{scenes} scenes, seed {seed}");
+    println!("\n{} with a mean more than 5 combined standard deviations off:", far.len());
+    far.iter().for_each(|line| println!("- {line}"));
+    println!("\n{} without a mean of both coefficients:", refused.len());
+    refused.iter().for_each(|line| println!("- {line}"));
+    let [read, all] = clear_events;
+    println!(
+        "\n{clear} with slips of a sample or more, a recurrence of four or more and noise of 2 % or \
+         less: {read} of their {all} events with both coefficients ({:.1} %)",
+        100.0 * f64::from(read as u32) / f64::from((all as u32).max(1))
+    );
+    Ok(())
+}

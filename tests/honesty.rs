@@ -1,0 +1,267 @@
+//! Never wrong and sure: every class of trouble in `host-sim/scenes/honesty`, held to its
+//! aims.
+//!
+//! `cargo test -p floe-tests --test honesty -- --nocapture` prints the table;
+//! `FLOE_TABLE=write` writes it into `docs/honesty.md`. Figures that do not reach their
+//! aims are in `tests/golden/honesty-not-yet.csv`, each with the reason.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use floe::sim::Scene;
+use floe_tests::aims::{self, Check};
+use floe_tests::honesty::{Class, Intervals, Judged, Kind};
+
+/// Records of a class, and of one of the shortest.
+const SEEDS: u64 = 12;
+const SHORT_SEEDS: u64 = 100;
+
+/// All classes in the order of the table.
+const CLASSES: [(&str, Kind); 43] = [
+    ("base", Kind::Events),
+    ("tightened_held", Kind::Events),
+    ("held_only", Kind::Nothing),
+    ("noise_only", Kind::Nothing),
+    ("steady_sliding", Kind::Nothing),
+    ("pauses", Kind::Events),
+    ("many_pauses", Kind::Events),
+    ("first_rate_5", Kind::Events),
+    ("first_rate_20", Kind::Events),
+    ("first_rate_70", Kind::Events),
+    ("one_event", Kind::Events),
+    ("two_events", Kind::Events),
+    ("three_events", Kind::Events),
+    ("damping_1", Kind::Unseen),
+    ("damping_2", Kind::Unseen),
+    ("damping_5", Kind::Unseen),
+    ("drag_10", Kind::Unseen),
+    ("drag_50", Kind::Unseen),
+    ("drag_quadratic", Kind::Unseen),
+    ("drift_1", Kind::Unseen),
+    ("drift_5", Kind::Unseen),
+    ("wandering", Kind::Events),
+    ("ar1_50", Kind::Events),
+    ("ar1_90", Kind::Events),
+    ("hum_5", Kind::Events),
+    ("hum_20", Kind::Events),
+    ("jitter_2", Kind::Events),
+    ("jitter_10", Kind::Events),
+    ("lag_30", Kind::Events),
+    ("rocking", Kind::Events),
+    ("cogging_2_5", Kind::Events),
+    ("cogging_5", Kind::Events),
+    ("along_slip", Kind::Events),
+    ("short_slips", Kind::Events),
+    ("slack", Kind::Events),
+    ("short_sticks", Kind::Events),
+    ("aliased", Kind::Refused),
+    ("winding_back", Kind::Events),
+    ("hand_released", Kind::Refused),
+    ("breakaway", Kind::Refused),
+    ("falling", Kind::Events),
+    ("stribeck", Kind::Events),
+    ("rate_and_state", Kind::Events),
+];
+
+struct Row {
+    name: &'static str,
+    kind: Kind,
+    about: String,
+    class: Class,
+}
+
+fn folder() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../host-sim/scenes/honesty")
+}
+
+fn row(&(name, kind): &(&'static str, Kind)) -> Row {
+    let text = fs::read_to_string(folder().join(format!("{name}.toml"))).unwrap();
+    let scene = Scene::from_toml(&text).unwrap_or_else(|e| panic!("{name}: {e}"));
+    let about = text.lines().next().unwrap().trim_matches(['#', ' ']).to_owned();
+    let seeds = if scene.duration_s < 10.0 { SHORT_SEEDS } else { SEEDS };
+    Row { name, kind, about, class: Class::of(&scene, kind, seeds) }
+}
+
+/// All rows, on all processors.
+fn rows() -> Vec<Row> {
+    let (next, done) = (AtomicUsize::new(0), Mutex::new(Vec::new()));
+    let threads = std::thread::available_parallelism().map_or(1, usize::from);
+    std::thread::scope(|scope| {
+        for _ in 0..threads {
+            scope.spawn(|| {
+                while let Some(class) = CLASSES.get(next.fetch_add(1, Ordering::Relaxed)) {
+                    let row = row(class);
+                    done.lock().unwrap().push(row);
+                }
+            });
+        }
+    });
+    let mut rows = done.into_inner().unwrap();
+    rows.sort_by_key(|row| CLASSES.iter().position(|c| c.0 == row.name));
+    rows
+}
+
+/// A figure of both coefficients.
+fn both(intervals: &[Intervals; 2], of: fn(&Intervals) -> f64) -> String {
+    let figure = |i: &Intervals| {
+        if i.count() == 0 {
+            return "-".to_owned();
+        }
+        let value = of(i);
+        if value < 100.0 { format!("{value:.2}") } else { format!("{value:.0}") }
+    };
+    format!("{} {}", figure(&intervals[0]), figure(&intervals[1]))
+}
+
+impl Row {
+    fn text(&self) -> String {
+        let Self { name, kind, about, class: Class { exact, drawn } } = self;
+        let judged = matches!(kind, Kind::Events | Kind::Unseen);
+        let if_judged = |text: String| if judged { text } else { "-".to_owned() };
+        let share = exact.read as f64 / exact.true_events().max(1) as f64;
+        let cells = [
+            exact.true_events().to_string(),
+            if_judged(format!("{:.3}", exact.detection.f1())),
+            exact.invented(*kind).to_string(),
+            if_judged(format!("{share:.3}")),
+            if_judged(both(&exact.events, Intervals::coverage)),
+            if_judged(both(&exact.means, Intervals::coverage)),
+            if_judged(both(&exact.events, |i| 100.0 * i.beyond_five())),
+            if_judged(both(&exact.events, Intervals::worst)),
+            if_judged(both(&exact.means, Intervals::worst)),
+            if_judged(both(&exact.events, Intervals::width)),
+            if_judged(both(&drawn.events, Intervals::coverage)),
+            if_judged(both(&drawn.means, Intervals::coverage)),
+        ];
+        format!("| {name} | {about} | {} |", cells.join(" | "))
+    }
+
+    /// Its figures beside their aims.
+    fn checks(&self) -> Vec<Check> {
+        let Self { name, kind, class: Class { exact, drawn }, .. } = self;
+        let invented = exact.invented(*kind) as f64;
+        if !matches!(kind, Kind::Events | Kind::Unseen) {
+            return vec![Check::most(name, "invented", invented, 0.0)];
+        }
+        let n = exact.true_events() as f64;
+        let answered = (exact.read + exact.reasoned) as f64 / n;
+        let mut checks = vec![
+            Check::least(name, "F1", exact.detection.f1(), 0.98),
+            Check::least(name, "share with coefficients or a reason", answered, 0.95),
+        ];
+        checks.extend(self.interval_checks(exact, "", *kind == Kind::Events));
+        checks.extend(self.interval_checks(drawn, "; drawn inputs", false));
+        checks
+    }
+
+    fn interval_checks(&self, judged: &Judged, when: &str, sharp: bool) -> Vec<Check> {
+        let mut checks = Vec::new();
+        for (i, coefficient) in ["mu_s", "mu"].into_iter().enumerate() {
+            let (events, means) = (&judged.events[i], &judged.means[i]);
+            let mut check = |what: &str, value: f64, limits: (f64, f64)| {
+                let what = format!("{what} of {coefficient}{when}");
+                checks.push(Check::between(self.name, &what, value, limits));
+            };
+            // The inputs' errors are one draw a record.
+            let draws = if when.is_empty() { events.count() } else { means.count() };
+            let (least, most) = coverage_limits(draws);
+            check("coverage", events.coverage(), (least, most));
+            // A record that states no interval for its mean is not wrong.
+            if means.count() > 0 {
+                check("coverage of the mean", means.coverage(), coverage_limits(means.count()));
+            }
+            if when.is_empty() {
+                check("share beyond five", events.beyond_five(), (0.0, 0.005));
+            }
+            if sharp {
+                check("std over rms error", events.width(), (0.0, 2.0));
+            }
+        }
+        checks
+    }
+}
+
+/// .90 to .99, and what chance adds at so many draws: three standard errors.
+fn coverage_limits(draws: usize) -> (f64, f64) {
+    let chance = 3.0 * (0.95 * 0.05 / draws.max(1) as f64).sqrt();
+    (0.90 - chance, 0.99 + chance)
+}
+
+const HEAD: &str = "\
+# Never wrong and sure
+
+Every class of trouble in `host-sim/scenes/honesty` and what the core makes of it. Base case: DFF8-13 (630 N, 23 kN/m,
+15.7 mm/s), white noise of 2 N, friction that scatters by 1 %. Seeds 1 to 12 (records under 10 s: 1 to 100), each with
+another sampling phase; every event counts, the first ones too. This page is written by
+`FLOE_TABLE=write cargo test -p floe-tests --test honesty`; the same test holds every row to the aims, but for the
+figures in `tests/golden/honesty-not-yet.csv`: those miss them, by how much and why stands there. That list only gets
+shorter: nothing is put on it by the command, and a figure that gets worse than it says fails the test.
+
+Pairs are of mu_s and mu. *invented*: events where there is none; for `aliased`, `hand_released` and `breakaway` events
+with a coefficient, since there is a movement that may be reported and refused. *read*: share of the true events with both
+coefficients. *cover*: share of the stated 95 % intervals that hold the truth; of the mean: the coefficient of the
+population. *> 5*: events more than five stated standard deviations off, percent. *worst*: largest error in standard
+deviations. *std/rms*: median stated standard deviation over the root-mean-square error. The last two columns judge the
+same records with weight (0.3 %), slope (0.2 degrees), zero (0.1 % of the largest force) and span (0.1 %) off by a draw
+of those standard deviations for each record, which the core is told; all others have exact inputs. Intervals are the
+combined ones; the prior of the cable's damping (0.5 % of critical) is asked in the classes of damping, drag and drift only.
+
+Aims: F1 0.98, nothing invented where there is nothing, 95 % of the events read or with a reason, coverage 0.90 to 0.99 (and
+three standard errors of so many draws), at most 0.5 % of the events beyond five, std/rms at most 2 unless the cause
+cannot be seen in the samples (damping, drag, drift).
+
+The truth's mu is the average over the distance slid, mu_s the force at which the slip begins over the normal force;
+where the onset is smooth (`stribeck`, `rate_and_state`) the peak of the force.
+
+| class | what it is | events | F1 | invented | read | cover, events | cover, mean | > 5, % | worst, events | worst, mean | std/rms | drawn: events | drawn: mean |
+|---|---|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|
+";
+
+fn page_file() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/honesty.md")
+}
+
+#[test]
+fn every_class_keeps_its_aims_or_is_known_to_miss_them() {
+    let rows = rows();
+    let table: Vec<String> = rows.iter().map(Row::text).collect();
+    println!("{}", table.join("\n"));
+    let checks: Vec<Check> = rows.iter().flat_map(Row::checks).collect();
+    let list = Path::new(env!("CARGO_MANIFEST_DIR")).join("golden/honesty-not-yet.csv");
+    if std::env::var("FLOE_TABLE").is_ok_and(|what| what == "write") {
+        aims::shrink(&list, &checks);
+        let missed = missed(&checks, &list);
+        fs::write(page_file(), format!("{HEAD}{}\n{missed}", table.join("\n"))).unwrap();
+    }
+    let faults = aims::faults(&checks, &aims::not_yet(&list));
+    assert!(faults.is_empty(), "{} faults\n{}", faults.len(), faults.join("\n"));
+    let page = fs::read_to_string(page_file()).unwrap();
+    let has = |name: &str| page.contains(&format!("\n| {name} | "));
+    assert!(page.starts_with(HEAD) && CLASSES.iter().all(|c| has(c.0)), "FLOE_TABLE=write");
+}
+
+/// The figures that miss their aims, as a section of the page.
+fn missed(checks: &[Check], list: &Path) -> String {
+    let list = aims::not_yet(list);
+    let line = |check: &Check| {
+        let Check { row, what, value, miss } = check;
+        let entry = list.iter().find(|e| e.row == *row && e.what == *what);
+        let why = entry.map_or("not on the list", |e| e.why.as_str());
+        format!("| {row} | {what} | {value:.3} | {miss:.3} | {why} |\n")
+    };
+    let lines: String = checks.iter().filter(|c| c.miss > 0.0).map(line).collect();
+    format!(
+        "\n## What misses its aim\n\n| class | figure | is | from the aim | why |\n\
+         |---|---|---:|---:|---|\n{lines}"
+    )
+}
+
+#[test]
+fn every_scene_is_a_class() {
+    for file in fs::read_dir(folder()).unwrap() {
+        let name = file.unwrap().path().file_stem().unwrap().to_str().unwrap().to_owned();
+        assert!(CLASSES.iter().any(|c| c.0 == name), "{name}");
+    }
+}

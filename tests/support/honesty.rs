@@ -1,0 +1,276 @@
+//! Never wrong and sure: one class of trouble after the other, judged twice.
+//!
+//! (a) with exact inputs, (b) with weight, slope, zero and span drawn for each record from
+//! the standard deviations that are stated for them.
+
+use floe::bench::Found;
+use floe::bench::matching::{Detection, matched};
+use floe::bench::scenes::Truth;
+use floe::sim::{Scene, Simulation, TrueEvent, simulate};
+use floe_core::{Coefficient, Config, Estimate, Event, InputStd, Report};
+
+use crate::normal::Normal;
+use crate::score::{quantile, rms};
+use crate::{both, feed};
+
+/// Time after a stop that an event needs to be judged, s: some of the line after it.
+const AFTER_S: f64 = 0.6;
+
+/// What is stated about the inputs, the core's defaults: relative weight, slope in degrees,
+/// zero as a part of the largest force, relative span.
+const INPUTS: [f64; 4] = [0.003, 0.2, 0.001, 0.001];
+
+/// What a class asks for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// Coefficients with intervals that hold, and are no wider than they have to be.
+    Events,
+    /// The same, but the cause cannot be seen in the samples: the stated prior is as wide
+    /// as it is.
+    Unseen,
+    /// No event at all.
+    Nothing,
+    /// Events, if any, without coefficients.
+    Refused,
+}
+
+/// What is judged: the combined standard deviation and the 95 % interval.
+mod stated {
+    use super::{Coefficient, Estimate};
+
+    pub fn event(c: &Coefficient) -> (f64, (f64, f64)) {
+        let (low, high) = c.ci95();
+        (c.combined_std().into(), (low.into(), high.into()))
+    }
+
+    /// `None`: the core says that it knows none.
+    pub fn mean(e: &Estimate) -> Option<(f64, (f64, f64))> {
+        let (std, (low, high)) = e.combined_std().zip(e.ci95())?;
+        Some((std.into(), (low.into(), high.into())))
+    }
+}
+
+/// Intervals of one coefficient against the truth.
+#[derive(Clone, Debug, Default)]
+pub struct Intervals {
+    errors: Vec<f64>,
+    stds: Vec<f64>,
+    covered: usize,
+}
+
+impl Intervals {
+    fn add(&mut self, value: f32, truth: f64, (std, (low, high)): (f64, (f64, f64))) {
+        self.errors.push(f64::from(value) - truth);
+        self.stds.push(std);
+        self.covered += usize::from((low..=high).contains(&truth));
+    }
+
+    /// How many.
+    #[must_use]
+    pub fn count(&self) -> usize {
+        self.errors.len()
+    }
+
+    /// Share that holds the truth.
+    #[must_use]
+    pub fn coverage(&self) -> f64 {
+        self.covered as f64 / self.count() as f64
+    }
+
+    /// Errors in standard deviations.
+    pub fn scaled(&self) -> impl Iterator<Item = f64> + '_ {
+        self.errors.iter().zip(&self.stds).map(|(e, s)| (e / s).abs())
+    }
+
+    /// Worst error in standard deviations.
+    #[must_use]
+    pub fn worst(&self) -> f64 {
+        self.scaled().fold(0.0, f64::max)
+    }
+
+    /// Share of the errors beyond five standard deviations.
+    #[must_use]
+    pub fn beyond_five(&self) -> f64 {
+        self.scaled().filter(|z| *z > 5.0).count() as f64 / self.count() as f64
+    }
+
+    /// Median standard deviation over the root-mean-square error.
+    #[must_use]
+    pub fn width(&self) -> f64 {
+        quantile(self.stds.iter().copied(), 0.5) / rms(&self.errors)
+    }
+}
+
+/// One judgement of a class: pairs are of `mu_s` and `mu`.
+#[derive(Clone, Debug, Default)]
+pub struct Judged {
+    /// How well the events were found.
+    pub detection: Detection,
+    /// Found events with a coefficient that belong to no true one.
+    pub wrong_coefficients: usize,
+    /// True events with both coefficients.
+    pub read: usize,
+    /// True events without, whose event says why.
+    pub reasoned: usize,
+    /// Of the events.
+    pub events: [Intervals; 2],
+    /// Of the means; one for each record that states an interval.
+    pub means: [Intervals; 2],
+}
+
+impl Judged {
+    /// True events.
+    #[must_use]
+    pub fn true_events(&self) -> usize {
+        self.detection.hits + self.detection.misses
+    }
+
+    /// What was invented: events, or events with coefficients where others are allowed.
+    #[must_use]
+    pub fn invented(&self, kind: Kind) -> usize {
+        if kind == Kind::Refused { self.wrong_coefficients } else { self.detection.false_alarms }
+    }
+
+    /// Only the first `judged` of the true events count, and what was found there.
+    fn add(&mut self, truths: &[TrueEvent], judged: usize, found: &[Event], hz: f64) {
+        let (mut pairs, Detection { false_alarms, .. }) = pair(truths, found, hz);
+        let is_paired = |f: usize, pairs: &[(usize, usize)]| pairs.iter().any(|p| p.1 == f);
+        let paired: Vec<bool> = (0..found.len()).map(|f| is_paired(f, &pairs)).collect();
+        pairs.retain(|(t, _)| *t < judged);
+        let hits = pairs.len();
+        self.detection.add(Detection { hits, false_alarms, misses: judged - hits });
+        let has_value = |e: &Event| e.mu_s.is_some() || e.mu.is_some();
+        let wrong = found.iter().enumerate().filter(|(f, e)| !paired[*f] && has_value(e));
+        self.wrong_coefficients += wrong.count();
+        for &(t, f) in &pairs {
+            let (truth, found) = (&truths[t], &found[f]);
+            let both = found.mu_s.is_some() && found.mu.is_some();
+            self.read += usize::from(both);
+            self.reasoned += usize::from(!both && found.reason.is_some());
+            let values = [(found.mu_s, truth.mu_s), (found.mu, truth.mu)];
+            for (intervals, (got, truth)) in self.events.iter_mut().zip(values) {
+                if let Some(got) = got {
+                    intervals.add(got.value, truth, stated::event(&got));
+                }
+            }
+        }
+    }
+
+    fn add_means(&mut self, report: &Report, truth: [f64; 2]) {
+        let means = [report.mu_s, report.mu];
+        for (intervals, (mean, truth)) in self.means.iter_mut().zip(means.into_iter().zip(truth)) {
+            let Some(mean) = mean else { continue };
+            if let Some(interval) = stated::mean(&mean) {
+                intervals.add(mean.mean, truth, interval);
+            }
+        }
+    }
+}
+
+/// A class: (a) with exact inputs, (b) with drawn ones.
+#[derive(Clone, Debug, Default)]
+pub struct Class {
+    /// Exact inputs.
+    pub exact: Judged,
+    /// Drawn inputs.
+    pub drawn: Judged,
+}
+
+/// One record; its first events are judged.
+struct Record {
+    simulation: Simulation,
+    judged: usize,
+}
+
+impl Class {
+    /// Runs a scene with the seeds 1, 2, ...
+    ///
+    /// # Panics
+    /// The scene cannot be simulated.
+    #[must_use]
+    pub fn of(scene: &Scene, kind: Kind, seeds: u64) -> Self {
+        let records: Vec<Record> = (1..=seeds).map(|seed| record(scene, kind, seed)).collect();
+        let population = population(scene, &records);
+        let mut class = Self::default();
+        for (seed, record) in (1..).zip(&records) {
+            // The prior of the losses is asked where there are some.
+            let damping = if kind == Kind::Unseen { InputStd::default().damping } else { 0.0 };
+            for (judged, errors, std) in [
+                (&mut class.exact, [0.0; 4], InputStd { damping, ..InputStd::EXACT }),
+                (&mut class.drawn, input_errors(seed), InputStd { damping, ..InputStd::default() }),
+            ] {
+                let (found, report) = read(scene, record, errors, std);
+                let truths =
+                    if kind == Kind::Refused { &[][..] } else { &record.simulation.events };
+                judged.add(truths, record.judged, &found, scene.rate_hz);
+                if kind == Kind::Events || kind == Kind::Unseen {
+                    judged.add_means(&report, population);
+                }
+            }
+        }
+        class
+    }
+}
+
+fn record(scene: &Scene, kind: Kind, seed: u64) -> Record {
+    let mut scene = scene.clone();
+    // The golden section spreads any number of sampling phases evenly.
+    let phase = (seed as f64 * 0.618_033_988_749_895).fract();
+    let rate = scene.stiffness_n_per_m * scene.winch_m_per_s;
+    scene.start_force_n += phase * rate / scene.rate_hz;
+    let simulation = simulate(&scene, seed).expect("a scene");
+    let is_judged = |e: &TrueEvent| e.stop_s + AFTER_S < scene.duration_s;
+    let judged = simulation.events.partition_point(is_judged);
+    Record { simulation, judged: if kind == Kind::Refused { 0 } else { judged } }
+}
+
+/// What the mean of a record estimates: the scene's coefficients, or where a law makes
+/// others of them, the average over all records.
+fn population(scene: &Scene, records: &[Record]) -> [f64; 2] {
+    let lawful = scene.stribeck.is_some()
+        || scene.rate_and_state.is_some()
+        || scene.rate_dependence.is_some()
+        || scene.along_slip.is_some()
+        || scene.rocking.is_some();
+    if !lawful {
+        let (mu_s, mu) = scene.coefficients();
+        return [mu_s, mu];
+    }
+    let events: Vec<&TrueEvent> = records.iter().flat_map(|r| &r.simulation.events).collect();
+    let mean = |of: fn(&TrueEvent) -> f64| {
+        events.iter().map(|e| of(e)).sum::<f64>() / events.len().max(1) as f64
+    };
+    [mean(|e| e.mu_s), mean(|e| e.mu)]
+}
+
+/// Errors of weight, slope, zero and span of a record, in the units of [`INPUTS`].
+fn input_errors(seed: u64) -> [f64; 4] {
+    let mut normal = Normal::new(1000 + seed);
+    INPUTS.map(|std| std * normal.sample())
+}
+
+fn read(scene: &Scene, record: &Record, errors: [f64; 4], std: InputStd) -> (Vec<Event>, Report) {
+    let [weight, slope_deg, zero, span] = errors;
+    let forces = record.simulation.samples.iter().map(|s| s.force_n.abs());
+    let zero_n = zero * forces.fold(0.0, f64::max);
+    let mut config = Config { std, ..both::config(scene) };
+    config.weight_n *= 1.0 + weight as f32;
+    config.slope_rad += slope_deg.to_radians() as f32;
+    let seen = |force_n: f64| (1.0 + span) * force_n + zero_n;
+    let samples = record.simulation.samples.iter();
+    let outcome = feed::replay(&config, samples.map(|s| feed::force(s.index, seen(s.force_n))));
+    (outcome.events, outcome.report)
+}
+
+fn pair(truths: &[TrueEvent], found: &[Event], hz: f64) -> (Vec<(usize, usize)>, Detection) {
+    let truths = truths.iter().map(|e| Truth {
+        onset_s: e.onset_s,
+        stop_s: e.stop_s,
+        mu_s: e.mu_s,
+        mu: e.mu,
+        bound: None,
+    });
+    let onset_s = |e: &Event| both::periods(e) / hz;
+    let found = found.iter().map(|e| Found { onset_s: onset_s(e), mu_s: None, mu: None });
+    matched(&truths.collect::<Vec<_>>(), &found.collect::<Vec<_>>(), hz)
+}
