@@ -212,11 +212,11 @@ mod pictures;
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::weighing::{Load, Swing};
     use embedded_graphics::Drawable;
     use embedded_graphics::mock_display::MockDisplay;
     use embedded_graphics::mono_font::MonoTextStyle;
     use embedded_graphics::text::{Baseline, Text};
-    use floe_core::weighing::{Load, Swing};
     use floe_core::{Coefficient, Provisional, SampleTime};
 
     pub(super) fn nothing() -> View {

@@ -36,3 +36,4 @@ pub mod settings;
 pub mod store;
 pub mod text;
 pub mod wall_clock;
+pub mod weighing;

@@ -1,11 +1,11 @@
 //! What is measured while nothing is pulled: the zero, the span, the weight.
 //!
-//! All three are the mean of a load at rest ([`floe_core::weighing`]), which grows sharper
+//! All three are the mean of a load at rest ([`crate::weighing`]), which grows sharper
 //! until somebody says `accept` or `abort`. Nothing changes before.
 
+use crate::weighing::{Load, Rest, Unrest, Weighing};
 use floe_core::num::math::{hypotenuse, sqrt};
 use floe_core::signal::calibrate::Calibrator;
-use floe_core::weighing::{Load, Rest, Unrest, Weighing};
 use floe_core::{Counts, Reading};
 use heapless::Vec;
 
@@ -14,7 +14,7 @@ use crate::line::{Decimal, Text, Weighed};
 use crate::notebook::WeightFrom;
 use crate::sample::{RATE_HZ, Sample};
 use crate::settings::Settings;
-use crate::text::{Fixed, text};
+use crate::text::{Fixed, join, text};
 
 /// Weights of one calibration.
 const MOST_WEIGHTS: usize = 4;
@@ -313,10 +313,19 @@ fn tare_news(rest: &Rest, settings: &Settings) -> Text {
     } else {
         ""
     };
-    let (std, scatter) = (Fixed(rest.std, 1), Fixed(rest.scatter, 1));
-    let zero = ("zero ", Fixed(rest.mean, 1), (" +- ", std, (" codes, scatter ", scatter)));
-    let moves = (", moves by ", Fixed(moved_n, 2), (" N", warning, ": accept, or abort"));
-    text((zero, moves))
+    join(&[
+        &"zero ",
+        &Fixed(rest.mean, 1),
+        &" +- ",
+        &Fixed(rest.std, 1),
+        &" codes, scatter ",
+        &Fixed(rest.scatter, 1),
+        &", moves by ",
+        &Fixed(moved_n, 2),
+        &" N",
+        &warning,
+        &": accept, or abort",
+    ])
 }
 
 fn span_news(span: Span, load: &Load, settings: &Settings) -> Text {
@@ -334,9 +343,19 @@ fn span_news(span: Span, load: &Load, settings: &Settings) -> Text {
         ""
     };
     let swing_deg = load.swing.map_or(0.0, |swing| swing.amplitude_rad.to_degrees());
-    let line = ("span ", Decimal(counts_per_n), (" +- ", Fixed(std, 4), " codes per N, off by "));
-    let found = (Fixed(residual_n, 3), " N, swing ", (Fixed(swing_deg, 1), " deg", warning));
-    text((line, found, ": accept, abort, or hang another and calibrate N"))
+    join(&[
+        &"span ",
+        &Decimal(counts_per_n),
+        &" +- ",
+        &Fixed(std, 4),
+        &" codes per N, off by ",
+        &Fixed(residual_n, 3),
+        &" N, swing ",
+        &Fixed(swing_deg, 1),
+        &" deg",
+        &warning,
+        &": accept, abort, or hang another and calibrate N",
+    ])
 }
 
 fn rounded(value: f32) -> i32 {

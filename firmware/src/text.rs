@@ -81,6 +81,14 @@ pub(crate) fn text(content: impl Show) -> Text {
     text
 }
 
+/// The same of many parts, of which each is not worth a function of its own.
+#[inline(never)]
+pub(crate) fn join(parts: &[&dyn Show]) -> Text {
+    let mut text = Text::new();
+    let _ = parts.iter().try_for_each(|part| part.show(&mut text));
+    text
+}
+
 /// A number with so many decimals, 1 to 4.
 #[derive(Clone, Copy, Debug)]
 pub struct Fixed(pub f32, pub u32);

@@ -7,11 +7,11 @@ use std::{env, fs};
 
 use core::convert::Infallible;
 
+use crate::weighing::{Load, Swing};
 use embedded_graphics::Pixel;
 use embedded_graphics::geometry::{OriginDimensions, Size};
 use embedded_graphics::pixelcolor::BinaryColor;
 use embedded_graphics::prelude::DrawTarget;
-use floe_core::weighing::{Load, Swing};
 use floe_core::{Cause, Change, Coefficient, Estimate, Phase, Pipeline, Provisional, Report};
 use floe_core::{Config, SampleTime};
 

@@ -13,8 +13,8 @@ mod write;
 
 use core::fmt;
 
+use crate::weighing::Load;
 use crc::{CRC_16_XMODEM, Crc, NoTable};
-use floe_core::weighing::Load;
 use floe_core::{Change, Event, Phase, Provisional, Report, SampleFlag, Stretch};
 use heapless::String;
 
@@ -222,7 +222,7 @@ mod tests {
     use super::*;
     use crate::notebook::{Kind, Notes, Track, WeightFrom};
     use crate::settings::{Effects, Stds, Zero};
-    use floe_core::weighing::Swing;
+    use crate::weighing::Swing;
     use floe_core::{
         Calibration, Cause, Coefficient, Config, Counters, Estimate, InputStd, Pipeline, Quality,
         Quantity, Reason, SampleTime, StretchKind,

@@ -1,6 +1,6 @@
 //! Text to values: the host's half.
 
-use floe_core::weighing::{Load, Swing};
+use crate::weighing::{Load, Swing};
 use floe_core::{
     Calibration, Change, Coefficient, Config, Counters, Estimate, Event, InputStd, Provisional,
     Quantity, Report, SampleTime, Stretch, StretchKind,

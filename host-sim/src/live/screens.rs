@@ -3,9 +3,9 @@
 
 use std::path::Path;
 
-use floe_core::weighing::{Load, Swing};
 use floe_core::{Phase, SampleFlag};
 use floe_firmware::line::{Health, Line, Weighed};
+use floe_firmware::weighing::{Load, Swing};
 
 use super::ask::Ask;
 use super::flow::wrapped;

@@ -1,6 +1,6 @@
 //! The last 64 s as means of a quarter of a second.
 
-use crate::num::math::larger;
+use floe_core::num::math::larger;
 
 /// Means that are kept; an even number.
 const LEN: usize = 256;

@@ -22,7 +22,7 @@ mod window;
 pub use load::{Load, Swing};
 pub use sine::Oscillation;
 
-use crate::num::math::{larger, sqrt};
+use floe_core::num::math::{larger, sqrt};
 use sine::Fit;
 use window::Window;
 
