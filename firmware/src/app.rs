@@ -270,12 +270,17 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
             rate_n_per_s: test.and_then(|test| test.rate_n_per_s),
             weighed,
             unix_ms: self.clock.at(self.newest),
-            report: test.and(self.pipeline.as_ref()).map(Pipeline::report),
+            report: self.report(),
             phase: test.map_or(Phase::Unknown, |t| t.phase),
             provisional: test.and_then(|t| t.about).map(|about| about.answer),
             health: self.health(),
             card: self.card.unwrap_or_default(),
         }
+    }
+
+    /// The result so far, while a test is running.
+    fn report(&self) -> Option<Report> {
+        self.pipeline.as_ref().filter(|_| self.testing()).map(Pipeline::report)
     }
 
     /// The card.
@@ -475,6 +480,7 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
         Ok(())
     }
 
+    #[inline(never)]
     fn stop(&mut self) -> Result<(), &'static str> {
         if !self.testing() {
             return Err("no test is running");
@@ -485,7 +491,7 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
         while let Some(stretch) = self.pipeline.as_mut().and_then(Pipeline::finish_stretch) {
             self.tell(&Line::Stretch(stretch));
         }
-        if let Some(report) = self.view().report {
+        if let Some(report) = self.report() {
             self.tell(&Line::Report(report));
         }
         self.tell(&Line::Health(self.health()));
@@ -520,14 +526,14 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
     }
 
     /// Only to the console: the card has it all, and a display asks often.
+    #[inline(never)]
     fn status(&mut self) {
         let settings = Line::Start { run: self.part.run, settings: self.settings.clone() };
         self.console.tell(&settings);
-        let view = self.view();
-        if let Some(report) = view.report {
+        if let Some(report) = self.report() {
             self.console.tell(&Line::Report(report));
         }
-        self.console.tell(&Line::Health(view.health));
+        self.console.tell(&Line::Health(self.health()));
     }
 
     fn begin_self_test(&mut self) {

@@ -4,7 +4,7 @@
 //! until somebody says `accept` or `abort`. Nothing changes before.
 
 use crate::weighing::{Load, Rest, Unrest, Weighing};
-use floe_core::num::math::{hypotenuse, sqrt};
+use floe_core::num::math::{hypotenuse, larger, sqrt};
 use floe_core::signal::calibrate::Calibrator;
 use floe_core::{Counts, Reading};
 use heapless::Vec;
@@ -254,14 +254,20 @@ impl Measuring {
     fn span(&self) -> Result<(Span, Load), &'static str> {
         let Task::Calibrate(force_n) = self.task else { return Err("no calibration") };
         let newest = self.load()?;
-        let all = || self.weights.iter().copied().chain([(force_n, newest)]);
-        let squares: f32 = all().map(|(force_n, _)| force_n * force_n).sum();
-        let products: f32 = all().map(|(force_n, load)| force_n * load.value).sum();
-        let variance: f32 = all().map(|(force_n, load)| force_n * load.std).map(|x| x * x).sum();
+        let last = (force_n, newest);
+        let all = || self.weights.iter().chain([&last]);
+        let (mut squares, mut products, mut variance, mut largest_n) = (0.0, 0.0, 0.0, 0.0_f32);
+        for (force_n, load) in all() {
+            squares += force_n * force_n;
+            products += force_n * load.value;
+            variance += force_n * force_n * load.std * load.std;
+            largest_n = larger(largest_n, *force_n);
+        }
         let counts_per_n = products / squares;
-        let residual = |(force_n, load): (f32, Load)| (load.value / counts_per_n - force_n).abs();
-        let residual_n = all().map(residual).fold(0.0, f32::max);
-        let largest_n = all().map(|(force_n, _)| force_n).fold(0.0, f32::max);
+        let mut residual_n = 0.0;
+        for (force_n, load) in all() {
+            residual_n = larger(residual_n, (load.value / counts_per_n - force_n).abs());
+        }
         let std = sqrt(variance) / squares;
         let good = counts_per_n.is_finite() && counts_per_n != 0.0;
         let span = Span { counts_per_n, std, residual_n, largest_n };
