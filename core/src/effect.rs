@@ -11,6 +11,8 @@ use core::fmt;
 /// One effect.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
 #[repr(u8)]
 pub enum Effect {
     /// Creep before the onset and the mean that a converter takes round off the corners.
@@ -83,6 +85,7 @@ impl fmt::Display for Effect {
 /// A set of effects.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Effects(u32);
 
 impl Effects {
@@ -138,6 +141,7 @@ impl Default for Effects {
 
 /// A number that an effect has, as far as the events of a test tell it.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Parameter {
     /// What it is, with its unit.
     pub name: &'static str,
@@ -149,6 +153,7 @@ pub struct Parameter {
 
 /// What a test says of one effect.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Finding {
     /// Which.
     pub effect: Effect,

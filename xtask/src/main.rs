@@ -10,8 +10,11 @@ mod defmt;
 mod emulate;
 mod flash;
 mod image;
+mod libraries;
 mod maths;
 mod panics;
+mod performance;
+mod pictures;
 mod python;
 mod qemu;
 mod shell;
@@ -59,6 +62,10 @@ enum Job {
     },
     /// Errors and speed of the elementary functions, into docs/maths.md
     Maths,
+    /// Speed of readers, replay, simulator and campaign beside others, into docs/performance.md
+    Performance,
+    /// The pictures of the README: a report and the live view, into docs/
+    Pictures,
     /// Write the firmware to a NUCLEO-L476RG on USB
     Flash,
     /// The files to copy onto the board's USB drive: .bin and .hex
@@ -79,6 +86,8 @@ fn main() -> ExitCode {
         Job::Bench => bench::run(cli.arm),
         Job::Budgets { write } => budgets::run(cli.arm, *write),
         Job::Maths => maths::run(cli.arm),
+        Job::Performance => performance::run_all(),
+        Job::Pictures => pictures::run_all(),
         Job::Flash => flash::run(cli.arm),
         Job::Image => image::run(cli.arm),
         #[cfg(feature = "defmt")]
