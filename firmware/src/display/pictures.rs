@@ -20,6 +20,7 @@ use super::tests::nothing;
 use crate::app::View;
 use crate::line::{Health, Weighed};
 use crate::measuring::Hindrance;
+use crate::store::CardState;
 
 const WIDTH: usize = 128;
 const HEIGHT: usize = 64;
@@ -131,7 +132,7 @@ fn views() -> [(&'static str, View); 9] {
         ("sticks", sticks),
         ("slips", slips),
         ("block-broke", broke),
-        ("no-card", View { health: no_card, ..sticks }),
+        ("no-card", View { health: no_card, card: CardState::NoCard, ..sticks }),
     ]
 }
 

@@ -488,7 +488,13 @@ mod tests {
         let test =
             |weight_n| TestSummary { test_id: None, weight_n, slope_rad: 0.0, mass_kg: None };
         let text = |weight_n| serde_json::to_string(&test(weight_n)).unwrap();
-        assert_eq!(text(0.3_f32.into()), r#"{"test_id":null,"weight_n":0.3,"slope_rad":0.0}"#);
-        assert_eq!(text(f64::NAN), r#"{"test_id":null,"weight_n":null,"slope_rad":0.0}"#);
+        assert_eq!(
+            text(0.3_f32.into()),
+            r#"{"test_id":null,"weight_n":0.3,"slope_rad":0.0,"mass_kg":null}"#
+        );
+        assert_eq!(
+            text(f64::NAN),
+            r#"{"test_id":null,"weight_n":null,"slope_rad":0.0,"mass_kg":null}"#
+        );
     }
 }
