@@ -49,7 +49,7 @@ enum Job {
         firmware: bool,
     },
     /// Run a log through the firmware in the emulator
-    Emulate(emulate::Args),
+    Emulate(Box<emulate::Args>),
     /// Every bundled log and scene through the firmware, compared with this PC bit for bit
     Logs {
         /// Which board
