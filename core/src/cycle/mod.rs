@@ -389,7 +389,7 @@ impl CycleTracker {
             return;
         }
         self.rested = Some((moment(pending.origin, shape.stop()), cycle.restick_n()));
-        let rested = rested.filter(|_| pending.wander.level > 0.0);
+        let rested = rested.filter(|_| pending.wander.level > 0.0 && !pending.broken);
         let Some(((from, from_n), (rate, rate_variance))) = rested.zip(self.learnt.own_rate) else {
             return;
         };
@@ -411,10 +411,11 @@ impl CycleTracker {
         let (sag_n, sag_n2) = self.learnt.sag.shift(cycle);
         let stiffens = self.site.effects.has(Effect::Stiffening);
         let is_straight = pending.wander.level <= 0.0 && sag_n2 <= 0.0 && cycle.is_taut();
-        (
-            sag_n - if stiffens && is_straight { self.learnt.stiffening_n(cycle) } else { 0.0 },
-            sag_n2,
-        )
+        if !is_straight {
+            return (sag_n, sag_n2);
+        }
+        let stiffening_n = if stiffens { self.learnt.stiffening_n(cycle) } else { 0.0 };
+        (sag_n - stiffening_n, sag_n2 + self.learnt.unsteady_n2(cycle))
     }
 
     /// A measured event with what it tells of a change.

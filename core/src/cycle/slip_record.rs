@@ -42,6 +42,8 @@ pub(crate) struct SlipRecord {
     /// Weight of the samples after the stop, and from when on they have it.
     pub(crate) rest_weight: f32,
     rest_from: f32,
+    /// The rate of the rest before it broke off.
+    pub(crate) broken: bool,
     /// A saturated sample, or too many missing ones, between the lines.
     pub(crate) hidden: bool,
     /// The cycle as far as it was known before the stick line after it.
@@ -129,6 +131,7 @@ impl SlipRecord {
             wander: ColoredNoise::NONE,
             rest_weight: 1.0,
             rest_from: since(first, low.index),
+            broken: stick.broken,
             hidden: false,
             early: None,
             limit: f32::MAX,
