@@ -164,7 +164,7 @@ impl CycleFit {
             return ControlFlow::Continue(());
         };
         let holds = |fit: &Fit| fit.converged && pending.holds(&fit.cycle);
-        let Some(fit) = fit.filter(holds) else {
+        let Some(mut fit) = fit.filter(holds) else {
             // Corners that are not there may be why.
             learnt.corner = CornerEstimator::default();
             return ControlFlow::Break(Outcome::Failed(Reason::NoFit));
@@ -179,6 +179,12 @@ impl CycleFit {
         let misfit = learnt.is_misfit(pending, around_n2, free - points);
         if free >= 1.0 && !misfit {
             learnt.residuals.add(squares_n2, free, pending.noise_n2);
+            let (slip, wider) = data.slip_scatter(&fit, learnt.slip.excess(), noise_n2);
+            fit.widen(wider);
+            // A force that wanders does so in the slip as well.
+            if pending.wander.level <= 0.0 {
+                learnt.slip.learn(&slip);
+            }
         }
         let now_n2 = learnt.noise_n2(pending);
         let strained = is_strained(&data, around_n2, now_n2);

@@ -8,6 +8,7 @@ use crate::effects::sag::Sag;
 use crate::fit::correction::Correction;
 use crate::fit::posterior::Posterior;
 use crate::fit::residuals::Residuals;
+use crate::fit::slip_scatter::SlipScatter;
 use crate::fit::{Data, Fit, rounding_n2};
 use crate::model::CycleParams;
 use crate::num::math;
@@ -28,6 +29,7 @@ pub(crate) struct Expectations {
     /// Loading rate as the newest event alone tells it, and its variance.
     pub(crate) own_rate: Option<(f32, f32)>,
     pub(crate) residuals: Residuals,
+    pub(crate) slip: SlipScatter,
     /// Events in a row that did not fit.
     misfits: u8,
     /// The residuals are those of weighted samples.

@@ -166,7 +166,9 @@ impl SlipRecord {
     pub(crate) fn samples(&self) -> Samples<'_> {
         let forces_n = self.forces_n.get(..self.length).unwrap_or_default();
         let (rest_weight, rest_from) = (self.rest_weight, self.rest_from);
-        Samples { start: self.start, forces_n, rest_weight, rest_from }
+        let extremes = || (since(self.origin, self.peak.index), since(self.origin, self.low.index));
+        let slip = self.early.map_or_else(extremes, |cycle| (cycle.onset, cycle.shape().stop()));
+        Samples { rest_weight, rest_from, slip, ..Samples::new(self.start, forces_n) }
     }
 
     /// Ends the event before the next one's slip begins, a little before its highest
