@@ -247,6 +247,8 @@ impl Pipeline {
             zero_n: noise_n.and_then(|noise_n| self.zero_n(noise_n)),
             zero_std_n: known.zero_n,
             zero_drift_n: known.drift_n,
+            damping_std: known.damping.0,
+            damping_changes_n: known.damping.1,
             weight_ratio: known.weight_ratio.0,
             weight_ratio_std: known.weight_ratio.1,
             change: self.change.map(|change| {
@@ -266,9 +268,11 @@ impl Pipeline {
                 Effect::Level => self.change.is_some_and(|change| change.cause != Cause::Mass),
                 Effect::Drift => self.report().zero_n.is_some(),
                 Effect::Flop | Effect::Ripple | Effect::Forgetting => self.detector.shows(effect),
-                Effect::Corner | Effect::Sag | Effect::Stiffening | Effect::Mass => {
-                    parameters.iter().any(Option::is_some)
-                }
+                Effect::Corner
+                | Effect::Sag
+                | Effect::Stiffening
+                | Effect::Mass
+                | Effect::Damping => parameters.iter().any(Option::is_some),
             };
             Finding { effect, enabled, found: enabled && found, parameters }
         })
@@ -293,6 +297,7 @@ impl Pipeline {
             weight_ratio: self.cycles.weight_ratio(),
             zero_n: self.config.std.zero_n(self.largest_n),
             drift_n: self.cycles.force_n(self.drift.std()),
+            damping: self.cycles.damping(self.config.std.damping),
         }
     }
 

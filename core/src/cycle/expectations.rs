@@ -3,6 +3,7 @@
 use crate::cycle::slip_record::SlipRecord;
 use crate::effect::{Effect, Effects, Parameter};
 use crate::effects::corner::CornerEstimator;
+use crate::effects::damping::Damping;
 use crate::effects::mass_change::{Mass, Told, Verdict};
 use crate::effects::sag::Sag;
 use crate::fit::correction::Correction;
@@ -30,6 +31,7 @@ pub(crate) struct Expectations {
     pub(crate) own_rate: Option<(f32, f32)>,
     pub(crate) residuals: Residuals,
     pub(crate) slip: SlipScatter,
+    pub(crate) damping: Damping,
     /// Events in a row that did not fit.
     misfits: u8,
     /// The residuals are those of weighted samples.
@@ -256,6 +258,13 @@ impl Expectations {
         self.mass.translate(inverse_omega);
         self.rate_change.translate(rate_change);
         effect
+    }
+
+    /// Takes what the event's residuals tell of losses.
+    pub(crate) fn learn_damping(&mut self, data: &Data<'_>, fit: &Fit, noise_n2: f32) {
+        if self.effects.has(Effect::Damping) {
+            self.damping.learn(data, fit, noise_n2);
+        }
     }
 
     /// Periods before an onset in which the force lacks more than a fifth of the noise.

@@ -131,6 +131,7 @@ impl CycleTracker {
     pub fn parameters(&self, effect: Effect) -> [Option<Parameter>; 2] {
         match effect {
             Effect::Corner => self.learnt.corner.parameters(self.site.rate_hz),
+            Effect::Damping => [self.learnt.damping.parameter(), None],
             Effect::Sag => [self.learnt.sag.parameter(), None],
             Effect::Stiffening => [self.learnt.stiffening(), None],
             Effect::Mass => {
@@ -451,6 +452,13 @@ impl CycleTracker {
     pub fn force_n(&self, coefficient: f32) -> f32 {
         let site = self.site();
         coefficient * site.weight_n * site.slope.1
+    }
+
+    /// Standard deviation of the damping ratio where it is stated to be so much, and by how much
+    /// `Fs` and `Fp` change with it, N.
+    #[must_use]
+    pub fn damping(&self, stated: f32) -> (f32, Option<[f32; 2]>) {
+        (self.learnt.damping.std(stated), self.learnt.damping.changes_n())
     }
 
     /// Weight in use over the given one, and its relative standard deviation.

@@ -368,7 +368,8 @@ impl Detector {
             | Effect::Stiffening
             | Effect::Mass
             | Effect::Level
-            | Effect::Drift => false,
+            | Effect::Drift
+            | Effect::Damping => false,
         }
     }
 

@@ -119,7 +119,7 @@ impl Data<'_> {
     }
 
     /// What a sample lies above the model, N, and the model's derivatives.
-    fn residual(&self, shape: &Shape, time: f32, measured_n: f32) -> (f32, Gradient) {
+    pub(crate) fn residual(&self, shape: &Shape, time: f32, measured_n: f32) -> (f32, Gradient) {
         let (force_n, mut gradient) = shape.force(time);
         let shift = self.shift(shape, time - shape.cycle().onset);
         gradient[0] -= shift.rate;

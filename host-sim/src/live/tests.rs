@@ -75,6 +75,8 @@ fn report() -> Report {
         zero_n: None,
         zero_std_n: 0.8,
         zero_drift_n: 0.0,
+        damping_std: 0.005,
+        damping_changes_n: None,
         weight_ratio: 1.0,
         weight_ratio_std: 0.0,
         change: None,
