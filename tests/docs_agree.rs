@@ -60,6 +60,14 @@ fn rate_and_schema() {
     assert!(readme.contains(schema), "the README does not name the schema {schema}");
 }
 
+/// What the core's README shows is what its example runs.
+#[test]
+fn the_core_readme_shows_its_example() {
+    let readme = read("core/README.md");
+    let shown = readme.split("```rust\n").nth(1).and_then(|rest| rest.split("```").next()).unwrap();
+    assert!(read("core/examples/host.rs").contains(shown.trim_end()), "{shown}");
+}
+
 #[test]
 fn rust_version() {
     let version = manifest_value(&read("Cargo.toml"), "rust-version");

@@ -8,6 +8,7 @@ use crate::stats::student::t95;
 /// A coefficient and its standard deviation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Coefficient {
     /// The estimate.
     pub value: f32,
@@ -42,6 +43,7 @@ impl Coefficient {
 /// Mean of a coefficient over the events of a test.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Estimate {
     /// Mean.
     pub mean: f32,

@@ -10,6 +10,7 @@ use crate::effect::Effects;
 /// taken in integers, so a large tare costs no precision.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Calibration {
     /// Code at zero force.
     pub tare_counts: i32,
@@ -32,6 +33,7 @@ impl Default for Calibration {
 /// They are in every combined uncertainty, never in the random one ([`crate::budget`]).
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct InputStd {
     /// Of the weight, relative. Default 0.3 %.
     pub weight: f32,
@@ -91,6 +93,7 @@ impl InputStd {
 /// Everything the pipeline has to be told.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Config {
     /// Samples per second, 1 to 2000. Default 16.
     pub rate_hz: f32,

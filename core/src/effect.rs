@@ -11,6 +11,8 @@ use core::fmt;
 /// One effect.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
 #[repr(u8)]
 pub enum Effect {
     /// Creep before the onset and the mean that a converter takes round off the corners.
@@ -87,6 +89,7 @@ impl fmt::Display for Effect {
 /// A set of effects.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Effects(u32);
 
 impl Effects {
@@ -143,6 +146,7 @@ impl Default for Effects {
 
 /// A number that an effect has, as far as the events of a test tell it.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Parameter {
     /// What it is, with its unit.
     pub name: &'static str,
@@ -154,6 +158,7 @@ pub struct Parameter {
 
 /// What a test says of one effect.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Finding {
     /// Which.
     pub effect: Effect,

@@ -10,6 +10,7 @@ use crate::sample::SampleTime;
 /// has ended the stick line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Provisional {
     /// Static coefficient.
     pub mu_s: Coefficient,
@@ -20,6 +21,8 @@ pub struct Provisional {
 /// How far an event can be trusted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
 pub enum Quality {
     /// The model fits the samples.
     Good,
@@ -34,6 +37,8 @@ pub enum Quality {
 /// Why an event gives no coefficient.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
 pub enum Reason {
     /// The slip began or ended inside a gap or saturated samples.
     Hidden,
@@ -107,6 +112,7 @@ impl fmt::Display for Reason {
 /// `Fe` force at the re-stick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Event {
     /// Number of the event in its test, from 0.
     pub index: u32,

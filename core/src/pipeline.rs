@@ -29,6 +29,7 @@ const LAST_INDEX: u64 = u64::MAX / 2;
 /// What one sample led to.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Step {
     /// The sample after calibration. It may still be declared a spike by the
     /// next one, see [`Step::spike`].

@@ -7,6 +7,7 @@ use crate::stats::quantity::Quantity;
 /// What happened to the samples.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Counters {
     /// Samples seen, good or bad, without duplicates.
     pub samples: u64,
@@ -23,6 +24,7 @@ pub struct Counters {
 /// The result so far.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Report {
     /// What happened to the samples.
     pub counters: Counters,

@@ -8,6 +8,7 @@ use crate::units::{Counts, Newtons};
 /// it is never interpolated.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct RawSample {
     /// Number of the sampling period, increasing.
     pub index: u64,
@@ -18,6 +19,8 @@ pub struct RawSample {
 /// The content of a [`RawSample`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
 pub enum Reading {
     /// A converter code, to be calibrated.
     Counts(Counts),
@@ -30,6 +33,8 @@ pub enum Reading {
 /// Why a reading could not be used.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
 pub enum Fault {
     /// The log holds a marker for a bad sample (-6999 and its kin, NaN, empty).
     Sentinel,
@@ -44,6 +49,8 @@ pub enum Fault {
 /// What the pipeline made of a sample.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
 pub enum SampleFlag {
     /// Used.
     #[default]
@@ -61,6 +68,7 @@ pub enum SampleFlag {
 /// A sample after calibration.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct ForceSample {
     /// Index of the [`RawSample`].
     pub index: u64,
@@ -76,6 +84,8 @@ pub struct ForceSample {
 /// What the block is doing, as far as the samples tell at this moment.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
 pub enum Phase {
     /// Not enough samples yet.
     #[default]
@@ -91,6 +101,7 @@ pub enum Phase {
 /// Kept apart so that a month of samples costs no resolution.
 #[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct SampleTime {
     /// The sample at or before the moment.
     pub index: u64,

@@ -31,6 +31,7 @@ const LONGEST_GAP: u64 = 8;
 /// A stretch of samples that belongs to no event.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Stretch {
     /// Its first moment.
     pub start: SampleTime,
@@ -43,6 +44,8 @@ pub struct Stretch {
 /// What a [`Stretch`] was.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
 pub enum StretchKind {
     /// A constant force.
     Steady {

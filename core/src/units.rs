@@ -6,11 +6,13 @@
 /// A code of the analogue-to-digital converter, signed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Counts(pub i32);
 
 /// A force in the cable, in newtons; tension is positive.
 #[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Newtons(pub f32);
 
 /// Standard gravity, m/s²: what turns a weight into a mass, here and in all tools.

@@ -14,7 +14,7 @@ use crate::record::Part;
 use crate::sample::{Sample, SampleConsumer, Shared};
 use crate::self_test::SelfTest;
 use crate::settings::{Effects, Settings};
-use crate::store::Store;
+use crate::store::{CardState, Store};
 use crate::text::Show;
 
 /// Everything but the sampling interrupt and the board.
@@ -35,6 +35,8 @@ pub struct App<'q, P, S> {
     health: Health,
     period: PeriodMeter,
     force_n: Option<f32>,
+    card: Option<CardState>,
+    warning: Option<&'static str>,
 }
 
 /// What the samples are used for.
@@ -83,6 +85,8 @@ pub struct View {
     pub provisional: Option<Provisional>,
     /// The state of the board.
     pub health: Health,
+    /// The state of the card.
+    pub card: CardState,
 }
 
 impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
@@ -112,6 +116,8 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
             health: Health::default(),
             period: PeriodMeter::default(),
             force_n: None,
+            card: None,
+            warning: None,
         }
     }
 
@@ -126,14 +132,74 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
         while let Some(typed) = self.console.poll() {
             self.obey(&typed);
         }
+        if !self.has_samples() {
+            self.tend();
+        }
         any
+    }
+
+    /// The card comes, goes, is being made ready.
+    fn tend(&mut self) {
+        let state = self.journal.tend();
+        let before = self.card.replace(state);
+        // Every tenth part of the log's file is said.
+        let shown = |state: CardState| {
+            if let CardState::Making(percent) = state {
+                CardState::Making(percent / 10)
+            } else {
+                state
+            }
+        };
+        if before.map(shown) == Some(shown(state)) {
+            return;
+        }
+        log::info!("card: {}", state);
+        if !before.is_some_and(CardState::is_usable) {
+            self.take_over();
+        }
+        match state {
+            CardState::Making(percent @ 10..) => {
+                self.info(&text(("log file made to ", u32::from(percent), " %")));
+            }
+            CardState::Making(_) | CardState::Ready => self.info(state.words()),
+            CardState::NoCard
+            | CardState::Unreadable
+            | CardState::ExFat
+            | CardState::Fat12
+            | CardState::NotFat
+            | CardState::NoRoom => self.console.tell(&Line::Trouble(state.words())),
+        }
+    }
+
+    /// Goes on behind the last test of the card, unless there was one since power-up.
+    /// Its settings are taken unless there are others already, and if it was not ended
+    /// it goes on.
+    fn take_over(&mut self) {
+        if self.testing() || self.part.run != 0 {
+            return;
+        }
+        let Some(last) = self.journal.last() else { return };
+        self.journal.recall(&last);
+        self.part = last.part;
+        if self.settings == Settings::default() {
+            self.settings = last.settings;
+            if last.running {
+                self.resume();
+            }
+        }
+    }
+
+    /// Something of the board that whoever reads a test has to know: said now and
+    /// in every test.
+    pub fn warn(&mut self, words: &'static str) {
+        self.warning = Some(words);
+        self.trouble(words);
     }
 
     /// Takes the settings of the last test from the card; says hello, and why the
     /// board started, if not by being switched on. A test that was not ended goes on.
     #[inline(never)]
     pub fn power_up(&mut self, last_words: Option<&str>) {
-        let last = self.journal.last();
         self.info("floe, help lists the commands");
         if let Some(words) = last_words {
             let words = text(("restarted after: ", words));
@@ -143,12 +209,7 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
                 self.journal.line(&line);
             }
         }
-        let Some(last) = last else { return };
-        self.journal.recall(&last);
-        (self.part, self.settings) = (last.part, last.settings);
-        if last.running {
-            self.resume();
-        }
+        self.take_over();
     }
 
     /// The next part of the test that was running. The estimate begins anew: what
@@ -164,9 +225,14 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
         self.info("the test goes on: stop ends it");
     }
 
-    /// Whether a sample waits: no time to sleep.
+    /// Whether a sample waits.
     pub fn has_samples(&self) -> bool {
         self.queue.ready()
+    }
+
+    /// Whether there is something to do: no time to sleep.
+    pub fn is_busy(&self) -> bool {
+        self.has_samples() || matches!(self.card, Some(CardState::Making(_)))
     }
 
     /// What a display should show now.
@@ -183,6 +249,7 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
             phase: test.map_or(Phase::Unknown, |t| t.phase),
             provisional: test.and_then(|t| t.about).map(|about| about.answer),
             health: self.health(),
+            card: self.card.unwrap_or_default(),
         }
     }
 
@@ -359,6 +426,9 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
         self.journal.begin(self.part, &self.settings);
         self.say_settings();
         self.job = Job::Test(Test { first_index: None, phase: Phase::Unknown, about: None });
+        if let Some(words) = self.warning {
+            self.trouble(words);
+        }
     }
 
     // On its own: while it is made, a good part of it is on the stack.

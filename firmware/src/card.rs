@@ -2,29 +2,35 @@
 //!
 //! The file is made once, full of zeros, and then only written in place, one
 //! 512-byte block per sector: no metadata changes while logging, so that pulling
-//! the battery can cost a sector but never the file system.
+//! the battery can cost a sector but never the file system. A board whose card is slow
+//! makes it in steps, while it logs already; until it is whole a power cut can leave a
+//! chain longer than the file, which any file system check mends.
 
 use embedded_sdmmc::{BlockDevice, Mode, RawDirectory, RawFile, RawVolume, TimeSource, Timestamp};
 use embedded_sdmmc::{VolumeIdx, VolumeManager};
 
+use crate::media::Media;
 use crate::record::{Record, SECTOR_LEN, Sector};
-use crate::store::{Store, StoreError};
+use crate::store::{CardState, Store, StoreError};
 
 /// Name of the file.
 const FILE: &str = "FLOE.LOG";
 
-/// A file that has been written for longer than this many unsuccessful tries is
-/// opened again.
-const TRIES: u32 = 8;
+/// A card that is not there is looked for at every so many calls.
+const CALLS: u32 = 16;
 
 /// The card.
 #[expect(missing_debug_implementations, reason = "the volume manager has none")]
 pub struct CardLog<D: BlockDevice> {
-    volumes: VolumeManager<D, NoClock>,
+    volumes: VolumeManager<Media<D>, NoClock>,
     open: Option<Open>,
+    state: CardState,
+    /// Sectors of the whole file, of those that are there, of a step.
     sectors: u32,
+    made: u32,
+    step: u32,
     next: u32,
-    failed: u32,
+    calls: u32,
 }
 
 struct Open {
@@ -57,69 +63,92 @@ impl<D: BlockDevice> CardLog<D> {
     /// its last record is asked for, and again when something is to be written.
     #[inline]
     pub fn new(device: D, sectors: u32) -> Self {
-        let volumes = VolumeManager::new(device, NoClock);
-        Self { volumes, open: None, sectors, next: 0, failed: 0 }
+        let volumes = VolumeManager::new(Media::new(device), NoClock);
+        let (open, state) = (None, CardState::NoCard);
+        Self { volumes, open, state, sectors, made: 0, step: sectors, next: 0, calls: 0 }
+    }
+
+    /// The file is made longer by so many sectors at a time.
+    #[must_use]
+    pub fn in_steps_of(self, sectors: u32) -> Self {
+        Self { step: sectors, ..self }
     }
 
     fn ensure_open(&mut self) -> bool {
         if self.open.is_none() {
-            self.open = self.try_open().ok();
-            if self.open.is_some() {
-                self.next = self.find_end();
+            match self.try_open() {
+                Ok(open) => {
+                    self.open = Some(open);
+                    self.next = self.find_end();
+                    self.say_made();
+                }
+                Err(state) => self.state = state,
             }
         }
         self.open.is_some()
     }
 
-    fn try_open(&mut self) -> Result<Open, Error<D>> {
-        let volume = self.volumes.open_raw_volume(VolumeIdx(0))?;
-        let root = self.volumes.open_root_dir(volume).inspect_err(|_| {
+    fn try_open(&mut self) -> Result<Open, CardState> {
+        // What is remembered of another card is forgotten.
+        self.volumes.device(|media| media.look())?;
+        let volume = self.volumes.open_raw_volume(VolumeIdx(0)).map_err(|_| CardState::NotFat)?;
+        let root = self.volumes.open_root_dir(volume).map_err(|_| {
             let _ = self.volumes.close_volume(volume);
+            CardState::Unreadable
         })?;
         match self.open_file(root) {
             Ok(file) => Ok(Open { volume, root, file }),
-            Err(error) => {
+            Err(_) => {
                 let _ = self.volumes.close_dir(root);
                 let _ = self.volumes.close_volume(volume);
-                Err(error)
+                Err(CardState::NoRoom)
             }
         }
     }
 
     fn open_file(&mut self, root: RawDirectory) -> Result<RawFile, Error<D>> {
-        match self.volumes.open_file_in_dir(root, FILE, Mode::ReadWriteAppend) {
-            Err(embedded_sdmmc::Error::NotFound) => self.make_file(root)?,
-            Ok(file) if self.volumes.file_length(file)? == self.length() => return Ok(file),
-            // Making the file was cut short: make the rest.
-            Ok(file) => self.fill(file)?,
-            Err(error) => return Err(error),
+        let mode = Mode::ReadWriteCreateOrAppend;
+        let file = self.volumes.open_file_in_dir(root, FILE, mode)?;
+        self.made = self.volumes.file_length(file)? / SECTOR_LEN as u32;
+        if self.made < self.sectors {
+            // Making it was cut short, or has not begun.
+            self.lengthen(file)?;
         }
-        self.volumes.open_file_in_dir(root, FILE, Mode::ReadWriteAppend)
+        Ok(file)
     }
 
-    fn make_file(&mut self, root: RawDirectory) -> Result<(), Error<D>> {
-        let file = self.volumes.open_file_in_dir(root, FILE, Mode::ReadWriteCreate)?;
-        self.fill(file)
-    }
-
-    fn fill(&mut self, file: RawFile) -> Result<(), Error<D>> {
-        let there = self.volumes.file_length(file)?;
-        self.volumes.file_seek_from_start(file, there)?;
-        let mut result = Ok(());
-        for _ in there / SECTOR_LEN as u32..self.sectors {
-            result = result.and_then(|()| self.volumes.write(file, &[0; SECTOR_LEN]));
+    /// Makes the file a step longer.
+    fn lengthen(&mut self, file: RawFile) -> Result<(), Error<D>> {
+        let end = self.made.saturating_add(self.step).min(self.sectors);
+        self.volumes.file_seek_from_start(file, self.made * SECTOR_LEN as u32)?;
+        for _ in self.made..end {
+            self.volumes.write(file, &[0; SECTOR_LEN])?;
         }
-        result.and(self.volumes.close_file(file))
+        self.volumes.flush_file(file)?;
+        self.made = end;
+        Ok(())
     }
 
-    fn length(&self) -> u32 {
-        self.sectors * SECTOR_LEN as u32
+    fn say_made(&mut self) {
+        self.state = if self.made < self.sectors {
+            let percent = u64::from(self.made) * 100 / u64::from(self.sectors);
+            CardState::Making(u8::try_from(percent).unwrap_or(99))
+        } else {
+            CardState::Ready
+        };
+    }
+
+    /// The card is gone, or does not do what it should.
+    fn give_up(&mut self) {
+        self.close();
+        self.state = CardState::NoCard;
+        self.calls = 0;
     }
 
     /// First sector that was never written. Sectors are written in order, so
     /// halving finds it; a damaged one in the middle still counts as written.
     fn find_end(&mut self) -> u32 {
-        let (mut low, mut high) = (0, self.sectors);
+        let (mut low, mut high) = (0, self.made);
         while low < high {
             let middle = low + (high - low) / 2;
             let used = [middle, middle + 1].iter().any(|&sector| self.is_used(sector));
@@ -157,20 +186,30 @@ impl<D: BlockDevice> Store for CardLog<D> {
         near.find_map(|sector| Record::decode(&self.read(sector)?).ok())
     }
 
+    fn tend(&mut self) -> CardState {
+        if self.open.is_none() {
+            self.calls += 1;
+            if self.calls >= CALLS {
+                self.calls = 0;
+                self.ensure_open();
+            }
+        } else if self.made < self.sectors {
+            let file = self.open.as_ref().map(|open| open.file);
+            match file.map(|file| self.lengthen(file)) {
+                Some(Ok(())) => self.say_made(),
+                _ => self.give_up(),
+            }
+        }
+        self.state
+    }
+
     fn next_sector(&self) -> u32 {
         self.next
     }
 
     fn write(&mut self, sector: &Sector) -> Result<(), StoreError> {
-        // A card that is gone is looked for now and then, not at every sector.
-        if self.open.is_none() {
-            self.failed += 1;
-            if !self.failed.is_multiple_of(TRIES) || !self.ensure_open() {
-                return Err(StoreError::NoCard);
-            }
-        }
         let Some(open) = &self.open else { return Err(StoreError::NoCard) };
-        if self.next >= self.sectors {
+        if self.next >= self.made {
             return Err(StoreError::Full);
         }
         let written = self
@@ -178,7 +217,7 @@ impl<D: BlockDevice> Store for CardLog<D> {
             .file_seek_from_start(open.file, self.next * SECTOR_LEN as u32)
             .and_then(|()| self.volumes.write(open.file, sector));
         if written.is_err() {
-            self.close();
+            self.give_up();
             return Err(StoreError::Write);
         }
         self.next += 1;

@@ -13,6 +13,7 @@ use heapless::string::StringView;
 
 use crate::app::View;
 use crate::line::Health;
+use crate::store::CardState;
 use crate::text::{Show, whole};
 
 type Row = String<22>;
@@ -155,8 +156,18 @@ fn is_well(health: &Health) -> bool {
 
 fn health(view: &View) -> Row {
     let health = &view.health;
-    let card = if health.store_failures > 0 { "NO CARD" } else { "card ok" };
-    row((card, " lost ", lost(health).min(9_999_999)))
+    let lost = (" lost ", lost(health).min(9_999_999));
+    match view.card {
+        CardState::Making(percent) => row(("card ", u32::from(percent), (" %", lost))),
+        CardState::Ready if health.store_failures == 0 => row(("card ok", lost)),
+        CardState::Ready => row(("card was away", lost)),
+        CardState::NoCard => row(("NO CARD", lost)),
+        CardState::Unreadable
+        | CardState::ExFat
+        | CardState::Fat12
+        | CardState::NotFat
+        | CardState::NoRoom => row(("BAD CARD", lost)),
+    }
 }
 
 #[cfg(test)]
@@ -206,7 +217,8 @@ mod tests {
     fn what_is_known_is_drawn() {
         let health = Health::default();
         let (phase, provisional) = (Phase::Unknown, None);
-        let empty = View { force_n: None, report: None, phase, provisional, health };
+        let card = CardState::Ready;
+        let empty = View { force_n: None, report: None, phase, provisional, health, card };
         let force = View { force_n: Some(-8888.8), ..empty };
         assert!(picture(&force).len() > picture(&empty).len());
         let mu_s = Coefficient::random(1.24, 0.01);
@@ -246,6 +258,7 @@ mod tests {
             phase: Phase::Stick,
             provisional: None,
             health: Health { overruns, ..Health::default() },
+            card: CardState::Ready,
         };
         let change = Some(told(Cause::Mass));
         assert_ne!(picture(&view(change, 0)), picture(&view(None, 0)));
@@ -273,7 +286,8 @@ mod tests {
         let (report, phase) = (None, Phase::Slip);
         let mu = Coefficient::random(-11.234, 0.1);
         let provisional = Some(Provisional { mu_s: mu, mu: Some(mu) });
-        let view = View { force_n: Some(-65_432.1), report, phase, provisional, health };
+        let card = CardState::NoCard;
+        let view = View { force_n: Some(-65_432.1), report, phase, provisional, health, card };
         assert_eq!(about(&view).as_str(), "about -11.234 -11.234");
         assert!(force(&view).len() <= 10, "twice as large: 10 letters a row");
         assert_eq!(super::health(&view).as_str(), "NO CARD lost 9999999");

@@ -5,7 +5,7 @@ use heapless::String;
 use crate::record::{Part, Record, SECTOR_SAMPLES, TEXT_LEN};
 use crate::sample::Sample;
 use crate::settings::Settings;
-use crate::store::{Store, StoreError};
+use crate::store::{CardState, Store, StoreError};
 
 /// Room for lines that wait for a sector: two events and some words.
 const WAITING_LEN: usize = 1024;
@@ -101,6 +101,11 @@ impl<S: Store> Journal<S> {
     /// The last record of earlier times.
     pub fn last(&mut self) -> Option<Record> {
         self.store.last()
+    }
+
+    /// Does a little of the card's own work; says what it is like.
+    pub fn tend(&mut self) -> CardState {
+        self.store.tend()
     }
 
     /// The card.

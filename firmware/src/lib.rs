@@ -23,6 +23,8 @@ pub mod display;
 pub mod journal;
 pub mod line;
 mod log;
+#[cfg(feature = "card")]
+pub mod media;
 pub mod notebook;
 pub mod period;
 pub mod record;

@@ -1,4 +1,4 @@
-//! Host tools of Floe: replay recorded logs, simulate tests, compare methods.
+#![doc = include_str!("../README.md")]
 #![forbid(unsafe_code)]
 
 pub mod bench;
@@ -6,6 +6,7 @@ pub mod campaign;
 pub mod card;
 pub mod chip;
 pub mod cli;
+mod columnar;
 pub mod error;
 pub mod live;
 pub mod log;

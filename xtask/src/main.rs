@@ -9,8 +9,12 @@ mod budgets;
 mod defmt;
 mod emulate;
 mod flash;
+mod image;
+mod libraries;
 mod maths;
 mod panics;
+mod performance;
+mod pictures;
 mod python;
 mod qemu;
 mod shell;
@@ -46,6 +50,8 @@ enum Job {
     },
     /// Run a log through the firmware in the emulator
     Emulate(emulate::Args),
+    /// What can happen to the user's board, on the image that is flashed: one table
+    Faults,
     /// Speed on this PC and on the board, one table
     Bench,
     /// What the core alone costs on the board, held against xtask/budgets.toml
@@ -56,8 +62,14 @@ enum Job {
     },
     /// Errors and speed of the elementary functions, into docs/maths.md
     Maths,
+    /// Speed of readers, replay, simulator and campaign beside others, into docs/performance.md
+    Performance,
+    /// The pictures of the README: a report and the live view, into docs/
+    Pictures,
     /// Write the firmware to a NUCLEO-L476RG on USB
     Flash,
+    /// The files to copy onto the board's USB drive: .bin and .hex
+    Image,
     /// Decode the firmware's own log of an emulated test
     #[cfg(feature = "defmt")]
     Defmt,
@@ -70,10 +82,14 @@ fn main() -> ExitCode {
     let done = match &cli.job {
         Job::Test { firmware } => test::run(cli.arm, *firmware),
         Job::Emulate(args) => emulate::run(args, cli.arm),
+        Job::Faults => arm::Route::find(cli.arm).and_then(emulate::check_board),
         Job::Bench => bench::run(cli.arm),
         Job::Budgets { write } => budgets::run(cli.arm, *write),
         Job::Maths => maths::run(cli.arm),
+        Job::Performance => performance::run_all(),
+        Job::Pictures => pictures::run_all(),
         Job::Flash => flash::run(cli.arm),
+        Job::Image => image::run(cli.arm),
         #[cfg(feature = "defmt")]
         Job::Defmt => defmt::run(cli.arm),
         Job::Size => size::run(cli.arm),

@@ -37,7 +37,7 @@ pub fn check() -> Result<()> {
 }
 
 /// The interpreter of the environment, made when it is missing.
-fn environment() -> Result<PathBuf> {
+pub fn environment() -> Result<PathBuf> {
     let folder = root().join("target/python");
     let python = folder.join("bin/python");
     if !python.exists() {

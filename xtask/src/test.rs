@@ -7,7 +7,7 @@ use crate::Result;
 use crate::arm::Route;
 use crate::shell::{self, cargo, run_within, say};
 use crate::target::Tests;
-use crate::{budgets, emulate, python, qemu, size};
+use crate::{budgets, emulate, libraries, python, qemu, size};
 
 /// Names of the steps that passed and of those that did not.
 struct Tally {
@@ -50,6 +50,7 @@ pub fn run(forced: Option<Route>, firmware_only: bool) -> Result<()> {
 fn host(tally: &mut Tally) {
     tally.step("format", || component("rustfmt", cargo().args(["fmt", "--all", "--check"])));
     tally.step("clippy", || component("clippy", &mut clippy()));
+    tally.step("libraries", libraries::check);
     tally.step("Python examples", python::check);
     tally.step("host tests", || shell::run(cargo().args(["test", "--workspace"])));
 }
@@ -72,6 +73,7 @@ fn firmware(tally: &mut Tally, forced: Option<Route>) {
     tally.step("logs through the firmware", || emulate::check_bundled(route));
     tally.step("converter troubles", || emulate::check_troubles(route));
     tally.step("card and power cuts", || emulate::check_card(route));
+    tally.step("the board's image", || emulate::check_board(route));
     tally.step("live console", || emulate::check_live(route));
     tally.step("firmware's log", || {
         let mut decode = cargo();

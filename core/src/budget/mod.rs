@@ -26,6 +26,8 @@ use crate::report::Report;
 /// What a coefficient depends on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
 pub enum Input {
     /// Weight of the block, N.
     Weight,
@@ -53,6 +55,7 @@ pub const INPUTS: usize = 9;
 
 /// What an input does to a coefficient.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Share {
     /// Change of the coefficient with the input; unknown where the input has no unit.
     pub sensitivity: Option<f32>,
@@ -62,6 +65,7 @@ pub struct Share {
 
 /// One line of the budget.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Entry {
     /// What it is about.
     pub input: Input,

@@ -11,6 +11,8 @@ use crate::sample::SampleTime;
 /// Why the forces changed, as far as the events tell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
 pub enum Cause {
     /// The block's mass changed: so says omega.
     Mass,
@@ -23,6 +25,7 @@ pub enum Cause {
 /// A change that the estimate follows.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Change {
     /// Index of the first event after the change.
     pub event: u32,

@@ -15,6 +15,7 @@
 /// A force and its rate at the same moment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Rate {
     /// Index of the sample it belongs to.
     pub index: u64,

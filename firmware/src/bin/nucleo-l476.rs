@@ -6,13 +6,14 @@ mod target {
     #[cfg(feature = "defmt")]
     use defmt_rtt as _;
 
-    use embedded_hal_bus::i2c::CriticalSectionDevice;
     use floe_core::Pipeline;
     use floe_firmware::ads122::{Ads122, I2cBus};
     use floe_firmware::app::App;
+    use floe_firmware::board::nucleo::bus::Bus;
+    use floe_firmware::board::nucleo::card::CardSlot;
     use floe_firmware::board::nucleo::clock::{self, CLOCK_HZ, Delay};
     use floe_firmware::board::nucleo::console::Console;
-    use floe_firmware::board::nucleo::{Board, Card, Watchdog, crash};
+    use floe_firmware::board::nucleo::{Board, Watchdog, crash};
     use floe_firmware::card::CardLog;
     use floe_firmware::display;
     use floe_firmware::sample::{SampleQueue, Shared};
@@ -23,9 +24,8 @@ mod target {
     use ssd1306::{I2CDisplayInterface, Ssd1306};
     use static_cell::StaticCell;
 
-    type Bus = CriticalSectionDevice<'static, floe_firmware::board::nucleo::I2c1>;
     type Adc = Ads122<I2cBus<Bus>, Delay>;
-    type Logger = App<'static, Console, CardLog<Card>>;
+    type Logger = App<'static, Console, CardLog<CardSlot>>;
 
     static SHARED: Shared = Shared::new();
 
@@ -35,34 +35,67 @@ mod target {
     const LOG_SECTORS: u32 = 131_072;
     /// Samples between two pictures on the display.
     const PICTURE_SAMPLES: u32 = 8;
-    /// A picture takes 25 ms of the bus; later than this it would meet the tick.
-    const PICTURE_LATEST_US: u32 = 25_000;
+    /// A picture takes 28 ms of the bus; later than this it would meet the tick.
+    const PICTURE_LATEST_US: u32 = 30_000;
+    /// The log's file is made longer by so many sectors at a time, 40 ms.
+    const STEP_SECTORS: u32 = 16;
+
+    /// The crystal gets so long to start, us; cold ones are slow.
+    const CRYSTAL_US: u32 = 5_000_000;
+    const NO_CRYSTAL: &str = "the crystal does not run: samples by the internal oscillator, \
+        whose rate is off by up to 2 %; the coefficients do not depend on it";
 
     #[cortex_m_rt::entry]
     fn main() -> ! {
         let words = crash::last_words();
         let Parts { app, sampler, screen, mut watchdog } = build();
-        // Making the log file of a new card takes a minute or two.
-        app.power_up(words.as_deref());
         watchdog.unleash();
-        clock::start_tick(sampler);
+        app.power_up(words.as_deref());
+        let mut waiting = Some(sampler);
         let (mut samples, mut pulse) = (0, Pulse::default());
         loop {
-            if pulse.beats(&SHARED) {
+            if let Some(sampler) = waiting.take() {
+                waiting = begin(app, sampler);
+            }
+            // A board that does not sample is as bad as one that hangs.
+            if waiting.is_some() || pulse.beats(&SHARED) {
                 watchdog.pet();
             }
             if app.turn() {
                 samples += 1;
-                let late = clock::since_tick() > PICTURE_LATEST_US;
-                if samples >= PICTURE_SAMPLES && !late {
+                if samples >= PICTURE_SAMPLES && show(screen, app) {
                     samples = 0;
-                    // Without a display there is nothing to see.
-                    let _ = display::draw(screen, &app.view());
-                    let _ = screen.flush();
                 }
             }
-            clock::sleep_unless(|| app.has_samples());
+            clock::sleep_unless(|| app.is_busy());
         }
+    }
+
+    /// Draws a picture, and sends it if the tick leaves the time for it.
+    fn show(screen: &mut Screen, app: &Logger) -> bool {
+        // Without a display there is nothing to see.
+        let _ = display::draw(screen, &app.view());
+        let in_time = clock::since_tick() < PICTURE_LATEST_US;
+        if in_time {
+            let _ = screen.flush();
+        }
+        in_time
+    }
+
+    /// Starts the sampling when its clock is there; gives the sampler back while not.
+    fn begin(
+        app: &mut Logger,
+        sampler: &'static mut Sampler<'static, Adc>,
+    ) -> Option<&'static mut Sampler<'static, Adc>> {
+        if clock::crystal_runs() {
+            clock::start_tick(sampler, clock::Source::Crystal);
+        } else if clock::clock() > CRYSTAL_US {
+            app.warn(NO_CRYSTAL);
+            clock::start_tick(sampler, clock::Source::Internal);
+        } else {
+            return Some(sampler);
+        }
+        None
     }
 
     struct Parts {
@@ -83,14 +116,14 @@ mod target {
 
         let board = Board::init();
         let (producer, consumer) = QUEUE.init_with(SampleQueue::new).split();
-        let bus = I2cBus::new(CriticalSectionDevice::new(board.i2c), CONVERTER);
+        let bus = I2cBus::new(board.bus, CONVERTER);
         let adc = Ads122::new(bus, Delay);
         let sampler = SAMPLER.init_with(|| Sampler::new(adc, producer, &SHARED));
         let pipeline = PIPELINE.init_with(|| None);
-        let card = CardLog::new(board.card, LOG_SECTORS);
+        let card = CardLog::new(board.card, LOG_SECTORS).in_steps_of(STEP_SECTORS);
         let app =
             APP.init_with(|| App::new(consumer, &SHARED, pipeline, board.console, card, CLOCK_HZ));
-        let screen = SCREEN.init_with(|| screen(board.i2c));
+        let screen = SCREEN.init_with(|| screen(board.bus));
         let _ = screen.init();
         Parts { app, sampler, screen, watchdog: board.watchdog }
     }
@@ -101,11 +134,15 @@ mod target {
         ssd1306::mode::BufferedGraphicsMode<DisplaySize128x64>,
     >;
 
-    fn screen(i2c: &'static floe_firmware::board::nucleo::SharedI2c) -> Screen {
-        let interface = I2CDisplayInterface::new(CriticalSectionDevice::new(i2c));
+    fn screen(bus: Bus) -> Screen {
+        let interface = I2CDisplayInterface::new(bus);
         let screen = Ssd1306::new(interface, DisplaySize128x64, DisplayRotation::Rotate0);
         screen.into_buffered_graphics_mode()
     }
+
+    /// Only wakes.
+    #[cortex_m_rt::exception]
+    fn SysTick() {}
 
     #[cortex_m_rt::exception]
     #[allow(unsafe_code)] // SAFETY: it never returns and touches nothing.

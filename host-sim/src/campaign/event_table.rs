@@ -7,11 +7,14 @@ use std::sync::Arc;
 use parquet::basic::{LogicalType, Repetition, Type as Physical};
 use parquet::data_type::{BoolType, ByteArray, ByteArrayType, DoubleType, Int32Type};
 use parquet::errors::Result;
-use parquet::file::properties::WriterProperties;
 use parquet::file::writer::{SerializedColumnWriter, SerializedFileWriter};
 use parquet::schema::types::{Type, TypePtr};
 
 use super::{EventRecord, TestRecord};
+use crate::columnar;
+
+/// Of the table, in its metadata: `index` has the name it has in JSON, no reason is null.
+pub const SCHEMA: &str = "floe-events/2";
 
 /// Events in a group of rows.
 const GROUP: usize = 100_000;
@@ -26,12 +29,14 @@ enum Column {
     Maybe(fn(Row) -> Option<f64>),
     Truth(fn(Row) -> bool),
     Text(for<'a> fn(Row<'a>) -> &'a str),
+    MaybeText(for<'a> fn(Row<'a>) -> Option<&'a str>),
 }
 
-use Column::{Integer, Maybe, Number, Text, Truth};
+use Column::{Integer, Maybe, MaybeText, Number, Text, Truth};
 
-/// The columns. Units are in the names, as everywhere.
-const COLUMNS: [(&str, Column); 27] = [
+/// The columns. Units are in the names, as everywhere, and the names are those of a replay's
+/// JSON; an interval has its two ends in columns of their own, as in the CSV of events.
+const COLUMNS: [(&str, Column); 37] = [
     ("campaign", Integer(|(t, _)| t.campaign)),
     ("test", Integer(|(t, _)| t.test)),
     ("test_id", Text(|(t, _)| &t.test_id)),
@@ -39,7 +44,7 @@ const COLUMNS: [(&str, Column); 27] = [
     ("winch_m_per_s", Maybe(|(t, _)| t.winch_m_per_s)),
     ("slope_rad", Number(|(t, _)| t.slope_rad)),
     ("snow_mm", Maybe(|(t, _)| t.snow_mm)),
-    ("event", Integer(|(_, e)| e.measured.index)),
+    ("index", Integer(|(_, e)| e.measured.index)),
     ("onset_s", Number(|(_, e)| e.measured.onset_s)),
     ("stop_s", Number(|(_, e)| e.measured.stop_s)),
     ("static_force_n", Number(|(_, e)| e.measured.static_force_n)),
@@ -56,9 +61,19 @@ const COLUMNS: [(&str, Column); 27] = [
     ("omega_rad_per_s", Maybe(|(_, e)| e.measured.omega_rad_per_s)),
     ("slack", Truth(|(_, e)| e.measured.slack)),
     ("quality", Text(|(_, e)| &e.measured.quality)),
-    ("reason", Text(|(_, e)| e.measured.reason.as_deref().unwrap_or_default())),
+    ("reason", MaybeText(|(_, e)| e.measured.reason.as_deref())),
     ("true_mu_s", Maybe(|(_, e)| e.true_mu_s)),
     ("true_mu", Maybe(|(_, e)| e.true_mu)),
+    ("mu_s_systematic_std", Maybe(|(_, e)| e.measured.mu_s_systematic_std)),
+    ("mu_systematic_std", Maybe(|(_, e)| e.measured.mu_systematic_std)),
+    ("mu_s_combined_std", Maybe(|(_, e)| e.measured.mu_s_combined_std)),
+    ("mu_combined_std", Maybe(|(_, e)| e.measured.mu_combined_std)),
+    ("mu_s_ci95_low", Maybe(|(_, e)| e.measured.mu_s_ci95.map(|[low, _]| low))),
+    ("mu_s_ci95_high", Maybe(|(_, e)| e.measured.mu_s_ci95.map(|[_, high]| high))),
+    ("mu_ci95_low", Maybe(|(_, e)| e.measured.mu_ci95.map(|[low, _]| low))),
+    ("mu_ci95_high", Maybe(|(_, e)| e.measured.mu_ci95.map(|[_, high]| high))),
+    ("slip_length_m", Maybe(|(_, e)| e.measured.slip_length_m)),
+    ("energy_j", Maybe(|(_, e)| e.measured.energy_j)),
 ];
 
 fn schema() -> Result<TypePtr> {
@@ -74,6 +89,7 @@ fn field(name: &str, column: &Column) -> Result<TypePtr> {
         Maybe(_) => (Physical::DOUBLE, Repetition::OPTIONAL, None),
         Truth(_) => (Physical::BOOLEAN, Repetition::REQUIRED, None),
         Text(_) => (Physical::BYTE_ARRAY, Repetition::REQUIRED, Some(LogicalType::String)),
+        MaybeText(_) => (Physical::BYTE_ARRAY, Repetition::OPTIONAL, Some(LogicalType::String)),
     };
     let builder = Type::primitive_type_builder(name, physical);
     let builder = builder.with_repetition(repetition).with_logical_type(logical);
@@ -94,16 +110,13 @@ impl<W: Write + Send> std::fmt::Debug for EventTable<W> {
 }
 
 impl<W: Write + Send> EventTable<W> {
-    /// Begins the file.
+    /// Begins the file; `about` goes into its metadata, beside the schema and the version.
     ///
     /// # Errors
     /// Of the writer.
-    pub fn new(out: W) -> Result<Self> {
-        let properties = WriterProperties::builder()
-            .set_created_by(format!("floe {}", env!("CARGO_PKG_VERSION")))
-            .set_compression(parquet::basic::Compression::SNAPPY)
-            .build();
-        let writer = SerializedFileWriter::new(out, schema()?, Arc::new(properties))?;
+    pub fn new(out: W, about: &[(&str, String)]) -> Result<Self> {
+        let about = [&[("schema", SCHEMA.to_string())], about].concat();
+        let writer = SerializedFileWriter::new(out, schema()?, columnar::properties(&about))?;
         Ok(Self { writer, waiting: Vec::new(), events: 0 })
     }
 
@@ -174,6 +187,11 @@ fn write_column(
             let values: Vec<ByteArray> = rows.map(|r| of(r).into()).collect();
             out.typed::<ByteArrayType>().write_batch(&values, None, None)
         }
+        MaybeText(of) => {
+            let levels: Vec<i16> = rows.clone().map(|r| i16::from(of(r).is_some())).collect();
+            let values: Vec<ByteArray> = rows.filter_map(of).map(ByteArray::from).collect();
+            out.typed::<ByteArrayType>().write_batch(&values, Some(&levels), None)
+        }
     }
     .map(|_| ())
 }
@@ -188,7 +206,7 @@ mod tests {
 
     fn table(tests: &[TestRecord]) -> Vec<u8> {
         let mut bytes = Vec::new();
-        let mut table = EventTable::new(&mut bytes).unwrap();
+        let mut table = EventTable::new(&mut bytes, &[("seed", 1.to_string())]).unwrap();
         for test in tests {
             table.push(test.clone()).unwrap();
         }
@@ -209,9 +227,34 @@ mod tests {
             assert_eq!(row.get_double(8).unwrap().to_bits(), event.measured.onset_s.to_bits());
             assert_eq!(row.get_double(16).ok(), event.measured.mu);
             assert_eq!(row.get_string(23).unwrap(), &event.measured.quality);
+            assert_eq!(row.get_string(24).ok(), event.measured.reason.as_ref());
             assert_eq!(row.get_double(26).ok(), event.true_mu);
         }
         assert!(rows.next().is_none());
+    }
+
+    #[test]
+    fn the_metadata_say_what_it_is() {
+        let reader = SerializedFileReader::new(bytes::Bytes::from(table(&[]))).unwrap();
+        let said = reader.metadata().file_metadata().key_value_metadata().unwrap();
+        let value = |key: &str| {
+            said.iter().find(|entry| entry.key == key).and_then(|entry| entry.value.clone())
+        };
+        assert_eq!(value("floe.schema").as_deref(), Some(SCHEMA));
+        assert_eq!(value("floe.version").as_deref(), Some(env!("CARGO_PKG_VERSION")));
+        assert_eq!(value("floe.seed").as_deref(), Some("1"));
+    }
+
+    /// Every field of an event in JSON is a column, or an interval's two columns.
+    #[test]
+    fn the_names_are_those_of_json() {
+        let event = programme::evaluate(1, 0, 0).unwrap().events.remove(0).measured;
+        let json = serde_json::to_value(event).unwrap();
+        let is_column = |name: &str| COLUMNS.iter().any(|(column, _)| *column == name);
+        for name in json.as_object().unwrap().keys() {
+            let ends = ["low", "high"].map(|end| format!("{name}_{end}"));
+            assert!(is_column(name) || ends.iter().all(|end| is_column(end)), "{name}");
+        }
     }
 
     #[test]

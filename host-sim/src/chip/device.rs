@@ -156,6 +156,24 @@ impl Device {
         self.with_inverse(data)
     }
 
+    /// A command and its argument as they come over I²C; gives what the chip will say
+    /// when it is read next.
+    pub fn i2c_write(&mut self, now_ns: u64, bytes: &[u8]) -> Vec<u8> {
+        let [command, rest @ ..] = bytes else { return Vec::new() };
+        let register = usize::from(command >> 2 & 0b11);
+        match command >> 4 {
+            0b0001 => return self.read_data(now_ns),
+            0b0010 => return self.read_register(now_ns, register),
+            0b0100 => {
+                if let Some(&value) = rest.first() {
+                    self.write_register(now_ns, register, value);
+                }
+            }
+            _ => self.command(now_ns, *command),
+        }
+        Vec::new()
+    }
+
     fn with_inverse(&self, mut data: Vec<u8>) -> Vec<u8> {
         let inverted = self.registers[CONFIG_2] >> 4 & 0b11 == 0b01;
         if inverted {

@@ -43,24 +43,6 @@ impl I2cChip {
     fn pass(&mut self, bytes: usize) {
         self.clock.delay_ns((1 + 9 * (1 + bytes as u32)) * BIT_NS);
     }
-
-    fn write_bytes(&self, bytes: &[u8]) -> Vec<u8> {
-        let now_ns = self.clock.now_ns();
-        let mut device = self.device.borrow_mut();
-        let [command, rest @ ..] = bytes else { return Vec::new() };
-        let register = usize::from(command >> 2 & 0b11);
-        match command >> 4 {
-            0b0001 => return device.read_data(now_ns),
-            0b0010 => return device.read_register(now_ns, register),
-            0b0100 => {
-                if let Some(&value) = rest.first() {
-                    device.write_register(now_ns, register, value);
-                }
-            }
-            _ => device.command(now_ns, *command),
-        }
-        Vec::new()
-    }
 }
 
 impl ErrorType for I2cChip {
@@ -83,7 +65,8 @@ impl I2c for I2cChip {
             match operation {
                 Operation::Write(bytes) => {
                     self.pass(bytes.len());
-                    answer = self.write_bytes(bytes);
+                    let now_ns = self.clock.now_ns();
+                    answer = self.device.borrow_mut().i2c_write(now_ns, bytes);
                 }
                 Operation::Read(buffer) => {
                     self.pass(buffer.len());

@@ -1,7 +1,9 @@
 //! What can be wrong with the chip, and when.
 
+use serde::{Deserialize, Serialize};
+
 /// One kind of trouble.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Trouble {
     /// It does not answer.
     Silent,
@@ -35,12 +37,12 @@ pub enum Trouble {
 }
 
 /// Troubles by sample number of the load cell.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Schedule {
     entries: Vec<Entry>,
 }
 
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 struct Entry {
     from: u64,
     to: u64,
@@ -53,6 +55,15 @@ impl Schedule {
     #[must_use]
     pub fn with(mut self, from: u64, to: u64, trouble: Trouble) -> Self {
         self.entries.push(Entry { from, to, trouble, done: false });
+        self
+    }
+
+    /// All of them so many samples later.
+    #[must_use]
+    pub fn later(mut self, samples: u64) -> Self {
+        for entry in &mut self.entries {
+            (entry.from, entry.to) = (entry.from + samples, entry.to + samples);
+        }
         self
     }
 

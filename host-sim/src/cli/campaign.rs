@@ -140,7 +140,7 @@ fn evaluate_all(
     // What went wrong with a test is not a fault of the file.
     let mut problem = None;
     let written = output::stream(path, |out| {
-        let mut table = EventTable::new(out).map_err(io::Error::other)?;
+        let mut table = EventTable::new(out, &about(args)).map_err(io::Error::other)?;
         let evaluated = in_order(args, source, |test| {
             keep(without_events(&test));
             table.push(test).map_err(|e| InputError::new(e.to_string()))
@@ -154,6 +154,14 @@ fn evaluate_all(
         }
     });
     problem.map_or(written, Err)
+}
+
+/// What the table says about itself.
+fn about(args: &Args) -> Vec<(&'static str, String)> {
+    match &args.logs {
+        Some(logs) => vec![("logs", logs.display().to_string())],
+        None => vec![("synthetic", "simulated".to_string()), ("seed", args.seed.to_string())],
+    }
 }
 
 fn without_events(test: &TestRecord) -> TestRecord {

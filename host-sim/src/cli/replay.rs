@@ -165,20 +165,19 @@ fn run_on(path: &str, input: Box<dyn Read + Send>, args: &Args) -> Result<Findin
 }
 
 /// What a table of samples says about itself.
-fn about(path: &str, log: &Log, config: &Config) -> Vec<(String, String)> {
+fn about(path: &str, log: &Log, config: &Config) -> Vec<(&'static str, String)> {
     let test_id = log.metadata().test_id.clone();
     let entries = [
-        ("floe.schema", Some("floe-samples/1".to_string())),
-        ("floe.version", Some(env!("CARGO_PKG_VERSION").to_string())),
-        ("floe.log", Some(path.to_string())),
-        ("floe.test_id", test_id),
-        ("floe.rate_hz", Some(log.rate_hz().to_string())),
-        ("floe.weight_n", Some(config.weight_n.to_string())),
-        ("floe.slope_rad", Some(config.slope_rad.to_string())),
-        ("floe.winch_m_per_s", config.winch_m_per_s.map(|speed| speed.to_string())),
-        ("floe.synthetic", log.metadata().synthetic.clone()),
+        ("schema", Some("floe-samples/1".to_string())),
+        ("log", Some(path.to_string())),
+        ("test_id", test_id),
+        ("rate_hz", Some(log.rate_hz().to_string())),
+        ("weight_n", Some(config.weight_n.to_string())),
+        ("slope_rad", Some(config.slope_rad.to_string())),
+        ("winch_m_per_s", config.winch_m_per_s.map(|speed| speed.to_string())),
+        ("synthetic", log.metadata().synthetic.clone()),
     ];
-    entries.into_iter().filter_map(|(key, value)| Some((key.to_string(), value?))).collect()
+    entries.into_iter().filter_map(|(key, value)| Some((key, value?))).collect()
 }
 
 fn run_core(

@@ -23,6 +23,8 @@ use super::verdict::{Level, Verdict, verdict};
 
 #[path = "../../tests/support/dff8_13.rs"]
 mod dff8_13;
+#[path = "../../tests/support/picture.rs"]
+mod picture;
 use dff8_13::event;
 
 fn seconds(seconds: f64) -> Duration {
@@ -128,6 +130,25 @@ fn bad(text: &str) -> Verdict {
 
 fn note(text: &str) -> Verdict {
     Verdict { level: Level::Note, text: text.to_string() }
+}
+
+/// `target/live.svg`, for the README.
+#[test]
+#[ignore = "writes a picture for the eye"]
+fn picture() {
+    let buffer = frame(&measuring(), &Ask::default(), (80, 24), 15.0);
+    std::fs::write("../target/live.svg", picture::svg(&buffer)).unwrap();
+}
+
+#[test]
+fn a_picture_has_every_letter_of_the_screen() {
+    let buffer = frame(&measuring(), &Ask::default(), (80, 24), 15.0);
+    let svg = picture::svg(&buffer);
+    let document = roxmltree::Document::parse(&svg).unwrap();
+    let shown: String =
+        document.descendants().filter(|n| n.is_text()).filter_map(|n| n.text()).collect();
+    let letters = |text: &str| text.chars().filter(|c| !c.is_whitespace()).collect::<String>();
+    assert_eq!(letters(&shown), letters(&rows(&buffer).concat()));
 }
 
 #[test]

@@ -34,6 +34,7 @@ pub mod metadata;
 pub mod number;
 pub mod open;
 pub mod options;
+pub mod plain;
 pub mod rows;
 pub mod stamp;
 pub mod timing;

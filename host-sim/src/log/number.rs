@@ -132,7 +132,13 @@ pub fn reading(cell: &[u8], unit: Unit, decimal: Decimal) -> Option<Reading> {
     if cell.is_empty() {
         return Some(BAD);
     }
-    let value = number(cell, decimal)?;
+    reading_of(number(cell, decimal)?, unit)
+}
+
+/// The same for a number that is read already.
+#[must_use]
+pub fn reading_of(value: f64, unit: Unit) -> Option<Reading> {
+    const BAD: Reading = Reading::Bad(Fault::Sentinel);
     if !value.is_finite() {
         return Some(BAD);
     }

@@ -7,7 +7,8 @@ use crate::error::{InputError, excerpt};
 use super::cells::Cells;
 use super::lines::Lines;
 use super::metadata::Metadata;
-use super::number::{Decimal, Unit, finite, reading};
+use super::number::{Decimal, Unit, finite, reading, reading_of};
+use super::plain::Plain;
 use super::stamp::{TimeUnit, clock_seconds, cr10_seconds, date_seconds};
 
 /// Largest time that is taken, s: 31 000 years.
@@ -101,6 +102,7 @@ pub struct Rows {
     pub metadata: Metadata,
     lines: Lines,
     layout: Layout,
+    plain: Option<Plain>,
     cells: Cells,
     last_time_s: f64,
     last_record: Option<f64>,
@@ -115,6 +117,7 @@ impl Rows {
         Self {
             metadata,
             lines,
+            plain: Plain::of(&layout),
             layout,
             cells: Cells::default(),
             last_time_s: f64::NEG_INFINITY,
@@ -131,6 +134,11 @@ impl Rows {
     pub fn next_row(&mut self) -> Result<Option<Row>, InputError> {
         while let Some(line) = self.lines.next_line()? {
             let (number, ended) = (line.number, line.ended);
+            let plain = self.plain.filter(|_| ended).and_then(|plain| plain.read(line.bytes));
+            if let Some(row) = plain.and_then(|plain| self.layout.plain_row(plain)) {
+                let placed = self.follow(row, None, number).map(Some);
+                return placed.map_err(|error| error.within(format_args!("line {number}")));
+            }
             let result = match line.bytes.trim_ascii_start().first() {
                 None => Ok(None),
                 Some(b'#') => self.metadata.take(line.bytes, number).map(|()| None),
@@ -189,6 +197,12 @@ impl Rows {
 }
 
 impl Layout {
+    /// A row of two numbers; `None` if they cannot be a time and a force.
+    fn plain_row(&self, (time_s, force): (f64, f64)) -> Option<Row> {
+        let reading = reading_of(force, self.unit)?;
+        (time_s.abs() <= LATEST_S).then_some(Row { time_s, reading, records: 1, line: 0 })
+    }
+
     /// A row with its record number; `None` for a row of another array.
     fn row(
         &mut self,

@@ -6,6 +6,8 @@ use crate::error::InputError;
 use crate::log::{Log, Sample};
 
 /// What the caller says of it.
+// A default in brackets, as every help has it, is no link.
+#[allow(rustdoc::broken_intra_doc_links)]
 #[derive(Clone, Debug, Default, clap::Args)]
 pub struct KnownOptions {
     /// Standard deviation of the weight in newtons, 0 if exactly known

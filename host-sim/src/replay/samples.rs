@@ -5,13 +5,13 @@ use std::io::{self, Write};
 use std::sync::Arc;
 
 use floe_core::{Phase, SampleFlag, Step};
-use parquet::basic::{Compression, LogicalType, Repetition, Type as Physical};
+use parquet::basic::{LogicalType, Repetition, Type as Physical};
 use parquet::data_type::{ByteArray, ByteArrayType, DoubleType, FloatType};
 use parquet::errors::Result as ParquetResult;
-use parquet::file::metadata::KeyValue;
-use parquet::file::properties::WriterProperties;
 use parquet::file::writer::{SerializedFileWriter, SerializedRowGroupWriter};
 use parquet::schema::types::Type;
+
+use crate::columnar;
 
 /// The columns, in CSV and in Parquet.
 pub const COLUMNS: [&str; 6] =
@@ -140,7 +140,7 @@ pub trait Table {
 pub fn table<'a, W: Write + Send + 'a>(
     out: W,
     parquet: bool,
-    about: &[(String, String)],
+    about: &[(&str, String)],
 ) -> io::Result<Box<dyn Table + 'a>> {
     if parquet {
         return Ok(Box::new(Parquet::new(out, about).map_err(io::Error::other)?));
@@ -170,13 +170,7 @@ struct Parquet<W: Write + Send> {
 }
 
 impl<W: Write + Send> Parquet<W> {
-    fn new(out: W, about: &[(String, String)]) -> ParquetResult<Self> {
-        let about = about.iter().map(|(k, v)| KeyValue::new(k.clone(), v.clone())).collect();
-        let properties = WriterProperties::builder()
-            .set_created_by(format!("floe {}", env!("CARGO_PKG_VERSION")))
-            .set_compression(Compression::SNAPPY)
-            .set_key_value_metadata(Some(about))
-            .build();
+    fn new(out: W, about: &[(&str, String)]) -> ParquetResult<Self> {
         let kinds = [
             (Physical::DOUBLE, Repetition::REQUIRED),
             (Physical::FLOAT, Repetition::OPTIONAL),
@@ -192,7 +186,7 @@ impl<W: Write + Send> Parquet<W> {
         };
         let fields: ParquetResult<Vec<_>> = COLUMNS.iter().zip(kinds).map(field).collect();
         let schema = Type::group_type_builder("sample").with_fields(fields?).build()?;
-        let writer = SerializedFileWriter::new(out, Arc::new(schema), Arc::new(properties))?;
+        let writer = SerializedFileWriter::new(out, Arc::new(schema), columnar::properties(about))?;
         Ok(Self { writer: Some(writer), rows: Vec::new() })
     }
 

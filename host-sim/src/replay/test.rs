@@ -7,6 +7,8 @@ use crate::log::{Log, STANDARD_GRAVITY, Unit};
 use crate::replay::known::KnownOptions;
 
 /// What the caller says about the test.
+// A default in brackets, as every help has it, is no link.
+#[allow(rustdoc::broken_intra_doc_links)]
 #[derive(Clone, Debug, Default, clap::Args)]
 pub struct TestOptions {
     /// Weight of the block in newtons [default: `# weight_n:` in the log]

@@ -1,6 +1,6 @@
 //! The error budget as a table.
 
-use super::number::{fixed, significant};
+use super::number::{decimals_for, fixed, significant};
 use crate::replay::budget::BudgetShare;
 use crate::replay::result::{CoefficientSummary, ReplayResult};
 
@@ -29,7 +29,7 @@ pub(super) fn budget(result: &ReplayResult) -> String {
     let head =
         "<th scope=\"col\">per unit</th><th scope=\"col\">±</th><th scope=\"col\">share</th>";
     format!(
-        "<h2>What limits the result</h2><div class=\"scroll\" tabindex=\"0\" role=\"region\" \
+        "<h2>What limits the result</h2><div class=\"scroll budget\" tabindex=\"0\" role=\"region\" \
          aria-label=\"Error budget\"><table><thead><tr><th scope=\"col\">input</th>\
          <th scope=\"col\">value</th><th scope=\"col\">± of it</th>{head}{head}</tr></thead>\
          <tbody>\n{rows}<tr><th scope=\"row\">random: noise and variation between events</th>\
@@ -43,7 +43,10 @@ pub(super) fn budget(result: &ReplayResult) -> String {
 fn cells(share: &BudgetShare, mean: &CoefficientSummary) -> String {
     let part = share.contribution.zip(mean.combined_std).filter(|(_, all)| *all > 0.0);
     let part = part.map_or("–".into(), |(own, all)| fixed(100.0 * (own / all).powi(2), 1) + " %");
-    let own = share.contribution.map_or("–".into(), |own| fixed(own, 5));
+    // What is less than this is nothing beside any other.
+    const LEAST: f64 = 1e-7;
+    let own = share.contribution.map(|own| if own < LEAST { 0.0 } else { own });
+    let own = own.map_or("–".into(), |own| fixed(own, decimals_for(own, 2)));
     format!("<td>{}</td><td>{own}</td><td>{part}</td>", number(share.sensitivity))
 }
 

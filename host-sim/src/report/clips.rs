@@ -67,6 +67,11 @@ impl Clips {
         clip.start_s + clip.forces_n.len() as f64 * self.period_s
     }
 
+    /// Offset and time, s, of the first sample, and the forces, N, of every clip.
+    pub fn stretches(&self) -> impl Iterator<Item = (u64, f64, &[f32])> {
+        self.kept.iter().map(|c| (c.number * self.length, c.start_s, c.forces_n.as_slice()))
+    }
+
     /// Whether every moment from `from_s` to `to_s` lies in a clip.
     pub fn covers(&self, from_s: f64, to_s: f64) -> bool {
         let mut number = None;

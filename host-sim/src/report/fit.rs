@@ -108,6 +108,38 @@ pub(super) fn line_after(event: &EventSummary, after_s: f64) -> Vec<(f64, f64)> 
     vec![(event.stop_s, event.restick_force_n), (event.stop_s + after_s, end_n)]
 }
 
+/// For how long before the onset and after the re-stick an event's fit speaks, s: half-way to
+/// its neighbours, or the time of its own rest.
+pub(super) fn reach_s(events: &[EventSummary], position: usize) -> (f64, f64) {
+    let Some(event) = events.get(position) else { return (0.0, 0.0) };
+    let before = position.checked_sub(1).and_then(|i| events.get(i));
+    let since_s = before.map(|before| (event.onset_s - before.stop_s) / 2.0);
+    let after = events.get(position + 1);
+    let until_s = after.map(|after| (after.onset_s - event.stop_s) / 2.0);
+    let alone_s = rest_s(event);
+    (since_s.unwrap_or(alone_s).max(0.0), until_s.unwrap_or(alone_s).max(0.0))
+}
+
+/// The model's force at a moment, N; NaN where it does not say one: after a slack cable.
+pub(super) fn model_n(event: &EventSummary, time_s: f64) -> f64 {
+    if time_s <= event.onset_s {
+        return event.static_force_n - event.loading_rate_n_per_s * (event.onset_s - time_s);
+    }
+    if time_s > event.stop_s {
+        let since_n = event.loading_rate_n_per_s * (time_s - event.stop_s);
+        return if event.slack { f64::NAN } else { event.restick_force_n + since_n };
+    }
+    let Some(ellipse) = Ellipse::of(event) else { return f64::NAN };
+    let into_s = time_s - event.onset_s;
+    if event.slack {
+        let free_phase = (-ellipse.centre_n / ellipse.a_n).clamp(-1.0, 1.0).acos();
+        let phase = (ellipse.onset_phase + ellipse.omega * into_s).min(free_phase);
+        return ellipse.at(phase).0;
+    }
+    let turn = (ellipse.stop_phase - ellipse.onset_phase) / (event.stop_s - event.onset_s);
+    ellipse.at(ellipse.onset_phase + turn * into_s).0
+}
+
 /// Where the force passes `Fp` on its way down.
 pub(super) fn centre_time_s(event: &EventSummary) -> f64 {
     let half_way = (event.onset_s + event.stop_s) / 2.0;
@@ -138,6 +170,20 @@ mod tests {
         let peak = curve.iter().map(|p| p.1).fold(0.0, f64::max);
         assert!((peak - event.peak_force_n).abs() < 0.1);
         assert!((ellipse.attenuation(1.0 / 16.0) - 0.78).abs() < 0.005);
+    }
+
+    #[test]
+    fn the_model_at_a_moment_is_the_curve() {
+        let log = SampleLog::dff8_13(30.0);
+        let event = &log.result.events[1];
+        for (time_s, force_n) in slip_curve(event) {
+            assert!((model_n(event, time_s) - force_n).abs() < 1e-6);
+        }
+        let (before_s, after_s) = reach_s(&log.result.events, 1);
+        let [start, _] = line_before(event, before_s)[..] else { panic!("a line has two ends") };
+        let [_, end] = line_after(event, after_s)[..] else { panic!("a line has two ends") };
+        assert!((model_n(event, start.0) - start.1).abs() < 1e-9);
+        assert!((model_n(event, end.0) - end.1).abs() < 1e-9);
     }
 
     #[test]

@@ -13,6 +13,7 @@
 mod budget;
 mod campaign;
 mod clips;
+mod closer;
 mod context;
 mod convergence;
 mod envelope;
@@ -26,6 +27,7 @@ mod plot;
 mod policy;
 mod provenance;
 mod recorder;
+mod residuals;
 mod running;
 #[cfg(test)]
 mod sample_log;

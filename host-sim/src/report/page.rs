@@ -1,5 +1,6 @@
 //! The page around the figures.
 
+use super::closer::data;
 use super::context::Context;
 use super::convergence::convergence;
 use super::figure::Figure;
@@ -8,6 +9,7 @@ use super::number::{fixed, quantity};
 use super::phase_plane::phase_plane;
 use super::policy::policy;
 use super::provenance::Provenance;
+use super::residuals::residuals;
 use super::summary::summary;
 use super::svg::escape;
 use super::table::table;
@@ -29,7 +31,7 @@ pub(super) fn page(context: &Context<'_>, provenance: &Provenance) -> String {
          <meta name=\"color-scheme\" content=\"light dark\"/>\
          <title>{name} – sliding friction</title>\n<style>\n{STYLE}</style></head>\n<body>\
          <header><p class=\"kind\">Sliding friction of a block pulled over ice</p>\
-         <h1>{name}</h1>{}<p class=\"test\">{}</p></header>\n<main>{}{}{}</main>\n{}\
+         <h1>{name}</h1>{}<p class=\"test\">{}</p></header>\n<main>{}{}{}</main>\n{}{}\
          <script>{script}</script></body></html>\n",
         simulated(result),
         test_line(result),
@@ -37,6 +39,7 @@ pub(super) fn page(context: &Context<'_>, provenance: &Provenance) -> String {
         figures(context),
         table(context),
         footer(result, provenance),
+        data(context),
     )
 }
 
@@ -79,6 +82,7 @@ fn drawn(context: &Context<'_>) -> Vec<Figure> {
         focus.map(|focus| zoom(context, focus)),
         phase_plane(context, focus),
         convergence(context),
+        residuals(context),
     ];
     figures.into_iter().flatten().collect()
 }

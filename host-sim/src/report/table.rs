@@ -36,7 +36,7 @@ pub(super) fn table(context: &Context<'_>) -> String {
 }
 
 /// The first, the last, and the troubled ones in between, in order.
-fn chosen(events: &[EventSummary]) -> impl Iterator<Item = (usize, &EventSummary)> {
+pub(super) fn chosen(events: &[EventSummary]) -> impl Iterator<Item = (usize, &EventSummary)> {
     let tail = events.len().saturating_sub(EDGE).max(EDGE);
     let mut troubled = 0;
     events.iter().enumerate().filter(move |(position, event)| {
@@ -131,7 +131,8 @@ impl<'a> Columns<'a> {
             remark_cell(e),
         ];
         let class = if e.reason.is_some() { " class=\"bad\"" } else { "" };
-        format!("<tr{class}><td>{}</td></tr>\n", cells.join("</td><td>"))
+        let event = format!(" data-event=\"{}\"", e.index);
+        format!("<tr{class}{event}><td>{}</td></tr>\n", cells.join("</td><td>"))
     }
 }
 

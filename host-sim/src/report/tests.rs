@@ -30,6 +30,12 @@ fn parsed(page: &str) -> Document<'_> {
     Document::parse(body).unwrap_or_else(|error| panic!("{error}"))
 }
 
+/// The page without the text of its program.
+fn without_program(page: &str) -> String {
+    assert!(page.contains(include_str!("script.js")));
+    page.replace(include_str!("script.js"), "")
+}
+
 fn elements<'a>(document: &'a Document<'a>, name: &'a str) -> Vec<Node<'a, 'a>> {
     document.descendants().filter(|node| node.has_tag_name(name)).collect()
 }
@@ -54,7 +60,7 @@ fn every_page_is_well_formed_and_self_contained() {
     for (name, page) in pages() {
         let document = parsed(&page);
         for foreign in ["http:", "https:", "//www", "@import", "src=", "NaN", "inf\"", "infinity"] {
-            assert!(!page.contains(foreign), "{name}: {foreign}");
+            assert!(!without_program(&page).contains(foreign), "{name}: {foreign}");
         }
         let ids: Vec<&str> =
             document.descendants().filter_map(|node| node.attribute("id")).collect();
@@ -63,6 +69,35 @@ fn every_page_is_well_formed_and_self_contained() {
         for plot in plots {
             let named = plot.attribute("aria-labelledby").unwrap();
             assert!(named.split(' ').all(|id| ids.contains(&id)), "{name}: {named}");
+        }
+    }
+}
+
+/// The figures of two logs as they were when somebody last looked at them:
+/// `FLOE_GOLDEN=write` stores them anew, to be looked at and committed with the reason.
+#[test]
+fn the_figures_are_those_that_were_looked_at() {
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/golden/figures");
+    let write = std::env::var("FLOE_GOLDEN").is_ok_and(|value| value == "write");
+    let logs = [("usual", SampleLog::dff8_13(40.0)), ("troubled", SampleLog::troubled(40.0))];
+    for (log_name, log) in logs {
+        let figures = super::figures(&log.result, &log.recorder());
+        assert!(figures.len() >= 6, "{log_name}: {} figures", figures.len());
+        for (name, svg) in figures {
+            let path = folder.join(format!("{log_name}-{name}"));
+            // Not the style, and not what the script reads: it has every digit.
+            let svg = svg.replace(include_str!("style.css"), "").replace("><", ">\n<");
+            let (before, rest) = svg.split_once(" data-x=").unwrap();
+            let svg = before.to_owned() + rest.split_once(">\n").unwrap().1;
+            if write {
+                std::fs::create_dir_all(&folder).unwrap();
+                std::fs::write(&path, &svg).unwrap();
+            }
+            let stored = std::fs::read_to_string(&path).unwrap_or_default();
+            let differs = svg.lines().zip(stored.lines()).find(|(new, old)| new != old);
+            let differs = differs.map(|(new, _)| new.chars().take(200).collect::<String>());
+            assert_eq!(differs, None, "{} is another picture now", path.display());
+            assert_eq!(svg.lines().count(), stored.lines().count(), "{}", path.display());
         }
     }
 }
@@ -121,7 +156,9 @@ fn text_from_outside_is_escaped() {
     log.result.events[6].reason = Some(evil.into());
     let page = log.page();
     let document = parsed(&page);
-    assert_eq!(elements(&document, "script").len(), 1, "only the page's own");
+    let scripts = elements(&document, "script");
+    let ids: Vec<_> = scripts.iter().map(|script| script.attribute("id")).collect();
+    assert_eq!(ids, [Some("data"), None], "only the page's own");
     let seen = all_text(document.root());
     assert!(seen.matches("<script>alert('&\"')</script>").count() >= 6);
 }
@@ -148,7 +185,7 @@ fn the_result_and_the_health_of_the_log_are_there() {
     ] {
         assert!(seen.contains(needed), "{needed}");
     }
-    assert_eq!(elements(&document, "figure").len(), 4);
+    assert_eq!(elements(&document, "figure").len(), 5);
     let rows = elements(&document, "tr").len() - 1;
     assert_eq!(rows, log.result.events.len());
 }
@@ -182,7 +219,7 @@ fn little_to_show_is_shown_sensibly() {
     let document = parsed(&page);
     let seen = all_text(document.root());
     assert!(seen.contains("No event gives a coefficient") && seen.contains("too few samples"));
-    assert_eq!(elements(&document, "figure").len(), 3, "no convergence");
+    assert_eq!(elements(&document, "figure").len(), 4, "no convergence");
 }
 
 #[test]
@@ -201,7 +238,7 @@ fn extreme_numbers_still_give_a_page() {
     }
     let page = log.page();
     parsed(&page);
-    assert!(!page.contains("NaN"));
+    assert!(!without_program(&page).contains("NaN"));
     let mut far = Recorder::new(2000.0);
     let times = log.times_s.iter().zip(&log.steps);
     times.for_each(|(t, step)| far.push(1.7e9 + t / 125.0, step));

@@ -2,7 +2,7 @@
 
 use super::context::{Context, Focus};
 use super::figure::{Figure, both, dot_key, line_key, mark_keys, tint_key};
-use super::fit::{centre_time_s, line_after, line_before, rest_s, slip_curve};
+use super::fit::{centre_time_s, line_after, line_before, reach_s, rest_s, slip_curve};
 use super::number::{count, decimals_for, fixed};
 use super::plot::{Axis, Layout, Plot, Spec};
 use super::scale::extent;
@@ -173,14 +173,10 @@ fn moments(context: &Context<'_>, plot: &mut Plot, event: &EventSummary, close: 
 /// Every event's own fit, half-way to its neighbours.
 fn draw_fits(context: &Context<'_>, plot: &mut Plot, events: &[EventSummary]) {
     for (i, event) in events.iter().enumerate() {
-        let before = i.checked_sub(1).and_then(|i| events.get(i));
-        let since_s = before.map(|before| (event.onset_s - before.stop_s) / 2.0);
-        let after = events.get(i + 1);
-        let until_s = after.map(|after| (after.onset_s - event.stop_s) / 2.0);
-        let alone_s = rest_s(event);
-        let mut curve = line_before(event, since_s.unwrap_or(alone_s).max(0.0));
+        let (before_s, after_s) = reach_s(events, i);
+        let mut curve = line_before(event, before_s);
         curve.extend(slip_curve(event));
-        curve.extend(line_after(event, until_s.unwrap_or(alone_s).max(0.0)));
+        curve.extend(line_after(event, after_s));
         let class = if event.omega_rad_per_s.is_some() { "model" } else { "model unresolved" };
         plot.line(class, curve.into_iter().map(|point| context.shown(point)));
     }

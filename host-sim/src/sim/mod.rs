@@ -16,6 +16,7 @@ mod check;
 mod coloured;
 mod converter;
 pub mod damping;
+mod decimal;
 pub mod exact;
 pub mod friction;
 pub mod integrate;

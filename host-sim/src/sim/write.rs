@@ -2,6 +2,7 @@
 
 use std::io::{self, Write};
 
+use super::decimal::push_fixed;
 use super::run::Sample;
 use super::scene::{Scene, Start};
 
@@ -42,8 +43,13 @@ pub fn csv_head(out: &mut impl Write, scene: &Scene, seed: u64, command: &str) -
 /// Of the writer.
 pub fn csv_line(out: &mut impl Write, scene: &Scene, sample: &Sample) -> io::Result<()> {
     let decimals = (6.0 - scene.weight_n.log10()).ceil().clamp(0.0, 12.0) as usize;
-    let time = format!("{:.6}", sample.time_s);
-    writeln!(out, "{},{:.decimals$}", trim(&time), sample.force_n)
+    let mut line = String::with_capacity(48);
+    push_fixed(&mut line, sample.time_s, 6);
+    line.truncate(trim(&line).len());
+    line.push(',');
+    push_fixed(&mut line, sample.force_n, decimals);
+    line.push('\n');
+    out.write_all(line.as_bytes())
 }
 
 /// Writes one sample as a mixed array: ID, year, day of the year, hhmm,

@@ -15,6 +15,8 @@ use crate::{Result, apt};
 
 /// FAT32 needs 65 525 clusters of 512 bytes at least.
 const IMAGE_BYTES: u64 = 64 << 20;
+/// Room for the NUCLEO's log of 64 MiB, in clusters of 4 KiB.
+const LARGE_BYTES: u64 = 512 << 20;
 /// Where the partition begins, in sectors.
 const START: u32 = 2048;
 /// Samples after which the power fails: in the first second, in the middle of a
@@ -61,22 +63,111 @@ fn cuts(machine: &Machine, image: &Path) -> Result<()> {
 
 /// An image with a partition table and an empty FAT32 file system.
 fn format(image: &Path) -> Result<()> {
-    let mkfs = tool("mkfs.fat")?;
-    let failed = |e: std::io::Error| format!("{}: {e}", image.display());
-    let mut file = File::create(image).map_err(failed)?;
-    file.set_len(IMAGE_BYTES).map_err(failed)?;
-    let sectors = (IMAGE_BYTES / 512) as u32 - START;
-    let mut command = Command::new(mkfs);
-    command.args(["-F", "32", "-s", "1", "--offset", &START.to_string()]).arg(image);
+    make(image, IMAGE_BYTES)?;
+    mkfs(image, ["-F", "32", "-s", "1"], START)?;
+    partition_table(image)
+}
+
+/// All zero, and no room taken on the disk.
+fn make(image: &Path, bytes: u64) -> Result<()> {
+    let made = File::create(image).and_then(|file| file.set_len(bytes));
+    made.map_err(|e| format!("{}: {e}", image.display()))
+}
+
+/// A file system from a sector on to the end.
+fn mkfs<const N: usize>(image: &Path, options: [&str; N], start: u32) -> Result<()> {
+    let bytes = fs::metadata(image).map_err(|e| e.to_string())?.len();
+    let sectors = (bytes / 512) as u32 - start;
+    let mut command = Command::new(tool("mkfs.fat")?);
+    command.args(options).args(["--offset", &start.to_string()]).arg(image);
     command.arg((sectors / 2).to_string());
-    output(&mut command).ok_or("mkfs.fat failed")?;
-    // One partition of type 0x0C (FAT32 with LBA), and the mark at the end.
+    output(&mut command).map(drop).ok_or_else(|| "mkfs.fat failed".to_string())
+}
+
+/// One partition of type 0x0C (FAT32 with LBA), and the mark at the end.
+fn partition_table(image: &Path) -> Result<()> {
+    let bytes = fs::metadata(image).map_err(|e| e.to_string())?.len();
     let mut entry = [0_u8; 16];
     entry[4] = 0x0C;
     entry[8..12].copy_from_slice(&START.to_le_bytes());
-    entry[12..16].copy_from_slice(&sectors.to_le_bytes());
-    file.seek(SeekFrom::Start(446)).and_then(|_| file.write_all(&entry)).map_err(failed)?;
-    file.seek(SeekFrom::Start(510)).and_then(|_| file.write_all(&[0x55, 0xAA])).map_err(failed)
+    entry[12..16].copy_from_slice(&((bytes / 512) as u32 - START).to_le_bytes());
+    put(image, 446, &entry)?;
+    put(image, 510, &[0x55, 0xAA])
+}
+
+fn put(image: &Path, place: u64, bytes: &[u8]) -> Result<()> {
+    let file = File::options().write(true).open(image);
+    let done = file
+        .and_then(|mut file| file.seek(SeekFrom::Start(place)).and_then(|_| file.write_all(bytes)));
+    done.map_err(|e| format!("{}: {e}", image.display()))
+}
+
+/// An image of a card, gone at the end.
+#[derive(Debug)]
+pub struct Image(PathBuf);
+
+impl Image {
+    fn new(name: &str, bytes: u64) -> Result<Self> {
+        let name = format!("card-{name}-{}.img", std::process::id());
+        let image = Self(root().join("target").join(name));
+        make(&image.0, bytes)?;
+        Ok(image)
+    }
+
+    /// FAT32 with room for the board's whole log.
+    pub fn large(name: &str) -> Result<Self> {
+        let image = Self::new(name, LARGE_BYTES)?;
+        mkfs(&image.0, ["-F", "32", "-s", "8"], START)?;
+        partition_table(&image.0)?;
+        Ok(image)
+    }
+
+    /// The same from the first sector on.
+    pub fn without_table(name: &str) -> Result<Self> {
+        let image = Self::new(name, LARGE_BYTES)?;
+        mkfs(&image.0, ["-F", "32", "-s", "8"], 0)?;
+        Ok(image)
+    }
+
+    /// As small cards are sold.
+    pub fn fat12(name: &str) -> Result<Self> {
+        let image = Self::new(name, 8 << 20)?;
+        mkfs(&image.0, ["-F", "12", "-s", "8"], START)?;
+        partition_table(&image.0)?;
+        Ok(image)
+    }
+
+    /// As large cards are sold; no more than what tells it.
+    pub fn exfat(name: &str) -> Result<Self> {
+        let image = Self::empty(name)?;
+        partition_table(&image.0)?;
+        let start = u64::from(START) * 512;
+        put(&image.0, start, b"\xEB\x76\x90EXFAT   ")?;
+        put(&image.0, start + 510, &[0x55, 0xAA])?;
+        Ok(image)
+    }
+
+    /// Zeros.
+    pub fn empty(name: &str) -> Result<Self> {
+        Self::new(name, 8 << 20)
+    }
+
+    /// Its file.
+    pub fn path(&self) -> &Path {
+        &self.0
+    }
+
+    /// What the board wrote.
+    pub fn tests(&self) -> Result<Vec<card::Test>> {
+        let file = File::open(&self.0).map_err(|e| e.to_string())?;
+        card::tests(file).map(|(tests, _)| tests).map_err(|e| e.to_string())
+    }
+}
+
+impl Drop for Image {
+    fn drop(&mut self) {
+        let _ = fs::remove_file(&self.0);
+    }
 }
 
 fn check_file_system(image: &Path) -> Result<()> {

@@ -4,18 +4,19 @@ use std::fs;
 use std::io::Read;
 use std::net::TcpListener;
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Stdio};
+use std::process::{Child, Stdio};
 use std::sync::mpsc;
 use std::time::{Duration, Instant};
 
 use floe::chip::SerialChip;
 
+use super::directory::Directory;
 use super::link::{Link, Typist};
 use super::record::Record;
 use crate::Result;
 use crate::arm::Route;
 use crate::qemu;
-use crate::shell::{root, say};
+use crate::shell::say;
 
 /// 62.5 million instructions per second.
 const SHIFT: u32 = 4;
@@ -86,12 +87,16 @@ impl Machine {
     /// # Errors
     /// The firmware or the emulator failed.
     pub fn run(&self, record: &Record, setup: Setup<'_>) -> Result<Run> {
-        let directory = Directory::new(setup.card)?;
+        let directory = Directory::new()?;
+        directory.make_fifos()?;
+        if let Some(card) = setup.card {
+            directory.link(card, "card.img")?;
+        }
         let live = if setup.samples { "live on\r\n" } else { "live off\r\n" };
         // A test that the power failed in would go on.
         let first = if setup.card.is_some() { "stop\r\n" } else { "" };
         let typed = first.to_string() + &record.commands() + live + "start\r\n";
-        directory.write("console.in", typed)?;
+        directory.write("console.in", &typed)?;
         // In a line of its own, whatever a person may just be typing.
         let typist = vec![(record.codes.len() as u64, "\r\nstop\r\n".to_string())];
         let typist = Typist::new(&directory.path("console.in"), typist);
@@ -100,7 +105,7 @@ impl Machine {
         let chip = SerialChip::new(load_cell, trouble, 0);
         let start = Instant::now();
         if let Some(port) = setup.port {
-            directory.write("uart", String::new())?;
+            directory.write("uart", "")?;
             invite(port)?;
         }
         let mut child = self.spawn(&directory, setup.port)?;
@@ -125,7 +130,7 @@ impl Machine {
     fn spawn(&self, directory: &Directory, port: Option<u16>) -> Result<Child> {
         let socket = port.map(socket);
         let socket = socket.as_deref();
-        let mut command = qemu::board(self.qemu, SHIFT, socket, &self.firmware, &directory.0);
+        let mut command = qemu::board(self.qemu, SHIFT, socket, &self.firmware, directory.place());
         let logged = fs::File::create(directory.path("logged")).map_err(|e| e.to_string())?;
         command.stdin(Stdio::null()).stdout(logged).stderr(Stdio::piped());
         command.spawn().map_err(|e| format!("cannot start {}: {e}", self.qemu))
@@ -138,7 +143,7 @@ fn socket(port: u16) -> String {
 }
 
 /// Says where the console will be, if that port is free.
-fn invite(port: u16) -> Result<()> {
+pub(super) fn invite(port: u16) -> Result<()> {
     let free = TcpListener::bind(("127.0.0.1", port));
     free.map_err(|e| format!("port {port}: {e}; name another: --live PORT"))?;
     say(&format!("console: floe live 127.0.0.1:{port}, or nc 127.0.0.1 {port}"));
@@ -165,7 +170,7 @@ fn stack_of(child: &mut Child) -> u64 {
 /// Serves the converter while the emulator lives.
 fn serve(directory: &Directory, link: Link, child: &mut Child) -> Result<SerialChip> {
     let (sender, receiver) = mpsc::channel();
-    let place = directory.0.clone();
+    let place = directory.place().to_path_buf();
     std::thread::spawn(move || {
         // Nobody waits for the answer when the emulator has failed.
         let _ = sender.send(link.serve(&place));
@@ -195,47 +200,7 @@ fn serve(directory: &Directory, link: Link, child: &mut Child) -> Result<SerialC
     Err("the firmware did not notice the end".into())
 }
 
-fn tail(text: &str) -> String {
+pub(super) fn tail(text: &str) -> String {
     let lines: Vec<&str> = text.lines().collect();
     lines[lines.len().saturating_sub(3)..].join(" | ")
-}
-
-/// The emulator's working directory, gone at the end.
-#[derive(Debug)]
-struct Directory(PathBuf);
-
-impl Directory {
-    fn new(card: Option<&Path>) -> Result<Self> {
-        static COUNT: std::sync::atomic::AtomicU32 = std::sync::atomic::AtomicU32::new(0);
-        let number = COUNT.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
-        let name = format!("emulate-{}-{number}", std::process::id());
-        let directory = Self(root().join("target").join(name));
-        fs::create_dir_all(&directory.0).map_err(|e| e.to_string())?;
-        for fifo in ["adc.in", "adc.out"] {
-            let made = Command::new("mkfifo").arg(directory.path(fifo)).status();
-            if !made.is_ok_and(|status| status.success()) {
-                return Err("cannot make a FIFO: is mkfifo installed?".into());
-            }
-        }
-        if let Some(card) = card {
-            let card = card.canonicalize().map_err(|e| format!("{}: {e}", card.display()))?;
-            let linked = std::os::unix::fs::symlink(card, directory.path("card.img"));
-            linked.map_err(|e| e.to_string())?;
-        }
-        Ok(directory)
-    }
-
-    fn path(&self, name: &str) -> PathBuf {
-        self.0.join(name)
-    }
-
-    fn write(&self, name: &str, text: String) -> Result<()> {
-        fs::write(self.path(name), text).map_err(|e| e.to_string())
-    }
-}
-
-impl Drop for Directory {
-    fn drop(&mut self) {
-        let _ = fs::remove_dir_all(&self.0);
-    }
 }

@@ -11,9 +11,12 @@
 //! the board's UART meanwhile talks to it as to a real one.
 
 mod card;
+mod directory;
+mod faults;
 pub mod link;
 mod live;
 pub mod machine;
+pub mod nucleo;
 pub mod outcome;
 pub mod record;
 mod troubles;
@@ -28,14 +31,51 @@ use floe::replay::test::TestOptions;
 use crate::Result;
 use crate::arm::Route;
 use crate::shell::{root, say};
-use machine::{Machine, Setup};
+use machine::{Machine, Run, Setup};
+use nucleo::Nucleo;
 use record::{Record, is_scene};
+
+/// Which board.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
+pub enum Board {
+    /// The board that only exists in QEMU: any QEMU 10 or newer.
+    #[default]
+    #[value(name = "mps2-an386")]
+    Mps2,
+    /// The NUCLEO-L476RG: the image that is flashed, its peripherals modelled (QEMU 10).
+    Nucleo,
+}
+
+/// A board with its firmware, ready to run.
+enum Ready {
+    Mps2(Machine),
+    Nucleo(Nucleo),
+}
+
+impl Ready {
+    fn new(board: Board, forced: Option<Route>) -> Result<Self> {
+        Ok(match board {
+            Board::Mps2 => Self::Mps2(Machine::prepare(forced)?),
+            Board::Nucleo => Self::Nucleo(Nucleo::prepare(forced)?),
+        })
+    }
+
+    fn run(&self, record: &Record, setup: Setup<'_>) -> Result<Run> {
+        match self {
+            Self::Mps2(machine) => machine.run(record, setup),
+            Self::Nucleo(nucleo) => nucleo.run(record, setup),
+        }
+    }
+}
 
 /// Options of the job.
 #[derive(Clone, Debug, clap::Args)]
 pub struct Args {
     /// The log, 16 samples per second, or a scene (.toml)
     pub log: PathBuf,
+    /// Which board
+    #[arg(long, value_enum, default_value_t)]
+    pub board: Board,
     /// Name of the force column
     #[arg(long, value_name = "NAME")]
     pub column: Option<String>,
@@ -84,6 +124,33 @@ pub fn check_bundled(route: Route) -> Result<()> {
     Ok(())
 }
 
+/// Runs a bundled log on the image that is flashed, and compares the console with what
+/// this PC makes of the converter's codes, bit for bit.
+///
+/// # Errors
+/// The first difference.
+fn check_nucleo(route: Route) -> Result<()> {
+    let nucleo = Nucleo::prepare(Some(route))?;
+    let path = root().join("host-sim/logs/dff8-13.csv");
+    let weight = TestOptions { weight_n: Some(630.0), ..TestOptions::default() };
+    let record = Record::read(&path, &LogOptions::default(), &weight)?;
+    let run = nucleo.run(&record, Setup::default())?;
+    let outcome = outcome::decode(&run.shown)?;
+    let same = outcome.compare(&record, &run.delivered)?;
+    outcome.check_ticks()?;
+    println!("board: dff8-13.csv: {same}");
+    Ok(())
+}
+
+/// The image that is flashed: a log, then everything that can happen to it.
+///
+/// # Errors
+/// What did not go as it has to.
+pub fn check_board(route: Route) -> Result<()> {
+    check_nucleo(route)?;
+    check_faults(route)
+}
+
 /// Logs and scenes below some directories, in order.
 fn files(directories: &[&str]) -> Vec<PathBuf> {
     let mut waiting: Vec<PathBuf> = directories.iter().map(|d| root().join(d)).collect();
@@ -104,6 +171,7 @@ fn files(directories: &[&str]) -> Vec<PathBuf> {
 }
 
 pub use card::check_card;
+use faults::check_faults;
 pub use live::check_live;
 pub use troubles::check_troubles;
 
@@ -133,7 +201,7 @@ impl Args {
 /// One line for the user.
 pub fn run(args: &Args, forced: Option<Route>) -> Result<()> {
     let record = Record::read(&args.log, &args.log_options(), &args.test)?;
-    let machine = Machine::prepare(forced)?;
+    let machine = Ready::new(args.board, forced)?;
     let samples = args.live.is_some() || record.has_gaps();
     let setup = Setup { samples, port: args.live, card: args.card.as_deref(), cut_at: None };
     let run = machine.run(&record, setup)?;

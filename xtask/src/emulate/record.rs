@@ -15,12 +15,11 @@ use floe_firmware::settings::NAME_LEN;
 use crate::Result;
 
 /// The rate of the board.
-const RATE_HZ: f64 = 16.0;
+pub const RATE_HZ: f64 = 16.0;
 /// The largest force of a log is at this share of the converter's range.
 const HEADROOM: f64 = 0.5;
-/// Standard deviation of the converter's own noise, in codes.
-const NOISE_CODES: f64 = 12.0;
-const NOISE_SEED: u64 = 20_260_321;
+/// Standard deviation of the converter's own noise, in codes, and its seed.
+pub const NOISE: (f64, u64) = (12.0, 20_260_321);
 
 /// What the load cell does.
 #[derive(Clone, Debug)]
@@ -96,21 +95,33 @@ impl Record {
     /// The load cell: where the log has nothing, the converter says nothing.
     #[must_use]
     pub fn load_cell(&self) -> (LoadCell, Schedule) {
+        let (codes, trouble) = self.played();
+        (LoadCell::from_codes(&codes, RATE_HZ).with_noise(NOISE.0, NOISE.1), trouble)
+    }
+
+    /// A code for every period, and what is wrong with the converter.
+    #[must_use]
+    pub fn played(&self) -> (Vec<i32>, Schedule) {
         let mut trouble = self.trouble.clone();
         let mut last = 0;
-        let codes: Vec<i32> = (0..)
-            .zip(&self.codes)
-            .map(|(index, code)| {
-                if code.is_none() {
-                    // The answer of a period comes in the next one.
-                    trouble =
-                        std::mem::take(&mut trouble).with(index + 1, index + 2, Trouble::Silent);
-                }
-                last = code.unwrap_or(last);
-                last
-            })
-            .collect();
-        (LoadCell::from_codes(&codes, RATE_HZ).with_noise(NOISE_CODES, NOISE_SEED), trouble)
+        let codes = (0..).zip(&self.codes).map(|(index, code)| {
+            if code.is_none() {
+                // The answer of a period comes in the next one.
+                trouble = std::mem::take(&mut trouble).with(index + 1, index + 2, Trouble::Silent);
+            }
+            last = code.unwrap_or(last);
+            last
+        });
+        (codes.collect(), trouble)
+    }
+
+    /// The same with so many samples of rest before it.
+    #[must_use]
+    pub fn after_rest(&self, samples: usize) -> Self {
+        let first = self.codes.iter().flatten().next().copied();
+        let codes = std::iter::repeat_n(first, samples).chain(self.codes.iter().copied());
+        let trouble = self.trouble.clone().later(samples as u64);
+        Self { codes: codes.collect(), trouble, ..self.clone() }
     }
 
     /// Whether the log lacks samples.

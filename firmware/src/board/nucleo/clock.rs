@@ -4,18 +4,34 @@ use core::cell::{Cell, RefCell};
 use core::sync::atomic::{AtomicU32, Ordering};
 use core::task::Waker;
 
-use cortex_m::peripheral::NVIC;
+use cortex_m::peripheral::syst::SystClkSource;
+use cortex_m::peripheral::{NVIC, SYST};
 use critical_section::Mutex;
+use embassy_stm32::pac::lptim::vals::Presc;
+use embassy_stm32::pac::rcc::vals::{Lptim1sel, Lsedrv, Rtcsel};
 use embassy_stm32::pac::{self, Interrupt, interrupt};
 use embedded_hal::delay::DelayNs;
 
 use crate::sampler::Tick;
 
-/// TIM2 counts microseconds.
-pub const CLOCK_HZ: u32 = 1_000_000;
+/// What TIM2 counts in a second: the oscillator in step with the crystal makes 488
+/// clocks of one of its periods (data sheet, MSI in PLL mode), of which every sixteenth
+/// counts. Half a thousandth less than a million.
+pub const CLOCK_HZ: u32 = 488 * 32_768 / 16;
 
-/// Periods of the 32 768 Hz crystal in a sampling period: 16 Hz exactly.
-const TICK_PERIODS: u16 = 2048;
+/// Clocks of a sampling period, 16 Hz: of the crystal, and of the 16 MHz oscillator
+/// over 64.
+const CRYSTAL_PERIODS: u16 = 2048;
+const INTERNAL_PERIODS: u16 = 15_625;
+
+/// What the sampling tick is counted from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Source {
+    /// The 32 768 Hz crystal: 16 Hz exactly.
+    Crystal,
+    /// HSI16: 16 Hz to 2 % at -40 degrees (data sheet).
+    Internal,
+}
 
 static LAST_TICK: AtomicU32 = AtomicU32::new(0);
 static TICK: Mutex<RefCell<Option<&'static mut (dyn Tick + Send)>>> =
@@ -24,11 +40,55 @@ static TICK: Mutex<RefCell<Option<&'static mut (dyn Tick + Send)>>> =
 /// Starts the clock from the 16 MHz system clock.
 pub(super) fn start() {
     pac::RCC.apb1enr1().modify(|w| w.set_tim2en(true));
+    // Two clocks have to pass before the timer may be touched: the read-back takes them.
+    pac::RCC.apb1enr1().read();
     pac::TIM2.psc().write_value(16 - 1);
     pac::TIM2.arr().write_value(u32::MAX);
     // The prescaler is taken over by an update event.
     pac::TIM2.egr().write(|w| w.set_ug(true));
     pac::TIM2.cr1().modify(|w| w.set_cen(true));
+}
+
+/// Whether a reset has left crystal and calendar running.
+pub(super) fn calendar_runs() -> bool {
+    let backup = pac::RCC.bdcr().read();
+    backup.lserdy() && backup.rtcen() && backup.rtcsel() == Rtcsel::LSE
+}
+
+/// Switches the crystal on, which takes its time; until the tick comes the processor is
+/// woken every 10 ms to look.
+pub(super) fn start_crystal(systick: &mut SYST) {
+    systick.set_clock_source(SystClkSource::Core);
+    systick.set_reload(16_000_000 / 100 - 1);
+    systick.clear_current();
+    systick.enable_interrupt();
+    systick.enable_counter();
+    if !pac::RCC.bdcr().read().lseon() {
+        pac::PWR.cr1().modify(|w| w.set_dbp(true));
+        while !pac::PWR.cr1().read().dbp() {}
+        pac::RCC.bdcr().modify(|w| {
+            w.set_lsedrv(Lsedrv::MEDIUM_HIGH);
+            w.set_lseon(true);
+        });
+    }
+}
+
+/// Whether the crystal runs. From then on it keeps the system clock in step, and the
+/// calendar counts.
+#[must_use]
+pub fn crystal_runs() -> bool {
+    let backup = pac::RCC.bdcr().read();
+    if !backup.lserdy() {
+        return false;
+    }
+    if !backup.rtcen() {
+        pac::RCC.bdcr().modify(|w| {
+            w.set_rtcsel(Rtcsel::LSE);
+            w.set_rtcen(true);
+        });
+    }
+    pac::RCC.cr().modify(|w| w.set_msipllen(true));
+    true
 }
 
 /// Microseconds since the start, modulo 2³².
@@ -38,31 +98,54 @@ pub fn clock() -> u32 {
 }
 
 /// Starts the sampling tick, 16 times a second from now on.
-pub fn start_tick(tick: &'static mut (dyn Tick + Send)) {
+pub fn start_tick(tick: &'static mut (dyn Tick + Send), source: Source) {
     critical_section::with(|cs| *TICK.borrow_ref_mut(cs) = Some(tick));
     pac::RCC.apb1enr1().modify(|w| w.set_lptim1en(true));
+    pac::RCC.apb1enr1().read();
     let timer = pac::LPTIM1;
+    let periods = match source {
+        Source::Crystal => CRYSTAL_PERIODS,
+        Source::Internal => {
+            pac::RCC.cr().modify(|w| w.set_hsion(true));
+            while !pac::RCC.cr().read().hsirdy() {}
+            pac::RCC.ccipr().modify(|w| w.set_lptim1sel(Lptim1sel::HSI));
+            timer.cfgr().write(|w| w.set_presc(Presc::DIV64));
+            INTERNAL_PERIODS
+        }
+    };
     // The interrupt has to be chosen while the timer is off, the period set
     // while it is on (RM0351, LPTIM).
     timer.ier().write(|w| w.set_arrmie(true));
     timer.cr().write(|w| w.set_enable(true));
-    timer.arr().write(|w| w.set_arr(TICK_PERIODS - 1));
+    timer.arr().write(|w| w.set_arr(periods - 1));
     while !timer.isr().read().arrok() {}
     timer.cr().modify(|w| w.set_cntstrt(true));
-    // SAFETY: the handler below is in the vector table.
-    unsafe { NVIC::unmask(Interrupt::LPTIM1) };
+    LAST_TICK.store(clock(), Ordering::Relaxed);
+    // SAFETY: nobody else sets priorities or has the timer that has woken us so far; the
+    // handler below is in the vector table, and the console's, which may interrupt it,
+    // shares nothing with it.
+    unsafe {
+        let mut core = cortex_m::Peripherals::steal();
+        core.SYST.disable_counter();
+        core.NVIC.set_priority(Interrupt::LPTIM1, TICK_PRIORITY);
+        NVIC::unmask(Interrupt::LPTIM1);
+    }
 }
+
+/// Below the console's, which has 87 us to fetch a character.
+const TICK_PRIORITY: u8 = 0x80;
 
 #[interrupt]
 fn LPTIM1() {
     pac::LPTIM1.icr().write(|w| w.set_arrmcf(true));
     let stamp = clock();
     LAST_TICK.store(stamp, Ordering::Relaxed);
-    critical_section::with(|cs| {
-        if let Some(tick) = TICK.borrow_ref_mut(cs).as_mut() {
-            tick.tick(stamp);
-        }
-    });
+    // SAFETY: from `start_tick` on nobody but this interrupt borrows the tick, and it
+    // does not interrupt itself.
+    let cs = unsafe { critical_section::CriticalSection::new() };
+    if let Some(tick) = TICK.borrow_ref_mut(cs).as_mut() {
+        tick.tick(stamp);
+    }
 }
 
 /// Microseconds since the last tick.

@@ -1,0 +1,190 @@
+//! What happens by itself: time, the script, resets, the end.
+
+use super::access::at;
+use super::{Board, Emulator};
+use crate::board::BASES;
+use crate::rcc::cause;
+use crate::rtc::Rtc;
+use crate::rtt;
+use crate::rules::At;
+use crate::run::{CONSOLE_FILE, Incident, LOGGED_FILE, OUTCOME_FILE, Outcome, When};
+use crate::ssd1306::Ssd1306;
+use crate::wires::Hold;
+
+/// Interrupt numbers (RM0351, table 57).
+const USART2_LINE: u32 = 38;
+const LPTIM1_LINE: u32 = 65;
+
+/// The board is looked at at least so often, ns: without it the emulator gives up in
+/// a program that waits for minutes; in real time, and while it logs, more often.
+const HEARTBEAT_NS: u64 = 1_000_000_000;
+const BUSY_HEARTBEAT_NS: u64 = 10_000_000;
+
+/// What `cortex-m-rt` paints the stack with.
+const PAINT: u32 = 0xCCCC_CCCC;
+/// The RAM that a failing supply spoils.
+const RAM: (u32, usize) = (0x2000_0000, 96 * 1024);
+
+const CONVERTER_RESET: u8 = 0x06;
+
+impl Board {
+    /// Something is due, or time has passed.
+    pub fn wake(&mut self, emulator: &mut dyn Emulator) {
+        let now_ns = emulator.now_ns();
+        self.follow_clocks(now_ns);
+        self.lptim.advance(at!(self, now_ns));
+        self.usart.advance(at!(self, now_ns));
+        if self.iwdg.deadline_ns().is_some_and(|due| due <= now_ns) && self.cause.is_none() {
+            self.cause = Some((cause::WATCHDOG, "the watchdog"));
+            emulator.restart();
+        }
+        self.play(emulator, now_ns);
+        self.listen(emulator, now_ns);
+        self.settle(emulator, now_ns);
+    }
+
+    /// Brings the interrupt lines up to date, and says when to wake next.
+    pub(super) fn settle(&mut self, emulator: &mut dyn Emulator, now_ns: u64) {
+        let lines_up = (self.lptim.interrupt(), self.usart.interrupt());
+        if lines_up.0 != self.lines_up.0 {
+            emulator.set_interrupt(LPTIM1_LINE, lines_up.0);
+        }
+        if lines_up.1 != self.lines_up.1 {
+            emulator.set_interrupt(USART2_LINE, lines_up.1);
+        }
+        if lines_up.0 && self.waiting_for_tick {
+            self.waiting_for_tick = false;
+            self.outcome.first_ticks_s.push(now_ns as f64 * 1e-9);
+        }
+        self.lines_up = lines_up;
+        let often = self.remote.is_some() || self.setup.rtt.is_some();
+        let heartbeat = now_ns + if often { BUSY_HEARTBEAT_NS } else { HEARTBEAT_NS };
+        let script = self.script.iter().filter_map(|(when, _)| match when {
+            When::Seconds(s) => Some((s * 1e9) as u64),
+            When::Sample(_) => None,
+        });
+        let at = At { now_ns, clocks: self.clocks, rules: &mut self.rules };
+        let due = [self.lptim.deadline_ns(&at), self.usart.deadline_ns(), self.iwdg.deadline_ns()];
+        let next = due.into_iter().flatten().chain(script).min().unwrap_or(heartbeat);
+        emulator.wake_at(next.clamp(now_ns + 1, heartbeat));
+    }
+
+    /// Whatever is due.
+    fn play(&mut self, emulator: &mut dyn Emulator, now_ns: u64) {
+        let sample = self.wires.converter.sample_at(now_ns);
+        let is_due = |when: &When| match *when {
+            When::Seconds(s) => (s * 1e9) as u64 <= now_ns,
+            When::Sample(number) => number <= sample,
+        };
+        let mut due: Vec<Incident> =
+            self.script.extract_if(.., |(when, _)| is_due(when)).map(|(_, what)| what).collect();
+        // The next one is last.
+        while let Some(incident) = due.pop() {
+            self.happen(emulator, now_ns, incident);
+        }
+    }
+
+    fn happen(&mut self, emulator: &mut dyn Emulator, now_ns: u64, incident: Incident) {
+        match incident {
+            Incident::Type(text) => self.usart.type_in(text.as_bytes(), at!(self, now_ns)),
+            Incident::PullCard => self.slot.pull(now_ns),
+            Incident::PutCard => self.slot.present = true,
+            Incident::HoldBus(s) => {
+                self.wires.hold = Some(Hold::Until(now_ns + (s * 1e9) as u64));
+            }
+            Incident::HoldBusForClocks(clocks) => self.wires.hold = Some(Hold::Clocks(clocks)),
+            Incident::ResetConverter => self.wires.converter.command(now_ns, CONVERTER_RESET),
+            Incident::StopClock => {
+                self.tim2.rebase(at!(self, now_ns));
+                self.tim2.dead = true;
+            }
+            Incident::FailAccess(base) => self.failing = Some(base),
+            Incident::CutPower => self.cut_power(emulator, now_ns),
+            Incident::End => {
+                self.end(emulator, now_ns);
+                emulator.finish();
+            }
+        }
+    }
+
+    fn cut_power(&mut self, emulator: &mut dyn Emulator, now_ns: u64) {
+        self.rcc.lose_backup();
+        self.rtc = Rtc::default();
+        let present = self.slot.present;
+        self.slot.pull(now_ns);
+        self.slot.present = present;
+        self.wires.converter.command(now_ns, CONVERTER_RESET);
+        self.wires.display = Ssd1306::default();
+        let garbage: Vec<u8> =
+            (0..RAM.1).map(|i| (i as u32).wrapping_mul(0x9E37_79B1).to_be_bytes()[0]).collect();
+        emulator.write(RAM.0, &garbage);
+        self.cause = Some((cause::POWER, "the power"));
+        emulator.restart();
+    }
+
+    /// The processor starts again.
+    pub fn restarted(&mut self, now_ns: u64) {
+        if now_ns == 0 {
+            return;
+        }
+        let (bits, words) = self.cause.take().unwrap_or((cause::SOFTWARE, "the program"));
+        self.outcome.resets.push((now_ns as f64 * 1e-9, words.into()));
+        self.rcc.reset(bits | cause::PIN);
+        BASES.into_iter().for_each(|base| self.reset_one(base));
+        // What was broken on purpose is whole again.
+        (self.tim2.dead, self.failing) = (false, None);
+        self.waiting_for_tick = true;
+        self.lines_up = (false, false);
+        self.follow_clocks(now_ns);
+    }
+
+    /// What the board says goes to whoever listens.
+    fn listen(&mut self, emulator: &mut dyn Emulator, now_ns: u64) {
+        if let Some(block) = self.setup.rtt {
+            self.logged.extend(rtt::drain(emulator, block));
+        }
+        let new = self.usart.said.get(self.heard..).unwrap_or_default();
+        if let Some(remote) = &mut self.remote {
+            remote.keep_pace(now_ns);
+            let typed = remote.exchange(new);
+            self.usart.type_in(&typed, at!(self, now_ns));
+        }
+        self.heard = self.usart.said.len();
+    }
+
+    /// Leaves behind what came of the run.
+    fn end(&mut self, emulator: &mut dyn Emulator, now_ns: u64) {
+        self.listen(emulator, now_ns);
+        if self.slot.present {
+            self.slot.pull(now_ns + HEARTBEAT_NS);
+        }
+        let outcome = Outcome {
+            breaches: self.rules.said(),
+            delivered: self.wires.converter.delivered().to_vec(),
+            stack_used: self.stack_used(emulator),
+            typed_lost: self.usart.lost,
+            line_times_s: self.usart.line_ends_ns.iter().map(|&ns| ns as f64 * 1e-9).collect(),
+            picture: self.wires.display.picture(),
+            pictures: self.wires.display.pictures,
+            blocks_written: self.slot.card.as_ref().map_or(0, |card| card.written()),
+            emulated_s: now_ns as f64 * 1e-9,
+            ..self.outcome.clone()
+        };
+        let text = serde_json::to_vec(&outcome).unwrap_or_default();
+        let files: [(&str, &[u8]); 3] =
+            [(CONSOLE_FILE, &self.usart.said), (LOGGED_FILE, &self.logged), (OUTCOME_FILE, &text)];
+        for (name, bytes) in files {
+            if let Err(error) = std::fs::write(name, bytes) {
+                eprintln!("board model: {name}: {error}");
+            }
+        }
+    }
+
+    fn stack_used(&self, emulator: &mut dyn Emulator) -> u32 {
+        let (lower, upper) = self.setup.stack;
+        let mut bytes = vec![0; upper.saturating_sub(lower) as usize];
+        emulator.read(lower, &mut bytes);
+        let painted = bytes.chunks(4).take_while(|word| *word == PAINT.to_le_bytes()).count();
+        upper - lower - 4 * painted as u32
+    }
+}

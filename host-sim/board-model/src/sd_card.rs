@@ -1,0 +1,508 @@
+//! An SDHC card in SPI mode (SD Physical Layer Simplified Specification, chapter 7),
+//! as strict as that allows a card to be.
+
+use std::collections::VecDeque;
+use std::fmt::Debug;
+use std::io::{Read, Seek, SeekFrom, Write};
+
+use crate::rules::At;
+
+/// Bytes of a block.
+pub const BLOCK: usize = 512;
+
+/// Clocks with the card not selected before the first command.
+const WAKING_CLOCKS: u32 = 74;
+/// While the card gets ready, Hz; what is rounding is not a breach.
+const SLOW_HZ: f64 = 400_500.0;
+/// Afterwards, Hz.
+const FAST_HZ: f64 = 25e6;
+/// Bytes before a response.
+const NCR: usize = 2;
+
+const IDLE: u8 = 1 << 0;
+const ILLEGAL: u8 = 1 << 2;
+const CRC_ERROR: u8 = 1 << 3;
+const ADDRESS_ERROR: u8 = 1 << 5;
+const START_BLOCK: u8 = 0xFE;
+const ACCEPTED: u8 = 0x05;
+const DATA_CRC_ERROR: u8 = 0x0B;
+/// Error token: the card's own error correction failed.
+const ECC_FAILED: u8 = 0x04;
+
+/// What keeps the blocks.
+pub trait Disk: Read + Write + Seek + Debug + Send {}
+impl<T: Read + Write + Seek + Debug + Send> Disk for T {}
+
+/// What a card is like.
+#[derive(Clone, Debug)]
+pub struct Kind {
+    /// From the first ACMD41 until it is ready, ns.
+    pub ready_ns: u64,
+    /// From a command to a block of data, ns.
+    pub read_ns: u64,
+    /// Busy after a block, ns.
+    pub write_ns: u64,
+    /// Busy after every 64th block, ns: the card tidies up.
+    pub tidy_ns: u64,
+    /// No block can be read.
+    pub unreadable: bool,
+}
+
+impl Default for Kind {
+    fn default() -> Self {
+        let (ready_ns, read_ns) = (100_000_000, 200_000);
+        Self { ready_ns, read_ns, write_ns: 800_000, tidy_ns: 20_000_000, unreadable: false }
+    }
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Power {
+    /// So many clocks were given so far.
+    Waking(u32),
+    /// In SPI mode, idle; since the first ACMD41.
+    Idle(Option<u64>),
+    Ready,
+}
+
+#[derive(Debug)]
+enum Input {
+    Command(Vec<u8>),
+    /// Waits for the start of a block.
+    Token(u32),
+    Block(u32, Vec<u8>),
+}
+
+/// The card.
+#[derive(Debug)]
+pub struct SdCard {
+    kind: Kind,
+    disk: Box<dyn Disk>,
+    blocks: u32,
+    power: Power,
+    checks_crc: bool,
+    application: bool,
+    input: Input,
+    output: VecDeque<u8>,
+    /// A block that is on its way out of the card.
+    data: Option<(u64, Vec<u8>)>,
+    /// A block that is being programmed.
+    programming: Option<(u64, u32, Vec<u8>)>,
+    written: u32,
+}
+
+impl SdCard {
+    /// Just put in.
+    ///
+    /// # Errors
+    /// The disk's size cannot be told.
+    pub fn new(kind: Kind, mut disk: Box<dyn Disk>) -> std::io::Result<Self> {
+        let blocks = (disk.seek(SeekFrom::End(0))? / BLOCK as u64) as u32;
+        Ok(Self {
+            kind,
+            disk,
+            blocks,
+            power: Power::Waking(0),
+            checks_crc: false,
+            application: false,
+            input: Input::Command(Vec::new()),
+            output: VecDeque::new(),
+            data: None,
+            programming: None,
+            written: 0,
+        })
+    }
+
+    /// The supply goes: what was being programmed is torn.
+    pub fn pull(&mut self, now_ns: u64) {
+        self.finish_programming(now_ns);
+        if let Some((_, block, bytes)) = self.programming.take() {
+            self.store(block, &bytes[..BLOCK / 2]);
+        }
+        self.power = Power::Waking(0);
+        (self.checks_crc, self.application) = (false, false);
+        self.abort();
+    }
+
+    /// Forgets the transaction: chip select has risen, whoever let go of it. The
+    /// specification does not say what a card does then.
+    pub fn abort(&mut self) {
+        self.output.clear();
+        (self.data, self.input) = (None, Input::Command(Vec::new()));
+    }
+
+    /// Blocks written.
+    #[must_use]
+    pub fn written(&self) -> u32 {
+        self.written
+    }
+
+    /// Chip select has gone high; that may not happen within a transaction.
+    pub fn released(&mut self, at: &mut At<'_>) {
+        let command = matches!(&self.input, Input::Command(bytes) if bytes.is_empty());
+        if !command || !self.output.is_empty() || self.data.is_some() {
+            at.breach("SD: chip select released within a transaction");
+        }
+        self.abort();
+    }
+
+    /// Eight clocks.
+    pub fn exchange(&mut self, byte: u8, selected: bool, clock_hz: f64, at: &mut At<'_>) -> u8 {
+        let limit_hz = if self.power == Power::Ready { FAST_HZ } else { SLOW_HZ };
+        if clock_hz > limit_hz {
+            at.breach(format!("SD: clocked at {clock_hz:.0} Hz, {limit_hz:.0} are allowed now"));
+        }
+        self.finish_programming(at.now_ns);
+        if !selected {
+            if let Power::Waking(clocks) = &mut self.power {
+                *clocks = if byte == 0xFF { *clocks + 8 } else { 0 };
+            }
+            return 0xFF;
+        }
+        if matches!(self.power, Power::Waking(clocks) if clocks < WAKING_CLOCKS) {
+            return 0xFF;
+        }
+        let answer = self.answer(at.now_ns);
+        self.take(byte, at);
+        answer
+    }
+
+    fn answer(&mut self, now_ns: u64) -> u8 {
+        if let Some(byte) = self.output.pop_front() {
+            return byte;
+        }
+        if let Some((_, block)) = self.data.take_if(|(ready, _)| *ready <= now_ns) {
+            self.output.extend(block);
+            return self.output.pop_front().unwrap_or(0xFF);
+        }
+        if self.programming.is_some() { 0x00 } else { 0xFF }
+    }
+
+    fn take(&mut self, byte: u8, at: &mut At<'_>) {
+        match &mut self.input {
+            Input::Command(bytes) => {
+                if bytes.is_empty() && byte >> 6 != 0b01 {
+                    return;
+                }
+                if bytes.is_empty() && self.programming.is_some() {
+                    at.breach("SD: a command while the card is busy");
+                }
+                bytes.push(byte);
+                if let Ok(command) = <[u8; 6]>::try_from(&bytes[..]) {
+                    bytes.clear();
+                    self.obey(command, at);
+                }
+            }
+            Input::Token(block) => match byte {
+                START_BLOCK => self.input = Input::Block(*block, Vec::new()),
+                0xFF => {}
+                _ => at.breach(format!("SD: 0x{byte:02x} where a block should begin")),
+            },
+            Input::Block(block, bytes) => {
+                bytes.push(byte);
+                if bytes.len() == BLOCK + 2 {
+                    let (block, bytes) = (*block, std::mem::take(bytes));
+                    self.input = Input::Command(Vec::new());
+                    self.program(block, bytes, at.now_ns);
+                }
+            }
+        }
+    }
+
+    fn program(&mut self, block: u32, mut bytes: Vec<u8>, now_ns: u64) {
+        let sum = bytes.split_off(BLOCK);
+        if self.checks_crc && sum != crc16(&bytes).to_be_bytes() {
+            return self.output.push_back(DATA_CRC_ERROR);
+        }
+        self.output.push_back(ACCEPTED);
+        self.written += 1;
+        let tidies = self.written.is_multiple_of(64);
+        let busy_ns = if tidies { self.kind.tidy_ns } else { self.kind.write_ns };
+        self.programming = Some((now_ns + busy_ns, block, bytes));
+    }
+
+    fn finish_programming(&mut self, now_ns: u64) {
+        if let Some((_, block, bytes)) = self.programming.take_if(|(end, ..)| *end <= now_ns) {
+            self.store(block, &bytes);
+        }
+    }
+
+    fn store(&mut self, block: u32, bytes: &[u8]) {
+        let place = SeekFrom::Start(u64::from(block) * BLOCK as u64);
+        let done = self.disk.seek(place).and_then(|_| self.disk.write_all(bytes));
+        done.expect("the card's image can be written");
+    }
+
+    fn load(&mut self, block: u32) -> Vec<u8> {
+        let mut bytes = vec![0; BLOCK];
+        let place = SeekFrom::Start(u64::from(block) * BLOCK as u64);
+        let done = self.disk.seek(place).and_then(|_| self.disk.read_exact(&mut bytes));
+        done.expect("the card's image can be read");
+        bytes
+    }
+
+    fn obey(&mut self, command: [u8; 6], at: &At<'_>) {
+        let [index, argument @ .., sum] = command;
+        let (index, argument) = (index & 0x3F, u32::from_be_bytes(argument));
+        self.output.clear();
+        self.output.extend([0xFF; NCR]);
+        let application = std::mem::take(&mut self.application);
+        // The first command and the check of the supply are always checked.
+        let checked = self.checks_crc || index == 0 || index == 8;
+        if checked && sum != crc7(&command[..5]) << 1 | 1 {
+            return self.respond(CRC_ERROR);
+        }
+        if let Power::Waking(_) = self.power {
+            if index == 0 {
+                self.power = Power::Idle(None);
+                self.respond(0);
+            }
+            return;
+        }
+        match (index, application) {
+            (41, true) => self.get_ready(argument, at.now_ns),
+            (_, true) => self.respond(ILLEGAL),
+            (0, _) => {
+                (self.power, self.checks_crc) = (Power::Idle(None), false);
+                self.respond(0);
+            }
+            (8, _) => {
+                self.respond(0);
+                self.output.extend([0, 0, argument as u8 >> 4 & 1 | 1, argument as u8]);
+            }
+            (55, _) => {
+                self.application = true;
+                self.respond(0);
+            }
+            (58, _) => {
+                self.respond(0);
+                let ready = if self.power == Power::Ready { 0xC0 } else { 0 };
+                self.output.extend([ready, 0xFF, 0x80, 0]);
+            }
+            (59, _) => {
+                self.checks_crc = argument & 1 != 0;
+                self.respond(0);
+            }
+            _ if self.power != Power::Ready => self.respond(ILLEGAL),
+            (9, _) => {
+                self.respond(0);
+                self.data = Some((at.now_ns + self.kind.read_ns, framed(&self.csd())));
+            }
+            (13, _) => {
+                self.respond(0);
+                self.output.push_back(0);
+            }
+            (16, _) => self.respond(0),
+            (17 | 24, _) if argument >= self.blocks => self.respond(ADDRESS_ERROR),
+            (17, _) => {
+                self.respond(0);
+                let bytes = self.load(argument);
+                let sent = if self.kind.unreadable { vec![ECC_FAILED] } else { framed(&bytes) };
+                self.data = Some((at.now_ns + self.kind.read_ns, sent));
+            }
+            (24, _) => {
+                self.respond(0);
+                self.input = Input::Token(argument);
+            }
+            _ => self.respond(ILLEGAL),
+        }
+    }
+
+    fn respond(&mut self, flags: u8) {
+        let idle = if self.power == Power::Ready { 0 } else { IDLE };
+        self.output.push_back(flags | idle);
+    }
+
+    /// ACMD41: a host that does not know of high capacity never gets it ready.
+    fn get_ready(&mut self, argument: u32, now_ns: u64) {
+        if let Power::Idle(since) = &mut self.power {
+            let since_ns = *since.get_or_insert(now_ns);
+            if argument & 1 << 30 != 0 && now_ns >= since_ns + self.kind.ready_ns {
+                self.power = Power::Ready;
+            }
+        }
+        self.respond(0);
+    }
+
+    /// Version 2 of the card's data: its size in units of 512 KiB.
+    fn csd(&self) -> [u8; 16] {
+        let [_, high, middle, low] = (self.blocks / 1024).saturating_sub(1).to_be_bytes();
+        let mut csd = [0x40, 0x0E, 0, 0x32, 0x5B, 0x59, 0, 0, 0, 0, 0x7F, 0x80, 0x0A, 0x40, 0, 0];
+        (csd[7], csd[8], csd[9]) = (high & 0x3F, middle, low);
+        csd[15] = crc7(&csd[..15]) << 1 | 1;
+        csd
+    }
+}
+
+/// A block of data as it goes over the wire.
+fn framed(bytes: &[u8]) -> Vec<u8> {
+    let sum = crc16(bytes).to_be_bytes();
+    [START_BLOCK].iter().chain(bytes).chain(&sum).copied().collect()
+}
+
+fn crc7(bytes: &[u8]) -> u8 {
+    let bits = bytes.iter().flat_map(|byte| (0..8).rev().map(move |bit| byte >> bit & 1));
+    bits.fold(0, |sum, bit| {
+        let shifted = (sum << 1) & 0x7F;
+        if (sum >> 6) ^ bit != 0 { shifted ^ 0x09 } else { shifted }
+    })
+}
+
+fn crc16(bytes: &[u8]) -> u16 {
+    bytes.iter().fold(0, |sum, &byte| {
+        (0..8).fold(sum ^ u16::from(byte) << 8, |sum, _| {
+            if sum & 0x8000 != 0 { sum << 1 ^ 0x1021 } else { sum << 1 }
+        })
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rules::Rules;
+    use crate::rules::tests::RUNNING;
+    use std::io::Cursor;
+
+    struct Host {
+        card: SdCard,
+        rules: Rules,
+        now_ns: u64,
+        clock_hz: f64,
+    }
+
+    impl Host {
+        fn new() -> Self {
+            let disk = Cursor::new(vec![0; 2048 * BLOCK]);
+            let card = SdCard::new(Kind::default(), Box::new(disk)).unwrap();
+            Self { card, rules: Rules::default(), now_ns: 0, clock_hz: 4e5 }
+        }
+
+        fn byte(&mut self, byte: u8, selected: bool) -> u8 {
+            self.now_ns += 20_000;
+            let (now_ns, clock_hz) = (self.now_ns, self.clock_hz);
+            let mut at = At { now_ns, clocks: RUNNING, rules: &mut self.rules };
+            self.card.exchange(byte, selected, clock_hz, &mut at)
+        }
+
+        fn send(&mut self, bytes: &[u8]) {
+            for &byte in bytes {
+                self.byte(byte, true);
+            }
+        }
+
+        fn wake(&mut self, bytes: u32) {
+            for _ in 0..bytes {
+                self.byte(0xFF, false);
+            }
+        }
+
+        /// The response to a command; `None`: nothing comes.
+        fn command(&mut self, index: u8, argument: u32) -> Option<u8> {
+            let mut bytes = vec![0x40 | index];
+            bytes.extend(argument.to_be_bytes());
+            bytes.push(crc7(&bytes) << 1 | 1);
+            self.send(&bytes);
+            (0..8).map(|_| self.byte(0xFF, true)).find(|byte| byte & 0x80 == 0)
+        }
+
+        fn take(&mut self, count: usize) -> Vec<u8> {
+            (0..count).map(|_| self.byte(0xFF, true)).collect()
+        }
+
+        fn ready() -> Self {
+            let mut host = Self::new();
+            host.wake(10);
+            assert_eq!(host.command(0, 0), Some(IDLE));
+            assert_eq!(host.command(59, 1), Some(IDLE));
+            assert_eq!(host.command(8, 0x1AA), Some(IDLE));
+            assert_eq!(host.take(4), [0, 0, 1, 0xAA]);
+            let mut tries = 0;
+            while host.command(55, 0) == Some(IDLE) && host.command(41, 1 << 30) != Some(0) {
+                tries += 1;
+            }
+            assert!(tries > 50, "it takes a tenth of a second");
+            assert_eq!(host.command(58, 0), Some(0));
+            assert_eq!(host.take(4), [0xC0, 0xFF, 0x80, 0]);
+            host.clock_hz = 8e6;
+            host
+        }
+
+        fn write(&mut self, block: u32, bytes: &[u8; BLOCK], sum: u16) -> u8 {
+            assert_eq!(self.command(24, block), Some(0));
+            self.byte(START_BLOCK, true);
+            self.send(bytes);
+            self.send(&sum.to_be_bytes());
+            self.byte(0xFF, true)
+        }
+
+        fn read(&mut self, block: u32) -> Vec<u8> {
+            assert_eq!(self.command(17, block), Some(0));
+            while self.byte(0xFF, true) != START_BLOCK {}
+            let bytes = self.take(BLOCK);
+            assert_eq!(self.take(2), crc16(&bytes).to_be_bytes());
+            bytes
+        }
+    }
+
+    /// The specification's own examples.
+    #[test]
+    fn checksums() {
+        assert_eq!(crc7(&[0x40, 0, 0, 0, 0]), 0b100_1010);
+        assert_eq!(crc7(&[0x51, 0, 0, 0, 0]), 0b010_1010);
+        assert_eq!(crc16(&[0xFF; BLOCK]), 0x7FA1);
+    }
+
+    #[test]
+    fn it_sleeps_until_74_clocks_without_select() {
+        let mut host = Host::new();
+        assert_eq!(host.command(0, 0), None);
+        host.wake(9);
+        assert_eq!(host.command(0, 0), None);
+        host.byte(0xFF, false);
+        assert_eq!(host.command(0, 0), Some(IDLE));
+        assert!(host.rules.said().is_empty());
+    }
+
+    #[test]
+    fn blocks_are_written_with_a_pause_and_read() {
+        let mut host = Host::ready();
+        let bytes = [0x5A; BLOCK];
+        assert_eq!(host.write(7, &bytes, crc16(&bytes)), ACCEPTED);
+        assert_eq!(host.byte(0xFF, true), 0, "busy");
+        host.now_ns += 1_000_000;
+        assert_eq!(host.byte(0xFF, true), 0xFF);
+        assert_eq!(host.read(7), bytes);
+        assert_eq!(host.write(7, &[1; BLOCK], 0), DATA_CRC_ERROR);
+        assert_eq!(host.read(7), bytes);
+        assert_eq!(host.command(17, 2048), Some(ADDRESS_ERROR));
+        assert_eq!(host.command(9, 0), Some(0));
+        while host.byte(0xFF, true) != START_BLOCK {}
+        assert_eq!(host.take(10)[7..], [0, 0, 1], "1 MiB");
+        host.take(8);
+        assert_eq!(host.rules.said(), [""; 0]);
+    }
+
+    #[test]
+    fn a_block_is_torn_when_the_card_is_pulled() {
+        let mut host = Host::ready();
+        host.write(7, &[0x5A; BLOCK], crc16(&[0x5A; BLOCK]));
+        host.card.pull(host.now_ns);
+        assert_eq!(host.card.load(7), [[0x5A; 256], [0; 256]].concat());
+        assert_eq!(host.command(17, 7), None, "it has to be woken again");
+        assert!(host.rules.said()[0].contains("8000000 Hz"));
+    }
+
+    #[test]
+    fn what_the_specification_forbids() {
+        let mut host = Host::ready();
+        host.write(7, &[1; BLOCK], crc16(&[1; BLOCK]));
+        host.command(13, 0);
+        host.command(24, 9);
+        host.byte(0x00, true);
+        let mut at = At { now_ns: host.now_ns, clocks: RUNNING, rules: &mut host.rules };
+        host.card.released(&mut at);
+        let said = host.rules.said().join(";");
+        for word in ["busy", "should begin", "within a transaction"] {
+            assert!(said.contains(word), "{word}: {said}");
+        }
+    }
+}

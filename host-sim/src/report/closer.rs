@@ -1,0 +1,162 @@
+//! What the script needs for its data points and its closer looks: samples and events as
+//! numbers, in the units that are shown.
+
+use super::context::Context;
+use super::fit::reach_s;
+use super::table::chosen;
+use crate::replay::result::EventSummary;
+
+/// Samples at most; of a log at 16 Hz all that are kept at full resolution.
+const MOST_SAMPLES: usize = 1 << 16;
+/// Events at most.
+const MOST_EVENTS: usize = 3000;
+/// A force is told to about this part of the range of the log.
+const RESOLUTION: f64 = 2e-4;
+
+/// A data block: numbers only, so that no text from a log is in it.
+pub(super) fn data(context: &Context<'_>) -> String {
+    let Some((low_n, high_n)) = context.recorder.range_n() else { return String::new() };
+    let range = ((high_n - low_n) * context.force.factor).max(1e-9);
+    let step = 10_f64.powf((range * RESOLUTION).log10().floor());
+    let stretches = stretches(context);
+    let clips: Vec<String> = stretches.iter().map(|stretch| clip(context, stretch, step)).collect();
+    let covered = |event: &EventSummary| {
+        let within = |s: &Stretch<'_>| (s.start_s..s.end_s).contains(&event.onset_s);
+        stretches.iter().any(within)
+    };
+    let events = &context.result.events;
+    let mut wanted: Vec<usize> = chosen(events).map(|(position, _)| position).collect();
+    wanted.extend((0..events.len()).filter(|&i| events.get(i).is_some_and(covered)));
+    wanted.sort_unstable();
+    wanted.dedup();
+    wanted.truncate(MOST_EVENTS);
+    let events: Vec<String> = wanted.into_iter().filter_map(|i| event(context, i, step)).collect();
+    format!(
+        "<script type=\"application/json\" id=\"data\">{{\"period\":{},\"step\":{step:e},\
+         \"noise\":{},\"unit\":\"{}\",\"clips\":[{}],\"events\":[{}]}}</script>\n",
+        context.recorder.period_s(),
+        context.result.noise_n.map_or("null".into(), |n| short(n * context.force.factor)),
+        context.force.name,
+        clips.join(","),
+        events.join(",\n"),
+    )
+}
+
+/// Samples next to each other.
+struct Stretch<'a> {
+    first: u64,
+    start_s: f64,
+    end_s: f64,
+    forces_n: &'a [f32],
+}
+
+/// The stretches at full resolution, those nearest to the event looked at if not all fit.
+fn stretches<'a>(context: &Context<'a>) -> Vec<Stretch<'a>> {
+    let period_s = context.recorder.period_s();
+    let stretch = |(first, start_s, forces_n): (u64, f64, &'a [f32])| {
+        let end_s = start_s + forces_n.len() as f64 * period_s;
+        Stretch { first, start_s, end_s, forces_n }
+    };
+    let mut all: Vec<_> = context.recorder.clips.stretches().map(stretch).collect();
+    let near_s = context.focus().map_or(0.0, |focus| focus.event.onset_s);
+    let away_s = |s: &Stretch<'_>| (s.start_s - near_s).max(near_s - s.end_s).max(0.0);
+    all.sort_by(|a, b| away_s(a).total_cmp(&away_s(b)));
+    let mut samples = 0;
+    all.retain(|s| {
+        samples += s.forces_n.len();
+        samples <= MOST_SAMPLES
+    });
+    all.sort_by_key(|s| s.first);
+    all
+}
+
+/// Number of the first sample, its time, and every force in steps.
+fn clip(context: &Context<'_>, stretch: &Stretch<'_>, step: f64) -> String {
+    let force = |&force_n: &f32| {
+        let steps = (f64::from(force_n) * context.force.factor / step).round();
+        if steps.is_finite() { format!("{steps}") } else { "null".into() }
+    };
+    let forces: Vec<String> = stretch.forces_n.iter().map(force).collect();
+    let start = short(stretch.start_s - context.zero_s);
+    format!("[{},{start},[{}]]", stretch.first, forces.join(","))
+}
+
+/// What the script calls index, from, onset, stop, to, fs, fp, fe, pull, omega, slack,
+/// mu_s and mu.
+fn event(context: &Context<'_>, position: usize, step: f64) -> Option<String> {
+    let events = &context.result.events;
+    let e = events.get(position)?;
+    let (before_s, after_s) = reach_s(events, position);
+    let time = |t: f64| short(t - context.zero_s);
+    let force = |f: f64| short((f * context.force.factor / step * 10.0).round() * step / 10.0);
+    let maybe = |value: Option<f64>| value.map_or("null".into(), short);
+    Some(format!(
+        "[{},{},{},{},{},{},{},{},{},{},{},{},{}]",
+        e.index,
+        time(e.onset_s - before_s),
+        time(e.onset_s),
+        time(e.stop_s),
+        time(e.stop_s + after_s),
+        force(e.static_force_n),
+        force(e.dynamic_force_n),
+        force(e.restick_force_n),
+        short(e.loading_rate_n_per_s * context.force.factor),
+        maybe(e.omega_rad_per_s),
+        u8::from(e.slack),
+        maybe(e.mu_s),
+        maybe(e.mu),
+    ))
+}
+
+/// Seven digits, as few characters as they need.
+fn short(x: f64) -> String {
+    if !x.is_finite() {
+        return "null".into();
+    }
+    let decimals = if x == 0.0 { 0 } else { (6 - x.abs().log10().floor() as i32).clamp(0, 12) };
+    let text = format!("{x:.*}", decimals as usize);
+    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').into() } else { text }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::sample_log::SampleLog;
+    use super::*;
+
+    fn parsed(log: &SampleLog) -> serde_json::Value {
+        let recorder = log.recorder();
+        let block = data(&Context::new(&log.result, &recorder));
+        let json = block.split_once('>').unwrap().1.rsplit_once("</script>").unwrap().0;
+        serde_json::from_str(json).unwrap()
+    }
+
+    #[test]
+    fn samples_and_events_are_told_as_they_are() {
+        let log = SampleLog::dff8_13(60.0);
+        let data = parsed(&log);
+        let step = data["step"].as_f64().unwrap();
+        let told = data["clips"][0][2][100].as_f64().unwrap() * step;
+        let force = f64::from(log.steps[100].sample.force_n.unwrap());
+        assert!((told - force).abs() <= step / 2.0 + 1e-9, "{told} {force}");
+        let events = data["events"].as_array().unwrap();
+        assert_eq!(events.len(), log.result.events.len());
+        assert!((events[3][2].as_f64().unwrap() - log.result.events[3].onset_s).abs() < 1e-4);
+    }
+
+    #[test]
+    fn what_has_no_force_is_null() {
+        let log = SampleLog::troubled(40.0);
+        let data = parsed(&log);
+        let hidden = log.steps.iter().position(|step| step.sample.force_n.is_none()).unwrap();
+        assert!(data["clips"][0][2][hidden].is_null());
+        assert!(data["events"][1][9].is_null(), "no omega");
+    }
+
+    #[test]
+    fn numbers_are_short() {
+        let numbers = [0.0, 1.0, -0.25, 1234.56789, 86_400.062_5, 0.000_123_456_78];
+        let texts = ["0", "1", "-0.25", "1234.568", "86400.06", "0.0001234568"];
+        assert_eq!(numbers.map(short), texts);
+        assert_eq!(short(f64::NAN), "null");
+    }
+}

@@ -1,0 +1,95 @@
+//! Numbers with a fixed number of decimals, quickly: the bytes that `format!` writes, by
+//! way of a whole number where the rounding is clear.
+
+use std::fmt::Write;
+
+/// Largest number of decimals that goes the quick way.
+const MOST: usize = 12;
+const POWERS: [f64; MOST + 1] =
+    [1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12];
+
+/// Appends `value` with `decimals` decimals.
+pub fn push_fixed(text: &mut String, value: f64, decimals: usize) {
+    let Some(units) = units(value, decimals) else {
+        // Writing to a String cannot fail.
+        let _ = write!(text, "{value:.decimals$}");
+        return;
+    };
+    if value.is_sign_negative() {
+        text.push('-');
+    }
+    push_units(text, units, decimals);
+}
+
+/// `value` in units of its last decimal; `None` where it is too large or so near to a half
+/// that the product's own rounding could decide.
+fn units(value: f64, decimals: usize) -> Option<u64> {
+    const LARGEST: f64 = 1e11;
+    const UNCLEAR: f64 = 1e-3;
+    let scaled = value.abs() * POWERS.get(decimals)?;
+    let clear = (scaled.fract() - 0.5).abs() > UNCLEAR;
+    (clear && scaled < LARGEST).then(|| scaled.round() as u64)
+}
+
+fn push_units(text: &mut String, mut units: u64, decimals: usize) {
+    // From the last digit on: at most twelve, zeros up to the one before the point, the point.
+    let mut bytes = [0; 32];
+    let mut length = 0;
+    let mut push = |byte| {
+        if let Some(place) = bytes.iter_mut().rev().nth(length) {
+            *place = byte;
+            length += 1;
+        }
+    };
+    let mut written = 0;
+    while written <= decimals || units > 0 {
+        if written == decimals && decimals > 0 {
+            push(b'.');
+        }
+        push(b'0' + (units % 10) as u8);
+        units /= 10;
+        written += 1;
+    }
+    let shown = bytes.get(bytes.len() - length..).map(std::str::from_utf8);
+    text.push_str(shown.and_then(Result::ok).unwrap_or_default());
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    fn fixed(value: f64, decimals: usize) -> String {
+        let mut text = String::new();
+        push_fixed(&mut text, value, decimals);
+        text
+    }
+
+    #[test]
+    fn halves_signs_and_what_is_no_number_are_as_format_writes_them() {
+        let values =
+            [0.0, -0.0, 0.5, 1.5, 2.5, -0.00001, 0.125, 1e10, 1e300, f64::NAN, -f64::INFINITY];
+        for value in values {
+            for decimals in [0, 1, 2, 4, 6, 12, 15] {
+                assert_eq!(fixed(value, decimals), format!("{value:.decimals$}"));
+            }
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn every_number_is_as_format_writes_it(value in -1e6..1e6_f64, decimals in 0..13_usize) {
+            prop_assert_eq!(fixed(value, decimals), format!("{value:.decimals$}"));
+        }
+
+        /// Ends in a 5 behind the last decimal: the exact value decides.
+        #[test]
+        fn near_a_half_too(units in 0..1_000_000_000_u64, decimals in 0..7_usize) {
+            let value = (units as f64 + 0.5) / 10_f64.powi(decimals as i32);
+            for value in [value, value.next_up(), value.next_down()] {
+                prop_assert_eq!(fixed(value, decimals), format!("{value:.decimals$}"));
+            }
+        }
+    }
+}

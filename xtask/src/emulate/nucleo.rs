@@ -1,0 +1,203 @@
+//! The user's board, emulated: the very image that is flashed.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Stdio;
+use std::time::Instant;
+
+use floe_board_model::run::{
+    CONSOLE_FILE, CardSetup, Incident, LOGGED_FILE, OUTCOME_FILE, Outcome, SETUP_FILE, Setup, When,
+};
+use floe_firmware::line::Line;
+use object::{Object, ObjectSymbol};
+
+use super::directory::Directory;
+use super::machine::{Run, invite, tail};
+use super::record::{NOISE, RATE_HZ, Record};
+use crate::Result;
+use crate::arm::Route;
+use crate::qemu;
+use crate::shell::{cargo, root, run};
+
+/// Samples before the test: the commands are typed meanwhile, one a sample.
+const REST: usize = 32;
+/// Samples that the board gets to end the test in.
+const LAST: u64 = 16;
+
+/// The board with an image in it.
+#[derive(Debug)]
+pub struct Nucleo {
+    qemu: &'static str,
+    plugin: PathBuf,
+    firmware: PathBuf,
+    stack: (u32, u32),
+    rtt: Option<u32>,
+}
+
+/// What the board said and what was noticed.
+#[derive(Debug)]
+pub struct Played {
+    /// The console.
+    pub shown: String,
+    /// What the firmware logged, undecoded.
+    pub logged: Vec<u8>,
+    /// What the model noticed.
+    pub outcome: Outcome,
+}
+
+impl Played {
+    /// When the board first said a line with these words, s.
+    #[must_use]
+    pub fn said_at(&self, words: &str) -> Option<f64> {
+        let mut lines = self.shown.lines().zip(&self.outcome.line_times_s);
+        lines.find(|(line, _)| line.contains(words)).map(|(_, &time_s)| time_s)
+    }
+
+    /// Nothing was done that the manual forbids, nothing typed was lost.
+    ///
+    /// # Errors
+    /// What was.
+    pub fn check(&self) -> Result<()> {
+        let breaches = self.outcome.breaches.join("; ");
+        match (breaches.is_empty(), self.outcome.typed_lost) {
+            (false, _) => Err(format!("forbidden: {breaches}")),
+            (_, 0) => Ok(()),
+            (_, lost) => Err(format!("{lost} characters typed were lost")),
+        }
+    }
+}
+
+impl Nucleo {
+    /// Builds image and model and finds the emulator.
+    ///
+    /// # Errors
+    /// One of them is not to be had.
+    pub fn prepare(forced: Option<Route>) -> Result<Self> {
+        Self::with_features(forced, "nucleo-l476")
+    }
+
+    /// The same with other features of the firmware.
+    ///
+    /// # Errors
+    /// As [`Nucleo::prepare`].
+    pub fn with_features(forced: Option<Route>, features: &str) -> Result<Self> {
+        let qemu = qemu::find()?;
+        run(cargo().args(["build", "--quiet", "--package", "floe-board-model"]))?;
+        let target = std::env::var_os("CARGO_TARGET_DIR").map_or(root().join("target"), Into::into);
+        let plugin = target.join("debug/libfloe_board_model.so");
+        let firmware = Route::find(forced)?.build_firmware("nucleo-l476", features)?;
+        let (stack, rtt) = symbols(&firmware)?;
+        Ok(Self { qemu, plugin, firmware, stack, rtt })
+    }
+
+    /// Runs from power-up to the end that the setup names.
+    ///
+    /// # Errors
+    /// The emulator failed.
+    pub fn play(&self, setup: &Setup) -> Result<Played> {
+        let directory = Directory::new()?;
+        let setup = Setup { stack: self.stack, rtt: self.rtt, ..setup.clone() };
+        let text = serde_json::to_string(&setup).map_err(|e| e.to_string())?;
+        directory.write(SETUP_FILE, &text)?;
+        let mut command = qemu::nucleo(self.qemu, &self.plugin, &self.firmware, directory.place());
+        let done = command.stdin(Stdio::null()).stdout(Stdio::null()).output();
+        let done = done.map_err(|e| format!("cannot start {}: {e}", self.qemu))?;
+        let said = String::from_utf8_lossy(&done.stderr).trim().replace('\n', "; ");
+        if !done.status.success() {
+            return Err(format!("{}: {}: {said}", self.qemu, done.status));
+        }
+        let read =
+            |name| fs::read(directory.path(name)).map_err(|e| format!("{name}: {e}: {said}"));
+        Ok(Played {
+            outcome: serde_json::from_slice(&read(OUTCOME_FILE)?).map_err(|e| e.to_string())?,
+            shown: String::from_utf8_lossy(&read(CONSOLE_FILE)?).into_owned(),
+            logged: read(LOGGED_FILE)?,
+        })
+    }
+
+    /// A record from power-up to the end of the test.
+    ///
+    /// # Errors
+    /// The emulator failed, or something was done that the manual forbids.
+    pub fn run(&self, record: &Record, setup: super::machine::Setup<'_>) -> Result<Run> {
+        let start = Instant::now();
+        setup.port.map(invite).transpose()?;
+        let played = self.play(&test_of(record, setup)?)?;
+        let shown = played.shown;
+        let words = || format!("; the board's last words: {}", tail(&shown));
+        let check = Played { shown: String::new(), logged: Vec::new(), ..played };
+        if setup.port.is_none() {
+            check.check().map_err(|e| e + &words())?;
+        }
+        let first =
+            first_index(&shown).ok_or_else(|| "no test was started".to_string() + &words())?;
+        let delivered = check.outcome.delivered.iter();
+        let delivered = delivered.filter_map(|&(n, code)| Some((n.checked_sub(first)?, code)));
+        if first != REST as u64 && setup.port.is_none() {
+            return Err(format!("the test began at sample {first}, not {REST}{}", words()));
+        }
+        Ok(Run {
+            delivered: delivered.collect(),
+            logged: played.logged,
+            stack: check.outcome.stack_used.into(),
+            wall: start.elapsed(),
+            shown,
+        })
+    }
+}
+
+/// A test as somebody would do it: settings, start, stop.
+fn test_of(record: &Record, setup: super::machine::Setup<'_>) -> Result<Setup> {
+    let live = if setup.samples { "live on" } else { "live off" };
+    let commands = record.commands();
+    let typed = commands.lines().chain([live]);
+    let mut script: Vec<(When, Incident)> = (2..)
+        .zip(typed)
+        .map(|(sample, line)| (When::Sample(sample), Incident::Type(format!("{line}\r\n"))))
+        .collect();
+    let end = (REST + record.codes.len()) as u64;
+    script.push((When::Sample(REST as u64), Incident::Type("status\r\nstart\r\n".into())));
+    match setup.cut_at {
+        Some(cut) => script.push((When::Sample(REST as u64 + cut), Incident::End)),
+        None => {
+            script.push((When::Sample(end), Incident::Type("\r\nstop\r\n".into())));
+            script.push((When::Sample(end + LAST), Incident::End));
+        }
+    }
+    let (codes, troubles) = record.after_rest(REST).played();
+    let card = setup.card.map(card).transpose()?;
+    let port = setup.port;
+    let noise = NOISE;
+    Ok(Setup { codes, rate_hz: RATE_HZ, noise, troubles, script, card, port, ..Setup::quiet() })
+}
+
+/// A card that is there from the beginning.
+///
+/// # Errors
+/// There is no such file.
+pub fn card(image: &Path) -> Result<CardSetup> {
+    let image = image.canonicalize().map_err(|e| format!("{}: {e}", image.display()))?;
+    Ok(CardSetup { image, present: true, write_s: 0.8e-3, unreadable: false })
+}
+
+/// Number of the test's first sample: as many as the board had taken when it was asked
+/// for its health just before.
+fn first_index(shown: &str) -> Option<u64> {
+    let healths = shown.lines().filter_map(|line| match Line::parse(line) {
+        Ok(Line::Health(health)) => Some(u64::from(health.samples)),
+        _ => None,
+    });
+    healths.take(1).next()
+}
+
+/// The stack's two ends and the log's control block.
+fn symbols(firmware: &Path) -> Result<((u32, u32), Option<u32>)> {
+    let bytes = fs::read(firmware).map_err(|e| format!("{}: {e}", firmware.display()))?;
+    let elf = object::File::parse(&*bytes).map_err(|e| e.to_string())?;
+    let address =
+        |name: &str| elf.symbols().find(|s| s.name() == Ok(name)).map(|s| s.address() as u32);
+    match (address("_stack_end"), address("_stack_start")) {
+        (Some(lower), Some(upper)) => Ok(((lower, upper), address("_SEGGER_RTT"))),
+        _ => Err("the image does not name its stack".into()),
+    }
+}

@@ -1,0 +1,46 @@
+//! `cargo xtask pictures`: the pictures of the README, from what the programs show.
+
+use std::process::Command;
+
+use crate::shell::{cargo, output, root, run, say};
+use crate::{Result, apt};
+
+/// Part of the report that is shown, px.
+const WINDOW: [&str; 2] = ["--window-size=1240,1900", "--force-device-scale-factor=0.75"];
+
+/// A report of the bundled log in headless Chromium, and the live view of a test.
+///
+/// # Errors
+/// No Chromium, or a program that fails.
+pub fn run_all() -> Result<()> {
+    let docs = root().join("docs");
+    let report = root().join("target/pictures-report.html");
+    let mut replay = cargo();
+    replay.args([
+        "run",
+        "--quiet",
+        "--package",
+        "floe",
+        "--",
+        "replay",
+        "host-sim/logs/dff8-13.csv",
+    ]);
+    run(replay.args(["--quiet", "--report"]).arg(&report))?;
+    if output(Command::new("chromium").arg("--version")).is_none() {
+        apt::install(&["chromium", "fonts-dejavu"])?;
+    }
+    let mut chromium = Command::new("chromium");
+    // A container's root has no sandbox of its own; the page is ours.
+    chromium.args(["--headless", "--no-sandbox", "--disable-gpu", "--hide-scrollbars"]);
+    chromium.args(WINDOW);
+    chromium.arg(format!("--screenshot={}", docs.join("report.png").display()));
+    run(chromium.arg(format!("file://{}", report.display())))?;
+    let mut live = cargo();
+    live.args(["test", "--quiet", "--package", "floe", "--lib", "--"]);
+    run(live.args(["--ignored", "live::tests::picture"]))?;
+    let drawn = root().join("target/live.svg");
+    std::fs::copy(&drawn, docs.join("live.svg"))
+        .map_err(|e| format!("{}: {e}", drawn.display()))?;
+    say("written docs/report.png and docs/live.svg");
+    Ok(())
+}
