@@ -74,8 +74,8 @@ pub struct CycleTracker {
     /// Stop of the last event, and when its cable began to load.
     last_stop: Option<SampleTime>,
     last_load: Option<SampleTime>,
-    /// The same stop and the force there, N, if it was measured.
-    rested: Option<(SampleTime, f32)>,
+    /// Force at the former, N, if it was measured.
+    rested_n: Option<f32>,
     count: u32,
     /// A slip was seen to take time: the block slides, and no hand lets go.
     slides: bool,
@@ -95,7 +95,7 @@ impl CycleTracker {
             suspect: None,
             last_stop: None,
             last_load: None,
-            rested: None,
+            rested_n: None,
             count: 0,
             slides: false,
         }
@@ -385,11 +385,11 @@ impl CycleTracker {
     /// its line at all.
     fn learn_sag(&mut self, pending: &SlipRecord, posterior: &Posterior, shape: &Shape) {
         let cycle = &posterior.cycle;
-        let rested = self.rested.take();
+        let rested = self.last_stop.zip(self.rested_n.take());
         if !self.site.effects.has(Effect::Sag) || shape.is_slack() || !posterior.is_resolved() {
             return;
         }
-        self.rested = Some((moment(pending.origin, shape.stop()), cycle.restick_n()));
+        self.rested_n = Some(cycle.restick_n());
         let rested = rested.filter(|_| pending.wander.level > 0.0 && !pending.broken);
         let Some(((from, from_n), (rate, rate_variance))) = rested.zip(self.learnt.own_rate) else {
             return;

@@ -96,14 +96,16 @@ fn score(data: &Data<'_>, fit: &Fit) -> Option<(f32, f32, [f32; 2])> {
     if shape.is_slack() {
         return None;
     }
-    // Most of what losses do to the line after the slip is a smaller drop. Without that the rest
-    // is told by the slip's samples, and is no small difference of large sums.
-    let drop_n = 0.5 * shape.by_damping(shape.slide_time());
+    // What losses do to the line after the slip is a smaller drop. Without that the rest is told
+    // by the slip's samples alone, and is no small difference of large sums.
+    let slide = shape.slide_time();
+    let drop_n = -shape.by_damping(slide) / shape.after(slide).1[3];
     let (mut product, mut whole, mut score) = (Gradient::default(), 0.0, 0.0);
     for (time, force_n, weight) in data.levels() {
-        let (off_n, gradient) = data.residual(&shape, time, force_n);
-        let by = shape.by_damping(time - fit.cycle.onset) + drop_n * gradient[3];
-        if by.abs() > 0.0 {
+        let since_onset = time - fit.cycle.onset;
+        if since_onset > 0.0 && since_onset < slide {
+            let (off_n, gradient) = data.residual(&shape, time, force_n);
+            let by = shape.by_damping(since_onset) + drop_n * gradient[3];
             product.iter_mut().zip(gradient).for_each(|(sum, g)| *sum += weight * by * g);
             whole += weight * by * by;
             score += weight * by * off_n;

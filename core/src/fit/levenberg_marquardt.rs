@@ -3,7 +3,7 @@
 use core::ops::ControlFlow;
 
 use crate::fit::data::Data;
-use crate::fit::{Fit, Forces, Variances, rounding_n2};
+use crate::fit::{Fit, Forces, rounding_n2};
 use crate::model::CycleParams;
 use crate::stats::normal_equations::{Factor, Gradient, Normal, dot};
 
@@ -192,7 +192,7 @@ impl Fitting {
     fn fit(&self, information: &Factor, converged: bool) -> Option<Fit> {
         let Self { cycle, normal, .. } = *self;
         let (forces, variances) = (Forces::new(&cycle, information), information.variances());
-        let wider = Variances::default();
+        let wider = (0.0, 0.0);
         normal.cost.is_finite().then_some(Fit {
             cycle,
             normal,

@@ -33,7 +33,7 @@ pub struct Fit {
     /// Variances of the unknowns, in units of the noise variance.
     pub variances: Gradient,
     /// What the slip's scatter beyond the noise adds to the forces' variances.
-    wider: Variances,
+    wider: (f32, f32),
     /// Whether the iteration settled.
     pub converged: bool,
 }
@@ -112,7 +112,7 @@ impl Fit {
             *variance += more;
         }
         self.forces.widen(wider.forces);
-        self.wider = wider;
+        self.wider = wider.forces;
     }
 
     /// The forces as the event would give them without what was expected of its
@@ -128,7 +128,7 @@ impl Fit {
         cycle.static_n += by_static;
         cycle.half_drop_n += by_drop;
         let mut forces = Forces::new(&cycle, &factor);
-        forces.widen(self.wider.forces);
+        forces.widen(self.wider);
         Some(forces)
     }
 

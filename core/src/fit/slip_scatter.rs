@@ -51,8 +51,7 @@ impl SlipResiduals {
 #[derive(Clone, Copy, Debug, Default)]
 pub struct SlipScatter {
     pooled: Residuals,
-    /// Of all slips.
-    free: f32,
+    /// Mean of `Σ g R² g` over `Σ g f`.
     shown: f32,
 }
 
@@ -63,7 +62,7 @@ impl SlipScatter {
     pub fn excess(&self) -> f32 {
         let more = self.pooled.variance_n2().map_or(0.0, |ratio| ratio - 1.0);
         let limit = SIGNIFICANT * math::sqrt(2.0 / self.pooled.free());
-        if more > limit { more * surely(more, limit) * self.free / self.shown } else { 0.0 }
+        if more > limit { more * surely(more, limit) / self.shown } else { 0.0 }
     }
 
     /// Takes a slip.
@@ -71,8 +70,8 @@ impl SlipScatter {
         const LEAST: f32 = 0.05;
         if slip.squares.is_finite() && slip.free > LEAST {
             self.pooled.add(slip.squares, slip.free, 1.0);
-            self.free += slip.free;
-            self.shown += slip.shown;
+            let part = slip.free / self.pooled.free().max(slip.free);
+            self.shown += part * (slip.shown / slip.free - self.shown);
         }
     }
 }

@@ -11,8 +11,7 @@ pub struct Quantile {
     first: [f32; FEWEST as usize],
     /// Probability of the quantile.
     part: f32,
-    /// Factors up and down, once settled.
-    up: f32,
+    /// Factor down, once settled.
     down: f32,
 }
 
@@ -27,8 +26,8 @@ impl Quantile {
     /// For a probability.
     #[must_use]
     pub const fn new(part: f32) -> Self {
-        let (up, down) = factors(SMALLEST_GAIN, part);
-        Self { value: 0.0, count: 0, first: [f32::MAX; FEWEST as usize], part, up, down }
+        let (_, down) = factors(SMALLEST_GAIN, part);
+        Self { value: 0.0, count: 0, first: [f32::MAX; FEWEST as usize], part, down }
     }
 
     /// Takes a number at or above zero.
@@ -36,7 +35,7 @@ impl Quantile {
         if self.count < SETTLED {
             return self.start(size);
         }
-        self.follow(size, (self.up, self.down));
+        self.follow(size, (up(SMALLEST_GAIN, self.part), self.down));
     }
 
     fn follow(&mut self, size: f32, (up, down): (f32, f32)) {
@@ -87,5 +86,9 @@ impl Quantile {
 
 /// Factors that balance when a part of the numbers lies below the quantile.
 const fn factors(gain: f32, part: f32) -> (f32, f32) {
-    (1.0 + gain * part, 1.0 / (1.0 + gain * (1.0 - part)))
+    (up(gain, part), 1.0 / (1.0 + gain * (1.0 - part)))
+}
+
+const fn up(gain: f32, part: f32) -> f32 {
+    1.0 + gain * part
 }
