@@ -248,8 +248,7 @@ impl Pipeline {
             zero_n: noise_n.and_then(|noise_n| self.zero_n(noise_n)),
             zero_std_n: known.zero_n,
             zero_drift_n: known.drift_n,
-            damping_std: known.damping.0,
-            damping_changes_n: known.damping.1,
+            damping_std: known.damping_std,
             weight_ratio: known.weight_ratio.0,
             weight_ratio_std: known.weight_ratio.1,
             change: self.change.map(|change| {
@@ -298,7 +297,7 @@ impl Pipeline {
             weight_ratio: self.cycles.weight_ratio(),
             zero_n: self.config.std.zero_n(self.largest_n),
             drift_n: self.cycles.force_n(self.drift.std()),
-            damping: self.cycles.damping(self.config.std.damping),
+            damping_std: self.cycles.damping_std(self.config.std.damping),
         }
     }
 

@@ -54,9 +54,6 @@ pub struct Report {
     pub zero_drift_n: f32,
     /// Standard deviation of the damping ratio: as stated, or as the events ask for.
     pub damping_std: f32,
-    /// By how much `Fs` and `Fp` change with the damping ratio as the model reads them, N;
-    /// `None` before the events tell.
-    pub damping_changes_n: Option<[f32; 2]>,
     /// Weight in use over the given one, and what its relative standard deviation leaves in
     /// the means: 1 and 0 where the block did not change.
     pub weight_ratio: f32,

@@ -74,8 +74,8 @@ pub struct CycleTracker {
     /// Stop of the last event, and when its cable began to load.
     last_stop: Option<SampleTime>,
     last_load: Option<SampleTime>,
-    /// Force at the former, N, if it was measured.
-    rested_n: Option<f32>,
+    /// The same stop and the force there, N, if it was measured.
+    rested: Option<(SampleTime, f32)>,
     count: u32,
     /// A slip was seen to take time: the block slides, and no hand lets go.
     slides: bool,
@@ -95,7 +95,7 @@ impl CycleTracker {
             suspect: None,
             last_stop: None,
             last_load: None,
-            rested_n: None,
+            rested: None,
             count: 0,
             slides: false,
         }
@@ -385,11 +385,11 @@ impl CycleTracker {
     /// its line at all.
     fn learn_sag(&mut self, pending: &SlipRecord, posterior: &Posterior, shape: &Shape) {
         let cycle = &posterior.cycle;
-        let rested = self.last_stop.zip(self.rested_n.take());
+        let rested = self.rested.take();
         if !self.site.effects.has(Effect::Sag) || shape.is_slack() || !posterior.is_resolved() {
             return;
         }
-        self.rested_n = Some(cycle.restick_n());
+        self.rested = Some((moment(pending.origin, shape.stop()), cycle.restick_n()));
         let rested = rested.filter(|_| pending.wander.level > 0.0 && !pending.broken);
         let Some(((from, from_n), (rate, rate_variance))) = rested.zip(self.learnt.own_rate) else {
             return;
@@ -454,11 +454,10 @@ impl CycleTracker {
         coefficient * site.weight_n * site.slope.1
     }
 
-    /// Standard deviation of the damping ratio where it is stated to be so much, and by how much
-    /// `Fs` and `Fp` change with it, N.
+    /// Standard deviation of the damping ratio where it is stated to be so much.
     #[must_use]
-    pub fn damping(&self, stated: f32) -> (f32, Option<[f32; 2]>) {
-        (self.learnt.damping.std(stated), self.learnt.damping.changes_n())
+    pub fn damping_std(&self, stated: f32) -> f32 {
+        self.learnt.damping.std(stated)
     }
 
     /// Weight in use over the given one, and its relative standard deviation.

@@ -11,7 +11,7 @@
 //! exactly, with 0, stay so.
 
 use crate::effect::Parameter;
-use crate::fit::{DYNAMIC, Data, Fit, STATIC};
+use crate::fit::{Data, Fit};
 use crate::num::math;
 use crate::stats::normal_equations::{Gradient, dot};
 
@@ -35,28 +35,23 @@ pub(crate) struct Damping {
     score: f32,
     /// Sum of the squared scores over their information: 1 an event, if the noise is all.
     surprise: f32,
-    /// Sums of the changes of `Fs` and `Fp` with `D`, N.
-    changes_n: [f32; 2],
 }
 
 impl Damping {
     /// Takes what an event's residuals tell.
     pub(crate) fn learn(&mut self, data: &Data<'_>, fit: &Fit, noise_n2: f32) {
-        let Some((score, information, changes_n)) = score(data, fit) else { return };
+        let Some((score, information)) = score(data, fit) else { return };
         let (score, information) = (score / noise_n2, information / noise_n2);
         let off = score - self.value() * information;
-        let sums = [score, information, off * off / information, changes_n[0], changes_n[1]];
-        if sums.iter().any(|sum| !sum.is_finite()) {
+        let square = off * off / information;
+        if !(score + information + square).is_finite() {
             return;
         }
         let fade = |sum: &mut f32, by: f32| *sum = FADE * *sum + by;
         fade(&mut self.count, 1.0);
         fade(&mut self.score, score);
         fade(&mut self.information, information);
-        fade(&mut self.surprise, off * off / information);
-        for (sum, by) in self.changes_n.iter_mut().zip(changes_n) {
-            fade(sum, by);
-        }
+        fade(&mut self.surprise, square);
     }
 
     fn value(&self) -> f32 {
@@ -76,12 +71,6 @@ impl Damping {
         if counts { math::hypotenuse(stated, math::sqrt(more2)).min(MOST) } else { stated }
     }
 
-    /// By how much `Fs` and `Fp` change with `D`, N, as the model reads them; `None` before any
-    /// event told.
-    pub(crate) fn changes_n(&self) -> Option<[f32; 2]> {
-        (self.count > LEAST_EVENTS).then(|| self.changes_n.map(|sum| sum / self.count))
-    }
-
     /// The damping ratio, if it is significant.
     pub(crate) fn parameter(&self) -> Option<Parameter> {
         let (value, std) = (self.value(), math::sqrt(self.variance()));
@@ -90,8 +79,8 @@ impl Damping {
     }
 }
 
-/// Score and information of one event, N², and the changes of `Fs` and `Fp` with `D`, N.
-fn score(data: &Data<'_>, fit: &Fit) -> Option<(f32, f32, [f32; 2])> {
+/// Score and information of one event, N².
+fn score(data: &Data<'_>, fit: &Fit) -> Option<(f32, f32)> {
     let shape = fit.cycle.shape();
     if shape.is_slack() {
         return None;
@@ -112,13 +101,10 @@ fn score(data: &Data<'_>, fit: &Fit) -> Option<(f32, f32, [f32; 2])> {
         }
     }
     let (alone, right) = fit.alone(data);
-    let mut response = alone.factor(0.0)?.solve(&product);
+    let response = alone.factor(0.0)?.solve(&product);
     let information = whole - dot(&product, &response);
-    let score = score - dot(&response, &right);
-    response[3] -= drop_n;
-    let changes_n = [STATIC, DYNAMIC].map(|(force, _)| -dot(&response, &force));
     let is_told = information > LEAST_OWN * whole;
-    is_told.then_some((score, information, changes_n))
+    is_told.then_some((score - dot(&response, &right), information))
 }
 
 #[cfg(test)]

@@ -294,7 +294,6 @@ mod tests {
             zero_std_n: LONG,
             zero_drift_n: LONG,
             damping_std: LONG,
-            damping_changes_n: Some([LONG; 2]),
             weight_ratio: LONG,
             weight_ratio_std: LONG,
         }

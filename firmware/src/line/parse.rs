@@ -177,7 +177,6 @@ fn report(from: &mut Reader<'_>) -> Result<Report, LineError> {
         zero_std_n: 0.0,
         zero_drift_n: 0.0,
         damping_std: 0.0,
-        damping_changes_n: None,
         weight_ratio: 1.0,
         weight_ratio_std: 0.0,
     };
@@ -205,8 +204,6 @@ fn uncertainty(from: &mut Reader<'_>, report: &mut Report) -> Result<(), LineErr
     report.weight_ratio = from.take_late()?.unwrap_or(1.0);
     report.weight_ratio_std = from.take_late()?.unwrap_or(0.0);
     report.damping_std = from.take_late()?.unwrap_or(0.0);
-    let changes_n = (from.take_late()?, from.take_late()?);
-    report.damping_changes_n = changes_n.0.zip(changes_n.1).map(<[f32; 2]>::from);
     Ok(())
 }
 

@@ -194,9 +194,7 @@ fn report(out: &mut Writer<'_>, report: &Report) -> fmt::Result {
     out.put_f32(report.zero_drift_n)?;
     out.put_f32(report.weight_ratio)?;
     out.put_f32(report.weight_ratio_std)?;
-    out.put_f32(report.damping_std)?;
-    out.put_some_f32(report.damping_changes_n.map(|[by_static_n, _]| by_static_n))?;
-    out.put_some_f32(report.damping_changes_n.map(|[_, by_dynamic_n]| by_dynamic_n))
+    out.put_f32(report.damping_std)
 }
 
 fn change(out: &mut Writer<'_>, change: &Change) -> fmt::Result {

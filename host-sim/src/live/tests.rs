@@ -78,7 +78,6 @@ fn report() -> Report {
         zero_std_n: 0.8,
         zero_drift_n: 0.0,
         damping_std: 0.005,
-        damping_changes_n: None,
         weight_ratio: 1.0,
         weight_ratio_std: 0.0,
         change: None,
