@@ -182,6 +182,14 @@ fn time_forms() -> Vec<Form> {
             Same,
         ),
         form(
+            "a spreadsheet's Datum/Zeit, kN, decimal commas",
+            table("Datum/Zeit;Kraft (kN);Notiz\n", |t, f| {
+                let stamp = format!("2012-02-29T{}", clock(t)).replace('.', ",");
+                format!("{stamp};{};", comma(f / 1e3))
+            }),
+            Same,
+        ),
+        form(
             "02/29/2012",
             iso_rows("time;force_n\n", &|t| format!("02/29/2012 {}", clock(t))),
             Refused(&["no time can be read from '02/29/2012"]),

@@ -10,10 +10,11 @@ use crate::shell::{cargo, output, root, run, say};
 const PAGE: &str = "\
 # Speed on a PC
 
-Written by `cargo xtask performance`. Ten million rows of `time_s,force_n` (118 MB, the block of DFF8-13 at 16 Hz with
+Written by `cargo xtask performance`. Ten million rows of `time_s,force_n` ({megabytes} MB, the block of DFF8-13 at 16 Hz with
 noise), read, replayed or simulated. Every measurement is a process of its own; the methods take turns, five of them;
 times are medians, and a ratio is taken within a turn: median (least to largest). Processor time is that of all threads.
-The load of the machine before the first turn, over 1, 5 and 15 minutes: {load}; where it was shared, the ratios of
+Built with {build}. The load of
+the machine before the first turn, over 1, 5 and 15 minutes: {load}; where it was shared, the ratios of
 processor time are what to look at.
 
 {table}
@@ -41,7 +42,18 @@ pub fn run_all() -> Result<()> {
     let mut measure = Command::new(root().join("target/release/examples/performance"));
     let table = output(measure.arg("--python").arg(&python)).ok_or("performance: failed")?;
     let page = root().join("docs/performance.md");
-    let text = PAGE.replace("{table}", table.trim()).replace("{load}", &load);
+    // What a release has, unless somebody in a hurry says otherwise.
+    let hurried = std::env::var("CARGO_PROFILE_RELEASE_LTO").is_ok_and(|lto| lto != "fat");
+    let build = if hurried {
+        "the release profile without link-time optimisation"
+    } else {
+        "the release profile"
+    };
+    let text =
+        PAGE.replace("{table}", table.trim()).replace("{load}", &load).replace("{build}", build);
+    let log = std::fs::metadata(root().join("target/performance_10000k.csv"));
+    let megabytes = log.map_or(0, |log| log.len() / 1_000_000).to_string();
+    let text = text.replace("{megabytes}", &megabytes);
     std::fs::write(&page, text).map_err(|e| format!("{}: {e}", page.display()))?;
     say(&format!("written {}", page.display()));
     Ok(())

@@ -249,9 +249,11 @@ impl<'a> Columns<'a> {
                 "no header and one column only: give --rate-hz R for forces without a time",
             );
         }
+        let first = self.names.first().map_or("NAME", String::as_str);
+        let first: String = first.chars().take(40).flat_map(char::escape_debug).collect();
         InputError::new(format!(
-            "no time column (time_s, t_s, t or time): give --time-column NAME, or --rate-hz R \
-             for rows without a time; {}",
+            "no time column (time_s, t_s, t or time): give --time-column NAME, such as '{first}', \
+             or --rate-hz R for rows without a time; {}",
             there_are(&self.names)
         ))
     }

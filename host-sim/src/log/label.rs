@@ -15,7 +15,7 @@ pub struct Label {
 }
 
 /// Words for the time.
-const TIME: [&str; 18] = [
+const TIME: [&str; 24] = [
     "time",
     "t",
     "zeit",
@@ -34,6 +34,12 @@ const TIME: [&str; 18] = [
     "temps",
     "tiempo",
     "uhrzeit",
+    "datum/zeit",
+    "datum/uhrzeit",
+    "datum zeit",
+    "datum uhrzeit",
+    "zeitstempel",
+    "date and time",
 ];
 /// Words for the force in the cable.
 const FORCE: [&str; 9] =

@@ -48,6 +48,30 @@ fn cell(value: Option<f64>, decimals: usize) -> String {
     value.map_or_else(|| "-".to_string(), |value| format!("{value:.decimals$}"))
 }
 
+/// Less than this is nothing beside any other part of an uncertainty.
+const LEAST: f64 = 1e-7;
+
+/// Decimals that show two digits of an uncertainty.
+fn digits(std: f64) -> usize {
+    if std < LEAST { 0 } else { (1.0 - std.log10().floor()).clamp(0.0, 8.0) as usize }
+}
+
+/// An uncertainty with two digits of its own.
+fn part(std: Option<f64>) -> String {
+    std.map_or_else(
+        || "-".to_string(),
+        |std| if std < LEAST { "0".to_string() } else { format!("{std:.*}", digits(std)) },
+    )
+}
+
+/// An uncertainty in a column of four decimals; never one that reads as none.
+fn narrow(std: Option<f64>) -> String {
+    match std {
+        Some(std) if std > 0.0 && std < 5e-5 => "<0.0001".to_string(),
+        std => cell(std, 4),
+    }
+}
+
 fn header(out: &mut String, result: &ReplayResult, force: usize) -> std::fmt::Result {
     let (log, test) = (&result.log, &result.test);
     writeln!(
@@ -86,11 +110,11 @@ fn event_lines(out: &mut String, events: &[EventSummary], force: usize) -> std::
             cell(Some(event.onset_s), 3),
             cell(Some(event.stop_s), 3),
             cell(event.mu_s, 4),
-            cell(event.mu_s_combined_std, 4),
-            cell(event.mu_s_std, 4),
+            narrow(event.mu_s_combined_std),
+            narrow(event.mu_s_std),
             cell(event.mu, 4),
-            cell(event.mu_combined_std, 4),
-            cell(event.mu_std, 4),
+            narrow(event.mu_combined_std),
+            narrow(event.mu_std),
             cell(Some(event.static_force_n), force),
             cell(Some(event.dynamic_force_n), force),
             cell(Some(event.restick_force_n), force),
@@ -150,13 +174,18 @@ fn coefficients(out: &mut String, result: &ReplayResult) -> std::fmt::Result {
 
 fn coefficient(out: &mut String, name: &str, value: &CoefficientSummary) -> std::fmt::Result {
     let Some(mean) = value.mean else { return writeln!(out, "{name:<6} unknown") };
-    let systematic = cell(value.systematic_std, 4);
+    let systematic = part(value.systematic_std);
+    let spread = match value.spread {
+        Some(spread) if spread < LEAST => "none beyond the noise".to_string(),
+        spread => part(spread),
+    };
+    let decimals = digits(value.combined_std.unwrap_or(0.0)).max(4);
     match (value.combined_std, value.std_error, value.ci95) {
         (Some(combined), Some(random), Some([low, high])) => writeln!(
             out,
-            "{name:<6} {mean:.4} ± {combined:.4}   random {random:.4}, systematic {systematic}; \
-             95 % {low:.4} to {high:.4}; spread between events {}",
-            cell(value.spread, 4)
+            "{name:<6} {mean:.decimals$} ± {combined:.decimals$}   random {}, systematic {systematic}; \
+             95 % {low:.decimals$} to {high:.decimals$}; spread between events {spread}",
+            part(Some(random))
         ),
         _ => writeln!(
             out,
@@ -194,7 +223,7 @@ fn quantities(out: &mut String, result: &ReplayResult) -> std::fmt::Result {
             writeln!(out, "{name:<14}unknown{}", unit.find(" from").map_or("", |at| &unit[at..]))?;
             continue;
         };
-        let decimals = decimals(value);
+        let decimals = std.map_or(0, digits).max(decimals(value));
         let std = std.map_or(String::new(), |std| format!(" ± {std:.decimals$}"));
         writeln!(out, "{name:<14}{value:.decimals$}{std} {unit}")?;
     }
@@ -215,17 +244,17 @@ fn budget(out: &mut String, result: &ReplayResult) -> std::fmt::Result {
     for line in &result.budget {
         write!(out, "{:<14}{:>10}{:>10}", line.input, number(line.value), number(line.std))?;
         for (share, mean) in [(&line.mu_s, &estimate.mu_s), (&line.mu, &estimate.mu)] {
-            let part =
+            let percent =
                 share.contribution.zip(mean.combined_std).map(|(a, b)| 100.0 * (a / b).powi(2));
-            let (by, part) = (number(share.sensitivity), cell(part, 1));
-            write!(out, "   {by:>11}{:>11}{part:>6}%", cell(share.contribution, 5))?;
+            let (by, percent) = (number(share.sensitivity), cell(percent, 1));
+            write!(out, "   {by:>11}{:>11}{percent:>6}%", part(share.contribution))?;
         }
         writeln!(out)?;
     }
     write!(out, "{:<34}", "random")?;
     for mean in [&estimate.mu_s, &estimate.mu] {
-        let part = mean.std_error.zip(mean.combined_std).map(|(a, b)| 100.0 * (a / b).powi(2));
-        write!(out, "   {:>11}{:>11}{:>6}%", "", cell(mean.std_error, 5), cell(part, 1))?;
+        let percent = mean.std_error.zip(mean.combined_std).map(|(a, b)| 100.0 * (a / b).powi(2));
+        write!(out, "   {:>11}{:>11}{:>6}%", "", part(mean.std_error), cell(percent, 1))?;
     }
     writeln!(out, "\n")
 }
@@ -359,10 +388,10 @@ Fe N  stick s  slip s  quality
      0      2.163      2.336        -       -       -   0.7800  0.0013  0.0005    781.2    491.4    \
 201.6        -   0.173  clipped: a gap
 
-mu_s   1.2401 ± 0.0005   random 0.0003, systematic 0.0004; 95 % 1.2391 to 1.2411; spread between \
-events 0.0008
-mu     0.7800 ± 0.0005   random 0.0003, systematic 0.0004; 95 % 0.7790 to 0.7810; spread between \
-events 0.0008
+mu_s   1.24010 ± 0.00050   random 0.00030, systematic 0.00040; 95 % 1.23910 to 1.24110; spread \
+between events 0.00080
+mu     0.78000 ± 0.00050   random 0.00030, systematic 0.00040; 95 % 0.77900 to 0.78100; spread \
+between events 0.00080
        ± one standard deviation, all that is known of it; 1 of 1 events count
 
 budget             value       std     mu_s by 1     mu_s ±  share       mu by 1       mu ±  share
@@ -370,8 +399,8 @@ weight_n           630.0    0.2000      -0.00197    0.00039  62.0%      -0.00124
 random                                              0.00030  36.0%                  0.00030  36.0%
 
 noise         1.988 N
-loading rate  361.1 ± 0.2 N/s
-omega         18.91 ± 0.02 rad/s
+loading rate  361.12 ± 0.20 N/s
+omega         18.910 ± 0.020 rad/s
 stiffness     unknown from the winch speed
 stiffness     23012 ± 73 N/m from omega and the weight
 ratio         unknown

@@ -1,22 +1,19 @@
 //! Numbers with a fixed number of decimals, quickly: the bytes that `format!` writes, by
 //! way of a whole number where the rounding is clear.
 
-use std::fmt::Write;
-
 /// Largest number of decimals that goes the quick way.
 const MOST: usize = 12;
 const POWERS: [f64; MOST + 1] =
     [1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12];
 
 /// Appends `value` with `decimals` decimals.
-pub fn push_fixed(text: &mut String, value: f64, decimals: usize) {
+pub fn push_fixed(text: &mut Vec<u8>, value: f64, decimals: usize) {
     let Some(units) = units(value, decimals) else {
-        // Writing to a String cannot fail.
-        let _ = write!(text, "{value:.decimals$}");
+        text.extend_from_slice(format!("{value:.decimals$}").as_bytes());
         return;
     };
     if value.is_sign_negative() {
-        text.push('-');
+        text.push(b'-');
     }
     push_units(text, units, decimals);
 }
@@ -27,31 +24,29 @@ fn units(value: f64, decimals: usize) -> Option<u64> {
     const LARGEST: f64 = 1e11;
     const UNCLEAR: f64 = 1e-3;
     let scaled = value.abs() * POWERS.get(decimals)?;
-    let clear = (scaled.fract() - 0.5).abs() > UNCLEAR;
-    (clear && scaled < LARGEST).then(|| scaled.round() as u64)
+    let whole = scaled as u64;
+    let above = scaled - whole as f64;
+    let clear = (above - 0.5).abs() > UNCLEAR;
+    (clear && scaled < LARGEST).then(|| whole + u64::from(above > 0.5))
 }
 
-fn push_units(text: &mut String, mut units: u64, decimals: usize) {
-    // From the last digit on: at most twelve, zeros up to the one before the point, the point.
-    let mut bytes = [0; 32];
+/// From the last digit on: the decimals, the point, at least one digit before it.
+fn push_units(text: &mut Vec<u8>, mut units: u64, decimals: usize) {
+    let mut bytes = [b'.'; 32];
+    let point = if decimals > 0 { decimals } else { usize::MAX };
+    let least = decimals + usize::from(decimals > 0);
     let mut length = 0;
-    let mut push = |byte| {
-        if let Some(place) = bytes.iter_mut().rev().nth(length) {
-            *place = byte;
-            length += 1;
+    for byte in bytes.iter_mut().rev() {
+        if length > least && units == 0 {
+            break;
         }
-    };
-    let mut written = 0;
-    while written <= decimals || units > 0 {
-        if written == decimals && decimals > 0 {
-            push(b'.');
+        if length != point {
+            *byte = b'0' + (units % 10) as u8;
+            units /= 10;
         }
-        push(b'0' + (units % 10) as u8);
-        units /= 10;
-        written += 1;
+        length += 1;
     }
-    let shown = bytes.get(bytes.len() - length..).map(std::str::from_utf8);
-    text.push_str(shown.and_then(Result::ok).unwrap_or_default());
+    text.extend_from_slice(bytes.get(bytes.len() - length..).unwrap_or_default());
 }
 
 #[cfg(test)]
@@ -61,9 +56,9 @@ mod tests {
     use super::*;
 
     fn fixed(value: f64, decimals: usize) -> String {
-        let mut text = String::new();
+        let mut text = Vec::new();
         push_fixed(&mut text, value, decimals);
-        text
+        String::from_utf8(text).unwrap()
     }
 
     #[test]

@@ -43,13 +43,14 @@ pub fn csv_head(out: &mut impl Write, scene: &Scene, seed: u64, command: &str) -
 /// Of the writer.
 pub fn csv_line(out: &mut impl Write, scene: &Scene, sample: &Sample) -> io::Result<()> {
     let decimals = (6.0 - scene.weight_n.log10()).ceil().clamp(0.0, 12.0) as usize;
-    let mut line = String::with_capacity(48);
+    let mut line = Vec::with_capacity(48);
     push_fixed(&mut line, sample.time_s, 6);
-    line.truncate(trim(&line).len());
-    line.push(',');
+    while line.pop_if(|last| *last == b'0').is_some() {}
+    line.pop_if(|last| *last == b'.');
+    line.push(b',');
     push_fixed(&mut line, sample.force_n, decimals);
-    line.push('\n');
-    out.write_all(line.as_bytes())
+    line.push(b'\n');
+    out.write_all(&line)
 }
 
 /// Writes one sample as a mixed array: ID, year, day of the year, hhmm,
