@@ -1,86 +1,15 @@
 //! The whole logger on a PC: converter model, sampler, application, card, and the
 //! card's tests back again.
 
-use std::cell::RefCell;
-use std::collections::VecDeque;
-use std::convert::Infallible;
 use std::io::Cursor;
-use std::rc::Rc;
 
-use embedded_io::{ErrorType, Read, ReadReady, Write};
 use floe::card;
-use floe::chip::{Clock, LoadCell, Schedule, SerialChip, SerialLine, Trouble};
+use floe::chip::{LoadCell, Schedule, Trouble};
 use floe::log::{Log, LogOptions};
 use floe_core::{Config, Counts, Event, Pipeline, RawSample, Reading};
-use floe_firmware::ads122::{Ads122, SerialBus};
-use floe_firmware::app::App;
 use floe_firmware::line::{Line, LineError};
-use floe_firmware::record::{Record, SECTOR_LEN, Sector};
-use floe_firmware::sample::{SampleQueue, Shared};
-use floe_firmware::sampler::{Sampler, Tick};
-use floe_firmware::store::{Store, StoreError};
-
-/// What was typed and what was said.
-#[derive(Clone, Default)]
-struct Terminal {
-    keys: Rc<RefCell<VecDeque<u8>>>,
-    screen: Rc<RefCell<Vec<u8>>>,
-}
-
-impl ErrorType for Terminal {
-    type Error = Infallible;
-}
-
-impl ReadReady for Terminal {
-    fn read_ready(&mut self) -> Result<bool, Infallible> {
-        Ok(!self.keys.borrow().is_empty())
-    }
-}
-
-impl Read for Terminal {
-    fn read(&mut self, buffer: &mut [u8]) -> Result<usize, Infallible> {
-        buffer[0] = self.keys.borrow_mut().pop_front().unwrap_or(0);
-        Ok(1)
-    }
-}
-
-impl Write for Terminal {
-    fn write(&mut self, bytes: &[u8]) -> Result<usize, Infallible> {
-        self.screen.borrow_mut().extend(bytes);
-        Ok(bytes.len())
-    }
-
-    fn flush(&mut self) -> Result<(), Infallible> {
-        Ok(())
-    }
-}
-
-/// A card that outlives the board, and may refuse.
-#[derive(Clone, Default)]
-struct Card {
-    bytes: Rc<RefCell<Vec<u8>>>,
-    broken: Rc<RefCell<bool>>,
-}
-
-impl Store for Card {
-    fn last(&mut self) -> Option<Record> {
-        let bytes = self.bytes.borrow();
-        let sector: &Sector = bytes.rchunks_exact(SECTOR_LEN).next()?.try_into().ok()?;
-        Record::decode(sector).ok()
-    }
-
-    fn next_sector(&self) -> u32 {
-        (self.bytes.borrow().len() / SECTOR_LEN) as u32
-    }
-
-    fn write(&mut self, sector: &Sector) -> Result<(), StoreError> {
-        if *self.broken.borrow() {
-            return Err(StoreError::Write);
-        }
-        self.bytes.borrow_mut().extend(sector);
-        Ok(())
-    }
-}
+use floe_firmware::record::SECTOR_LEN;
+use floe_tests::scripted::{Card, Session, run};
 
 /// A block of 630 N that sticks and slips every two seconds, 5000 codes per N.
 fn stick_slip() -> Vec<i32> {
@@ -98,58 +27,9 @@ fn cell(codes: &[i32]) -> LoadCell {
     LoadCell::from_codes(codes, 16.0).with_noise(12.0, 5)
 }
 
-/// Runs the board with a script: what is typed before the tick of a number.
-fn run(cell: LoadCell, trouble: Schedule, card: &Card, script: &[(u64, &str)]) -> Board {
-    let clock = Clock::default();
-    let chip = Rc::new(RefCell::new(SerialChip::new(cell, trouble, 86_806)));
-    let line = SerialLine::new(chip.clone(), clock.clone());
-    let adc = Ads122::new(SerialBus::new(line, clock.clone()), clock.clone());
-    let terminal = Terminal::default();
-    let (shared, mut queue) = (Shared::new(), SampleQueue::new());
-    let (producer, consumer) = queue.split();
-    let mut sampler = Sampler::new(adc, producer, &shared);
-    let mut pipeline = None;
-    let (port, store) = (terminal.clone(), card.clone());
-    let mut app = App::new(consumer, &shared, &mut pipeline, port, store, 1_000_000);
-    app.power_up(None);
-    let last = script.iter().map(|&(tick, _)| tick).max().unwrap_or(0);
-    for tick in 0..=last {
-        for (_, text) in script.iter().filter(|&&(at, _)| at == tick) {
-            terminal.keys.borrow_mut().extend(text.bytes());
-        }
-        app.turn();
-        clock.wait_until((tick + 1) * 62_500_000);
-        sampler.tick((clock.now_ns() / 1000) as u32);
-    }
-    app.turn();
-    let screen = String::from_utf8(terminal.screen.borrow().clone()).expect("text");
-    let delivered = chip.borrow().device().delivered().to_vec();
-    Board { screen, delivered }
-}
-
-struct Board {
-    screen: String,
-    delivered: Vec<(u64, i32)>,
-}
-
-impl Board {
-    fn lines(&self) -> impl Iterator<Item = Line<'_>> {
-        self.screen.lines().map(|text| Line::parse(text).expect(text))
-    }
-
-    fn events(&self) -> Vec<Event> {
-        let event = |line| if let Line::Event(event) = line { Some(event) } else { None };
-        self.lines().filter_map(event).collect()
-    }
-
-    fn says(&self, words: &str) -> bool {
-        self.screen.contains(words)
-    }
-}
-
 const BEGIN: &str = "set weight 630\r\nset span 5000\r\nset name T-1\r\nlive off\r\nstart\r\n";
 
-fn one_test(card: &Card) -> Board {
+fn one_test(card: &Card) -> Session {
     run(cell(&stick_slip()), Schedule::default(), card, &[(0, BEGIN), (961, "stop\n")])
 }
 
@@ -287,10 +167,15 @@ fn mistakes_are_told() {
 #[test]
 fn tare_and_calibration_survive_the_power() {
     let card = Card::default();
-    let mut codes = vec![12_345; 60];
-    codes.extend(vec![12_345 + 4_000 * 98; 60]);
-    let script =
-        [(1, "tare\n"), (64, "calibrate 98\n"), (110, "accept\n"), (111, "set weight 300\n")];
+    let mut codes = vec![12_345; 180];
+    codes.extend(vec![12_345 + 4_000 * 98; 180]);
+    let script = [
+        (1, "tare\n"),
+        (150, "accept\n"),
+        (184, "set span 4100\ncalibrate 98\n"),
+        (340, "accept\n"),
+        (341, "set weight 300\n"),
+    ];
     let first = run(cell(&codes), Schedule::default(), &card, &script);
     assert!(first.says("accept, or abort"), "{}", first.screen);
     let again = run(cell(&codes), Schedule::default(), &card, &[(0, "status\n")]);

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// From the bottom up: a room imports from those before it, never from those after.
-const ROOMS: [&str; 21] = [
+const ROOMS: [&str; 20] = [
     "num",
     "units",
     "sample",
@@ -12,7 +12,6 @@ const ROOMS: [&str; 21] = [
     "config",
     "stats",
     "signal",
-    "weighing",
     "model",
     "noise",
     "coefficient",

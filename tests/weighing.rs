@@ -2,7 +2,7 @@
 
 use floe::sim::terms::Weighing as Hanging;
 use floe::sim::{Measurement, Scene, simulate};
-use floe_core::weighing::{Load, Rest, Unrest, Weighing};
+use floe_firmware::weighing::{Load, Rest, Unrest, Weighing};
 
 const WEIGHT_N: f64 = 630.0;
 const SEEDS: std::ops::Range<u64> = 1..121;

@@ -35,7 +35,6 @@ pub mod signal;
 pub mod stats;
 pub mod stretch;
 pub mod units;
-pub mod weighing;
 
 pub use budget::{Entry, Input, budget};
 pub use coefficient::{Coefficient, Estimate};

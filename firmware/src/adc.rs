@@ -64,6 +64,16 @@ impl From<AdcFault> for Reading {
     }
 }
 
+/// How cold the converter is, and what feeds it; `None` where it cannot tell, or has not
+/// been asked yet.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Climate {
+    /// Temperature, 1/256 °C.
+    pub temperature_256: Option<i32>,
+    /// Supply, mV.
+    pub supply_mv: Option<i32>,
+}
+
 /// A converter with one signed code per sampling period.
 ///
 /// Called from the sampling interrupt: bounded in time, a few milliseconds at worst,
@@ -76,6 +86,15 @@ pub trait BridgeAdc {
     /// Why there is no code. The converter has been set up again as far as
     /// possible and the next conversion started: only this sample is lost.
     fn tick(&mut self) -> Result<Option<Counts>, AdcFault>;
+
+    /// Measures temperature or supply beside the next conversion, in turn, without losing
+    /// it. A converter that cannot does nothing.
+    fn want_climate(&mut self) {}
+
+    /// What was measured beside the conversions.
+    fn climate(&self) -> Climate {
+        Climate::default()
+    }
 
     /// Measures something else from the next conversion on. A converter that
     /// cannot leaves the bridge selected and returns `false`.

@@ -3,19 +3,25 @@
 use embedded_io::{Read, ReadReady, Write};
 use floe_core::{Event, Phase, Pipeline, Provisional, Report, Step};
 
-use crate::average::{Average, MOST};
-use crate::command::{Command, HELP};
+use crate::command::{Command, HELP, Setting};
 use crate::console::{Console, Typed};
 use crate::journal::Journal;
-use crate::line::{About, Decimal, Health, Line, LiveSample, Mean, Text};
+use crate::line::{About, Health, Line, LiveSample, Mean, Weighed};
 use crate::log;
+use crate::measuring::Measuring;
 use crate::period::PeriodMeter;
 use crate::record::Part;
 use crate::sample::{Sample, SampleConsumer, Shared};
-use crate::self_test::SelfTest;
+use crate::self_test::{SelfTest, part_of_range};
 use crate::settings::{Effects, Settings};
 use crate::store::{CardState, Store};
-use crate::text::Show;
+use crate::text::{Fixed, text};
+use crate::wall_clock::WallClock;
+
+mod around;
+
+/// Periods between two lines of temperature and supply: a minute.
+const CLIMATE_PERIODS: u32 = 960;
 
 /// Everything but the sampling interrupt and the board.
 #[expect(missing_debug_implementations, reason = "the queue has none")]
@@ -35,19 +41,21 @@ pub struct App<'q, P, S> {
     health: Health,
     period: PeriodMeter,
     force_n: Option<f32>,
+    clock: WallClock,
+    /// Number of the newest sample.
+    newest: u32,
+    /// Whether a test has ended since the zero was taken.
+    pulled: bool,
     card: Option<CardState>,
     warning: Option<&'static str>,
 }
 
 /// What the samples are used for.
+#[expect(clippy::large_enum_variant, reason = "there is one of them, and no heap")]
 enum Job {
     Idle,
-    /// A calibration waits to be accepted.
-    Proposed(f32),
     Test(Test),
-    Tare(Average),
-    /// The force that hangs there, N.
-    Calibrate(f32, Average),
+    Measuring(Measuring),
     SelfTest(SelfTest),
 }
 
@@ -57,12 +65,15 @@ struct Test {
     phase: Phase,
     /// A first answer whose event has not come yet.
     about: Option<About>,
+    /// Rate of the force, N/s, the newest there is.
+    rate_n_per_s: Option<f32>,
 }
 
 impl Test {
     /// Keeps what a display shows.
     fn note(&mut self, step: &Step) {
         self.phase = step.phase;
+        self.rate_n_per_s = step.rate.map(|rate| rate.rate_n_per_s);
         if let Some(answer) = step.provisional {
             self.about = Some(About { index: step.sample.index, answer });
         }
@@ -77,6 +88,12 @@ impl Test {
 pub struct View {
     /// Force now, N.
     pub force_n: Option<f32>,
+    /// Rate of the force during a test, N/s, two samples late.
+    pub rate_n_per_s: Option<f32>,
+    /// The weight so far, while the block is weighed.
+    pub weighed: Option<Weighed>,
+    /// Time of day, ms since 1970 (UTC), if the clock is set.
+    pub unix_ms: Option<u64>,
     /// The result so far, while a test is running.
     pub report: Option<Report>,
     /// What the block is doing.
@@ -116,6 +133,9 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
             health: Health::default(),
             period: PeriodMeter::default(),
             force_n: None,
+            clock: WallClock::default(),
+            newest: 0,
+            pulled: false,
             card: None,
             warning: None,
         }
@@ -239,18 +259,28 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
     pub fn view(&self) -> View {
         let test = match &self.job {
             Job::Test(test) => Some(test),
-            Job::Idle | Job::Proposed(_) | Job::Tare(_) | Job::Calibrate(..) | Job::SelfTest(_) => {
-                None
-            }
+            Job::Idle | Job::Measuring(_) | Job::SelfTest(_) => None,
+        };
+        let weighed = match &self.job {
+            Job::Measuring(measuring) => measuring.weighed(),
+            Job::Idle | Job::Test(_) | Job::SelfTest(_) => None,
         };
         View {
             force_n: self.force_n,
-            report: test.and(self.pipeline.as_ref()).map(Pipeline::report),
+            rate_n_per_s: test.and_then(|test| test.rate_n_per_s),
+            weighed,
+            unix_ms: self.clock.at(self.newest),
+            report: self.report(),
             phase: test.map_or(Phase::Unknown, |t| t.phase),
             provisional: test.and_then(|t| t.about).map(|about| about.answer),
             health: self.health(),
             card: self.card.unwrap_or_default(),
         }
+    }
+
+    /// The result so far, while a test is running.
+    fn report(&self) -> Option<Report> {
+        self.pipeline.as_ref().filter(|_| self.testing()).map(Pipeline::report)
     }
 
     /// The card.
@@ -261,17 +291,13 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
     fn take(&mut self, sample: Sample) {
         self.count(&sample);
         match &mut self.job {
-            Job::Idle | Job::Proposed(_) => self.show_force(&sample),
+            Job::Idle => self.show_force(&sample),
             Job::Test(_) => self.step(sample),
-            Job::Tare(average) => {
-                if let Some(mean) = average.add(&sample) {
-                    self.tare(mean);
-                }
-            }
-            Job::Calibrate(force_n, average) => {
-                let force_n = *force_n;
-                if let Some(mean) = average.add(&sample) {
-                    self.propose(force_n, mean);
+            Job::Measuring(measuring) => {
+                let news = measuring.add(&sample);
+                self.show_force(&sample);
+                if news {
+                    self.measured();
                 }
             }
             Job::SelfTest(test) => {
@@ -284,6 +310,7 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
 
     fn count(&mut self, sample: &Sample) {
         self.period.add(sample);
+        self.newest = sample.index;
         self.stir(u64::from(sample.stamp));
         self.health.samples = self.health.samples.wrapping_add(1);
         match sample.reading {
@@ -324,14 +351,23 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
         let (Job::Test(test), Some(pipeline)) = (&mut self.job, self.pipeline.as_mut()) else {
             return;
         };
-        if test.first_index.is_none() {
+        let begins = test.first_index.is_none();
+        if begins {
             self.part.first_index = sample.index;
+            self.part.start_ms = self.clock.at(sample.index);
             self.journal.begin(self.part, &self.settings);
         }
         let first_index = *test.first_index.get_or_insert(sample.index);
         let step = pipeline.step(sample.raw(first_index));
         test.note(&step);
         self.force_n = step.sample.force_n;
+        if begins {
+            self.sync(sample.index);
+        }
+        // Their number in 32 bits: eight years.
+        if (step.sample.index as u32).is_multiple_of(CLIMATE_PERIODS) {
+            self.say_climate(step.sample.index);
+        }
         if self.live {
             self.show(&step);
         }
@@ -340,7 +376,7 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
         }
         if let Some(event) = step.event {
             log::debug!("{}", event);
-            self.tell(&Line::Event(event));
+            self.tell_event(event);
         }
         if let Some(change) = step.change {
             self.tell(&Line::Change(change));
@@ -356,8 +392,9 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
     /// What is only for a display, not for the card.
     fn show(&mut self, step: &Step) {
         let floe_core::ForceSample { index, force_n, flag, gap } = step.sample;
-        let phase = step.phase;
-        self.console.tell(&Line::Sample(LiveSample { index, force_n, flag, phase, gap }));
+        let (phase, rate_n_per_s) = (step.phase, step.rate.map(|rate| rate.rate_n_per_s));
+        let sample = LiveSample { index, force_n, flag, phase, gap, rate_n_per_s };
+        self.console.tell(&Line::Sample(sample));
         if let Some(answer) = step.provisional {
             self.console.tell(&Line::About(About { index, answer }));
         }
@@ -382,22 +419,23 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
             Command::Help => self.console.tell(&Line::Info(HELP)),
             Command::Stop => self.stop()?,
             Command::Abort => self.abort(),
+            Command::Note(words) => self.note(&words)?,
+            Command::Clock(moment) => self.set_clock(moment)?,
             _ if self.testing() => return Err("a test is running; stop ends it"),
             Command::Start => self.start()?,
-            Command::MeasureTare => {
-                self.job = Job::Tare(Average::new(crate::adc::Input::Bridge, MOST));
-            }
-            Command::Calibrate(force_n) => {
-                let average = Average::new(crate::adc::Input::Bridge, MOST);
-                self.job = Job::Calibrate(force_n, average);
-            }
+            Command::Measure(task) => self.measure(task)?,
             Command::Accept => self.accept()?,
             Command::SelfTest => self.begin_self_test(),
-            Command::Set(setting) => {
-                let settings = self.settings.with(setting).map_err(config_error)?;
-                self.change(settings);
-            }
+            Command::Set(setting) => self.set(setting)?,
         }
+        Ok(())
+    }
+
+    // On its own: settings are big, and on the stack while they change.
+    #[inline(never)]
+    fn set(&mut self, setting: Setting) -> Result<(), &'static str> {
+        let settings = self.settings.with(setting).map_err(config_error)?;
+        self.change(settings);
         Ok(())
     }
 
@@ -425,7 +463,11 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
     fn begin(&mut self) {
         self.journal.begin(self.part, &self.settings);
         self.say_settings();
-        self.job = Job::Test(Test { first_index: None, phase: Phase::Unknown, about: None });
+        if self.clock.at(self.newest).is_none() {
+            self.info("the clock is not set: this test has no date");
+        }
+        let (phase, about, rate_n_per_s) = (Phase::Unknown, None, None);
+        self.job = Job::Test(Test { first_index: None, phase, about, rate_n_per_s });
         if let Some(words) = self.warning {
             self.trouble(words);
         }
@@ -438,26 +480,36 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
         Ok(())
     }
 
+    #[inline(never)]
     fn stop(&mut self) -> Result<(), &'static str> {
         if !self.testing() {
             return Err("no test is running");
         }
         while let Some(event) = self.finish_event() {
-            self.tell(&Line::Event(event));
+            self.tell_event(event);
         }
         while let Some(stretch) = self.pipeline.as_mut().and_then(Pipeline::finish_stretch) {
             self.tell(&Line::Stretch(stretch));
         }
-        if let Some(report) = self.view().report {
+        if let Some(report) = self.report() {
             self.tell(&Line::Report(report));
         }
         self.tell(&Line::Health(self.health()));
         self.tell(&Line::End { run: self.part.run });
         self.job = Job::Idle;
+        self.pulled = true;
         log::info!("test {} ends", self.part.run);
         let stored = self.journal.end();
         self.check_store(stored.is_err());
         Ok(())
+    }
+
+    /// Says an event, and when its onset was.
+    fn tell_event(&mut self, event: Event) {
+        self.tell(&Line::Event(event));
+        if let Job::Test(Test { first_index: Some(first), .. }) = self.job {
+            self.sync(first.wrapping_add(event.onset.index as u32));
+        }
     }
 
     /// What the pipeline still holds back.
@@ -474,54 +526,14 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
     }
 
     /// Only to the console: the card has it all, and a display asks often.
+    #[inline(never)]
     fn status(&mut self) {
         let settings = Line::Start { run: self.part.run, settings: self.settings.clone() };
         self.console.tell(&settings);
-        let view = self.view();
-        if let Some(report) = view.report {
+        if let Some(report) = self.report() {
             self.console.tell(&Line::Report(report));
         }
-        self.console.tell(&Line::Health(view.health));
-    }
-
-    fn tare(&mut self, mean: Mean) {
-        self.job = Job::Idle;
-        self.console.tell(&Line::Mean(mean));
-        if mean.count == 0 {
-            return self.trouble("no tare: the converter gave no readings");
-        }
-        let mut settings = self.settings.clone();
-        let calibration = &mut settings.config.calibration;
-        calibration.tare_counts = mean.mean as i32;
-        // What the mean of these readings leaves open, and the rounding to a whole code.
-        let codes = mean.deviation * mean.deviation / mean.count as f32 + 1.0 / 12.0;
-        let zero_std_n = floe_core::num::math::sqrt(codes) / calibration.counts_per_n.abs();
-        settings.stds.zero_n = Some(zero_std_n).filter(|std| std.is_finite());
-        self.change(settings);
-    }
-
-    fn propose(&mut self, force_n: f32, mean: Mean) {
-        self.job = Job::Idle;
-        self.console.tell(&Line::Mean(mean));
-        let tare = self.settings.config.calibration.tare_counts;
-        let counts_per_n = (mean.mean - tare as f32) / force_n;
-        if !counts_per_n.is_finite() || counts_per_n == 0.0 {
-            return self.trouble("no calibration: tare first, then hang a known weight");
-        }
-        let said = ("span ", Decimal(counts_per_n), " codes per N: accept, or abort");
-        self.info(&text(said));
-        self.job = Job::Proposed(counts_per_n);
-    }
-
-    fn accept(&mut self) -> Result<(), &'static str> {
-        let Job::Proposed(counts_per_n) = self.job else {
-            return Err("nothing to accept; calibrate first");
-        };
-        self.job = Job::Idle;
-        let mut settings = self.settings.clone();
-        settings.config.calibration.counts_per_n = counts_per_n;
-        self.change(settings);
-        Ok(())
+        self.console.tell(&Line::Health(self.health()));
     }
 
     fn begin_self_test(&mut self) {
@@ -533,13 +545,15 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
     fn self_test(&mut self, mean: Mean) {
         self.console.tell(&Line::Mean(mean));
         let Job::SelfTest(test) = &mut self.job else { return };
-        if let Some(trouble) = SelfTest::judge(&mean) {
+        if let Some(trouble) = SelfTest::judge(&mean, &self.settings) {
             test.fail();
             self.console.tell(&Line::Trouble(trouble));
         }
         if test.advance() {
             return self.shared.want(test.input());
         }
+        let percent = 100.0 * part_of_range(mean.mean, &self.settings);
+        self.console.tell(&Line::Info(&text(("load ", Fixed(percent, 1), " % of the range"))));
         let passed = test.passed();
         self.job = Job::Idle;
         self.shared.want(crate::adc::Input::Bridge);
@@ -592,13 +606,6 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
             self.journal.line(&text);
         }
     }
-}
-
-/// What does not fit is left out.
-fn text(content: impl Show) -> Text {
-    let mut text = Text::new();
-    let _ = content.show(&mut text);
-    text
 }
 
 fn config_error(error: floe_core::ConfigError) -> &'static str {

@@ -131,8 +131,8 @@ impl<D: BlockDevice> CardLog<D> {
 
     fn say_made(&mut self) {
         self.state = if self.made < self.sectors {
-            let percent = u64::from(self.made) * 100 / u64::from(self.sectors);
-            CardState::Making(u8::try_from(percent).unwrap_or(99))
+            let percent = self.made / (self.sectors / 100).max(1);
+            CardState::Making(percent.min(99) as u8)
         } else {
             CardState::Ready
         };

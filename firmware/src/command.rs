@@ -2,8 +2,11 @@
 
 use heapless::String;
 
-use crate::notebook::{WeightFrom, from_word};
+use crate::console::INPUT_LEN;
+use crate::measuring::Task;
+use crate::notebook::{Kind, Track, WeightFrom, from_word};
 use crate::settings::{NAME_LEN, fits_name};
+use crate::wall_clock::Moment;
 
 /// A value that can be set.
 #[derive(Clone, Debug, PartialEq)]
@@ -20,8 +23,18 @@ pub enum Setting {
     Span(f32),
     /// `set tare C`: code at zero force.
     Tare(i32),
-    /// `set name WORD`: name of the test.
+    /// `set name WORDS`: name of the test.
     Name(String<NAME_LEN>),
+    /// `set snow MM`: its depth.
+    Snow(f32),
+    /// `set kind WORD`: how the block is pulled.
+    Kind(Kind),
+    /// `set track WORD`: the ice under it.
+    Track(Track),
+    /// `set size L W H`: of the block, m.
+    Size([f32; 3]),
+    /// `set cable L [AE]`: its length, m, and its stiffness times that, N.
+    Cable(f32, Option<f32>),
     /// `set weight-std N`: one standard deviation of the weight, N; 0: exactly known.
     WeightStd(f32),
     /// `set slope-std DEG`: of the slope; here in rad.
@@ -49,14 +62,16 @@ pub enum Command {
     Status,
     /// `live on` and `live off`: samples as they come.
     Live(bool),
-    /// `tare`: what hangs there now is zero.
-    MeasureTare,
-    /// `calibrate N`: this force hangs there now.
-    Calibrate(f32),
-    /// `accept`: use the calibration that was measured.
+    /// `tare`, `calibrate N` and `weigh`: measures what hangs there.
+    Measure(Task),
+    /// `accept`: use what was measured.
     Accept,
     /// `abort`: forget it, or whatever is being measured.
     Abort,
+    /// `note WORDS`: written down with the test.
+    Note(String<INPUT_LEN>),
+    /// `clock`: what time is it; `clock 2027-03-02T10:15:00Z`: it is this.
+    Clock(Option<Moment>),
     /// `self-test`.
     SelfTest,
     /// `help`.
@@ -64,12 +79,12 @@ pub enum Command {
 }
 
 /// One line of help.
-pub const HELP: &str = "set weight|slope|winch|range|span|tare|name X; \
-set weight|slope|zero|span|damping-std X; set weight-from same_cell|other; start; stop; status; \
-live on|off; tare; calibrate N; accept; abort; self-test";
+pub const HELP: &str = "clock [TIME]; self-test; tare; calibrate N; weigh; accept; abort; \
+set weight|slope|winch|range|span|tare|name|snow|kind|size|track|cable X; \
+set weight|slope|zero|span|damping-std X; set weight-from same_cell|other; note TEXT; start; \
+stop; status; live on|off";
 
-const SET: &str =
-    "set weight|slope|winch|range|span|tare|name, or weight|slope|zero|span|damping-std";
+const MISSING: &str = "a number like 12.5 is missing";
 
 impl Command {
     /// Reads a line; words are separated by spaces.
@@ -77,45 +92,73 @@ impl Command {
     /// # Errors
     /// What to do instead, in words.
     pub fn parse(line: &str) -> Result<Self, &'static str> {
-        let mut words = line.split_ascii_whitespace();
-        let verb = words.next().unwrap_or("help");
-        let mut argument = || words.next().unwrap_or("");
-        let command = match verb {
-            "set" => Self::Set(Setting::parse(argument(), argument())?),
-            "start" => Self::Start,
-            "stop" => Self::Stop,
-            "status" => Self::Status,
-            "live" => match argument() {
-                "on" => Self::Live(true),
-                "off" => Self::Live(false),
-                _ => return Err("live on, or live off"),
-            },
-            "tare" => Self::MeasureTare,
-            "calibrate" => Self::Calibrate(number(argument())?),
-            "accept" => Self::Accept,
-            "abort" => Self::Abort,
-            "self-test" => Self::SelfTest,
-            "help" | "?" => Self::Help,
-            _ => return Err("unknown command; help lists them"),
+        let (verb, rest) = first_word(line);
+        let rest_is = |command: Self| match rest {
+            // `start test` is as good as `start`.
+            "" | "test" => Ok(command),
+            _ => Err("too many words"),
         };
-        // `start test` is as good as `start`.
-        match words.next() {
-            None | Some("test") => Ok(command),
-            Some(_) => Err("too many words"),
+        match verb {
+            "set" => Setting::parse(rest).map(Self::Set),
+            "start" => rest_is(Self::Start),
+            "stop" => rest_is(Self::Stop),
+            "status" => rest_is(Self::Status),
+            "live" => match rest {
+                "on" => Ok(Self::Live(true)),
+                "off" => Ok(Self::Live(false)),
+                _ => Err("live on, or live off"),
+            },
+            "tare" => rest_is(Self::Measure(Task::Tare)),
+            "calibrate" => match number(rest)? {
+                force_n if force_n > 0.0 => Ok(Self::Measure(Task::Calibrate(force_n))),
+                _ => Err("a known weight in N, above zero"),
+            },
+            "weigh" => rest_is(Self::Measure(Task::Weigh)),
+            "accept" => rest_is(Self::Accept),
+            "abort" => rest_is(Self::Abort),
+            "self-test" => rest_is(Self::SelfTest),
+            "note" if rest.is_empty() => Err("note, and what is to be written down"),
+            "note" => String::try_from(rest).map(Self::Note).map_err(|_| "that is too long"),
+            "clock" if rest.is_empty() => Ok(Self::Clock(None)),
+            "clock" => match Moment::parse(rest) {
+                Some(moment) => Ok(Self::Clock(Some(moment))),
+                None => Err("clock 2027-03-02T10:15:00Z (UTC, years 2000 to 2099)"),
+            },
+            "" | "help" | "?" => rest_is(Self::Help),
+            _ => Err("unknown command; help lists them"),
         }
     }
 }
 
+/// The first word and all behind it.
+fn first_word(text: &str) -> (&str, &str) {
+    let text = text.trim_ascii();
+    let end = text.bytes().position(|byte| byte == b' ').unwrap_or(text.len());
+    let (word, rest) = text.split_at_checked(end).unwrap_or((text, ""));
+    (word, rest.trim_ascii())
+}
+
 impl Setting {
-    fn parse(what: &str, value: &str) -> Result<Self, &'static str> {
+    fn parse(text: &str) -> Result<Self, &'static str> {
+        let (what, value) = first_word(text);
         Ok(match what {
             "weight" => Self::Weight(number(value)?),
             "slope" => Self::Slope(number(value)?.to_radians()),
             "winch" => Self::Winch(number(value)?),
             "range" => Self::Range(number(value)?),
             "span" => Self::Span(number(value)?),
-            "tare" => Self::Tare(value.parse().map_err(|_| "a whole number of codes")?),
+            "tare" => Self::Tare(code(value)?),
             "name" => Self::Name(name(value)?),
+            "snow" => Self::Snow(size(value)?),
+            "kind" => {
+                Self::Kind(from_word(Kind::ALL, value).ok_or("sliding, rafting or over-riding")?)
+            }
+            "track" => Self::Track(from_word(Track::ALL, value).ok_or("fresh or repeated")?),
+            "size" => Self::Size(sizes(value)?),
+            "cable" => match first_word(value) {
+                (length, "") => Self::Cable(size(length)?, None),
+                (length, stiffness) => Self::Cable(size(length)?, Some(size(stiffness)?)),
+            },
             "weight-std" => Self::WeightStd(number(value)?),
             "slope-std" => Self::SlopeStd(number(value)?.to_radians()),
             "zero-std" => Self::ZeroStd(number(value)?),
@@ -124,29 +167,52 @@ impl Setting {
             "weight-from" => Self::WeightFrom(
                 from_word(WeightFrom::ALL, value).ok_or("weight-from same_cell, or other")?,
             ),
-            _ => return Err(SET),
+            _ => return Err("set what? help lists it"),
         })
     }
+}
+
+/// Length, width and height.
+fn sizes(text: &str) -> Result<[f32; 3], &'static str> {
+    let (length, rest) = first_word(text);
+    let (width, height) = first_word(rest);
+    Ok([size(length)?, size(width)?, size(height)?])
+}
+
+/// A number that is not below zero.
+fn size(text: &str) -> Result<f32, &'static str> {
+    number(text).and_then(|size| if size >= 0.0 { Ok(size) } else { Err("not below zero") })
 }
 
 /// A decimal number without an exponent, of at most 15 digits: the standard
 /// library's parser would be a tenth of the program.
 fn number(text: &str) -> Result<f32, &'static str> {
-    const MISSING: &str = "a number like 12.5 is missing";
     const MOST_DIGITS: usize = 15;
-    let (sign, digits) = match text.strip_prefix('-') {
-        Some(digits) => (-1.0, digits),
-        None => (1.0, text),
+    let (sign, digits) = match text.as_bytes() {
+        [b'-', digits @ ..] => (-1.0, digits),
+        digits => (1.0, digits),
     };
-    let (whole, fraction) = digits.split_once('.').unwrap_or((digits, ""));
-    let count = whole.len() + fraction.len();
-    let all = whole.bytes().chain(fraction.bytes());
-    if count == 0 || count > MOST_DIGITS || !all.clone().all(|c| c.is_ascii_digit()) {
-        return Err(MISSING);
+    let (mut number, mut scale, mut count, mut behind_point) = (0, 1, 0, false);
+    for letter in digits {
+        match letter {
+            b'0'..=b'9' if count < MOST_DIGITS => {
+                number = number * 10 + u64::from(letter - b'0');
+                scale *= if behind_point { 10 } else { 1 };
+                count += 1;
+            }
+            b'.' if !behind_point => behind_point = true,
+            _ => return Err(MISSING),
+        }
     }
-    let number = all.fold(0, |number, digit| number * 10 + u64::from(digit - b'0'));
-    let scale = fraction.bytes().fold(1, |scale, _| scale * 10);
-    Ok(sign * ratio(number, scale))
+    if count == 0 { Err(MISSING) } else { Ok(sign * ratio(number, scale)) }
+}
+
+/// A whole number of codes; a converter has 24 digits of two, and so has an `f32`.
+fn code(text: &str) -> Result<i32, &'static str> {
+    let number = number(text)?;
+    let code = number as i32;
+    let is_whole = (code as f32).to_bits() == number.to_bits();
+    if is_whole { Ok(code) } else { Err("a whole number of codes") }
 }
 
 /// The `f32` nearest to a ratio of two numbers below 2⁵³, the second above zero; the even
@@ -181,7 +247,7 @@ fn power_of_two(exponent: i32) -> f32 {
 fn name(text: &str) -> Result<String<NAME_LEN>, &'static str> {
     match String::try_from(text) {
         Ok(name) if text.bytes().all(fits_name) => Ok(name),
-        _ => Err("a name has at most 16 letters, digits, - _ ."),
+        _ => Err("a name has at most 16 letters, digits, spaces, - _ ."),
     }
 }
 
@@ -198,7 +264,24 @@ mod tests {
         assert_eq!(Command::parse("live on"), Ok(Command::Live(true)));
         assert_eq!(Command::parse("set weight 630"), Ok(Command::Set(Setting::Weight(630.0))));
         assert_eq!(Command::parse("set tare -12345"), Ok(Command::Set(Setting::Tare(-12345))));
-        assert_eq!(Command::parse("calibrate 49.05"), Ok(Command::Calibrate(49.05)));
+        let measure = |task| Ok(Command::Measure(task));
+        assert_eq!(Command::parse("calibrate 49.05"), measure(Task::Calibrate(49.05)));
+        assert_eq!(Command::parse("tare"), measure(Task::Tare));
+        assert_eq!(Command::parse("weigh"), measure(Task::Weigh));
+        let named = Command::parse("set  name  my test ");
+        assert_eq!(named, Ok(Command::Set(Setting::Name(String::try_from("my test").unwrap()))));
+        let note = Command::parse("note wind, 3 *  m/s");
+        assert_eq!(note, Ok(Command::Note(String::try_from("wind, 3 *  m/s").unwrap())));
+        let set = |setting| Ok(Command::Set(setting));
+        assert_eq!(Command::parse("set size 1.2 1 .3"), set(Setting::Size([1.2, 1.0, 0.3])));
+        assert_eq!(Command::parse("set cable 15"), set(Setting::Cable(15.0, None)));
+        let cable = Setting::Cable(15.0, Some(345_000.0));
+        assert_eq!(Command::parse("set cable 15 345000"), set(cable));
+        assert_eq!(Command::parse("set kind over-riding"), set(Setting::Kind(Kind::OverRiding)));
+        assert_eq!(Command::parse("set track fresh"), set(Setting::Track(Track::Fresh)));
+        assert_eq!(Command::parse("clock"), Ok(Command::Clock(None)));
+        let moment = Moment::parse("2027-03-02T10:15:00Z");
+        assert_eq!(Command::parse("clock 2027-03-02T10:15:00Z"), Ok(Command::Clock(moment)));
         for wrong in [
             "begin",
             "live",
@@ -216,6 +299,19 @@ mod tests {
             "set tare 1.5",
             "start now",
             "set weight 1 2",
+            "set size 1 2",
+            "set size 1 2 3 4",
+            "set cable",
+            "set cable 1 2 3",
+            "set kind pushing",
+            "set track old",
+            "set snow -1",
+            "calibrate 0",
+            "calibrate -5",
+            "calibrate",
+            "weigh 5",
+            "note",
+            "clock now",
         ] {
             assert!(Command::parse(wrong).is_err(), "{wrong}");
         }

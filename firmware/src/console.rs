@@ -6,7 +6,7 @@ use heapless::String;
 use crate::line::Line;
 
 /// Longest command.
-const INPUT_LEN: usize = 80;
+pub const INPUT_LEN: usize = 80;
 
 /// A port, and the line that is being typed.
 #[derive(Debug)]

@@ -1,7 +1,5 @@
 //! The field display: 128 × 64 points, readable with gloves on.
 
-use core::fmt;
-
 use embedded_graphics::Pixel;
 use embedded_graphics::image::GetPixel;
 use embedded_graphics::mono_font::ascii::FONT_6X10;
@@ -9,12 +7,13 @@ use embedded_graphics::pixelcolor::BinaryColor;
 use embedded_graphics::prelude::{DrawTarget, Point};
 use floe_core::{Cause, Change, Estimate, Phase, Report};
 use heapless::String;
-use heapless::string::StringView;
 
 use crate::app::View;
-use crate::line::Health;
+use crate::line::{Health, Weighed};
+use crate::measuring::Hindrance;
 use crate::store::CardState;
-use crate::text::{Show, whole};
+use crate::text::{Fixed, Show};
+use crate::wall_clock::TimeOfDay;
 
 type Row = String<22>;
 
@@ -33,12 +32,61 @@ where
     target.clear(BinaryColor::Off)?;
     // Its letters leave the first line of their ten free.
     text(target, 2, -2, &force(view))?;
-    let report = view.report;
-    text(target, 1, 16, &coefficient("mu_s", report.and_then(|r| r.mu_s)))?;
-    text(target, 1, 25, &coefficient("mu  ", report.and_then(|r| r.mu)))?;
-    text(target, 1, 35, &about(view))?;
-    text(target, 1, 44, &state(view))?;
+    rate(target, view.rate_n_per_s.unwrap_or(0.0))?;
+    let rows = match &view.weighed {
+        Some(weighed) => weighing(weighed),
+        None => pulling(view),
+    };
+    for (row, top) in rows.iter().zip([16, 25, 35, 44]) {
+        text(target, 1, top, row)?;
+    }
     text(target, 1, 54, &last_row(view))
+}
+
+/// The rate of the force: a bar up or down from the middle of the first row, at its right
+/// end, a point for each half of a decade from 10 N/s on.
+fn rate<D>(target: &mut D, rate_n_per_s: f32) -> Result<(), D::Error>
+where
+    D: DrawTarget<Color = BinaryColor>,
+{
+    const STEPS: [f32; 7] = [10.0, 30.0, 100.0, 300.0, 1000.0, 3000.0, 10_000.0];
+    const LEFT: i32 = 123;
+    const WIDE: i32 = 5;
+    const MIDDLE: i32 = 7;
+    let points = STEPS.iter().filter(|&&step| rate_n_per_s.abs() >= step).count() as i32;
+    let rows = if rate_n_per_s > 0.0 { MIDDLE - points..MIDDLE } else { MIDDLE..MIDDLE + points };
+    let lit = rows.flat_map(|y| (0..WIDE).map(move |x| Point::new(LEFT + x, y)));
+    target.draw_iter(lit.map(|point| Pixel(point, BinaryColor::On)))
+}
+
+/// Coefficients, the newest slip, what the block does.
+fn pulling(view: &View) -> [Row; 4] {
+    let report = view.report;
+    [
+        coefficient("mu_s", report.and_then(|r| r.mu_s)),
+        coefficient("mu  ", report.and_then(|r| r.mu)),
+        about(view),
+        state(view),
+    ]
+}
+
+/// The block's weight so far.
+fn weighing(weighed: &Weighed) -> [Row; 4] {
+    let (weight, swing) = match weighed.load {
+        Ok(load) => {
+            let weight = row((Fixed(load.value, 2), " +- ", (Fixed(load.std, 2), " N")));
+            let swing = load.swing.map(|swing| {
+                let degrees = Fixed(swing.amplitude_rad.to_degrees(), 1);
+                row(("swing ", Fixed(swing.period_s, 2), (" s ", degrees, " deg")))
+            });
+            (weight, swing.unwrap_or_else(|| row("no swing seen")))
+        }
+        Err(Hindrance::Short) => (row("weighing"), row("8 s of rest needed")),
+        Err(Hindrance::Drifts) => (row("weighing"), row("it DRIFTS: wait")),
+        Err(Hindrance::Moves) => (row("weighing"), row("it MOVES: calm it")),
+        Err(Hindrance::OutOfRange) => (row("weighing"), row("OUT OF RANGE")),
+    };
+    [weight, swing, row((weighed.duration_s as u32, " s of 64")), row("accept or abort?")]
 }
 
 /// Writes in letters so many times as large as the font's.
@@ -88,20 +136,6 @@ fn coefficient(name: &str, estimate: Option<Estimate>) -> Row {
     }
 }
 
-/// A number with so many decimals, 1 to 4.
-struct Fixed(f32, u32);
-
-impl Show for Fixed {
-    fn show(&self, out: &mut StringView) -> fmt::Result {
-        let Self(value, decimals) = *self;
-        let scale = 10_u32.pow(decimals);
-        let rounded = (value.abs() * scale as f32 + 0.5) as u32;
-        let sign = if value < 0.0 && rounded > 0 { "-" } else { "" };
-        (sign, rounded / scale, ".").show(out)?;
-        whole(out, (rounded % scale).into(), decimals as usize)
-    }
-}
-
 fn state(view: &View) -> Row {
     let phase = match view.phase {
         Phase::Unknown => "",
@@ -110,7 +144,10 @@ fn state(view: &View) -> Row {
     };
     match view.report {
         Some(report) => row((report.events, " events ", phase)),
-        None => row("no test"),
+        None => match view.unix_ms {
+            Some(unix_ms) => row(("no test  ", TimeOfDay(unix_ms))),
+            None => row("no test, clock not set"),
+        },
     }
 }
 
@@ -171,13 +208,30 @@ fn health(view: &View) -> Row {
 }
 
 #[cfg(test)]
+mod pictures;
+#[cfg(test)]
 mod tests {
     use super::*;
+    use crate::weighing::{Load, Swing};
     use embedded_graphics::Drawable;
     use embedded_graphics::mock_display::MockDisplay;
     use embedded_graphics::mono_font::MonoTextStyle;
     use embedded_graphics::text::{Baseline, Text};
     use floe_core::{Coefficient, Provisional, SampleTime};
+
+    pub(super) fn nothing() -> View {
+        View {
+            force_n: None,
+            rate_n_per_s: None,
+            weighed: None,
+            unix_ms: None,
+            report: None,
+            phase: Phase::Unknown,
+            provisional: None,
+            health: Health::default(),
+            card: CardState::Ready,
+        }
+    }
 
     /// The lit points of the display's left half.
     fn picture(view: &View) -> Vec<Point> {
@@ -216,9 +270,7 @@ mod tests {
     #[test]
     fn what_is_known_is_drawn() {
         let health = Health::default();
-        let (phase, provisional) = (Phase::Unknown, None);
-        let card = CardState::Ready;
-        let empty = View { force_n: None, report: None, phase, provisional, health, card };
+        let empty = View { health, card: CardState::Ready, ..nothing() };
         let force = View { force_n: Some(-8888.8), ..empty };
         assert!(picture(&force).len() > picture(&empty).len());
         let mu_s = Coefficient::random(1.24, 0.01);
@@ -253,12 +305,11 @@ mod tests {
         assert_eq!(changed(&told(Cause::Friction)).as_str(), "99999: other friction");
         assert_eq!(changed(&told(Cause::Unknown)).as_str(), "99999: weigh block");
         let view = |change, overruns| View {
-            force_n: None,
             report: Some(Report { change, ..report }),
             phase: Phase::Stick,
-            provisional: None,
             health: Health { overruns, ..Health::default() },
             card: CardState::Ready,
+            ..nothing()
         };
         let change = Some(told(Cause::Mass));
         assert_ne!(picture(&view(change, 0)), picture(&view(None, 0)));
@@ -283,13 +334,17 @@ mod tests {
         let one = Estimate { std_error: None, events: 1, ..estimate };
         assert_eq!(coefficient("mu", Some(one)).as_str(), "mu 1.2000 +- ?");
         let health = Health { overruns: u32::MAX, store_failures: 1, ..Health::default() };
-        let (report, phase) = (None, Phase::Slip);
         let mu = Coefficient::random(-11.234, 0.1);
         let provisional = Some(Provisional { mu_s: mu, mu: Some(mu) });
         let card = CardState::NoCard;
-        let view = View { force_n: Some(-65_432.1), report, phase, provisional, health, card };
+        let view = View { force_n: Some(-65_432.1), provisional, health, card, ..nothing() };
         assert_eq!(about(&view).as_str(), "about -11.234 -11.234");
         assert!(force(&view).len() <= 10, "twice as large: 10 letters a row");
         assert_eq!(super::health(&view).as_str(), "NO CARD lost 9999999");
+        let swing = Some(Swing { period_s: 3.45, amplitude_rad: 0.2, excess: 12.0 });
+        let load = Ok(Load { value: 3299.99, std: 0.12, swing });
+        let [weight, swing, ..] = weighing(&Weighed { duration_s: 64.0, load });
+        assert_eq!(weight.as_str(), "3299.99 +- 0.12 N");
+        assert_eq!(swing.as_str(), "swing 3.45 s 11.5 deg");
     }
 }

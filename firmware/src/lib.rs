@@ -23,6 +23,7 @@ pub mod display;
 pub mod journal;
 pub mod line;
 mod log;
+pub mod measuring;
 #[cfg(feature = "card")]
 pub mod media;
 pub mod notebook;
@@ -34,3 +35,5 @@ pub mod self_test;
 pub mod settings;
 pub mod store;
 pub mod text;
+pub mod wall_clock;
+pub mod weighing;

@@ -1,11 +1,11 @@
 //! What travels from the interrupt to the main loop.
 
-use core::sync::atomic::{AtomicU8, AtomicU32, Ordering};
+use core::sync::atomic::{AtomicI32, AtomicU8, AtomicU32, Ordering};
 
 use floe_core::{Counts, RawSample, Reading};
 use heapless::spsc::{Consumer, Producer, Queue};
 
-use crate::adc::{AdcFault, Input};
+use crate::adc::{AdcFault, Climate, Input};
 
 /// Samples per second. On the board it is 2048 periods of a 32 768 Hz crystal.
 pub const RATE_HZ: f32 = 16.0;
@@ -46,12 +46,23 @@ impl Sample {
 }
 
 /// What interrupt and main loop tell each other beside the samples.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub struct Shared {
     ticks: AtomicU32,
     overruns: AtomicU32,
     deepest: AtomicU32,
     wanted: AtomicU8,
+    temperature_256: AtomicI32,
+    supply_mv: AtomicI32,
+}
+
+/// No converter is as cold, or fed so badly.
+const UNKNOWN: i32 = i32::MIN;
+
+impl Default for Shared {
+    fn default() -> Self {
+        Self::new()
+    }
 }
 
 impl Shared {
@@ -63,6 +74,8 @@ impl Shared {
             overruns: AtomicU32::new(0),
             deepest: AtomicU32::new(0),
             wanted: AtomicU8::new(0),
+            temperature_256: AtomicI32::new(UNKNOWN),
+            supply_mv: AtomicI32::new(UNKNOWN),
         }
     }
 
@@ -84,6 +97,21 @@ impl Shared {
     /// Asks for another input from one of the next samples on.
     pub fn want(&self, input: Input) {
         self.wanted.store(input as u8, Ordering::Relaxed);
+    }
+
+    /// How cold the converter is, and what feeds it.
+    pub fn climate(&self) -> Climate {
+        let known = |value: &AtomicI32| {
+            Some(value.load(Ordering::Relaxed)).filter(|&value| value != UNKNOWN)
+        };
+        let (temperature_256, supply_mv) = (known(&self.temperature_256), known(&self.supply_mv));
+        Climate { temperature_256, supply_mv }
+    }
+
+    pub(crate) fn set_climate(&self, climate: Climate) {
+        let Climate { temperature_256, supply_mv } = climate;
+        self.temperature_256.store(temperature_256.unwrap_or(UNKNOWN), Ordering::Relaxed);
+        self.supply_mv.store(supply_mv.unwrap_or(UNKNOWN), Ordering::Relaxed);
     }
 
     pub(crate) fn wanted(&self) -> Input {

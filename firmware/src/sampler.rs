@@ -20,6 +20,12 @@ pub struct Sampler<'q, A> {
     input: Input,
 }
 
+/// Half a minute.
+const CLIMATE_PERIODS: u32 = 480;
+/// First a second after power-up, and known with the tick after.
+const CLIMATE_AT: u32 = 16;
+const CLIMATE_KNOWN: u32 = 17;
+
 /// The conversion that is going on.
 #[derive(Clone, Copy, Debug)]
 struct Running {
@@ -34,11 +40,21 @@ impl<'q, A: BridgeAdc> Sampler<'q, A> {
         Self { adc, queue, shared, next_index: 0, running: None, input: Input::Bridge }
     }
 
-    /// The conversion that is going on is given up.
+    /// Temperature and supply in turn, each once a minute.
+    fn ask_for_climate(&mut self) {
+        match self.next_index % CLIMATE_PERIODS {
+            CLIMATE_AT => self.adc.want_climate(),
+            CLIMATE_KNOWN => self.shared.set_climate(self.adc.climate()),
+            _ => {}
+        }
+    }
+
+    /// The conversion that is going on is given up: no sample, and no fault.
     fn change_input(&mut self) {
         let wanted = self.shared.wanted();
         if wanted != self.input && self.adc.select(wanted) {
             self.input = wanted;
+            self.running = None;
         }
     }
 }
@@ -63,6 +79,7 @@ impl<A: BridgeAdc> Tick for Sampler<'_, A> {
     fn tick(&mut self, stamp: u32) {
         self.shared.count_tick();
         self.change_input();
+        self.ask_for_climate();
         let taken = self.adc.tick();
         if let Some(Running { index, stamp, input }) = self.running {
             let reading = taken.and_then(|code| code.ok_or(AdcFault::NotReady));

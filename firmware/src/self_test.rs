@@ -4,6 +4,7 @@ use crate::adc::Input;
 use crate::average::{Average, MOST};
 use crate::line::Mean;
 use crate::sample::Sample;
+use crate::settings::Settings;
 
 /// What is measured, in order, and how often.
 const STEPS: [(Input, usize); 4] =
@@ -12,6 +13,8 @@ const STEPS: [(Input, usize); 4] =
 /// Codes of noise (standard deviation) with the inputs shorted that are still
 /// healthy; the chip's own are 12 at these settings.
 const NOISE_CODES: f32 = 200.0;
+/// A zero so far below, as a part of the range, is none.
+const BELOW_ZERO: f32 = 0.02;
 /// Codes near full scale, where the burn-out currents drive a broken bridge.
 const OPEN_CODES: f32 = 0.99 * 8_388_608.0;
 
@@ -64,10 +67,14 @@ impl SelfTest {
 
     /// What is wrong with a measurement.
     #[must_use]
-    pub fn judge(mean: &Mean) -> Option<&'static str> {
+    pub fn judge(mean: &Mean, settings: &Settings) -> Option<&'static str> {
         if mean.count == 0 {
             return Some("the converter does not answer: check its wires");
         }
+        if mean.failed > 0 {
+            return Some("the converter owed readings: check its wires and supply");
+        }
+        let part = part_of_range(mean.mean, settings);
         match mean.input {
             Input::Temperature if !(-60.0..=85.0).contains(&(mean.mean / 256.0)) => {
                 Some("the converter's temperature is impossible")
@@ -78,10 +85,25 @@ impl SelfTest {
             Input::BurnOut if mean.mean.abs() > OPEN_CODES => {
                 Some("a wire to the load cell is broken")
             }
+            Input::Bridge if mean.mean.abs() > OPEN_CODES => {
+                Some("the load cell reads full scale: overloaded, or a wire is off")
+            }
             Input::Bridge if mean.different < 2 => Some("the load cell's reading never changes"),
+            Input::Bridge if part < -BELOW_ZERO => {
+                Some("the load cell reads below zero: tare it, or it is reversed")
+            }
             Input::Temperature | Input::Shorted | Input::BurnOut | Input::Bridge => None,
         }
     }
+}
+
+/// Force of a code as a part of the range: the cell's, or the converter's if the cell's is
+/// not known.
+#[must_use]
+pub fn part_of_range(code: f32, settings: &Settings) -> f32 {
+    let calibration = &settings.config.calibration;
+    let force_n = (code - calibration.tare_counts as f32) / calibration.counts_per_n;
+    force_n / settings.range_n()
 }
 
 impl Default for SelfTest {

@@ -112,6 +112,14 @@ impl Settings {
         counts as f32 / calibration.counts_per_n
     }
 
+    /// Largest force of the cell, or of the converter if the cell's is not known, N.
+    #[must_use]
+    pub fn range_n(&self) -> f32 {
+        let calibration = &self.config.calibration;
+        let full_n = calibration.range_counts.1 as f32 / calibration.counts_per_n.abs();
+        self.config.range_n.unwrap_or(full_n)
+    }
+
     /// What the core is told: the configuration, and how well it is known. A span that is
     /// wrong cancels where the block was weighed with the same cell.
     #[must_use]
@@ -140,13 +148,30 @@ impl Settings {
         let config = &mut changed.config;
         let known = |value: f32| (value != 0.0).then_some(value);
         match setting {
-            Setting::Weight(weight_n) => config.weight_n = weight_n,
+            // Said by somebody who has another balance, and no std with it.
+            Setting::Weight(weight_n) => {
+                config.weight_n = weight_n;
+                changed.weight_from = Some(WeightFrom::Other);
+                changed.stds.weight_n = None;
+            }
             Setting::Slope(slope_rad) => config.slope_rad = slope_rad,
             Setting::Winch(winch_m_per_s) => config.winch_m_per_s = known(winch_m_per_s),
             Setting::Range(range_n) => config.range_n = known(range_n),
             Setting::Span(counts_per_n) => config.calibration.counts_per_n = counts_per_n,
             Setting::Tare(tare_counts) => config.calibration.tare_counts = tare_counts,
             Setting::Name(name) => changed.name = name,
+            Setting::Snow(snow_mm) => changed.notes.snow_mm = Some(snow_mm),
+            Setting::Kind(kind) => changed.notes.kind = Some(kind),
+            Setting::Track(track) => changed.notes.track = Some(track),
+            Setting::Size([length_m, width_m, height_m]) => {
+                changed.notes.length_m = known(length_m);
+                changed.notes.width_m = known(width_m);
+                changed.notes.height_m = known(height_m);
+            }
+            Setting::Cable(length_m, ae_n) => {
+                changed.notes.cable_length_m = known(length_m);
+                changed.notes.cable_ae_n = ae_n.and_then(known);
+            }
             Setting::WeightStd(std) => changed.stds.weight_n = Some(std),
             Setting::SlopeStd(std) => changed.stds.slope_rad = Some(std),
             Setting::ZeroStd(std) => changed.stds.zero_n = Some(std),
@@ -154,13 +179,13 @@ impl Settings {
             Setting::DampingStd(std) => changed.stds.damping = Some(std),
             Setting::WeightFrom(from) => changed.weight_from = Some(from),
         }
-        changed.check_config()?;
+        changed.check()?;
         changed.core_config().validate_std()?;
         Ok(changed)
     }
 
     /// What the core will refuse; the weight may still be missing.
-    fn check_config(&self) -> Result<(), ConfigError> {
+    pub(crate) fn check(&self) -> Result<(), ConfigError> {
         let mut complete = self.config;
         if complete.weight_n == 0.0 {
             complete.weight_n = 1.0;
@@ -174,7 +199,7 @@ impl Settings {
     pub fn is_sound(&self) -> bool {
         let not_negative = |x: &f32| x.is_finite() && *x >= 0.0;
         let zeros = [self.zero.before_n, self.zero.after_n];
-        self.check_config().is_ok()
+        self.check().is_ok()
             && self.name.bytes().all(fits_name)
             && self.stds.all().iter().flatten().all(not_negative)
             && self.notes.lengths().iter().flatten().all(not_negative)
@@ -182,8 +207,9 @@ impl Settings {
     }
 }
 
-/// Whether a letter can stand in a name: in a line's field, and in a file's name.
+/// Whether a letter can stand in a name: in a line's field and, a space as `_`, in a
+/// file's name.
 #[must_use]
 pub fn fits_name(byte: u8) -> bool {
-    byte.is_ascii_alphanumeric() || matches!(byte, b'-' | b'_' | b'.')
+    byte.is_ascii_alphanumeric() || matches!(byte, b'-' | b'_' | b'.' | b' ')
 }

@@ -5,6 +5,8 @@ use core::fmt;
 use floe_core::num::long_division::divide;
 use heapless::string::StringView;
 
+use crate::line::Text;
+
 /// Something that can be written out.
 pub trait Show {
     /// Adds it to the end of a text.
@@ -70,6 +72,36 @@ pub(crate) fn whole(out: &mut StringView, number: u64, least: usize) -> fmt::Res
         *place = digit as u8;
     }
     digits.iter().skip(20 - count).try_for_each(|digit| put(out, b'0' + digit))
+}
+
+/// As a line's text; what does not fit is left out.
+pub(crate) fn text(content: impl Show) -> Text {
+    let mut text = Text::new();
+    let _ = content.show(&mut text);
+    text
+}
+
+/// The same of many parts, of which each is not worth a function of its own.
+#[inline(never)]
+pub(crate) fn join(parts: &[&dyn Show]) -> Text {
+    let mut text = Text::new();
+    let _ = parts.iter().try_for_each(|part| part.show(&mut text));
+    text
+}
+
+/// A number with so many decimals, 1 to 4.
+#[derive(Clone, Copy, Debug)]
+pub struct Fixed(pub f32, pub u32);
+
+impl Show for Fixed {
+    fn show(&self, out: &mut StringView) -> fmt::Result {
+        let Self(value, decimals) = *self;
+        let scale = 10_u32.pow(decimals);
+        let rounded = (value.abs() * scale as f32 + 0.5) as u32;
+        let sign = if value < 0.0 && rounded > 0 { "-" } else { "" };
+        (sign, rounded / scale, ".").show(out)?;
+        whole(out, (rounded % scale).into(), decimals as usize)
+    }
 }
 
 /// The last hexadecimal digits of a number.

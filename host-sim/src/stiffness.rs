@@ -19,6 +19,12 @@ pub struct Measured {
     pub std_error: f64,
 }
 
+impl Measured {
+    fn relative(&self) -> f64 {
+        (self.std_error / self.value).abs()
+    }
+}
+
 /// The winch and the cable of the pull.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pull {
@@ -45,6 +51,14 @@ pub struct Stiffness {
     pub range_n: (f64, f64),
 }
 
+impl Stiffness {
+    /// What the winch's speed adds to the relative uncertainty of `k`.
+    fn winch_relative(&self) -> f64 {
+        let (k, rate) = (self.stiffness_n_per_m.relative(), self.loading_rate_n_per_s.relative());
+        (k * k - rate * rate).max(0.0).sqrt()
+    }
+}
+
 /// Fits the straight part of a pull, from 20 to 95 % of the largest force, given
 /// as (time in s, force in N) in order; `None` if too few samples rise.
 ///
@@ -66,6 +80,76 @@ pub fn stiffness(samples: &[(f64, f64)], pull: &Pull) -> Option<Stiffness> {
     })
 }
 
+/// What several pulls of a cable tell together: its own stretch and that of all that is not
+/// cable (splices, shackles, post), `1/k = 1/k0 + L/AE`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Together {
+    /// Number of pulls.
+    pub pulls: usize,
+    /// Mean `k`, N/m, where all had the same length; `null` for several lengths.
+    pub stiffness_n_per_m: Option<Measured>,
+    /// `AE`, N, from the change of `1/k` with the length; `null` for one length.
+    pub ae_n: Option<Measured>,
+    /// `k0`, N/m; `null` for one length, and where `1/k0` is within two standard deviations
+    /// of nothing.
+    pub end_stiffness_n_per_m: Option<Measured>,
+}
+
+/// Puts pulls together, each with the length of its cable, m; `None` for fewer than two.
+///
+/// The pulls are weighted by the uncertainties of their own lines; what all have in common,
+/// the winch's speed, no number of pulls averages out.
+#[must_use]
+pub fn together(pulls: &[(Stiffness, f64)]) -> Option<Together> {
+    let (_, first_m) = pulls.first()?;
+    let same = pulls.iter().all(|(_, length_m)| (length_m / first_m - 1.0).abs() < SAME_LENGTH);
+    // Compliance, m/N, and the weight of its square.
+    let points: Vec<(f64, f64, f64)> = pulls
+        .iter()
+        .map(|(pull, length_m)| {
+            let k = pull.stiffness_n_per_m;
+            let std = pull.loading_rate_n_per_s.relative().max(SMALLEST) / k.value;
+            (*length_m, 1.0 / k.value, std.powi(-2))
+        })
+        .collect();
+    let sum = |of: fn(&(f64, f64, f64)) -> f64| points.iter().map(|p| p.2 * of(p)).sum::<f64>();
+    let weight = sum(|_| 1.0);
+    let (length_m, compliance) = (sum(|p| p.0) / weight, sum(|p| p.1) / weight);
+    let common = pulls.iter().map(|(pull, _)| pull.winch_relative()).fold(0.0, f64::max);
+    let inverse = |value: f64, std: f64| {
+        let relative = (std / value).hypot(common);
+        Measured { value: 1.0 / value, std_error: relative / value.abs() }
+    };
+    let none = Together {
+        pulls: pulls.len(),
+        stiffness_n_per_m: None,
+        ae_n: None,
+        end_stiffness_n_per_m: None,
+    };
+    if pulls.len() < 2 {
+        return None;
+    }
+    if same {
+        let mean = inverse(compliance, weight.powf(-0.5));
+        return Some(Together { stiffness_n_per_m: Some(mean), ..none });
+    }
+    let spread: f64 = points.iter().map(|p| p.2 * (p.0 - length_m).powi(2)).sum();
+    let slope = points.iter().map(|p| p.2 * (p.0 - length_m) * p.1).sum::<f64>() / spread;
+    let end = compliance - slope * length_m;
+    let end_std = (1.0 / weight + length_m.powi(2) / spread).sqrt();
+    let rises = slope > 0.0;
+    Some(Together {
+        ae_n: rises.then(|| inverse(slope, spread.powf(-0.5))),
+        end_stiffness_n_per_m: (end > 2.0 * end_std).then(|| inverse(end, end_std)),
+        ..none
+    })
+}
+
+/// Lengths that differ by less, as a part, are one.
+const SAME_LENGTH: f64 = 0.01;
+/// No pull is known better than this, as a part.
+const SMALLEST: f64 = 1e-6;
+
 /// A product or quotient: relative variances add.
 fn product(a: Measured, b: Measured, combine: impl Fn(f64, f64) -> f64) -> Measured {
     let value = combine(a.value, b.value);
@@ -73,8 +157,9 @@ fn product(a: Measured, b: Measured, combine: impl Fn(f64, f64) -> f64) -> Measu
     Measured { value, std_error: value.abs() * relative }
 }
 
-/// The samples on the way up to the largest force.
-fn straight_part(samples: &[(f64, f64)]) -> &[(f64, f64)] {
+/// The samples on the way up to the largest force, the straight part of it.
+#[must_use]
+pub fn straight_part(samples: &[(f64, f64)]) -> &[(f64, f64)] {
     let largest_n = samples.iter().map(|s| s.1).fold(0.0, f64::max);
     let end = samples.iter().position(|s| s.1 >= TO * largest_n).unwrap_or(0);
     let rise = samples.get(..end).unwrap_or_default();
@@ -137,6 +222,36 @@ mod tests {
         let mean = z.iter().sum::<f64>() / 400.0;
         let spread = (z.iter().map(|z| z * z).sum::<f64>() / 400.0).sqrt();
         assert!(mean.abs() < 0.2 && (0.85..1.15).contains(&spread), "{mean} {spread}");
+    }
+
+    /// 12 pulls each of three lengths of a cable of 345 kN behind fittings of 200 kN/m.
+    #[test]
+    fn several_lengths_tell_the_cable_from_its_ends() {
+        let (ae, ends) = (345_000.0, 200_000.0);
+        let of = |length_m: f64, off: f64| {
+            let k = (1.0 / ends + length_m / ae).recip();
+            let value = k * (1.0 + 0.002 * off);
+            let measured =
+                |scale: f64| Measured { value: scale * value, std_error: 0.002 * scale * k };
+            let (stiffness_n_per_m, loading_rate_n_per_s) = (measured(1.0), measured(0.0157));
+            (Stiffness { stiffness_n_per_m, loading_rate_n_per_s, ..pull(1).unwrap() }, length_m)
+        };
+        let offs = [1.1, -0.7, 0.2, -1.4, 0.9, 0.5, -0.3, -1.0, 1.6, -0.2, 0.4, -0.9];
+        let pulls: Vec<_> =
+            [5.0, 10.0, 15.0].iter().flat_map(|&l| offs.map(|off| of(l, off))).collect();
+        let found = together(&pulls).unwrap();
+        let near = |found: Option<Measured>, truth: f64| {
+            let found = found.unwrap();
+            (found.value - truth).abs() < 3.0 * found.std_error && found.std_error < 0.1 * truth
+        };
+        assert!(near(found.ae_n, ae) && near(found.end_stiffness_n_per_m, ends), "{found:?}");
+        assert_eq!(found.stiffness_n_per_m, None);
+        // One length: their mean, and neither.
+        let found = together(&pulls[..12]).unwrap();
+        let k = (1.0 / ends + 5.0 / ae).recip();
+        assert!(near(found.stiffness_n_per_m, k), "{found:?} {k}");
+        assert_eq!((found.ae_n, found.end_stiffness_n_per_m), (None, None));
+        assert_eq!(together(&pulls[..1]), None);
     }
 
     #[test]

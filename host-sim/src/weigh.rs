@@ -1,7 +1,7 @@
 //! The weight of a block from a recording of it on the tripod.
 
 use floe_core::signal::calibrate::Calibrator;
-use floe_core::weighing::{Load, Unrest, Weighing};
+use floe_firmware::weighing::{Load, Unrest, Weighing};
 use serde::Serialize;
 
 use crate::error::InputError;

@@ -44,7 +44,7 @@ fn simulate_and_replay(test: &str, name: &str, duration_s: &str) -> (Value, Valu
 fn truth_has_the_names_of_a_result() {
     let (truth, result) = simulate_and_replay("names", "dff8-13.toml", "20");
     let (truth_event, event) = (&truth["events"][0], result["events"][0].as_object().unwrap());
-    let only_measured = ["quality", "reason", "slip_length_m", "energy_j"];
+    let only_measured = ["quality", "reason", "slip_length_m", "energy_j", "onset_time"];
     let is_measured = |name: &str| {
         only_measured.contains(&name) || name.contains("_std") || name.contains("ci95")
     };

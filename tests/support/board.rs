@@ -1,12 +1,6 @@
 //! The application on this PC: a converter that gives codes from a list, a console, a
 //! store of the test's choice.
 
-use std::cell::RefCell;
-use std::collections::VecDeque;
-use std::convert::Infallible;
-use std::rc::Rc;
-
-use embedded_io::{ErrorType, Read, ReadReady, Write};
 use floe_core::Counts;
 use floe_firmware::adc::{AdcFault, BridgeAdc};
 use floe_firmware::app::{App, View};
@@ -15,44 +9,7 @@ use floe_firmware::sample::{SampleQueue, Shared};
 use floe_firmware::sampler::{Sampler, Tick};
 use floe_firmware::store::Store;
 
-/// What is typed and what is said.
-#[derive(Clone, Debug, Default)]
-pub struct Terminal {
-    keys: Rc<RefCell<VecDeque<u8>>>,
-    screen: Rc<RefCell<Vec<u8>>>,
-}
-
-impl ErrorType for Terminal {
-    type Error = Infallible;
-}
-
-impl ReadReady for Terminal {
-    fn read_ready(&mut self) -> Result<bool, Infallible> {
-        Ok(!self.keys.borrow().is_empty())
-    }
-}
-
-impl Read for Terminal {
-    fn read(&mut self, buffer: &mut [u8]) -> Result<usize, Infallible> {
-        let (Some(slot), Some(key)) = (buffer.first_mut(), self.keys.borrow_mut().pop_front())
-        else {
-            return Ok(0);
-        };
-        *slot = key;
-        Ok(1)
-    }
-}
-
-impl Write for Terminal {
-    fn write(&mut self, bytes: &[u8]) -> Result<usize, Infallible> {
-        self.screen.borrow_mut().extend(bytes);
-        Ok(bytes.len())
-    }
-
-    fn flush(&mut self) -> Result<(), Infallible> {
-        Ok(())
-    }
-}
+use crate::terminal::Terminal;
 
 /// Codes over and over, one a tick: the sample with index `i` has code `i`, modulo their
 /// number.
@@ -89,14 +46,13 @@ impl<S: Store> Board<'_, '_, S> {
 
     /// Types, and lets the board read it.
     pub fn type_in(&mut self, keys: &[u8]) {
-        self.terminal.keys.borrow_mut().extend(keys);
+        self.terminal.type_in(keys);
         self.app.turn();
     }
 
     /// What it has said since this was last asked.
     pub fn said(&mut self) -> String {
-        let said = std::mem::take(&mut *self.terminal.screen.borrow_mut());
-        String::from_utf8_lossy(&said).into_owned()
+        self.terminal.said()
     }
 
     /// What its display shows.

@@ -13,4 +13,6 @@ pub mod normal;
 pub mod records;
 pub mod scenes;
 pub mod score;
+pub mod scripted;
+pub mod terminal;
 pub mod wide;

@@ -49,7 +49,7 @@ enum Job {
         firmware: bool,
     },
     /// Run a log through the firmware in the emulator
-    Emulate(emulate::Args),
+    Emulate(Box<emulate::Args>),
     /// What can happen to the user's board, on the image that is flashed: one table
     Faults,
     /// Speed on this PC and on the board, one table

@@ -53,6 +53,12 @@ fn host(tally: &mut Tally) {
     tally.step("libraries", libraries::check);
     tally.step("Python examples", python::check);
     tally.step("host tests", || shell::run(cargo().args(["test", "--workspace"])));
+    tally.step("display", || {
+        // Nothing else on a PC has the feature.
+        let mut display = cargo();
+        display.args(["test", "--package", "floe-firmware", "--features", "display", "--lib"]);
+        shell::run(display.arg("display"))
+    });
 }
 
 fn firmware(tally: &mut Tally, forced: Option<Route>) {

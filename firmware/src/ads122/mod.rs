@@ -9,6 +9,9 @@
 //! still, but it may also be a converter that has hung. Then, and only then, the
 //! reference is converted too: if that gives the same code, it has. The next
 //! conversion starts 2 ms late, which matters little: the force was standing still.
+//!
+//! Every half minute the chip's temperature or its supply is converted in the same way,
+//! between two samples: none is lost, the next one starts 2 ms late.
 
 mod bus;
 pub mod registers;
@@ -17,9 +20,10 @@ use embedded_hal::delay::DelayNs;
 use floe_core::Counts;
 
 pub use self::bus::{Bus, I2cBus, SerialBus};
-use crate::adc::{AdcFault, BridgeAdc, Input};
+use crate::adc::{AdcFault, BridgeAdc, Climate, Input};
 use registers::{
-    DATA_READY, MONITOR, READ_DATA, READ_REGISTER, RESET, START, WRITE_REGISTER, settings,
+    DATA_READY, MONITOR, READ_DATA, READ_REGISTER, RESET, START, SUPPLY, THERMOMETER,
+    WRITE_REGISTER, settings,
 };
 
 /// Longest time from a reset to the first command, data sheet section 6.6.
@@ -40,6 +44,18 @@ pub struct Ads122<B, D> {
     /// is known of it, only another code does.
     code: Option<i32>,
     frozen: bool,
+    climate: Climate,
+    /// What is to be converted beside the next sample.
+    aside: Option<Aside>,
+    /// The last one of the two.
+    last_aside: Aside,
+}
+
+/// What is converted between two samples.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Aside {
+    Temperature,
+    Supply,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -56,7 +72,18 @@ impl<B: Bus, D: DelayNs> Ads122<B, D> {
     /// Touches nothing: the first [`BridgeAdc::tick`] sets the chip up.
     pub fn new(bus: B, delay: D) -> Self {
         let (input, state) = (Input::Bridge, State::Unset);
-        Self { bus, delay, input, state, counter: None, code: None, frozen: false }
+        Self {
+            bus,
+            delay,
+            input,
+            state,
+            counter: None,
+            code: None,
+            frozen: false,
+            climate: Climate::default(),
+            aside: None,
+            last_aside: Aside::Supply,
+        }
     }
 
     /// Resets, writes all registers, reads them back.
@@ -126,17 +153,36 @@ impl<B: Bus, D: DelayNs> Ads122<B, D> {
         self.check_registers()?;
         // Full scale is full scale, however often.
         let repeated = self.code.replace(code) == Some(code) && !saturated(code);
-        self.frozen = repeated && (self.frozen || self.monitor()? == code);
+        self.frozen = repeated && (self.frozen || self.beside(MONITOR)? == code);
         if self.frozen {
             return Err(AdcFault::Stuck);
         }
-        Ok(Counts(self.scaled(code)))
+        let scaled = self.scaled(code);
+        if self.input == Input::Bridge {
+            self.look_aside()?;
+        }
+        Ok(Counts(scaled))
     }
 
-    /// Converts the reference, which waits a millisecond. That the registers are as
+    /// Temperature or supply, if it is their turn.
+    fn look_aside(&mut self) -> Result<(), AdcFault> {
+        match self.aside.take() {
+            None => {}
+            Some(Aside::Temperature) => {
+                self.climate.temperature_256 = Some((self.beside(THERMOMETER)? >> 10) * 8);
+            }
+            Some(Aside::Supply) => {
+                // A quarter of it, as a part of 2048 mV, in 23 bits.
+                self.climate.supply_mv = Some((self.beside(SUPPLY)? + (1 << 9)) >> 10);
+            }
+        }
+        Ok(())
+    }
+
+    /// Converts something else, which waits a millisecond. That the registers are as
     /// before again is checked with the next sample.
-    fn monitor(&mut self) -> Result<i32, AdcFault> {
-        self.write_registers([(0, MONITOR[0]), (1, MONITOR[1])])?;
+    fn beside(&mut self, registers: [u8; 2]) -> Result<i32, AdcFault> {
+        self.write_registers([(0, registers[0]), (1, registers[1])])?;
         self.bus.send(&[START])?;
         self.delay.delay_us(MONITOR_US);
         let code = self.read_data()?;
@@ -166,6 +212,18 @@ impl<B: Bus, D: DelayNs> BridgeAdc for Ads122<B, D> {
         }
         self.start()?;
         taken
+    }
+
+    fn climate(&self) -> Climate {
+        self.climate
+    }
+
+    fn want_climate(&mut self) {
+        self.last_aside = match self.last_aside {
+            Aside::Temperature => Aside::Supply,
+            Aside::Supply => Aside::Temperature,
+        };
+        self.aside = Some(self.last_aside);
     }
 
     fn select(&mut self, input: Input) -> bool {

@@ -43,6 +43,13 @@ pub fn settings(input: Input) -> [u8; 4] {
     }
 }
 
+/// Registers 0 and 1 for the chip's own temperature, in 0.52 ms.
+pub const THERMOMETER: [u8; 2] = [0, TURBO_2000 | 1];
+
+/// Registers 0 and 1 for a quarter of the supply against the chip's own reference, 2.048 V,
+/// in 0.52 ms.
+pub const SUPPLY: [u8; 2] = [0b1101 << 4 | PGA_BYPASS, TURBO_2000];
+
 /// Registers 0 and 1 for an answer that is known beforehand, and soon: a quarter of
 /// the reference with gain 1, which is a quarter of full scale, in 0.52 ms.
 pub const MONITOR: [u8; 2] = [0b1100 << 4 | PGA_BYPASS, TURBO_2000 | EXTERNAL_REFERENCE];

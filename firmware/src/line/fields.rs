@@ -8,6 +8,7 @@ use heapless::string::StringView;
 
 use super::{Decimal, LineError};
 use crate::adc::Input;
+use crate::measuring::Hindrance;
 use crate::notebook::{Kind, Track, WeightFrom, Winch, from_word, word};
 use crate::text::Show;
 
@@ -150,6 +151,15 @@ impl Word for Reason {
 impl Word for Cause {
     const WORDS: &'static [(Self, &'static str)] =
         &[(Self::Mass, "mass"), (Self::Friction, "friction"), (Self::Unknown, "unknown")];
+}
+
+impl Word for Hindrance {
+    const WORDS: &'static [(Self, &'static str)] = &[
+        (Self::Short, "short"),
+        (Self::Drifts, "drifts"),
+        (Self::Moves, "moves"),
+        (Self::OutOfRange, "out-of-range"),
+    ];
 }
 
 impl Word for Kind {

@@ -13,6 +13,7 @@ mod write;
 
 use core::fmt;
 
+use crate::weighing::Load;
 use crc::{CRC_16_XMODEM, Crc, NoTable};
 use floe_core::{Change, Event, Phase, Provisional, Report, SampleFlag, Stretch};
 use heapless::String;
@@ -20,6 +21,7 @@ use heapless::String;
 pub use decimal::Decimal;
 
 use crate::adc::Input;
+use crate::measuring::Hindrance;
 use crate::notebook::Winch;
 use crate::settings::Settings;
 
@@ -62,6 +64,8 @@ pub enum Line<'a> {
     Health(Health),
     /// `M`: the mean of a number of readings, for taring and self test.
     Mean(Mean),
+    /// `G`: the block's weight so far.
+    Weighed(Weighed),
     /// `N`: what somebody wrote down.
     Note(&'a str),
     /// `W`: what the winch does from now on.
@@ -106,6 +110,17 @@ pub struct LiveSample {
     pub phase: Phase,
     /// Missing indices right before.
     pub gap: u32,
+    /// Rate of the force, N/s, by central difference: of the sample two before.
+    pub rate_n_per_s: Option<f32>,
+}
+
+/// A weighing as it is shown.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Weighed {
+    /// Length of the record that counts, s; 64 at most.
+    pub duration_s: f32,
+    /// The load in N, or what stands in the way.
+    pub load: Result<Load, Hindrance>,
 }
 
 /// A first answer as it is shown.
@@ -207,6 +222,7 @@ mod tests {
     use super::*;
     use crate::notebook::{Kind, Notes, Track, WeightFrom};
     use crate::settings::{Effects, Stds, Zero};
+    use crate::weighing::Swing;
     use floe_core::{
         Calibration, Cause, Coefficient, Config, Counters, Estimate, InputStd, Pipeline, Quality,
         Quantity, Reason, SampleTime, StretchKind,
@@ -255,6 +271,37 @@ mod tests {
         let text = "A,964,,,0.78,0.01";
         let text = format!("{text}*{:04X}", checksum(text));
         assert_eq!(Line::parse(&text), Err(LineError::Field));
+    }
+
+    #[test]
+    fn a_sample_returns_as_it_was() {
+        let (flag, phase) = (SampleFlag::Good, Phase::Stick);
+        for rate_n_per_s in [None, Some(-361.125)] {
+            let force_n = Some(612.5);
+            returns(&Line::Sample(LiveSample {
+                index: 17,
+                force_n,
+                flag,
+                phase,
+                gap: 0,
+                rate_n_per_s,
+            }));
+        }
+        // As boards said it before they had a rate.
+        let text = "S,17,612.5,good,stick,0";
+        let text = format!("{text}*{:04X}", checksum(text));
+        let Ok(Line::Sample(sample)) = Line::parse(&text) else { panic!("{text}") };
+        assert_eq!(sample.rate_n_per_s, None);
+    }
+
+    #[test]
+    fn a_weighing_returns_as_it_was() {
+        let swing = Swing { period_s: 2.0, amplitude_rad: 0.087_3, excess: 1.199 };
+        let loads = [None, Some(swing)].map(|swing| Ok(Load { value: 630.02, std: 0.05, swing }));
+        let all = [Hindrance::Short, Hindrance::Drifts, Hindrance::Moves, Hindrance::OutOfRange];
+        for load in loads.into_iter().chain(all.map(Err)) {
+            returns(&Line::Weighed(Weighed { duration_s: 40.25, load }));
+        }
     }
 
     /// No number has more characters.

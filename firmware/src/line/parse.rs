@@ -1,5 +1,6 @@
 //! Text to values: the host's half.
 
+use crate::weighing::{Load, Swing};
 use floe_core::{
     Calibration, Change, Coefficient, Config, Counters, Estimate, Event, InputStd, Provisional,
     Quantity, Report, SampleTime, Stretch, StretchKind,
@@ -7,7 +8,8 @@ use floe_core::{
 use heapless::String;
 
 use super::fields::Reader;
-use super::{About, Health, Line, LineError, LiveSample, Mean, checksum};
+use super::{About, Health, Line, LineError, LiveSample, Mean, Weighed, checksum};
+use crate::measuring::Hindrance;
 use crate::notebook::Notes;
 use crate::settings::{Effects, Settings, Stds, Zero};
 
@@ -36,6 +38,7 @@ impl<'a> Line<'a> {
             "Z" => Line::End { run: from.take()? },
             "H" => Line::Health(health(from)?),
             "M" => Line::Mean(mean(from)?),
+            "G" => Line::Weighed(weighed(from)?),
             "N" => Line::Note(fields),
             "W" => Line::Mark { index: from.take()?, winch: from.take_word()? },
             "Y" => Line::Sync { index: from.take()?, unix_ms: from.take()? },
@@ -101,7 +104,20 @@ fn live_sample(from: &mut Reader<'_>) -> Result<LiveSample, LineError> {
         flag: from.take_word()?,
         phase: from.take_word()?,
         gap: from.take()?,
+        rate_n_per_s: from.take_late()?,
     })
+}
+
+fn weighed(from: &mut Reader<'_>) -> Result<Weighed, LineError> {
+    let duration_s = from.take()?;
+    let (value, std) = (from.take_some()?, from.take_some()?);
+    let (period_s, amplitude_rad) = (from.take_some()?, from.take_some()?);
+    let excess = from.take_some()?;
+    let why = from.take_some_word()?;
+    let swing = (period_s.zip(amplitude_rad).zip(excess))
+        .map(|((period_s, amplitude_rad), excess)| Swing { period_s, amplitude_rad, excess });
+    let load = value.zip(std).map(|(value, std)| Load { value, std, swing });
+    Ok(Weighed { duration_s, load: load.ok_or(why.unwrap_or(Hindrance::Short)) })
 }
 
 fn about(from: &mut Reader<'_>) -> Result<About, LineError> {

@@ -8,7 +8,7 @@ use floe_core::{
 };
 
 use super::fields::Writer;
-use super::{About, Health, Line, LiveSample, Mean, Text, checksum};
+use super::{About, Health, Line, LiveSample, Mean, Text, Weighed, checksum};
 use crate::settings::Settings;
 use crate::text::{Hex, Show};
 
@@ -39,6 +39,7 @@ impl Line<'_> {
             Line::End { .. } => "Z",
             Line::Health(_) => "H",
             Line::Mean(_) => "M",
+            Line::Weighed(_) => "G",
             Line::Note(_) => "N",
             Line::Mark { .. } => "W",
             Line::Sync { .. } => "Y",
@@ -61,6 +62,7 @@ impl Line<'_> {
             Line::End { run } => out.put(*run),
             Line::Health(h) => health(out, h),
             Line::Mean(m) => mean(out, m),
+            Line::Weighed(w) => weighed(out, w),
             Line::Mark { index, winch } => {
                 out.put(*index)?;
                 out.put_word(*winch)
@@ -115,7 +117,20 @@ fn live_sample(out: &mut Writer<'_>, sample: &LiveSample) -> fmt::Result {
     out.put_some_f32(sample.force_n)?;
     out.put_word(sample.flag)?;
     out.put_word(sample.phase)?;
-    out.put(sample.gap)
+    out.put(sample.gap)?;
+    out.put_some_f32(sample.rate_n_per_s)
+}
+
+fn weighed(out: &mut Writer<'_>, weighed: &Weighed) -> fmt::Result {
+    let load = weighed.load.ok();
+    let swing = load.and_then(|load| load.swing);
+    out.put_f32(weighed.duration_s)?;
+    out.put_some_f32(load.map(|load| load.value))?;
+    out.put_some_f32(load.map(|load| load.std))?;
+    out.put_some_f32(swing.map(|swing| swing.period_s))?;
+    out.put_some_f32(swing.map(|swing| swing.amplitude_rad))?;
+    out.put_some_f32(swing.map(|swing| swing.excess))?;
+    out.put_some_word(weighed.load.err())
 }
 
 fn about(out: &mut Writer<'_>, about: &About) -> fmt::Result {

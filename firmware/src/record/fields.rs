@@ -2,6 +2,7 @@
 
 use floe_core::{Calibration, Config, Counts, InputStd};
 use heapless::String;
+use heapless::string::StringView;
 
 use super::bytes::{Reader, Writer};
 use super::{Part, Record};
@@ -21,6 +22,19 @@ pub(super) fn put_first(out: &mut Writer<'_>, record: &Record) {
     out.put(name);
 }
 
+/// Text of one byte a letter, as a console takes and gives it.
+#[inline(never)]
+fn ascii_into(text: &mut StringView, bytes: &[u8]) -> Option<()> {
+    let put = |byte: &u8| text.push(char::from(*byte)).ok().filter(|()| byte.is_ascii());
+    bytes.iter().try_for_each(put)
+}
+
+/// `None`: there is no room, or another letter.
+pub(super) fn ascii<const N: usize>(bytes: &[u8]) -> Option<String<N>> {
+    let mut text = String::new();
+    ascii_into(&mut text, bytes).map(|()| text)
+}
+
 /// `None`: the name is none.
 pub(super) fn take_first(from: &mut Reader<'_>, record: &mut Record) -> Option<()> {
     record.sector = from.u32();
@@ -31,8 +45,8 @@ pub(super) fn take_first(from: &mut Reader<'_>, record: &mut Record) -> Option<(
     record.adc_faults = from.u32();
     record.settings.config = take_config(from);
     let bytes: [u8; NAME_LEN] = from.take();
-    let text = core::str::from_utf8(&bytes).ok()?;
-    record.settings.name = String::try_from(text.trim_end_matches('\0')).ok()?;
+    let end = bytes.iter().rposition(|&byte| byte != 0).map_or(0, |last| last + 1);
+    record.settings.name = ascii(bytes.get(..end)?)?;
     Some(())
 }
 

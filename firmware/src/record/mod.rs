@@ -203,7 +203,7 @@ impl Record {
         (from.at, from.end) = (header_len, text_at);
         record.samples = (0..samples).map(|_| fields::take_sample(&mut from)).collect();
         let text = from.bytes.get(text_at..text_at + text_len)?;
-        record.text = String::try_from(core::str::from_utf8(text).ok()?).ok()?;
+        record.text = fields::ascii(text)?;
         record.settings.is_sound().then_some(record)
     }
 }

@@ -36,7 +36,7 @@ use Column::{Integer, Maybe, MaybeText, Number, Text, Truth};
 
 /// The columns. Units are in the names, as everywhere, and the names are those of a replay's
 /// JSON; an interval has its two ends in columns of their own, as in the CSV of events.
-const COLUMNS: [(&str, Column); 37] = [
+const COLUMNS: [(&str, Column); 43] = [
     ("campaign", Integer(|(t, _)| t.campaign)),
     ("test", Integer(|(t, _)| t.test)),
     ("test_id", Text(|(t, _)| &t.test_id)),
@@ -74,6 +74,12 @@ const COLUMNS: [(&str, Column); 37] = [
     ("mu_ci95_high", Maybe(|(_, e)| e.measured.mu_ci95.map(|[_, high]| high))),
     ("slip_length_m", Maybe(|(_, e)| e.measured.slip_length_m)),
     ("energy_j", Maybe(|(_, e)| e.measured.energy_j)),
+    ("onset_time", MaybeText(|(_, e)| e.measured.onset_time.as_deref())),
+    ("kind", MaybeText(|(t, _)| t.kind.as_deref())),
+    ("track", MaybeText(|(t, _)| t.track.as_deref())),
+    ("cable_length_m", Maybe(|(t, _)| t.cable_length_m)),
+    ("start_time", MaybeText(|(t, _)| t.start_time.as_deref())),
+    ("temperature_c", Maybe(|(t, _)| t.temperature_c)),
 ];
 
 fn schema() -> Result<TypePtr> {

@@ -11,6 +11,7 @@
 //! their order, so that the outcome does not depend on the number of threads.
 
 pub mod event_table;
+pub mod manifest;
 pub mod programme;
 pub mod recorded;
 pub mod summary;
@@ -37,6 +38,18 @@ pub struct TestRecord {
     pub slope_rad: f64,
     /// Depth of the snow, mm, if known.
     pub snow_mm: Option<f64>,
+    /// How the block was pulled: `sliding`, `rafting` or `over-riding`, if known.
+    pub kind: Option<String>,
+    /// The ice under it: `fresh` or `repeated`, if known.
+    pub track: Option<String>,
+    /// Length of the cable, m, if known.
+    pub cable_length_m: Option<f64>,
+    /// When the test was started, ISO 8601 (UTC), if known.
+    pub start_time: Option<String>,
+    /// Mean temperature of the converter, °C, if known.
+    pub temperature_c: Option<f64>,
+    /// Mean time that the block rested before a slip, s.
+    pub hold_s: Option<f64>,
     /// Static coefficient.
     pub mu_s: CoefficientSummary,
     /// Dynamic coefficient.
@@ -49,6 +62,14 @@ pub struct TestRecord {
 }
 
 impl TestRecord {
+    /// Mean of the rests of some events, s.
+    #[must_use]
+    pub fn mean_hold_s(events: &[EventRecord]) -> Option<f64> {
+        let rests: Vec<f64> = events.iter().filter_map(|event| event.measured.stick_s).collect();
+        let sum: f64 = rests.iter().sum();
+        (!rests.is_empty()).then(|| sum / rests.len() as f64)
+    }
+
     /// Whether there was snow on the ice, if that is known.
     #[must_use]
     pub fn has_snow(&self) -> Option<bool> {

@@ -112,7 +112,15 @@ pub fn evaluate(seed: u64, campaign: u32, test: u32) -> Result<TestRecord, Input
     let seconds =
         |t: floe_core::SampleTime| (t.index as f64 + f64::from(t.fraction)) / scene.rate_hz;
     let measured = events.iter().map(|e| EventSummary::new(e, seconds(e.onset), seconds(e.stop)));
+    let events: Vec<EventRecord> = measured.map(|m| with_truth(m, run.events())).collect();
+    let raised = scene.slope_deg > 0.0;
     Ok(TestRecord {
+        kind: Some(if raised { "rafting" } else { "sliding" }.to_owned()),
+        track: None,
+        cable_length_m: None,
+        start_time: None,
+        temperature_c: None,
+        hold_s: TestRecord::mean_hold_s(&events),
         campaign,
         test,
         test_id: scene.test_id.clone().unwrap_or_default(),
@@ -123,7 +131,7 @@ pub fn evaluate(seed: u64, campaign: u32, test: u32) -> Result<TestRecord, Input
         mu_s: report.mu_s.into(),
         mu: report.mu.into(),
         event_count: events.len(),
-        events: measured.map(|m| with_truth(m, run.events())).collect(),
+        events,
     })
 }
 

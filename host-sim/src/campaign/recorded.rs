@@ -1,77 +1,125 @@
-//! A campaign of recorded logs: a directory, or a list of files.
+//! A campaign of recorded logs: a directory, a list of files, or a table of them.
 
 use std::fs::{self, File};
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
-use crate::error::InputError;
-use crate::log::{Log, LogOptions};
-use crate::replay::replay;
-use crate::replay::test::{TestOptions, configure};
+use floe_firmware::line::{Line, LineError};
 
+use crate::error::InputError;
+use crate::log::Log;
+use crate::replay::replay_with;
+use crate::replay::test::configure;
+
+use super::manifest::{self, Entry};
 use super::{EventRecord, TestRecord};
 
 /// Names of files in a directory that are taken for logs.
-const EXTENSIONS: [&str; 3] = ["csv", "dat", "txt"];
+const EXTENSIONS: [&str; 4] = ["csv", "dat", "txt", "log"];
 
-/// The logs of a directory by name (`.csv`, `.dat`, `.txt`), or the files named
-/// in a list, one a line, relative to the list; `#` begins a comment.
+/// The logs of a directory by name (`.csv`, `.dat`, `.txt`, `.log`), with what its
+/// `tests.csv` says of them; the files named in a list, one a line, relative to the list,
+/// `#` begins a comment; or those of a table like `tests.csv`. What a logger said, as
+/// `floe recover` leaves it beside each log, is no log.
 ///
 /// # Errors
 /// A path that cannot be read, or no log at all.
-pub fn logs(path: &Path) -> Result<Vec<PathBuf>, InputError> {
-    let refused = |why: String| InputError::new(why).within(path.display());
-    let unreadable = |error: std::io::Error| refused(format!("cannot be read: {error}"));
-    let mut logs = Vec::new();
-    if path.is_dir() {
-        for entry in fs::read_dir(path).map_err(unreadable)? {
-            logs.push(entry.map_err(unreadable)?.path());
-        }
-        logs.retain(|log| log.is_file() && is_log(log));
-        logs.sort();
-    } else {
-        let list = fs::read_to_string(path).map_err(unreadable)?;
-        let folder = path.parent().unwrap_or(Path::new("."));
-        let names = list.lines().map(str::trim).filter(|l| !l.is_empty() && !l.starts_with('#'));
-        logs.extend(names.map(|name| folder.join(name)));
-    }
+pub fn logs(path: &Path) -> Result<Vec<Entry>, InputError> {
+    let found = if path.is_dir() { in_directory(path) } else { listed(path) };
+    let logs = found.map_err(|error| error.within(path.display()))?;
     if logs.is_empty() {
-        return Err(refused("no logs: give a directory with .csv or .dat files, or a list".into()));
+        let none = "no logs: give a directory with .csv or .dat files, or a list";
+        return Err(InputError::new(none).within(path.display()));
     }
     Ok(logs)
 }
 
-fn is_log(path: &Path) -> bool {
-    let extension = path.extension().and_then(|extension| extension.to_str());
-    extension.is_some_and(|e| EXTENSIONS.contains(&e))
+fn unreadable(error: std::io::Error) -> InputError {
+    InputError::new(format!("cannot be read: {error}"))
 }
 
-/// Replays one log; weight and all else must be in its metadata.
+fn in_directory(folder: &Path) -> Result<Vec<Entry>, InputError> {
+    let table = folder.join(manifest::NAME);
+    let mut entries = if table.is_file() {
+        listed(&table).map_err(|e| e.within(manifest::NAME))?
+    } else {
+        Vec::new()
+    };
+    let mut others: Vec<PathBuf> = Vec::new();
+    for entry in fs::read_dir(folder).map_err(unreadable)? {
+        others.push(entry.map_err(unreadable)?.path());
+    }
+    let named = |path: &PathBuf| entries.iter().any(|entry| entry.path == *path);
+    others.retain(|path| *path != table && path.is_file() && is_log(path) && !named(path));
+    others.sort();
+    entries.extend(others.into_iter().map(|path| Entry { path, ..Entry::default() }));
+    Ok(entries)
+}
+
+fn listed(path: &Path) -> Result<Vec<Entry>, InputError> {
+    let list = fs::read_to_string(path).map_err(unreadable)?;
+    let folder = path.parent().unwrap_or(Path::new("."));
+    if manifest::is_manifest(&list) {
+        return manifest::read(&list, folder);
+    }
+    let names = list.lines().map(str::trim).filter(|l| !l.is_empty() && !l.starts_with('#'));
+    Ok(names.map(|name| Entry { path: folder.join(name), ..Entry::default() }).collect())
+}
+
+fn is_log(path: &Path) -> bool {
+    let extension = path.extension().and_then(|extension| extension.to_str());
+    let known = |e: &str| EXTENSIONS.contains(&e.to_ascii_lowercase().as_str());
+    extension.is_some_and(known) && !is_said(path)
+}
+
+/// Whether a file holds the lines of a logger's console.
+fn is_said(path: &Path) -> bool {
+    let mut head = Vec::new();
+    let read = File::open(path).and_then(|file| file.take(512).read_to_end(&mut head));
+    let head = String::from_utf8_lossy(&head);
+    let first = head.lines().next().unwrap_or_default();
+    let is_line =
+        |text| !matches!(Line::parse(text), Err(LineError::NoChecksum | LineError::Checksum));
+    read.is_ok() && is_line(first)
+}
+
+/// Replays one log; weight and all else must be in its metadata or in the table.
 ///
 /// # Errors
 /// A log that cannot be used, by its name.
-pub fn evaluate(path: &Path, test: u32) -> Result<TestRecord, InputError> {
-    read(path, test).map_err(|error| error.within(path.display()))
+pub fn evaluate(entry: &Entry, test: u32) -> Result<TestRecord, InputError> {
+    read(entry, test).map_err(|error| error.within(entry.path.display()))
 }
 
-fn read(path: &Path, test: u32) -> Result<TestRecord, InputError> {
+fn read(entry: &Entry, test: u32) -> Result<TestRecord, InputError> {
+    let path = &entry.path;
     let file = File::open(path).map_err(|e| InputError::new(format!("cannot be opened: {e}")))?;
-    let mut log = Log::from_reader(Box::new(file), &LogOptions::default())?;
-    let config = configure(&log, &TestOptions::default())?;
+    let mut log = Log::from_reader(Box::new(file), &entry.log)?;
+    let config = configure(&log, &entry.test)?;
     let name = path.file_stem().unwrap_or_default().to_string_lossy();
-    let result = replay(&name, &mut log, &config, |_, _| {})?;
+    let around = entry.test.around(&log);
+    let result = replay_with(&name, &mut log, &config, around, |_, _| {})?;
     let said = log.metadata();
     let untold = |measured| EventRecord { measured, true_mu_s: None, true_mu: None };
+    let events: Vec<EventRecord> = result.events.into_iter().map(untold).collect();
+    let notes = entry.notes.clone();
     Ok(TestRecord {
         campaign: 0,
         test,
-        test_id: result.test.test_id.unwrap_or(name.into_owned()),
+        test_id: notes.test_id.or(result.test.test_id).unwrap_or(name.into_owned()),
         weight_n: result.test.weight_n,
-        winch_m_per_s: said.winch_m_per_s,
+        winch_m_per_s: notes.winch_m_per_s.or(said.winch_m_per_s),
         slope_rad: result.test.slope_rad,
-        snow_mm: said.snow_mm,
+        snow_mm: notes.snow_mm.or(said.snow_mm),
+        kind: notes.kind.or_else(|| said.kind.clone()),
+        track: notes.track.or_else(|| said.track.clone()),
+        cable_length_m: notes.cable_length_m.or(said.cable_length_m),
+        start_time: log.start().and_then(|start| start.after(0.0)),
+        temperature_c: said.temperature_c,
+        hold_s: TestRecord::mean_hold_s(&events),
         mu_s: result.estimate.mu_s,
         mu: result.estimate.mu,
-        event_count: result.events.len(),
-        events: result.events.into_iter().map(untold).collect(),
+        event_count: events.len(),
+        events,
     })
 }

@@ -31,6 +31,8 @@ pub struct Summary {
     pub groups: Vec<GroupMeans>,
     /// Straight lines.
     pub trends: Vec<NamedTrend>,
+    /// Logs that were left out, and why.
+    pub left_out: Vec<String>,
     /// The tests one by one, if they are not too many.
     pub records: Vec<TestRecord>,
 }
@@ -44,10 +46,10 @@ pub struct GroupMeans {
     pub mu: Option<Mean>,
     /// Static coefficient.
     pub mu_s: Option<Mean>,
-    /// Published mean of `mu`.
-    pub published_mu: f64,
+    /// Published mean of `mu`; `null` for how a block was pulled.
+    pub published_mu: Option<f64>,
     /// Published mean of `mu_s`.
-    pub published_mu_s: f64,
+    pub published_mu_s: Option<f64>,
 }
 
 /// A straight line and what it is of.
@@ -71,13 +73,18 @@ impl Summary {
             let tests = tests.iter().filter(|test| group.holds(test));
             mean(&tests.filter_map(|test| coefficient.of(test)).collect::<Vec<_>>())
         };
-        let groups = Group::ALL.into_iter().zip(PUBLISHED).map(|(group, published)| GroupMeans {
+        let means = |group, published: Option<(f64, f64)>| GroupMeans {
             group,
             mu: of(group, Coefficient::Mu),
             mu_s: of(group, Coefficient::MuS),
-            published_mu: published.0,
-            published_mu_s: published.1,
-        });
+            published_mu: published.map(|published| published.0),
+            published_mu_s: published.map(|published| published.1),
+        };
+        let published = Group::ALL.into_iter().zip(PUBLISHED.map(Some));
+        let kinds = Group::KINDS.into_iter().map(|kind| (kind, None));
+        let some = |group: &Group| tests.iter().any(|test| group.holds(test));
+        let groups = published.chain(kinds.filter(|(kind, _)| some(kind)));
+        let groups = groups.map(|(group, published)| means(group, published));
         let listed = if tests.len() <= MOST_LISTED { tests } else { &[] };
         Self {
             schema: SCHEMA,
@@ -87,6 +94,7 @@ impl Summary {
             events,
             groups: groups.collect(),
             trends: trends(tests),
+            left_out: Vec::new(),
             records: listed.to_vec(),
         }
     }
@@ -100,12 +108,12 @@ impl Summary {
             let tests = group.mu.or(group.mu_s).map_or(0, |m| m.tests);
             let _ = writeln!(
                 text,
-                "{:<9}  {tests:>5}  {:<15}  {:<15}  {:.2}  {:.2}",
+                "{:<11}{tests:>5}  {:<15}  {:<15}  {}  {}",
                 group.group.name(),
                 plus_minus(group.mu),
                 plus_minus(group.mu_s),
-                group.published_mu,
-                group.published_mu_s,
+                published(group.published_mu),
+                published(group.published_mu_s),
             );
         }
         text += "\ntrend                           slope\n";
@@ -146,6 +154,10 @@ impl Summary {
         }
         text
     }
+}
+
+fn published(mean: Option<f64>) -> String {
+    mean.map_or("-".to_owned(), |mean| format!("{mean:.2}"))
 }
 
 fn plus_minus(mean: Option<Mean>) -> String {

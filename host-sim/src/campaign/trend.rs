@@ -92,11 +92,19 @@ pub enum Group {
     Snow,
     /// All.
     All,
+    /// Pulled over level or sloping ice.
+    Sliding,
+    /// Pulled up a ramp.
+    Rafting,
+    /// Pulled over the edge of another sheet.
+    OverRiding,
 }
 
 impl Group {
     /// In the order of the published means.
     pub const ALL: [Self; 3] = [Self::NoSnow, Self::Snow, Self::All];
+    /// By how the block was pulled.
+    pub const KINDS: [Self; 3] = [Self::Sliding, Self::Rafting, Self::OverRiding];
 
     /// Name for people.
     #[must_use]
@@ -105,6 +113,9 @@ impl Group {
             Self::NoSnow => "no snow",
             Self::Snow => "snow",
             Self::All => "all",
+            Self::Sliding => "sliding",
+            Self::Rafting => "rafting",
+            Self::OverRiding => "over-riding",
         }
     }
 
@@ -115,6 +126,9 @@ impl Group {
             Self::NoSnow => test.has_snow() == Some(false),
             Self::Snow => test.has_snow() == Some(true),
             Self::All => true,
+            Self::Sliding | Self::Rafting | Self::OverRiding => {
+                test.kind.as_deref() == Some(self.name())
+            }
         }
     }
 }
@@ -159,11 +173,13 @@ pub enum Against {
     PullMmPerS,
     /// Depth of the snow, mm.
     SnowMm,
+    /// Mean time of rest before a slip, in decades of a second.
+    HoldDecades,
 }
 
 impl Against {
     /// All of them.
-    pub const ALL: [Self; 3] = [Self::WeightKn, Self::PullMmPerS, Self::SnowMm];
+    pub const ALL: [Self; 4] = [Self::WeightKn, Self::PullMmPerS, Self::SnowMm, Self::HoldDecades];
 
     /// Its value for a test, if known.
     #[must_use]
@@ -172,6 +188,7 @@ impl Against {
             Self::WeightKn => Some(test.weight_n * 1e-3),
             Self::PullMmPerS => test.winch_m_per_s.map(|w| w * 1e3),
             Self::SnowMm => test.snow_mm,
+            Self::HoldDecades => test.hold_s.filter(|&hold_s| hold_s > 0.0).map(f64::log10),
         }
     }
 
@@ -182,6 +199,7 @@ impl Against {
             Self::WeightKn => ("weight", "kN"),
             Self::PullMmPerS => ("pull rate", "mm/s"),
             Self::SnowMm => ("snow", "mm"),
+            Self::HoldDecades => ("log of hold time", "decade of s"),
         }
     }
 }

@@ -81,7 +81,7 @@ impl Test {
     }
 
     fn plain_stem(&self) -> String {
-        let name = &self.settings.name;
+        let name = self.settings.name.replace(' ', "_");
         let dash = if name.is_empty() { "" } else { "-" };
         let part = match self.part.number {
             0 => String::new(),

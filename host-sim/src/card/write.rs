@@ -3,34 +3,62 @@
 use std::fmt::Write;
 
 use floe_core::{Effect, Effects};
-use floe_firmware::line::Decimal;
+use floe_firmware::line::{Decimal, Line};
 use floe_firmware::notebook::{Kind, Track, WeightFrom, word};
 use floe_firmware::record::Part;
 use floe_firmware::sample::Sample;
 use floe_firmware::settings::Settings;
 
+use crate::log::start::Start;
+use crate::log::toa5::UNDATED;
+
 use super::Test;
 use super::text::COLUMN;
+
+/// 2000-01-01 in seconds since 1970.
+const YEAR_2000_S: f64 = 946_684_800.0;
 
 /// CSV with everything that is known about the test.
 #[must_use]
 pub fn csv(test: &Test) -> String {
     let rows = test.samples.iter().map(|s| row(&test.settings, test.part.first_index, s));
-    std::iter::once(head(&test.part, &test.settings)).chain(rows).collect()
+    let heads = [said(&test.lines), head(&test.part, &test.settings)];
+    heads.into_iter().chain(rows).collect()
 }
 
-/// Campbell's TOA5. The board has no calendar: time begins on 2000-01-01.
+/// What the board noted while it measured: when, how cold, and what somebody wrote down.
+fn said(lines: &str) -> String {
+    let (mut text, mut cold) = (String::new(), Vec::new());
+    for line in lines.lines().filter_map(|line| Line::parse(line).ok()) {
+        if let Line::Note(note) = line {
+            let _ = writeln!(text, "# note: {note}");
+        } else if let Line::Climate { temperature_c, .. } = line {
+            cold.extend(temperature_c.map(f64::from));
+        }
+    }
+    if !cold.is_empty() {
+        let mean = cold.iter().sum::<f64>() / cold.len() as f64;
+        let _ = writeln!(text, "# temperature_c: {mean:.2}");
+    }
+    text
+}
+
+/// Campbell's TOA5. Where the board's clock was not set, time begins on 2000-01-01, and the
+/// table's name says so.
 #[must_use]
 pub fn toa5(test: &Test) -> String {
+    let table = if test.part.start_ms.is_some() { "pull" } else { UNDATED };
+    let start_s = test.part.start_ms.map_or(YEAR_2000_S, |ms| ms as f64 / 1000.0);
     let mut text = format!(
-        "\"TOA5\",\"floe\",\"floe\",\"{run}\",\"1\",\"{stem}\",\"1\",\"pull\"\n\
+        "\"TOA5\",\"floe\",\"floe\",\"{run}\",\"1\",\"{stem}\",\"1\",\"{table}\"\n\
          \"TIMESTAMP\",\"RECORD\",\"force_n\"\n\"TS\",\"RN\",\"N\"\n\"\",\"\",\"Smp\"\n",
         run = test.part.run,
         stem = test.stem,
     );
     for sample in &test.samples {
         let index = sample.index.wrapping_sub(test.part.first_index);
-        let stamp = stamp(f64::from(index) / f64::from(test.settings.config.rate_hz));
+        let seconds = f64::from(index) / f64::from(test.settings.config.rate_hz);
+        let stamp = stamp(start_s + seconds);
         let force = force(&test.settings, sample).unwrap_or_else(|| "\"NAN\"".into());
         let _ = writeln!(text, "\"{stamp}\",{index},{force}");
     }
@@ -148,9 +176,9 @@ fn force(settings: &Settings, sample: &Sample) -> Option<String> {
     inside.then(|| Decimal(settings.force_n(code)).to_string())
 }
 
-fn stamp(seconds: f64) -> String {
-    let (day, rest) = ((seconds / 86_400.0) as u32, seconds % 86_400.0);
-    let (hour, rest) = ((rest / 3600.0) as u32, rest % 3600.0);
-    let (minute, second) = ((rest / 60.0) as u32, rest % 60.0);
-    format!("2000-01-{:02} {hour:02}:{minute:02}:{second:07.4}", day + 1)
+/// Four digits of the second, as sixteenths have.
+fn stamp(unix_s: f64) -> String {
+    let second = Start { unix_s: unix_s.floor(), is_utc: false }.after(0.0).unwrap_or_default();
+    let fraction = (1e4 * (unix_s - unix_s.floor())).round().min(9999.0);
+    format!("{}.{fraction:04.0}", second.trim_end_matches(".000").replace('T', " "))
 }

@@ -7,6 +7,7 @@ use std::time::Instant;
 use rayon::prelude::*;
 
 use crate::campaign::event_table::EventTable;
+use crate::campaign::manifest::{self, Entry};
 use crate::campaign::summary::Summary;
 use crate::campaign::{TestRecord, programme, recorded};
 use crate::error::InputError;
@@ -26,8 +27,11 @@ Examples:
   floe campaign --repeat 40 --json campaign.json
 
 Without DIR or LIST, a programme of 25 tests is simulated from the published trends.
-A list names one log a line, relative to itself. Logs must say their weight
-(# weight_n:), and what is known of winch_m_per_s and snow_mm.")]
+A list names one log a line, relative to itself. Logs must say their weight (# weight_n:), and
+what is known of winch_m_per_s, snow_mm, kind and track, or a table tests.csv says it: a line of
+column names (file, array_id, column, unit, weight_n, mass_kg, slope_deg, winch_m_per_s, snow_mm,
+kind, track, cable_length_m, test_id), then a line for each log. A log that cannot be used is
+reported and left out.")]
 pub struct Args {
     /// Directory with logs, or a file that lists them
     #[arg(value_name = "DIR|LIST")]
@@ -39,6 +43,9 @@ pub struct Args {
     #[arg(long, value_name = "N", default_value_t = 1, conflicts_with = "logs",
           value_parser = clap::value_parser!(u32).range(1..=10_000_000))]
     repeat: u32,
+    /// Stop at a log that cannot be used
+    #[arg(long)]
+    strict: bool,
     /// Threads to use [default: one for each core]; the result is the same
     #[arg(long, value_name = "N")]
     threads: Option<usize>,
@@ -55,7 +62,7 @@ pub struct Args {
 /// Where the tests come from.
 enum Source {
     Programme { seed: u64, tests: u64 },
-    Logs(Vec<PathBuf>),
+    Logs(Vec<Entry>),
 }
 
 impl Source {
@@ -69,13 +76,14 @@ impl Source {
         }
     }
 
-    /// All that is read: the list, and every log.
-    fn files<'a>(&'a self, args: &'a Args) -> Vec<&'a Path> {
+    /// All that is read: the list, the table in the directory, and every log.
+    fn files(&self, args: &Args) -> Vec<PathBuf> {
         let logs = match self {
             Self::Programme { .. } => &[],
             Self::Logs(logs) => logs.as_slice(),
         };
-        args.logs.iter().chain(logs).map(PathBuf::as_path).collect()
+        let lists = args.logs.iter().flat_map(|path| [path.clone(), path.join(manifest::NAME)]);
+        lists.chain(logs.iter().map(|entry| entry.path.clone())).collect()
     }
 
     fn len(&self) -> u64 {
@@ -107,30 +115,44 @@ pub fn run(args: &Args) -> Result<(), InputError> {
     let source = Source::new(args)?;
     let outputs = [args.json.file(), args.report.as_deref(), args.parquet.as_deref()];
     let outputs: Vec<&Path> = outputs.into_iter().flatten().collect();
-    let older = output::check(&outputs, &source.files(args))?;
+    let inputs = source.files(args);
+    let inputs: Vec<&Path> = inputs.iter().map(PathBuf::as_path).collect();
+    let older = output::check(&outputs, &inputs)?;
     let started = Instant::now();
     let mut tests = Vec::new();
     let mut events = 0;
-    evaluate_all(args, &source, |test| {
+    let left_out = evaluate_all(args, &source, |test| {
         events += test.event_count as u64;
         tests.push(test);
     })?;
+    if tests.is_empty() {
+        let none = format!("none of {} logs can be used", left_out.len());
+        return Err(left_out.into_iter().next().unwrap_or_else(|| InputError::new(none)));
+    }
     let seed = args.logs.is_none().then_some(args.seed);
-    let summary = Summary::new(&tests, events, seed);
+    let left_out: Vec<String> = left_out.iter().map(ToString::to_string).collect();
+    for problem in &left_out {
+        output::say(&format!("left out: {problem}"));
+    }
+    let summary = Summary { left_out, ..Summary::new(&tests, events, seed) };
     write(args, &summary, &tests)?;
     older.tell();
     let seconds = started.elapsed().as_secs_f64();
-    eprintln!("{} tests, {events} events in {seconds:.2} s", tests.len());
+    let left_out = match summary.left_out.len() {
+        0 => String::new(),
+        count => format!(", {count} left out"),
+    };
+    eprintln!("{} tests, {events} events in {seconds:.2} s{left_out}", tests.len());
     Ok(())
 }
 
 /// Evaluates every test in order; the events go to the Parquet table if there is
-/// one, the tests without their events to `keep`.
+/// one, the tests without their events to `keep`. Gives what was left out.
 fn evaluate_all(
     args: &Args,
     source: &Source,
     mut keep: impl FnMut(TestRecord),
-) -> Result<(), InputError> {
+) -> Result<Vec<InputError>, InputError> {
     let Some(path) = &args.parquet else {
         return in_order(args, source, |test| {
             keep(without_events(&test));
@@ -139,6 +161,7 @@ fn evaluate_all(
     };
     // What went wrong with a test is not a fault of the file.
     let mut problem = None;
+    let mut left_out = Vec::new();
     let written = output::stream(path, |out| {
         let mut table = EventTable::new(out, &about(args)).map_err(io::Error::other)?;
         let evaluated = in_order(args, source, |test| {
@@ -146,14 +169,17 @@ fn evaluate_all(
             table.push(test).map_err(|e| InputError::new(e.to_string()))
         });
         match evaluated {
-            Ok(()) => table.finish().map_err(io::Error::other),
+            Ok(problems) => {
+                left_out = problems;
+                table.finish().map_err(io::Error::other)
+            }
             Err(error) => {
                 problem = Some(error);
                 Err(io::Error::other("stopped"))
             }
         }
     });
-    problem.map_or(written, Err)
+    problem.map_or(written, Err).map(|()| left_out)
 }
 
 /// What the table says about itself.
@@ -165,31 +191,43 @@ fn about(args: &Args) -> Vec<(&'static str, String)> {
 }
 
 fn without_events(test: &TestRecord) -> TestRecord {
-    TestRecord { events: Vec::new(), test_id: test.test_id.clone(), ..*test }
+    TestRecord {
+        events: Vec::new(),
+        test_id: test.test_id.clone(),
+        kind: test.kind.clone(),
+        track: test.track.clone(),
+        start_time: test.start_time.clone(),
+        ..*test
+    }
 }
 
-/// Computes in parallel, hands over in order.
+/// Computes in parallel, hands over in order. Gives what was left out.
 fn in_order(
     args: &Args,
     source: &Source,
     mut take: impl FnMut(TestRecord) -> Result<(), InputError>,
-) -> Result<(), InputError> {
+) -> Result<Vec<InputError>, InputError> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(args.threads.unwrap_or(0)).build();
     let pool = pool.map_err(|error| InputError::new(error.to_string()))?;
     let bar = progress::bar(source.len(), "{pos} of {len} tests, {eta} left");
-    let mut first = 0;
+    let stop = args.strict || args.logs.is_none();
+    let (mut first, mut left_out) = (0, Vec::new());
     while first < source.len() {
         let last = (first + CHUNK as u64).min(source.len());
-        let tests: Result<Vec<TestRecord>, InputError> =
+        let tests: Vec<Result<TestRecord, InputError>> =
             pool.install(|| (first..last).into_par_iter().map(|i| source.evaluate(i)).collect());
-        for test in tests? {
-            take(test)?;
+        for test in tests {
+            match test {
+                Ok(test) => take(test)?,
+                Err(problem) if stop => return Err(problem),
+                Err(problem) => left_out.push(problem),
+            }
         }
         bar.set_position(last);
         first = last;
     }
     bar.finish_and_clear();
-    Ok(())
+    Ok(left_out)
 }
 
 fn write(args: &Args, summary: &Summary, tests: &[TestRecord]) -> Result<(), InputError> {

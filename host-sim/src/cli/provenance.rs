@@ -6,7 +6,7 @@ use std::time::{SystemTime, UNIX_EPOCH};
 
 use sha2::{Digest, Sha256};
 
-use crate::log::inspection::iso;
+use crate::log::start::Start;
 use crate::report::Provenance;
 
 /// The checksum of a stream while it is read.
@@ -57,8 +57,8 @@ pub fn provenance(checksum: &Checksum) -> Provenance {
         commit: option_env!("FLOE_COMMIT"),
         sha256: checksum.hex(),
         made_at: now
-            .and_then(|now| iso(now.as_secs() as f64))
-            .map(|text| text.trim_end_matches(".000").to_string() + "Z"),
+            .and_then(|now| Start { unix_s: now.as_secs() as f64, is_utc: true }.after(0.0))
+            .map(|text| text.replace(".000", "")),
     }
 }
 

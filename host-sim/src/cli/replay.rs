@@ -10,7 +10,7 @@ use crate::log::{Log, LogOptions};
 use crate::replay::result::ReplayResult;
 use crate::replay::samples::{self, SampleRows};
 use crate::replay::test::{TestOptions, configure};
-use crate::replay::{replay_with_zero, table};
+use crate::replay::{replay_with, table};
 use crate::report::{self, Recorder};
 
 use super::input::{STANDARD, open};
@@ -27,10 +27,11 @@ Examples:
   floe replay pull.csv --mass-kg 64.2 --slope-deg 1.5 --summary
   floe replay pull.dat --array-id 101 --column 6 --weight-n 630 --json | jq .estimate
 
-'floe inspect LOG' shows what is recognised in a log; '# key: value' in it gives weight_n, slope_deg,
-winch_m_per_s, cable_length_m, snow_mm, range_n, rate_hz, tare_counts, counts_per_n, test_id, and how
-well they are known (weight_std_n, slope_std_deg, zero_std_n, span_std_percent, damping_std,
-winch_std_m_per_s, weight_from, zero_before_n, zero_after_n), before or among the first 4096 samples.
+'floe inspect LOG' shows what is recognised in a log; '# key: value' in it gives weight_n, mass_kg,
+normal_n, slope_deg, winch_m_per_s, cable_length_m, snow_mm, range_n, rate_hz, tare_counts,
+counts_per_n, test_id, and how well they are known (weight_std_n, slope_std_deg, zero_std_n,
+span_std_percent, damping_std, winch_std_m_per_s, weight_from, zero_before_n, zero_after_n), before or
+among the first 4096 samples.
 Readings of -6999, 6999, -99999, NaN, infinity or nothing are bad samples: counted, not used (in counts
 only the last three).")]
 pub struct Args {
@@ -187,15 +188,15 @@ fn run_core(
     args: &Args,
     mut observe: impl FnMut(f64, &Step),
 ) -> Result<Findings, InputError> {
-    let zero = args.test.known.zero(log);
+    let around = args.test.around(log);
     let drawn = args.report.is_some() || args.figures.is_some();
     let mut recorder = drawn.then(|| Recorder::new(log.rate_hz()));
     let result = match &mut recorder {
-        Some(recorder) => replay_with_zero(path, log, config, zero, |time_s, step| {
+        Some(recorder) => replay_with(path, log, config, around, |time_s, step| {
             recorder.push(time_s, step);
             observe(time_s, step);
         })?,
-        None => replay_with_zero(path, log, config, zero, observe)?,
+        None => replay_with(path, log, config, around, observe)?,
     };
     Ok((result, recorder))
 }
@@ -270,7 +271,7 @@ fn events_csv(result: &ReplayResult) -> Result<String, InputError> {
 
 /// The fields of an event in their order, so that a file without events has a
 /// header too.
-const EVENT_COLUMNS: [&str; 28] = [
+const EVENT_COLUMNS: [&str; 29] = [
     "index",
     "onset_s",
     "stop_s",
@@ -299,4 +300,5 @@ const EVENT_COLUMNS: [&str; 28] = [
     "mu_ci95_high",
     "slip_length_m",
     "energy_j",
+    "onset_time",
 ];

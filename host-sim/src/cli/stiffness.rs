@@ -1,43 +1,77 @@
-//! `floe stiffness`: the cable's stiffness from a pull against a post.
+//! `floe stiffness`: the cable's stiffness from pulls against a post.
 
-use std::path::Path;
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
 
 use floe_core::Reading;
+use serde::Serialize;
 
 use crate::error::InputError;
 use crate::log::{Log, LogOptions};
-use crate::stiffness::{Measured, Pull, Stiffness, stiffness};
+use crate::stiffness::{Measured, Pull, Stiffness, Together, stiffness, straight_part, together};
 
 use super::input::open;
 use super::json::Json;
 use super::output;
 
-/// Stiffness of the cable from a log of a pull against a fixed post
+/// Stiffness of the cable from logs of pulls against a fixed post
 #[derive(Clone, Debug, clap::Args)]
 #[command(after_help = "\
 Examples:
   floe stiffness post.csv --winch-m-per-s 0.0157
-  floe stiffness post.csv --winch-m-per-s 0.0157 --cable-length-m 24.5 --json post.json")]
+  floe stiffness post.csv --winch-m-per-s 0.0157 --cable-length-m 24.5 --json post.json
+  floe stiffness post-5m.csv post-15m.csv --cable-length-m 5,15 --extension fig8.csv
+
+Several pulls of one length give their mean; of several lengths, AE of the cable and the stiffness k0
+of its ends and splices: 1/k = 1/k0 + L/AE.")]
 pub struct Args {
-    /// The log: a file, or - for standard input
+    /// The logs: files, or - for standard input
     #[arg(value_name = "LOG")]
-    log: Option<String>,
+    logs: Vec<String>,
     /// Take-up speed of the winch, m/s [default: as the log says]
     #[arg(long, value_name = "W")]
     winch_m_per_s: Option<f64>,
     /// Its standard deviation, m/s
     #[arg(long, value_name = "S", default_value_t = 0.0)]
     winch_std_m_per_s: f64,
-    /// Free length of the cable, m, for AE [default: as the log says]
-    #[arg(long, value_name = "L")]
-    cable_length_m: Option<f64>,
+    /// Free length of the cable, m, for AE; one for all logs or one for each
+    /// [default: as the log says]
+    #[arg(long, value_name = "L", value_delimiter = ',')]
+    cable_length_m: Vec<f64>,
     /// Its standard deviation, m
     #[arg(long, value_name = "S", default_value_t = 0.0)]
     cable_length_std_m: f64,
+    /// Write what the winch has taken up and the force, m and N, of every sample on a line
+    #[arg(long, value_name = "FILE.csv")]
+    extension: Option<PathBuf>,
     #[command(flatten)]
     log_options: LogOptions,
     #[command(flatten)]
     json: Json,
+}
+
+/// One pull.
+struct Found {
+    path: String,
+    pull: Pull,
+    stiffness: Stiffness,
+    /// Time, s, and force, N.
+    samples: Vec<(f64, f64)>,
+}
+
+/// Several pulls, as JSON.
+#[derive(Serialize)]
+struct Several<'a> {
+    pulls: Vec<One<'a>>,
+    together: Option<Together>,
+}
+
+#[derive(Serialize)]
+struct One<'a> {
+    path: &'a str,
+    cable_length_m: Option<f64>,
+    #[serde(flatten)]
+    stiffness: Stiffness,
 }
 
 /// Runs the command.
@@ -45,16 +79,50 @@ pub struct Args {
 /// # Errors
 /// One line for the user.
 pub fn run(args: &Args) -> Result<(), InputError> {
-    let (path, json) = args.json.with_log(args.log.as_deref())?;
-    let outputs: Vec<&Path> = json.file().into_iter().collect();
-    let older = output::check(&outputs, &[Path::new(&path)])?;
-    let found = measure(&path, args).map_err(|error| error.within(&path))?;
-    json.print(&found, || text(&found))?;
+    let (first, json) = args.json.with_log(args.logs.first().map(String::as_str))?;
+    let others = args.logs.iter().skip(1).cloned();
+    let paths: Vec<String> = [first].into_iter().chain(others).collect();
+    let outputs: Vec<&Path> = json.file().into_iter().chain(args.extension.as_deref()).collect();
+    let inputs: Vec<&Path> = paths.iter().map(Path::new).collect();
+    let older = output::check(&outputs, &inputs)?;
+    if args.cable_length_m.len() > 1 && args.cable_length_m.len() != paths.len() {
+        let (lengths, logs) = (args.cable_length_m.len(), paths.len());
+        let why = format!("{lengths} lengths of the cable for {logs} logs: give one, or one each");
+        return Err(InputError::new(why));
+    }
+    let mut found = Vec::new();
+    for (number, path) in paths.iter().enumerate() {
+        found.push(measure(path, args, number).map_err(|error| error.within(path))?);
+    }
+    if let Some(path) = &args.extension {
+        output::replace(path, &extension(&found))?;
+    }
+    match found.as_slice() {
+        [one] => json.print(&one.stiffness, || text(&one.stiffness))?,
+        several => {
+            let lengths = several.iter().map(|it| Some((it.stiffness, it.length_m()?)));
+            let together = lengths.collect::<Option<Vec<_>>>().and_then(|all| together(&all));
+            let pulls = several.iter().map(|it| One {
+                path: &it.path,
+                cable_length_m: it.length_m(),
+                stiffness: it.stiffness,
+            });
+            json.print(&Several { pulls: pulls.collect(), together }, || {
+                several_text(several, together.as_ref())
+            })?;
+        }
+    }
     older.tell();
     Ok(())
 }
 
-fn measure(path: &str, args: &Args) -> Result<Stiffness, InputError> {
+impl Found {
+    fn length_m(&self) -> Option<f64> {
+        self.pull.cable_length_m.map(|length| length.value)
+    }
+}
+
+fn measure(path: &str, args: &Args, number: usize) -> Result<Found, InputError> {
     let mut log = Log::from_reader(open(path, false)?, &args.log_options)?;
     let mut samples = Vec::new();
     while let Some(sample) = log.next_sample()? {
@@ -67,15 +135,18 @@ fn measure(path: &str, args: &Args) -> Result<Stiffness, InputError> {
         }
     }
     let none = "no rise of the force to put a line through: is this a pull against a post?";
-    stiffness(&samples, &pull(args, &log)?).ok_or_else(|| InputError::new(none))
+    let pull = pull(args, number, &log)?;
+    let stiffness = stiffness(&samples, &pull).ok_or_else(|| InputError::new(none))?;
+    Ok(Found { path: path.to_string(), pull, stiffness, samples })
 }
 
-fn pull(args: &Args, log: &Log) -> Result<Pull, InputError> {
+fn pull(args: &Args, number: usize, log: &Log) -> Result<Pull, InputError> {
     let said = log.metadata();
     let unknown = "the winch's speed is not known: give --winch-m-per-s W, \
                    or put '# winch_m_per_s: W' into the log";
     let speed = args.winch_m_per_s.or(said.winch_m_per_s);
-    let length = args.cable_length_m.or(said.cable_length_m);
+    let given = args.cable_length_m.get(number).or(args.cable_length_m.first());
+    let length = given.copied().or(said.cable_length_m);
     let positive = |name: &str, value: f64, std_error: f64| {
         let good = value.is_finite() && value > 0.0 && std_error.is_finite() && std_error >= 0.0;
         let why = || InputError::new(format!("{name} {value} ± {std_error}: must be above zero"));
@@ -90,10 +161,52 @@ fn pull(args: &Args, log: &Log) -> Result<Pull, InputError> {
     })
 }
 
-fn text(found: &Stiffness) -> String {
-    let line = |name: &str, m: Measured, scale: f64, unit: &str| {
-        format!("{name:<13} {:.3} ± {:.3} {unit}\n", m.value * scale, m.std_error * scale)
+/// Force against what the winch has taken up since the line began: the paper's Fig. 8.
+fn extension(found: &[Found]) -> String {
+    let mut text = "pull,extension_m,force_n\n".to_string();
+    for (pull, it) in found.iter().enumerate() {
+        let line = straight_part(&it.samples);
+        let start_s = line.first().map_or(0.0, |sample| sample.0);
+        for (time_s, force_n) in line {
+            let extension_m = it.pull.winch_m_per_s.value * (time_s - start_s);
+            let _ = writeln!(text, "{pull},{extension_m:.6},{force_n:.3}");
+        }
+    }
+    text
+}
+
+fn several_text(found: &[Found], together: Option<&Together>) -> String {
+    let mut text = format!("{:>9} {:>9} {:>9}  log\n", "L, m", "k, kN/m", "±");
+    for it in found {
+        let k = it.stiffness.stiffness_n_per_m;
+        let length = it.length_m().map_or("?".to_string(), |length_m| format!("{length_m:.2}"));
+        let (value, std) = (k.value / 1e3, k.std_error / 1e3);
+        let _ = writeln!(text, "{length:>9} {value:>9.3} {std:>9.3}  {}", it.path);
+    }
+    let Some(together) = together else {
+        return text + "together      unknown: every pull needs the length of its cable\n";
     };
+    let pulls = together.pulls;
+    if let Some(k) = together.stiffness_n_per_m {
+        text += &line(&format!("mean of {pulls}"), k, 1e-3, "kN/m");
+        return text;
+    }
+    match together.ae_n {
+        Some(ae) => text += &line("AE", ae, 1e-3, "kN"),
+        None => text += "AE            unknown: k does not fall with the length\n",
+    }
+    match together.end_stiffness_n_per_m {
+        Some(k0) => text += &line("k0, its ends", k0, 1e-3, "kN/m"),
+        None => text += "k0, its ends  stiffer than can be told\n",
+    }
+    text
+}
+
+fn line(name: &str, m: Measured, scale: f64, unit: &str) -> String {
+    format!("{name:<13} {:.3} ± {:.3} {unit}\n", m.value * scale, m.std_error * scale)
+}
+
+fn text(found: &Stiffness) -> String {
     let mut text = line("stiffness k", found.stiffness_n_per_m, 1e-3, "kN/m");
     if let Some(ae) = found.ae_n {
         text += &line("AE = k L", ae, 1e-3, "kN");

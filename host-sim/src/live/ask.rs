@@ -13,7 +13,7 @@ enum Question {
     Name,
     Slope,
     Calibrate,
-    Tare,
+    Note,
     Stop,
     Command,
 }
@@ -25,14 +25,14 @@ impl Question {
             Self::Name => "name of the test",
             Self::Slope => "slope of the ice, degrees, uphill positive",
             Self::Calibrate => "force that hangs on the cell now, N",
-            Self::Tare => "does nothing hang on the cell? Enter takes this as zero",
+            Self::Note => "note",
             Self::Stop => "stop the test? Enter stops it",
             Self::Command => "command",
         }
     }
 
     fn wants_text(self) -> bool {
-        !matches!(self, Self::Tare | Self::Stop)
+        self != Self::Stop
     }
 
     fn command(self, answer: &str) -> String {
@@ -42,7 +42,7 @@ impl Question {
             Self::Name => format!("set name {answer}"),
             Self::Slope => format!("set slope {answer}"),
             Self::Calibrate => format!("calibrate {answer}"),
-            Self::Tare => "tare".to_string(),
+            Self::Note => format!("note {answer}"),
             Self::Stop => "stop".to_string(),
             Self::Command => answer.to_string(),
         }
@@ -66,21 +66,51 @@ pub struct Ask {
     question: Option<Question>,
     typed: String,
     refused: Option<&'static str>,
+    /// All keys are shown until the next one.
+    help: bool,
 }
+
+/// The keys and what they do, the ones that stand in the last row first.
+const KEYS: [(&str, &str); 16] = [
+    ("s", "start"),
+    ("x", "stop"),
+    ("?", "keys"),
+    ("q", "quit"),
+    ("b", "weigh"),
+    ("t", "tare"),
+    ("y", "accept"),
+    ("z", "abort"),
+    ("c", "calibrate"),
+    ("w", "weight"),
+    ("n", "name"),
+    ("a", "slope"),
+    ("m", "note"),
+    ("e", "self-test"),
+    (":", "any command"),
+    ("Esc", "leave a question"),
+];
+/// Keys of the last row.
+const FEW: usize = 7;
 
 impl Ask {
     /// What stands in the last row.
     #[must_use]
     pub fn text(&self) -> String {
         let Some(question) = self.question else {
-            return "s start  x stop  w weight  n name  a slope  t tare  c calibrate  : more  \
-                    q quit"
-                .to_string();
+            let few = KEYS.iter().take(FEW).map(|(key, deed)| format!("{key} {deed}"));
+            return few.collect::<Vec<_>>().join("  ");
         };
         let refused = self.refused.map(|why| format!("  ({why})")).unwrap_or_default();
         let cursor = if question.wants_text() { "_" } else { ", Esc does not" };
         let colon = if question.wants_text() { ": " } else { "" };
         format!("{}{colon}{}{cursor}{refused}", question.text(), self.typed)
+    }
+
+    /// All keys, if they are to be shown.
+    #[must_use]
+    pub fn keys(&self) -> Option<Vec<String>> {
+        let all = || KEYS.iter().map(|(key, deed)| format!("{key} {deed}")).collect();
+        self.help.then(all)
     }
 
     /// Whether something is being asked.
@@ -97,7 +127,12 @@ impl Ask {
         if key.modifiers.contains(KeyModifiers::CONTROL) {
             return if key.code == KeyCode::Char('c') { Deed::Quit } else { Deed::None };
         }
+        let helped = std::mem::take(&mut self.help);
         match self.question {
+            None if key.code == KeyCode::Char('?') => {
+                self.help = !helped;
+                Deed::None
+            }
             None => self.choose(key.code),
             Some(question) => self.answer(question, key.code),
         }
@@ -107,11 +142,16 @@ impl Ask {
         let question = match code.as_char().unwrap_or_default() {
             'q' => return Deed::Quit,
             's' => return Deed::Say("start".to_string()),
+            'b' => return Deed::Say("weigh".to_string()),
+            't' => return Deed::Say("tare".to_string()),
+            'y' => return Deed::Say("accept".to_string()),
+            'z' => return Deed::Say("abort".to_string()),
+            'e' => return Deed::Say("self-test".to_string()),
             'x' => Question::Stop,
             'w' => Question::Weight,
             'n' => Question::Name,
             'a' => Question::Slope,
-            't' => Question::Tare,
+            'm' => Question::Note,
             'c' => Question::Calibrate,
             ':' => Question::Command,
             _ => return Deed::None,
@@ -185,12 +225,18 @@ mod tests {
             ("x\n", say("stop")),
             ("xs", Deed::None),
             ("x\x1B", Deed::None),
-            ("t\n", say("tare")),
+            ("t", say("tare")),
+            ("b", say("weigh")),
+            ("y", say("accept")),
+            ("z", say("abort")),
+            ("mwind 3 m/s\n", say("note wind 3 m/s")),
+            ("nmy test\n", say("set name my test")),
             ("c98.1\n", say("calibrate 98.1")),
             (":set winch 0.016\n", say("set winch 0.016")),
             ("q", Deed::Quit),
             ("wq", Deed::None),
             ("?", Deed::None),
+            ("?q", Deed::Quit),
         ] {
             assert_eq!(press(&mut Ask::default(), keys), deed, "{keys:?}");
         }

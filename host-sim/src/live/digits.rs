@@ -1,11 +1,11 @@
-//! Numbers three rows high, to be read from two steps away.
+//! Numbers and words three rows high, to be read from two steps away.
 
 /// Rows of a number.
 pub const ROWS: usize = 3;
 
 /// Five rows of points, upper left first; `#` is on. Two of them make a row of
 /// characters.
-const GLYPHS: [(char, [&str; 5]); 12] = [
+const GLYPHS: [(char, [&str; 5]); 32] = [
     ('0', ["###", "# #", "# #", "# #", "###"]),
     ('1', [" # ", "## ", " # ", " # ", "###"]),
     ('2', ["###", "  #", "###", "#  ", "###"]),
@@ -18,10 +18,30 @@ const GLYPHS: [(char, [&str; 5]); 12] = [
     ('9', ["###", "# #", "###", "  #", "###"]),
     ('.', [" ", " ", " ", " ", "#"]),
     ('-', ["   ", "   ", "###", "   ", "   "]),
+    ('A', ["###", "# #", "###", "# #", "# #"]),
+    ('C', ["###", "#  ", "#  ", "#  ", "###"]),
+    ('D', ["## ", "# #", "# #", "# #", "## "]),
+    ('E', ["###", "#  ", "###", "#  ", "###"]),
+    ('F', ["###", "#  ", "###", "#  ", "#  "]),
+    ('G', ["###", "#  ", "# #", "# #", "###"]),
+    ('H', ["# #", "# #", "###", "# #", "# #"]),
+    ('I', ["#", "#", "#", "#", "#"]),
+    ('K', ["# #", "## ", "#  ", "## ", "# #"]),
+    ('L', ["#  ", "#  ", "#  ", "#  ", "###"]),
+    ('N', ["#  #", "## #", "# ##", "#  #", "#  #"]),
+    ('O', ["###", "# #", "# #", "# #", "###"]),
+    ('P', ["###", "# #", "###", "#  ", "#  "]),
+    ('R', ["###", "# #", "## ", "# #", "# #"]),
+    ('S', ["###", "#  ", "###", "  #", "###"]),
+    ('T', ["###", " # ", " # ", " # ", " # "]),
+    ('U', ["# #", "# #", "# #", "# #", "###"]),
+    ('V', ["# #", "# #", "# #", "# #", " # "]),
+    ('W', ["#   #", "#   #", "# # #", "## ##", "#   #"]),
+    (' ', ["  ", "  ", "  ", "  ", "  "]),
 ];
 
-/// A text of digits, points and minus signs as rows of blocks; what else there is
-/// stays as it is, in the last row.
+/// A text of digits, points, minus signs and some capitals as rows of blocks; what else
+/// there is stays as it is, in the last row.
 #[must_use]
 pub fn big(text: &str) -> [String; ROWS] {
     let mut rows: [String; ROWS] = Default::default();
@@ -60,8 +80,9 @@ mod tests {
     #[test]
     fn a_number() {
         assert_eq!(
-            big("-1.20 N"),
-            ["    ▄█    ▀▀█ █▀█   ", "▀▀▀  █    █▀▀ █ █   ", "    ▀▀▀ ▀ ▀▀▀ ▀▀▀  N"]
+            big("-1.20m"),
+            ["    ▄█    ▀▀█ █▀█  ", "▀▀▀  █    █▀▀ █ █  ", "    ▀▀▀ ▀ ▀▀▀ ▀▀▀ m"]
         );
+        assert_eq!(big("SLIP"), ["█▀▀ █   █ █▀█ ", "▀▀█ █   █ █▀▀ ", "▀▀▀ ▀▀▀ ▀ ▀   "]);
     }
 }

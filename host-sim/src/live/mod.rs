@@ -10,13 +10,18 @@
 //! board's lines, whose form is [`floe_firmware::line`].
 
 mod ask;
+mod band;
 mod digits;
+mod flow;
 mod lines;
+mod phase_plane;
 mod place;
 mod plain;
 mod port;
 mod save;
 mod screen;
+#[cfg(test)]
+mod screens;
 mod state;
 mod terminal;
 #[cfg(test)]

@@ -1,97 +1,134 @@
-//! The display: few numbers, large, and what is wrong in one line.
+//! The display: few numbers, large, and what is wrong in plain words.
 
 use std::time::Duration;
 
-use floe_core::{Coefficient, Estimate, Phase};
+use floe_core::{Coefficient, Estimate};
+use floe_firmware::line::Weighed;
 use ratatui::Frame;
 use ratatui::layout::{Constraint, Layout, Rect};
 use ratatui::style::{Color, Modifier, Style, Stylize};
-use ratatui::text::{Line, Span};
+use ratatui::text::{Line, Span, Text};
 use ratatui::widgets::Paragraph;
 
 use super::ask::Ask;
+use super::band::{band, is_stale, is_weighing};
 use super::digits::{self, big};
+use super::flow::{flow, wrapped};
 use super::state::State;
-use super::trace;
 use super::verdict::{Level, verdict};
+use super::{phase_plane, trace};
 
 /// Below this size the numbers are small.
 const LARGE: (u16, u16) = (74, 15);
+/// From this height on the state is large too.
+const LARGE_BAND: u16 = 20;
 /// A trace of fewer rows shows nothing.
 const TRACE_ROWS: u16 = 4;
+/// From this width on the phase plane stands beside the trace.
+const PLANE_FROM: u16 = 110;
+/// A verdict, or a question, is no longer than this many rows.
+const MOST_ROWS: usize = 4;
 
 /// Draws everything, into a terminal of any size.
 pub fn draw(frame: &mut Frame<'_>, state: &State, ask: &Ask, place: &str, now: Duration) {
     let area = frame.area();
     let large = area.width >= LARGE.0 && area.height >= LARGE.1;
-    let [top, wrong, numbers, words, force, last] = rows(area, large, ask.is_open());
-    frame.render_widget(title(state, place), top);
-    frame.render_widget(verdict_row(state, now), wrong);
+    let stale = if is_stale(state, now) { Style::new().dim() } else { Style::new() };
+    let verdict = verdict_rows(state, now, area.width);
+    let last = last_rows(state, ask, now, area.width);
+    let words = match ask.keys() {
+        Some(keys) => flow(keys.into_iter().map(Span::raw).collect(), area.width),
+        None => words(state, area.width),
+    };
+    let heights = [verdict.height(), last.height(), words.len()].map(|rows| rows as u16);
+    let [top, wrong, doing, numbers, below, force, end] = rows(area, large, ask.is_open(), heights);
+    frame.render_widget(title(state, place, area.width), top);
+    frame.render_widget(verdict, wrong);
+    frame.render_widget(band_rows(state, now, doing), doing);
+    let shown = self::numbers(state, now);
     if large {
-        draw_large(frame, numbers, state)
+        draw_large(frame, numbers, shown, stale)
     } else {
-        draw_small(frame, numbers, state)
+        draw_small(frame, numbers, shown, stale)
     }
-    let lines =
-        vec![Line::from(event(state)), about(state), quantities(state).into(), samples(state)];
-    frame.render_widget(Paragraph::new(lines), words);
+    frame.render_widget(Paragraph::new(words).style(stale), below);
     if force.height >= TRACE_ROWS {
-        trace::draw(frame, force, state);
+        draw_force(frame, force, state, stale);
     }
-    frame.render_widget(last_row(state, ask, now), last);
+    frame.render_widget(last, end);
+}
+
+/// The trace, and the phase plane where there is room.
+fn draw_force(frame: &mut Frame<'_>, area: Rect, state: &State, style: Style) {
+    if area.width < PLANE_FROM {
+        return trace::draw(frame, area, state, style);
+    }
+    let parts = [Constraint::Fill(2), Constraint::Length(1), Constraint::Fill(1)];
+    let [left, _, right] = Layout::horizontal(parts).areas(area);
+    trace::draw(frame, left, state, style);
+    phase_plane::draw(frame, right, state, style);
 }
 
 /// A question, else what came of the last answer, else the keys.
-fn last_row(state: &State, ask: &Ask, now: Duration) -> Paragraph<'static> {
+fn last_rows(state: &State, ask: &Ask, now: Duration, width: u16) -> Text<'static> {
     let reply = state.reply(now).filter(|_| !ask.is_open());
-    let style = if ask.is_open() {
-        Modifier::REVERSED
-    } else if reply.is_some() {
-        Modifier::BOLD
-    } else {
-        Modifier::DIM
-    };
-    Paragraph::new(reply.unwrap_or_else(|| ask.text())).style(style)
+    if !ask.is_open() && reply.is_none() {
+        let keys = ask.text();
+        let parts: Vec<Span<'_>> = keys.split("  ").map(|key| Span::raw(key.to_string())).collect();
+        let first = flow(parts, width).into_iter().next().unwrap_or_default();
+        return Text::from(first).style(Modifier::DIM);
+    }
+    let style = if ask.is_open() { Modifier::REVERSED } else { Modifier::BOLD };
+    rows_of(&reply.unwrap_or_else(|| ask.text()), width).style(style)
 }
 
-/// Title, verdict, numbers, words, trace, keys. Where there is no room for all, an
+fn rows_of(text: &str, width: u16) -> Text<'static> {
+    let rows = wrapped(text, width).into_iter().take(MOST_ROWS);
+    Text::from(rows.map(Line::from).collect::<Vec<_>>())
+}
+
+/// Title, verdict, state, numbers, words, trace, keys. Where there is no room for all, an
 /// open question stays longest, then the verdict, then the numbers.
-fn rows(area: Rect, large: bool, asking: bool) -> [Rect; 6] {
+fn rows(area: Rect, large: bool, asking: bool, heights: [u16; 3]) -> [Rect; 7] {
+    let [verdict, end, words] = heights;
     let mut left = area.height;
     let mut grant = |wanted: u16| {
         let granted = wanted.min(left);
         left -= granted;
         granted
     };
-    let question = grant(u16::from(asking));
-    let wrong = grant(1);
+    let question = grant(if asking { end } else { 0 });
+    let wrong = grant(verdict);
     let numbers = grant(if large { digits::ROWS as u16 + 2 } else { 3 });
-    let last = question + grant(u16::from(!asking));
+    let last = question + grant(if asking { 0 } else { end });
+    let high = large && area.height >= LARGE_BAND;
+    let band = grant(if high { digits::ROWS as u16 } else { 1 });
     let top = grant(1);
-    let words = grant(4);
+    let words = grant(words);
     let trace = grant(area.height);
-    Layout::vertical([top, wrong, numbers, words, trace, last].map(Constraint::Length)).areas(area)
+    let all = [top, wrong, band, numbers, words, trace, last];
+    Layout::vertical(all.map(Constraint::Length)).areas(area)
 }
 
-fn title(state: &State, place: &str) -> Paragraph<'static> {
-    let mut text = format!(" floe {place}");
+/// As many parts as fit.
+fn title(state: &State, place: &str, width: u16) -> Paragraph<'static> {
+    let mut parts = vec![format!(" floe {place}")];
     if let Some((run, settings)) = &state.test {
         let name = if settings.name.is_empty() { "" } else { " " };
-        text += &format!("   test {run}{name}{}", settings.name);
+        parts.push(format!("test {run}{name}{}", settings.name));
         let slope = settings.config.slope_rad.to_degrees();
-        text += &format!("   {} N", settings.config.weight_n);
-        if slope != 0.0 {
-            text += &format!(", {slope:.1}°");
-        }
+        let slope = if slope != 0.0 { format!(", {slope:.1}°") } else { String::new() };
+        parts.push(format!("{} N{slope}", settings.config.weight_n));
     }
     if let Some(last) = state.trace.back() {
         let seconds = (last.index as f64 / state.rate_hz()) as u64;
-        text += &format!("   {}:{:02}", seconds / 60, seconds % 60);
+        parts.push(format!("{}:{:02}", seconds / 60, seconds % 60));
     }
-    Paragraph::new(text).style(Modifier::BOLD)
+    let first = flow(parts.into_iter().map(Span::raw).collect(), width).into_iter().next();
+    Paragraph::new(first.unwrap_or_default()).style(Modifier::BOLD)
 }
 
-fn verdict_row(state: &State, now: Duration) -> Paragraph<'static> {
+fn verdict_rows(state: &State, now: Duration, width: u16) -> Text<'static> {
     let verdict = verdict(state, now);
     let (ink, ground) = match verdict.level {
         Level::Bad => (Color::White, Color::Red),
@@ -99,7 +136,20 @@ fn verdict_row(state: &State, now: Duration) -> Paragraph<'static> {
         Level::Good => (Color::Black, Color::Green),
     };
     let style = Style::new().fg(ink).bg(ground).add_modifier(Modifier::BOLD);
-    Paragraph::new(format!(" {}", verdict.text)).style(style)
+    let rows = wrapped(&verdict.text, width.saturating_sub(1)).into_iter().take(MOST_ROWS);
+    Text::from(rows.map(|row| Line::from(format!(" {row}"))).collect::<Vec<_>>()).style(style)
+}
+
+/// What the block does, large where there is room.
+fn band_rows(state: &State, now: Duration, area: Rect) -> Paragraph<'static> {
+    let (word, ground) = band(state, now);
+    let style = Style::new().fg(Color::Black).bg(ground).add_modifier(Modifier::BOLD);
+    let rows: Vec<String> = if usize::from(area.height) >= digits::ROWS {
+        big(word).map(|row| format!("  {row}")).to_vec()
+    } else {
+        vec![format!(" {word}")]
+    };
+    Paragraph::new(rows.into_iter().map(Line::from).collect::<Vec<_>>()).style(style)
 }
 
 /// A number: what it is, its digits, what stands below.
@@ -108,13 +158,9 @@ type Number = (String, Option<String>, String);
 fn force(state: &State) -> Number {
     let last = state.trace.back().filter(|_| state.testing == Some(true));
     let text = last.and_then(|sample| sample.force_n).map(|force| fit(force, 5));
-    let phase = match last.map(|sample| sample.phase) {
-        Some(Phase::Stick) => "sticks",
-        Some(Phase::Slip) => "SLIPS",
-        Some(Phase::Unknown) => "learning the noise",
-        None => "",
-    };
-    ("force, N".to_string(), text, phase.to_string())
+    let rate = last.and_then(|sample| sample.rate_n_per_s).filter(|rate| rate.is_finite());
+    let rate = rate.map(|rate| format!("{rate:+.0} N/s"));
+    ("force, N".to_string(), text, rate.unwrap_or_default())
 }
 
 fn mean(name: &str, estimate: Option<Estimate>) -> Number {
@@ -129,12 +175,36 @@ fn mean(name: &str, estimate: Option<Estimate>) -> Number {
     (format!("{name}, mean"), text, below.unwrap_or_default())
 }
 
-fn numbers(state: &State) -> [Number; 3] {
+fn numbers(state: &State, now: Duration) -> [Number; 3] {
+    if let Some((weighed, _)) = state.weighed.filter(|_| is_weighing(state, now)) {
+        return weighing(&weighed);
+    }
     let report = state.report.as_ref();
     [
         force(state),
         mean("mu_s", report.and_then(|report| report.mu_s)),
         mean("mu", report.and_then(|report| report.mu)),
+    ]
+}
+
+/// The block on the tripod.
+fn weighing(weighed: &Weighed) -> [Number; 3] {
+    let load = weighed.load.ok();
+    let swing = load.and_then(|load| load.swing);
+    let seconds = format!("{:.0} s of 64", weighed.duration_s);
+    let excess = swing.map(|swing| format!("{:.2} N taken off", swing.excess));
+    [
+        (
+            "weight, N".to_string(),
+            load.map(|load| format!("{:.1}", load.value)),
+            load.map(|load| format!("± {:.2} N", load.std)).unwrap_or_default(),
+        ),
+        ("swing, s".to_string(), swing.map(|swing| format!("{:.2}", swing.period_s)), seconds),
+        (
+            "swing, °".to_string(),
+            swing.map(|swing| format!("{:.1}", swing.amplitude_rad.to_degrees())),
+            excess.unwrap_or_default(),
+        ),
     ]
 }
 
@@ -145,70 +215,84 @@ fn fit(value: f32, width: usize) -> String {
     if long.len() <= width { long } else { short }
 }
 
-fn draw_large(frame: &mut Frame<'_>, area: Rect, state: &State) {
+fn draw_large(frame: &mut Frame<'_>, area: Rect, numbers: [Number; 3], style: Style) {
     let thirds = [Constraint::Ratio(1, 3); 3];
     let [left, middle, right] = Layout::horizontal(thirds).areas(area);
-    for (area, (name, text, below)) in [left, middle, right].into_iter().zip(numbers(state)) {
+    for (area, (name, text, below)) in [left, middle, right].into_iter().zip(numbers) {
         let rows = big(text.as_deref().unwrap_or("---"));
         let mut lines = vec![Line::from(name)];
         lines.extend(rows.map(|row| Line::from(Span::styled(row, Modifier::BOLD))));
         lines.push(Line::from(Span::styled(below, Modifier::BOLD)));
-        frame.render_widget(Paragraph::new(lines), area);
+        frame.render_widget(Paragraph::new(lines).style(style), area);
     }
 }
 
-fn draw_small(frame: &mut Frame<'_>, area: Rect, state: &State) {
-    let rows = numbers(state).map(|(name, text, below)| {
+fn draw_small(frame: &mut Frame<'_>, area: Rect, numbers: [Number; 3], style: Style) {
+    let rows = numbers.map(|(name, text, below)| {
         let text = text.unwrap_or("---".to_string());
         Line::from(vec![
             Span::raw(format!("{name:<10} ")),
             Span::styled(format!("{text:>7} {below}"), Modifier::BOLD),
         ])
     });
-    frame.render_widget(Paragraph::new(rows.to_vec()), area);
+    frame.render_widget(Paragraph::new(rows.to_vec()).style(style), area);
 }
 
-fn event(state: &State) -> String {
-    let Some(event) = &state.event else { return "no slip yet".to_string() };
+/// All that stands below the numbers, in rows.
+fn words(state: &State, width: u16) -> Vec<Line<'static>> {
+    let parts = [event(state), about(state), quantities(state), samples(state)];
+    parts.into_iter().flat_map(|parts| flow(parts, width)).collect()
+}
+
+fn event(state: &State) -> Vec<Span<'static>> {
+    let Some(event) = &state.event else { return vec![Span::raw("no slip yet")] };
     let at = state.seconds(event.onset);
     let text = |name: &str, value: Option<Coefficient>| match value {
-        Some(value) => format!("   {name} {:.4} ± {:.4}", value.value, value.combined_std()),
-        None => format!("   {name} -"),
+        Some(value) => format!("{name} {:.4} ± {:.4}", value.value, value.combined_std()),
+        None => format!("{name} -"),
     };
     let reason = event.reason.map(|reason| format!(": {reason}")).unwrap_or_default();
-    let (number, quality) = (event.index + 1, event.quality);
+    let (number, quality) = (event.index, event.quality);
     let (mu_s, mu) = (text("mu_s", event.mu_s), text("mu", event.mu));
-    format!("slip {number} at {at:.1} s{mu_s}{mu}   {quality}{reason}")
+    [format!("event {number} at {at:.1} s"), mu_s, mu, format!("{quality}{reason}")]
+        .map(Span::raw)
+        .to_vec()
 }
 
 /// The newest slip, as long as the board has no more than a first answer on it.
-fn about(state: &State) -> Line<'static> {
-    let Some(about) = &state.about else { return Line::default() };
+fn about(state: &State) -> Vec<Span<'static>> {
+    let Some(about) = &state.about else { return Vec::new() };
     let at = about.index as f64 / state.rate_hz();
     let text = |name: &str, value: &Coefficient| {
-        format!("   {name} ~ {:.3} ± {:.3}", value.value, value.combined_std())
+        format!("{name} ~ {:.3} ± {:.3}", value.value, value.combined_std())
     };
-    let mu_s = text("mu_s", &about.answer.mu_s);
-    let mu = about.answer.mu.map(|mu| text("mu", &mu)).unwrap_or_default();
-    Line::from(format!("provisional at {at:.1} s{mu_s}{mu}")).dim()
+    let mut parts = vec![format!("provisional at {at:.1} s"), text("mu_s", &about.answer.mu_s)];
+    parts.extend(about.answer.mu.map(|mu| text("mu", &mu)));
+    parts.into_iter().map(|part| Span::raw(part).dim()).collect()
 }
 
-fn quantities(state: &State) -> String {
-    let Some(report) = &state.report else { return String::new() };
+fn quantities(state: &State) -> Vec<Span<'static>> {
+    let report = state.report.as_ref();
     let parts = [
-        ("noise", report.noise_n, "N", 1),
-        ("loading", report.loading_rate_n_per_s.map(|rate| rate.value), "N/s", 0),
-        ("a slip every", report.recurrence_s, "s", 2),
-        ("k", report.stiffness_n_per_m.map(|k| k / 1000.0), "kN/m", 1),
+        ("noise", report.and_then(|report| report.noise_n), "N", 1),
+        (
+            "loading",
+            report.and_then(|report| report.loading_rate_n_per_s).map(|rate| rate.value),
+            "N/s",
+            0,
+        ),
+        ("a slip every", report.and_then(|report| report.recurrence_s), "s", 2),
+        ("k", report.and_then(|report| report.stiffness_n_per_m).map(|k| k / 1000.0), "kN/m", 1),
+        ("converter", state.temperature_c, "°C", 1),
     ];
     let parts = parts.iter().filter_map(|&(name, value, unit, decimals)| {
-        value.map(|value| format!("{name} {value:.decimals$} {unit}"))
+        value.map(|value| Span::raw(format!("{name} {value:.decimals$} {unit}")))
     });
-    parts.collect::<Vec<_>>().join("   ")
+    parts.collect()
 }
 
 /// Counters, those above zero marked.
-fn samples(state: &State) -> Line<'static> {
+fn samples(state: &State) -> Vec<Span<'static>> {
     let counters = state.report.map(|report| report.counters).unwrap_or_default();
     let health = state.health.unwrap_or_default();
     let (marked, plain) = (Style::new().fg(Color::LightRed).bold(), Style::new());
@@ -223,13 +307,13 @@ fn samples(state: &State) -> Line<'static> {
     ] {
         if count > 0 || !name.ends_with("lines") {
             let style = if count > 0 { marked } else { plain };
-            spans.push(Span::styled(format!("   {name} {count}"), style));
+            spans.push(Span::styled(format!("{name} {count}"), style));
         }
     }
     if let Some(period_s) = health.period_s.filter(|&period_s| period_s > 0.0) {
-        spans.push(Span::raw(format!("   {:.3} Hz", 1.0 / period_s)));
+        spans.push(Span::raw(format!("{:.3} Hz", 1.0 / period_s)));
     }
-    Line::from(spans)
+    spans
 }
 
 fn card(state: &State) -> String {

@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 use std::time::Duration;
 
 use floe_core::{Cause, Change, Event, Report, SampleFlag, SampleTime};
-use floe_firmware::line::{About, Health, Line, LineError, LiveSample};
+use floe_firmware::line::{About, Health, Line, LineError, LiveSample, Weighed};
 use floe_firmware::settings::Settings;
 
 use super::lines::Received;
@@ -35,6 +35,12 @@ pub struct State {
     pub report: Option<Report>,
     /// The state of the board.
     pub health: Option<Health>,
+    /// The weight so far, and when it was said.
+    pub weighed: Option<(Weighed, Duration)>,
+    /// Temperature of the converter, °C.
+    pub temperature_c: Option<f32>,
+    /// The last time of day that the board said, ms since 1970 (UTC).
+    pub unix_ms: Option<u64>,
     /// When samples were last lost by the board, and sectors by the card.
     pub lost: Option<Duration>,
     /// When a sector could last not be written.
@@ -168,7 +174,11 @@ impl State {
                     format!("mean code {:.0} of {count} readings, {failed} failed", mean.mean);
                 self.answer = Some((text, now));
             }
-            Line::Note(_) | Line::Mark { .. } | Line::Sync { .. } | Line::Climate { .. } => {}
+            Line::Weighed(weighed) => self.weighed = Some((weighed, now)),
+            Line::Note(text) => self.answer = Some((format!("noted: {text}"), now)),
+            Line::Climate { temperature_c, .. } => self.temperature_c = temperature_c,
+            Line::Sync { unix_ms, .. } => self.unix_ms = Some(unix_ms),
+            Line::Mark { .. } => {}
             Line::Info(text) => self.answer = Some((text.to_string(), now)),
             Line::Trouble(text) => self.complaint = Some((text.to_string(), now)),
         }

@@ -6,6 +6,8 @@ use std::time::{Duration, Instant};
 use ratatui::DefaultTerminal;
 use ratatui::crossterm::event::{self, Event};
 
+use floe_firmware::wall_clock::Moment;
+
 use crate::error::InputError;
 
 use super::ask::{Ask, Deed};
@@ -116,6 +118,7 @@ impl<'a> Display<'a> {
                 Input::Up => {
                     self.state.up(now);
                     self.lines.restart();
+                    self.port.say(&clock_now());
                     self.port.say("live on");
                     self.question(now);
                 }
@@ -159,4 +162,11 @@ impl<'a> Display<'a> {
         self.port.say("status");
         (self.asked, self.event_came) = (now, false);
     }
+}
+
+/// Sets the board's clock by this PC's.
+fn clock_now() -> String {
+    let since = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH);
+    let unix_ms = since.map_or(0, |since| since.as_millis() as u64);
+    format!("clock {}", Moment(unix_ms))
 }

@@ -15,6 +15,7 @@ use ratatui::crossterm::event::{KeyCode, KeyEvent, KeyModifiers};
 use ratatui::style::{Color, Modifier};
 
 use super::ask::Ask;
+use super::band::band;
 use super::lines::Received;
 use super::screen;
 use super::state::{State, TRACE_LEN};
@@ -27,31 +28,33 @@ mod dff8_13;
 mod picture;
 use dff8_13::event;
 
-fn seconds(seconds: f64) -> Duration {
+pub(super) fn seconds(seconds: f64) -> Duration {
     Duration::from_secs_f64(seconds)
 }
 
 /// The board says a line at a time.
-fn say(state: &mut State, line: &Line<'_>, at_s: f64) {
+pub(super) fn say(state: &mut State, line: &Line<'_>, at_s: f64) {
     let text = line.to_text().unwrap().to_string();
     state.take(&Received { text, cut: false }, seconds(at_s));
 }
 
-fn settings(run: u32, weight_n: f32) -> Line<'static> {
+pub(super) fn settings(run: u32, weight_n: f32) -> Line<'static> {
     let mut settings = Settings { name: "DFF8-13".try_into().unwrap(), ..Settings::default() };
     settings.config.weight_n = weight_n;
     Line::Start { run, settings }
 }
 
-fn sample(index: u64, force_n: f32, phase: Phase) -> LiveSample {
-    LiveSample { index, force_n: Some(force_n), flag: SampleFlag::Good, phase, gap: 0 }
+pub(super) fn sample(index: u64, force_n: f32, phase: Phase) -> LiveSample {
+    let (force_n, rate_n_per_s) = (Some(force_n), None);
+    LiveSample { index, force_n, flag: SampleFlag::Good, phase, gap: 0, rate_n_per_s }
 }
 
-fn flagged(index: u64, flag: SampleFlag) -> LiveSample {
-    LiveSample { index, force_n: None, flag, phase: Phase::Stick, gap: 0 }
+pub(super) fn flagged(index: u64, flag: SampleFlag) -> LiveSample {
+    let (force_n, rate_n_per_s) = (None, None);
+    LiveSample { index, force_n, flag, phase: Phase::Stick, gap: 0, rate_n_per_s }
 }
 
-fn report() -> Report {
+pub(super) fn report() -> Report {
     let estimate = |mean| {
         Some(Estimate {
             mean,
@@ -84,12 +87,12 @@ fn report() -> Report {
     }
 }
 
-fn health() -> Health {
+pub(super) fn health() -> Health {
     Health { samples: 240, sectors: 30, period_s: Some(0.0625), ..Health::default() }
 }
 
 /// A test of 15 s: sawtooth, one slip in 28 samples, one event.
-fn measuring() -> State {
+pub(super) fn measuring() -> State {
     let mut state = State::default();
     state.up(Duration::ZERO);
     say(&mut state, &settings(3, 630.0), 0.1);
@@ -105,13 +108,13 @@ fn measuring() -> State {
     state
 }
 
-fn frame(state: &State, ask: &Ask, size: (u16, u16), now_s: f64) -> Buffer {
+pub(super) fn frame(state: &State, ask: &Ask, size: (u16, u16), now_s: f64) -> Buffer {
     let mut terminal = Terminal::new(TestBackend::new(size.0, size.1)).unwrap();
     terminal.draw(|frame| screen::draw(frame, state, ask, "/dev/ttyACM0", seconds(now_s))).unwrap();
     terminal.backend().buffer().clone()
 }
 
-fn rows(buffer: &Buffer) -> Vec<String> {
+pub(super) fn rows(buffer: &Buffer) -> Vec<String> {
     let width = usize::from(buffer.area.width).max(1);
     let row = |cells: &[ratatui::buffer::Cell]| {
         cells.iter().map(|cell| cell.symbol()).collect::<String>().trim_end().to_string()
@@ -119,7 +122,7 @@ fn rows(buffer: &Buffer) -> Vec<String> {
     buffer.content.chunks(width).map(row).collect()
 }
 
-fn screen_rows(state: &State, size: (u16, u16), now_s: f64) -> Vec<String> {
+pub(super) fn screen_rows(state: &State, size: (u16, u16), now_s: f64) -> Vec<String> {
     rows(&frame(state, &Ask::default(), size, now_s))
 }
 
@@ -157,26 +160,30 @@ fn the_whole_display() {
     let head = [
         " floe /dev/ttyACM0   test 3 DFF8-13   630 N   0:14",
         " measuring; all is well",
+        "  █▀▀ ▀█▀ █ █▀▀ █▄▀ █▀▀",
+        "  ▀▀█  █  █ █   █▄  ▀▀█",
+        "  ▀▀▀  ▀  ▀ ▀▀▀ ▀ ▀ ▀▀▀",
         "force, N                   mu_s, mean                mu, mean",
         "█▀▀ ▄█  █▀▀   █▀█          ▄█    ▀▀█ █ █ █▀█ █▀▀     █▀█   ▀▀█ █▀█ █▀█ ▀▀█",
         "▀▀█  █  ▀▀█   █ █           █    █▀▀ ▀▀█ █ █ █▀█     █ █     █ █▀█ █ █ █▀▀",
         "▀▀▀ ▀▀▀ ▀▀▀ ▀ ▀▀▀          ▀▀▀ ▀ ▀▀▀   ▀ ▀▀▀ ▀▀▀     ▀▀▀ ▀   ▀ ▀▀▀ ▀▀▀ ▀▀▀",
-        "sticks                     ± 0.0005 (7 events)       ± 0.0005 (7 events)",
-        "slip 7 at 12.9 s   mu_s 1.2404 ± 0.0007   mu 0.7798 ± 0.0007   good",
-        "",
+        "                           ± 0.0005 (7 events)       ± 0.0005 (7 events)",
+        "event 6 at 12.9 s   mu_s 1.2404 ± 0.0007   mu 0.7798 ± 0.0007   good",
         "noise 1.9 N   loading 360 N/s   a slip every 1.78 s   k 23.0 kN/m",
         "card ok, 15 kB   lost 0   missing 3   bad 0   out of range 0   16.000 Hz",
     ];
     assert_eq!(rows[..head.len()], head);
-    assert!(rows[11].starts_with("800 N│"), "{}", rows[11]);
-    assert!(rows[23].starts_with("s start") && rows[23].ends_with("q quit"), "{}", rows[23]);
+    assert!(rows[13].starts_with("800 N│"), "{}", rows[13]);
+    assert!(rows[23].starts_with("s start") && rows[23].ends_with("y accept"), "{}", rows[23]);
     // All of the trace is in the right half of the last 30 s.
     let dots = |row: &String| row.chars().position(|c| ('\u{2801}'..='\u{28FF}').contains(&c));
-    let first = rows[11..21].iter().filter_map(dots).min().unwrap();
+    let first = rows[13..21].iter().filter_map(dots).min().unwrap();
     assert!((40..=46).contains(&first), "{first}");
     // The verdict is green, what is missing is red, a slip is yellow.
     assert_eq!(buffer[(0, 1)].bg, Color::Green);
-    assert_eq!(buffer[(rows[10].find("missing").unwrap() as u16, 10)].fg, Color::LightRed);
+    assert_eq!(buffer[(rows[12].find("missing").unwrap() as u16, 12)].fg, Color::LightRed);
+    // A block that sticks is blue.
+    assert_eq!(buffer[(0, 2)].bg, Color::LightBlue);
     let yellow = buffer.content.iter().filter(|cell| cell.fg == Color::LightYellow).count();
     assert!(yellow > 10, "{yellow}");
 }
@@ -185,8 +192,9 @@ fn the_whole_display() {
 fn small_terminals_keep_what_matters() {
     let state = measuring();
     let rows = screen_rows(&state, (40, 6), 15.0);
-    assert_eq!(rows[1], " measuring; all is well");
-    assert_eq!(rows[2], "force, N     515.0 sticks");
+    assert_eq!(rows[0], " measuring; all is well");
+    assert_eq!(rows[1], " STICKS");
+    assert_eq!(rows[2], "force, N     515.0");
     assert_eq!(rows[3], "mu_s, mean  1.2406 ± 0.0005 (7 events)");
     assert_eq!(rows[4], "mu, mean    0.7802 ± 0.0005 (7 events)");
     assert_eq!(screen_rows(&state, (24, 1), 15.0), [" measuring; all is well"]);
@@ -268,7 +276,7 @@ fn a_damaged_line_is_counted_and_changes_nothing() {
     assert_eq!(state.event, Some(event()));
     let text_now = verdict(&state, seconds(16.0)).text;
     assert!(text_now.contains("damaged lines: bad cable"), "{text_now}");
-    assert!(screen_rows(&state, (100, 24), 16.0)[10].contains("damaged lines"));
+    assert!(screen_rows(&state, (100, 24), 16.0)[12].contains("damaged lines"));
     // The end of a line that began before the port was opened is no damage.
     let damaged = state.damaged;
     state.take(&Received { text: "0.5,good,stick,0*1234".to_string(), cut: true }, seconds(16.0));
@@ -319,7 +327,7 @@ fn what_is_over_is_no_longer_said() {
         say(&mut state, &Line::Health(Health { overruns: 65, ..health() }), second as f64);
     }
     assert_eq!(verdict(&state, seconds(39.5)).text, "measuring; all is well");
-    assert!(screen_rows(&state, (80, 24), 39.5)[10].contains("lost 65"));
+    assert!(screen_rows(&state, (80, 24), 39.5)[12].contains("lost 65"));
 }
 
 #[test]
@@ -360,7 +368,7 @@ fn tests_begin_and_end() {
     assert_eq!((state.event, state.report, state.trace.len()), (None, None, 0));
     say(&mut state, &Line::Sample(sample(0, 1.0, Phase::Unknown)), 16.1);
     assert_eq!(verdict(&state, seconds(16.2)).text, "measuring; waiting for the first slip");
-    assert!(screen_rows(&state, (80, 24), 16.2)[6].starts_with("learning the noise"));
+    assert_eq!(band(&state, seconds(16.2)).0, "LEARNING");
     // If the settings were not heard, the index tells.
     let mut state = measuring();
     say(&mut state, &Line::Sample(sample(0, 1.0, Phase::Unknown)), 16.0);
@@ -372,7 +380,7 @@ fn an_event_without_coefficients_says_why() {
     let mut state = measuring();
     let (quality, reason) = (Quality::Clipped, Some(Reason::Hidden));
     say(&mut state, &Line::Event(Event { mu_s: None, mu: None, quality, reason, ..event() }), 15.0);
-    let row = &screen_rows(&state, (100, 24), 15.0)[7];
+    let row = &screen_rows(&state, (100, 24), 15.0)[10];
     assert!(
         row.ends_with("mu_s -   mu -   clipped: a gap or saturated samples hide the slip"),
         "{row}"
@@ -387,15 +395,18 @@ fn a_first_answer_is_shown_until_its_event_comes() {
         let answer = Provisional { mu_s: coefficient(1.2391), mu };
         Line::About(About { index, answer })
     };
-    let row = |state: &State| screen_rows(state, (80, 24), 15.0)[8].clone();
+    let row = |state: &State| {
+        let row = screen_rows(state, (80, 24), 15.0)[11].clone();
+        if row.starts_with("provisional") { row } else { String::new() }
+    };
     say(&mut state, &about(234, None), 14.9);
     assert_eq!(row(&state), "provisional at 14.6 s   mu_s ~ 1.239 ± 0.011");
     say(&mut state, &about(237, Some(coefficient(0.781))), 14.9);
     let both = "provisional at 14.8 s   mu_s ~ 1.239 ± 0.011   mu ~ 0.781 ± 0.011";
     assert_eq!(row(&state), both);
     let shown = frame(&state, &Ask::default(), (80, 24), 15.0);
-    assert!(shown[(0, 8)].modifier.contains(Modifier::DIM));
-    assert!(!shown[(0, 7)].modifier.contains(Modifier::DIM));
+    assert!(shown[(0, 11)].modifier.contains(Modifier::DIM));
+    assert!(!shown[(0, 10)].modifier.contains(Modifier::DIM));
     // The event of the slip before comes later than that; its own ends it.
     let with_stop = |index, sample| {
         let stop = SampleTime { index: sample, fraction: 0.1 };

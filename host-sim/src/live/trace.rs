@@ -51,7 +51,7 @@ pub fn pieces(trace: &VecDeque<LiveSample>, rate_hz: f64) -> Vec<Piece> {
 }
 
 /// Draws it into an area of any size.
-pub fn draw(frame: &mut Frame<'_>, area: Rect, state: &State) {
+pub fn draw(frame: &mut Frame<'_>, area: Rect, state: &State, style: Style) {
     let rate_hz = state.rate_hz();
     let window_s = TRACE_LEN as f64 / rate_hz;
     let pieces = pieces(&state.trace, rate_hz);
@@ -61,7 +61,7 @@ pub fn draw(frame: &mut Frame<'_>, area: Rect, state: &State) {
         Dataset::default()
             .marker(Marker::Braille)
             .graph_type(GraphType::Line)
-            .style(Style::new().fg(colour))
+            .style(style.fg(colour))
             .data(&piece.points)
     });
     let start = format!("-{window_s:.0} s");

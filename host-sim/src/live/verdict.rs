@@ -4,6 +4,7 @@ use std::time::Duration;
 
 use floe_core::{Quality, SampleFlag};
 
+use super::band::is_weighing;
 use super::state::State;
 use crate::replay::result::zero_sentence;
 
@@ -28,7 +29,7 @@ pub struct Verdict {
 }
 
 /// A board that is asked every few seconds and says nothing for this long is off.
-const SILENCE: Duration = Duration::from_secs(8);
+pub const SILENCE: Duration = Duration::from_secs(8);
 /// Samples come 16 times a second while a test runs.
 const NO_SAMPLES: Duration = Duration::from_secs(3);
 /// What happened once stays to be read for this long.
@@ -51,6 +52,7 @@ pub fn verdict(state: &State, now: Duration) -> Verdict {
         .or_else(|| complaint(state, now).map(bad))
         .or_else(|| answer(state, now).map(note))
         .or_else(|| incident(state, now).map(note))
+        .or_else(|| weighing(state, now).map(note))
         .or_else(|| to_do(state).map(note))
         .or_else(|| zero(state).map(note));
     found.unwrap_or_else(|| Verdict { level: Level::Good, text: well(state) })
@@ -154,6 +156,15 @@ fn incident(state: &State, now: Duration) -> Option<String> {
         .map(|(count, what)| format!("{count} {what}"))
         .collect();
     (!parts.is_empty()).then(|| format!("in the last 5 s: samples {}", parts.join(", ")))
+}
+
+/// The block on the tripod.
+fn weighing(state: &State, now: Duration) -> Option<String> {
+    let (weighed, _) = state.weighed.filter(|_| is_weighing(state, now))?;
+    Some(match weighed.load {
+        Ok(_) => "weighing: y accepts, z aborts".to_string(),
+        Err(hindrance) => format!("weighing: {}", hindrance.words()),
+    })
 }
 
 fn to_do(state: &State) -> Option<String> {

@@ -2,7 +2,6 @@
 
 use floe_core::{Counts, Newtons, Reading};
 use serde::Serialize;
-use time::OffsetDateTime;
 
 use crate::error::InputError;
 
@@ -98,7 +97,7 @@ pub fn inspect(path: &str, log: &mut Log) -> Result<Inspection, InputError> {
             .map_or_else(Vec::new, |(_, names)| names),
         time_columns,
         time_unit,
-        start: log.start_unix_s().and_then(iso),
+        start: log.start().and_then(|start| start.after(0.0)),
         force_column: layout.force + 1,
         force_unit: layout.unit.name(),
         rate_hz: log.rate_hz(),
@@ -126,16 +125,6 @@ fn time(cells: TimeCells) -> (Vec<usize>, Option<&'static str>) {
         TimeCells::Count { .. } => (Vec::new(), None),
         TimeCells::Cr10 { seconds } => ((2..=4 + usize::from(seconds)).collect(), Some("iso")),
     }
-}
-
-/// A moment in seconds since 1970 as ISO 8601 to the millisecond; `None` beyond year 9999.
-#[must_use]
-pub fn iso(unix_s: f64) -> Option<String> {
-    let nanoseconds = (unix_s * 1e3).round() as i128 * 1_000_000;
-    let at = OffsetDateTime::from_unix_timestamp_nanos(nanoseconds).ok()?;
-    let (date, (h, m, s, ms)) = (at.date(), at.to_hms_milli());
-    let (year, month, day) = date.to_calendar_date();
-    Some(format!("{year:04}-{:02}-{day:02}T{h:02}:{m:02}:{s:02}.{ms:03}", u8::from(month)))
 }
 
 /// What went by.
@@ -170,16 +159,5 @@ impl Seen {
         };
         let (lowest, highest) = self.range.unwrap_or((value, value));
         self.range = Some((lowest.min(value), highest.max(value)));
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn moments_are_written_to_the_millisecond() {
-        assert_eq!(iso(1_330_516_800.062_5).unwrap(), "2012-02-29T12:00:00.063");
-        assert_eq!(iso(1e12), None);
     }
 }

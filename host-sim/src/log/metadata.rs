@@ -14,6 +14,10 @@ pub struct Metadata {
     pub effects: Option<String>,
     /// Weight of the block, N.
     pub weight_n: Option<f64>,
+    /// Mass of the block, kg.
+    pub mass_kg: Option<f64>,
+    /// Normal force of a block under the ice, N.
+    pub normal_n: Option<f64>,
     /// Slope along the pull, degrees, uphill positive.
     pub slope_deg: Option<f64>,
     /// How well all this is known.
@@ -22,6 +26,16 @@ pub struct Metadata {
     pub winch_m_per_s: Option<f64>,
     /// Length of the cable, m.
     pub cable_length_m: Option<f64>,
+    /// How the block was pulled: `sliding`, `rafting` or `over-riding`.
+    pub kind: Option<String>,
+    /// The ice under it: `fresh` or `repeated`.
+    pub track: Option<String>,
+    /// When the test was started, ms since 1970 (UTC).
+    pub start_unix_ms: Option<f64>,
+    /// Its stamps count from a day that means nothing: the logger's clock was not set.
+    pub undated: bool,
+    /// Mean temperature of the converter, °C.
+    pub temperature_c: Option<f64>,
     /// Depth of the snow cover, mm.
     pub snow_mm: Option<f64>,
     /// Samples per second.
@@ -67,6 +81,8 @@ impl Metadata {
             "effects" => {
                 replaced(&mut self.effects, Some(value.to_string()).filter(|it| !it.is_empty()))
             }
+            "kind" => replaced(&mut self.kind, Some(value.to_string())),
+            "track" => replaced(&mut self.track, Some(value.to_string())),
             "weight_from" => {
                 replaced(&mut self.known.weight_from, Some(WeightFrom::from_word(value)?))
             }
@@ -102,9 +118,13 @@ impl Metadata {
     fn field(&mut self, key: &str) -> Option<&mut Option<f64>> {
         Some(match key {
             "weight_n" => &mut self.weight_n,
+            "mass_kg" => &mut self.mass_kg,
+            "normal_n" => &mut self.normal_n,
             "slope_deg" => &mut self.slope_deg,
             "winch_m_per_s" => &mut self.winch_m_per_s,
             "cable_length_m" => &mut self.cable_length_m,
+            "start_unix_ms" => &mut self.start_unix_ms,
+            "temperature_c" => &mut self.temperature_c,
             "snow_mm" => &mut self.snow_mm,
             "rate_hz" => &mut self.rate_hz,
             "range_n" => &mut self.range_n,

@@ -37,6 +37,7 @@ pub mod options;
 pub mod plain;
 pub mod rows;
 pub mod stamp;
+pub mod start;
 pub mod timing;
 pub mod toa5;
 
@@ -48,6 +49,7 @@ pub use number::{Decimal, STANDARD_GRAVITY, Unit};
 use open::{begin, peek, recognise, refuse_binary, utf8};
 pub use options::LogOptions;
 use rows::{Layout, Row, Rows};
+use start::Start;
 
 /// Rows read ahead to find rate, phase and metadata.
 const HEAD_ROWS: usize = 4096;
@@ -138,7 +140,7 @@ impl Log {
         refuse_binary(head)?;
         let format = options.format.unwrap_or_else(|| recognise(head));
         let (rows, head) = begin(format, lines, options)?;
-        Self::start(format, rows, head, options)
+        Self::timed(format, rows, head, options)
     }
 
     /// The logger's own log, by way of its text.
@@ -152,7 +154,7 @@ impl Log {
         let text = card::Text::new(input);
         let told = text.told();
         let (rows, head) = begin(Format::Floe, Lines::new(Box::new(text)), &options)?;
-        Ok(Self { told, ..Self::start(Format::Floe, rows, head, &options)? })
+        Ok(Self { told, ..Self::timed(Format::Floe, rows, head, &options)? })
     }
 
     /// The next sample, `None` at the end.
@@ -229,10 +231,15 @@ impl Log {
         &self.head
     }
 
-    /// The moment of the first sample in seconds since 1970, where the log says the date.
+    /// The moment at which its own time begins, where it says the date.
     #[must_use]
-    pub fn start_unix_s(&self) -> Option<f64> {
-        self.rows.layout().time.is_calendar().then_some(self.origin_s)
+    pub fn start(&self) -> Option<Start> {
+        let metadata = self.metadata();
+        if let Some(start_ms) = metadata.start_unix_ms {
+            return Some(Start { unix_s: start_ms / 1000.0, is_utc: true });
+        }
+        let said = self.rows.layout().time.is_calendar() && !metadata.undated;
+        said.then_some(Start { unix_s: self.origin_s, is_utc: self.rows.is_utc() })
     }
 
     /// What a reader of the result should know, complete at the end of the log.
@@ -250,7 +257,7 @@ impl Log {
     }
 
     /// Reads the head and finds the timing in it.
-    fn start(
+    fn timed(
         format: Format,
         mut rows: Rows,
         recognised: Recognised,

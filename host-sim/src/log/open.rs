@@ -6,6 +6,7 @@ use floe_firmware::record::MAGIC;
 
 use crate::error::{InputError, excerpt};
 
+use super::cells::texts;
 use super::header;
 use super::lines::Lines;
 use super::metadata::Metadata;
@@ -141,6 +142,7 @@ fn toa5_layout(
         let message = format!("a toa5 log begins with \"TOA5\", not {}", excerpt(&first));
         return Err(InputError::new(message).within(format_args!("line {number}")));
     }
+    metadata.undated = texts(&first, b',').last().is_some_and(|table| table == toa5::UNDATED);
     let (names, number) = header_line(lines, metadata)?;
     let (units, _) = header_line(lines, metadata)?;
     let (_processing, _) = header_line(lines, metadata)?;

@@ -9,7 +9,7 @@ use super::lines::Lines;
 use super::metadata::Metadata;
 use super::number::{Decimal, Unit, finite, reading, reading_of};
 use super::plain::Plain;
-use super::stamp::{TimeUnit, clock_seconds, cr10_seconds, date_seconds};
+use super::stamp::{TimeUnit, clock_seconds, cr10_seconds, date_seconds, has_zone};
 
 /// Largest time that is taken, s: 31 000 years.
 const LATEST_S: f64 = 1e12;
@@ -108,6 +108,8 @@ pub struct Rows {
     last_record: Option<f64>,
     truncated: Option<u64>,
     count: u64,
+    /// Whether the first row's time is in UTC; `None` before that.
+    utc: Option<bool>,
 }
 
 impl Rows {
@@ -124,6 +126,7 @@ impl Rows {
             last_record: None,
             truncated: None,
             count: 0,
+            utc: None,
         }
     }
 
@@ -144,6 +147,9 @@ impl Rows {
                 Some(b'#') => self.metadata.take(line.bytes, number).map(|()| None),
                 Some(_) => self.layout.row(line.bytes, ended, &mut self.cells),
             };
+            if let (Ok(Some(_)), None) = (&result, self.utc) {
+                self.utc = Some(self.layout.says_zone(line.bytes, &self.cells));
+            }
             let result = result.and_then(|found| {
                 found.map(|(row, record)| self.follow(row, record, number)).transpose()
             });
@@ -164,6 +170,14 @@ impl Rows {
     #[must_use]
     pub fn truncated(&self) -> Option<u64> {
         self.truncated
+    }
+
+    /// Whether times are UTC: counted from 1970, or in a zone that the first row says.
+    #[must_use]
+    pub fn is_utc(&self) -> bool {
+        let since_1970 = TimeUnit::Epoch;
+        matches!(self.layout.time, TimeCells::Number { unit, .. } if unit == since_1970)
+            || self.utc.unwrap_or_default()
     }
 
     /// Where the rows' cells are.
@@ -229,6 +243,18 @@ impl Layout {
         let row = Row { time_s: self.time_s(line, cells)?, reading, records: 1, line: 0 };
         let record = self.record.and_then(|cell| finite(cells.get(line, cell)?));
         Ok(Some((row, record)))
+    }
+
+    /// Whether a row's time is in a zone that it says.
+    fn says_zone(&self, line: &[u8], cells: &Cells) -> bool {
+        let cell = |index| text(cells.get(line, index).unwrap_or_default());
+        match self.time {
+            TimeCells::Number { cell: index, unit: TimeUnit::Iso } => {
+                cell(index).split_once([' ', 'T']).is_some_and(|(_, clock)| has_zone(clock))
+            }
+            TimeCells::DateAndClock { clock, .. } => has_zone(cell(clock)),
+            TimeCells::Number { .. } | TimeCells::Count { .. } | TimeCells::Cr10 { .. } => false,
+        }
     }
 
     fn no_force(&self, cell: &[u8]) -> InputError {

@@ -132,6 +132,12 @@ pub fn clock_seconds(text: &str) -> Option<f64> {
     valid.then(|| f64::from(u32::from(hour) * 60 + u32::from(minute)) * 60.0 + second - offset_s)
 }
 
+/// Whether a zone stands behind a time of day.
+#[must_use]
+pub fn has_zone(text: &str) -> bool {
+    zone(text).is_some_and(|(clock, _)| clock.len() < text.len())
+}
+
 /// The time of day without its zone, and that zone's offset in seconds.
 fn zone(text: &str) -> Option<(&str, f64)> {
     if let Some(clock) = text.strip_suffix(['Z', 'z']).or_else(|| text.strip_suffix("UTC")) {

@@ -10,6 +10,9 @@ use super::number::{Decimal, Unit};
 use super::rows::{Layout, TimeCells};
 use super::stamp::TimeUnit;
 
+/// Name of the table in a test whose logger knew no date.
+pub const UNDATED: &str = "pull_undated";
+
 /// Finds the columns in the second and third header line: names and units.
 ///
 /// Without `--column` it is `force_n`, `force_kn` or the only column whose unit

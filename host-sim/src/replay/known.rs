@@ -130,11 +130,18 @@ impl KnownOptions {
         // A random walk from one zero to the other strays by so much in its mean.
         let remainder =
             before.zip(after).map(|(before, after)| (after - before).abs() / 12_f64.sqrt());
+        // The caller knows best; else the scatter of both zeros and what is between them.
+        let measured = match (zero, remainder) {
+            (Some(scatter), Some(remainder)) if self.zero_std_n.is_none() => {
+                Some(scatter.hypot(remainder))
+            }
+            (scatter, remainder) => scatter.or(remainder),
+        };
         let winch = winch.zip(winch_m_per_s).map(|(std, speed)| std / speed);
         InputStd {
             weight: or(weight.map(|std| std / weight_n), usual.weight),
             slope_rad: or(slope.map(f64::to_radians), usual.slope_rad),
-            zero_n: zero.or(remainder).map(|std| std as f32),
+            zero_n: measured.map(|std| std as f32),
             span: match from {
                 Some(WeightFrom::SameCell) => 0.0,
                 _ => or(span.map(|percent| 0.01 * percent), usual.span),
@@ -221,6 +228,9 @@ mod tests {
         assert!((std.weight - 0.001).abs() < 1e-7 && std.damping.abs() < 1e-9);
         assert!((std.zero_n.unwrap() - 3.4641).abs() < 1e-3);
         assert_eq!((std.span, std.slope_rad), (0.001, InputStd::default().slope_rad));
+        // The scatter of the zero does not hide that it has moved.
+        *said.field("zero_std_n").unwrap() = Some(0.001);
+        assert!((options.std(&said, 630.0, None).zero_n.unwrap() - 3.4641).abs() < 1e-3);
         said.weight_from = Some(WeightFrom::SameCell);
         assert!(options.std(&said, 630.0, None).span.abs() < 1e-9);
         assert!(said.field("weight_n").is_none());

@@ -16,12 +16,12 @@ pub mod table;
 pub mod test;
 pub mod timeline;
 
-use known::{KnownOptions, Zero};
 use result::{
     ChangeSummary, CoefficientSummary, EffectSummary, EventSummary, LogSummary, ReplayResult,
     TestSummary,
 };
 use stretches::Stretches;
+use test::{Around, TestOptions};
 use timeline::Timeline;
 
 /// Runs a whole log through the core; constant memory apart from the events.
@@ -38,22 +38,23 @@ pub fn replay(
     config: &Config,
     observe: impl FnMut(f64, &Step),
 ) -> Result<ReplayResult, InputError> {
-    let zero = KnownOptions::default().zero(log);
-    replay_with_zero(path, log, config, zero, observe)
+    let around = TestOptions::default().around(log);
+    replay_with(path, log, config, around, observe)
 }
 
-/// The same with a zero of the load cell to take off: needs the whole log in memory if there
-/// is one.
+/// The same with what the caller says beside the configuration. A zero of the load cell to
+/// take off needs the whole log in memory.
 ///
 /// # Errors
 /// A line of the log that cannot be used.
-pub fn replay_with_zero(
+pub fn replay_with(
     path: &str,
     log: &mut Log,
     config: &Config,
-    zero: Zero,
+    around: Around,
     mut observe: impl FnMut(f64, &Step),
 ) -> Result<ReplayResult, InputError> {
+    let Around { zero, mass_kg } = around;
     let refused = |error: floe_core::ConfigError| InputError::new(error.to_string());
     let mut pipeline = Pipeline::new(config).map_err(refused)?;
     let mut timeline = Timeline::new(log.rate_hz());
@@ -85,6 +86,11 @@ pub fn replay_with_zero(
     while let Some(stretch) = pipeline.finish_stretch() {
         add(&mut stretches, &stretch, &timeline);
     }
+    if let Some(start) = log.start() {
+        for event in &mut events {
+            event.onset_time = start.after(event.onset_s);
+        }
+    }
     let report = pipeline.report();
     let log_summary = LogSummary {
         path: path.to_string(),
@@ -99,6 +105,7 @@ pub fn replay_with_zero(
         test_id: log.metadata().test_id.clone(),
         weight_n: config.weight_n.into(),
         slope_rad: config.slope_rad.into(),
+        mass_kg,
     };
     let result = ReplayResult::new(log_summary, test, (config, &report), events, changes);
     let effects = pipeline.findings().iter().map(EffectSummary::from).collect();

@@ -33,7 +33,7 @@ pub struct Quantities {
     /// One standard deviation.
     #[serde(serialize_with = "short_or_null")]
     pub stiffness_from_rate_n_per_m_std: Option<f64>,
-    /// `k = ω² W/g`, from the weight.
+    /// `k = ω² M`, from the weight.
     #[serde(serialize_with = "short_or_null")]
     pub stiffness_from_omega_n_per_m: Option<f64>,
     /// One standard deviation.
@@ -57,15 +57,16 @@ pub struct Quantities {
 type Relative = (f64, f64);
 
 impl Quantities {
-    /// Of a test.
+    /// Of a test; `mass_kg` where that is not the weight over gravity.
     #[must_use]
-    pub fn new(config: &Config, report: &Report) -> Self {
+    pub fn new(config: &Config, report: &Report, mass_kg: Option<f64>) -> Self {
         let rate = relative(report.loading_rate_n_per_s);
         let omega = relative(report.omega_rad_per_s);
         let winch = config.winch_m_per_s.map(f64::from);
         let std = |of: f32| f64::from(of);
         let ratio = f64::from(report.weight_ratio);
-        let mass_kg = ratio * f64::from(config.weight_n) / STANDARD_GRAVITY;
+        let of_weight = f64::from(config.weight_n) / STANDARD_GRAVITY;
+        let mass_kg = ratio * mass_kg.unwrap_or(of_weight);
         let weight = std(config.std.weight).hypot(std(report.weight_ratio_std));
         let from_rate = rate.zip(winch).map(|((rate, own), winch)| {
             (rate / winch, own.hypot(std(config.std.winch)).hypot(std(config.std.span)))

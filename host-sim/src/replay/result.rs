@@ -145,12 +145,15 @@ pub struct LogSummary {
 pub struct TestSummary {
     /// Name of the test, if the log gives one.
     pub test_id: Option<String>,
-    /// Weight of the block.
+    /// Weight of the block, or the normal force under the ice.
     #[serde(serialize_with = "short")]
     pub weight_n: f64,
     /// Slope of the ice, uphill positive.
     #[serde(serialize_with = "short")]
     pub slope_rad: f64,
+    /// Mass of the block where that is not its weight over gravity: under the ice.
+    #[serde(serialize_with = "short_or_null")]
+    pub mass_kg: Option<f64>,
 }
 
 /// The two coefficients.
@@ -264,6 +267,8 @@ pub struct EventSummary {
     /// Work against the friction, J.
     #[serde(serialize_with = "short_or_null")]
     pub energy_j: Option<f64>,
+    /// When the slip began, ISO 8601 (UTC) to the millisecond; `null` when the log has no date.
+    pub onset_time: Option<String>,
 }
 
 impl ReplayResult {
@@ -281,7 +286,7 @@ impl ReplayResult {
             last.weight_ratio = known.weight_ratio.into();
             last.weight_ratio_std = known.weight_ratio_std.into();
         }
-        let quantities = Quantities::new(config, report);
+        let quantities = Quantities::new(config, report, test.mass_kg);
         events.iter_mut().for_each(|event| quantities.complete(event));
         Self {
             schema: SCHEMA,
@@ -417,6 +422,7 @@ impl EventSummary {
             mu_ci95: pair(event.mu.map(|c| c.ci95())),
             slip_length_m: None,
             energy_j: None,
+            onset_time: None,
         }
     }
 }
@@ -479,9 +485,16 @@ mod tests {
             r#"{"mean":0.78,"std_error":0.0003,"spread":null,"systematic_std":0.0004,"combined_std":0.0005,"ci95":[0.77902,0.78097993],"reason":null}"#
         );
         assert!(text(f32::NAN).starts_with(r#"{"mean":null,"std_error":0.0003,"spread":null"#));
-        let test = |weight_n| TestSummary { test_id: None, weight_n, slope_rad: 0.0 };
+        let test =
+            |weight_n| TestSummary { test_id: None, weight_n, slope_rad: 0.0, mass_kg: None };
         let text = |weight_n| serde_json::to_string(&test(weight_n)).unwrap();
-        assert_eq!(text(0.3_f32.into()), r#"{"test_id":null,"weight_n":0.3,"slope_rad":0.0}"#);
-        assert_eq!(text(f64::NAN), r#"{"test_id":null,"weight_n":null,"slope_rad":0.0}"#);
+        assert_eq!(
+            text(0.3_f32.into()),
+            r#"{"test_id":null,"weight_n":0.3,"slope_rad":0.0,"mass_kg":null}"#
+        );
+        assert_eq!(
+            text(f64::NAN),
+            r#"{"test_id":null,"weight_n":null,"slope_rad":0.0,"mass_kg":null}"#
+        );
     }
 }

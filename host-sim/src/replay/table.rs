@@ -88,7 +88,15 @@ fn header(out: &mut String, result: &ReplayResult, force: usize) -> std::fmt::Re
     }
     let id = test.test_id.as_ref().map(|id| format!("{id}, ")).unwrap_or_default();
     let weight = cell(Some(test.weight_n), force);
-    writeln!(out, "test   {id}weight {weight} N, slope {:.2}°\n", test.slope_rad.to_degrees())
+    match test.mass_kg {
+        Some(mass_kg) => {
+            writeln!(out, "test   {id}under the ice: normal force {weight} N, mass {mass_kg} kg\n")
+        }
+        None => {
+            let slope_deg = test.slope_rad.to_degrees();
+            writeln!(out, "test   {id}weight {weight} N, slope {slope_deg:.2}°\n")
+        }
+    }
 }
 
 /// A number with up to seven digits and no idle zeros.
@@ -324,7 +332,7 @@ mod tests {
                 warnings: vec!["line 9 is odd".to_string()],
                 ..LogSummary::default()
             },
-            test: TestSummary { test_id: None, weight_n: 630.0, slope_rad: 0.0 },
+            test: TestSummary { test_id: None, weight_n: 630.0, slope_rad: 0.0, mass_kg: None },
             estimate: EstimateSummary { mu_s: mean(1.2401), mu: mean(0.78), events: 1 },
             noise_n: Some(1.98765),
             quantities: Quantities {
@@ -374,6 +382,7 @@ mod tests {
             mu_ci95: Some([0.7774, 0.7826]),
             slip_length_m: None,
             energy_j: None,
+            onset_time: None,
         }
     }
 

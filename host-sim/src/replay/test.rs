@@ -4,7 +4,7 @@ use floe_core::{Calibration, Config, Effect, Effects};
 
 use crate::error::InputError;
 use crate::log::{Log, STANDARD_GRAVITY, Unit};
-use crate::replay::known::KnownOptions;
+use crate::replay::known::{KnownOptions, Zero};
 
 /// What the caller says about the test.
 // A default in brackets, as every help has it, is no link.
@@ -17,6 +17,10 @@ pub struct TestOptions {
     /// Mass of the block in kilograms, instead of its weight (times 9.80665 m/s²)
     #[arg(long, value_name = "M", allow_negative_numbers = true, conflicts_with = "weight_n")]
     pub mass_kg: Option<f64>,
+    /// Normal force in newtons of a block that is pulled along the underside of the ice, where
+    /// buoyancy less weight presses it: the coefficients are of it, and --mass-kg is the mass
+    #[arg(long, value_name = "N", allow_negative_numbers = true, conflicts_with = "weight_n")]
+    pub normal_n: Option<f64>,
     /// Slope of the ice along the pull in degrees, uphill positive
     /// [default: `# slope_deg:` in the log, else 0]
     #[arg(long, value_name = "A", allow_negative_numbers = true)]
@@ -68,14 +72,8 @@ fn said_effects(log: &Log) -> Result<Effects, InputError> {
 /// out of its range.
 pub fn configure(log: &Log, options: &TestOptions) -> Result<Config, InputError> {
     let said = log.metadata();
-    let weight_n = options.weight_n.or(options.mass_kg.map(|mass| mass * STANDARD_GRAVITY));
-    let weight_n = weight_n.or(said.weight_n).ok_or_else(|| {
-        InputError::new(
-            "the block's weight is not known: give --weight-n W or --mass-kg M, \
-             or put '# weight_n: W' into the log",
-        )
-    })?;
     let slope_deg = options.slope_deg.or(said.slope_deg).unwrap_or(0.0);
+    let Pressed { force_n: weight_n, .. } = pressed(log, options, slope_deg)?;
     let config = Config {
         rate_hz: log.rate_hz() as f32,
         weight_n: weight_n as f32,
@@ -89,6 +87,62 @@ pub fn configure(log: &Log, options: &TestOptions) -> Result<Config, InputError>
     let given = format!("weight {weight_n} N, slope {slope_deg}°");
     config.validate().map_err(|error| InputError::new(format!("{error} ({given})")))?;
     Ok(config)
+}
+
+/// What presses the block onto the ice.
+struct Pressed {
+    /// Its weight, or the normal force under the ice, N.
+    force_n: f64,
+    /// Its mass, kg, where that is not the force over gravity.
+    mass_kg: Option<f64>,
+}
+
+fn pressed(log: &Log, options: &TestOptions, slope_deg: f64) -> Result<Pressed, InputError> {
+    let said = log.metadata();
+    let refuse = |why: &str| Err(InputError::new(why));
+    let normal_n =
+        if options.weight_n.is_some() { None } else { options.normal_n.or(said.normal_n) };
+    if let Some(force_n) = normal_n {
+        let mass_kg =
+            options.mass_kg.or(said.mass_kg).filter(|mass| mass.is_finite() && *mass > 0.0);
+        return match mass_kg {
+            None => refuse(
+                "under the ice the mass moves and the normal force presses: \
+                            --normal-n needs --mass-kg M above zero, or '# mass_kg: M' in the log",
+            ),
+            Some(_) if slope_deg.abs() > 0.0 => {
+                refuse("a block under the ice is pulled level: leave the slope out, or --normal-n")
+            }
+            mass_kg => Ok(Pressed { force_n, mass_kg }),
+        };
+    }
+    let mass_kg = options.mass_kg.or_else(|| said.mass_kg.filter(|_| said.weight_n.is_none()));
+    let of_mass = mass_kg.map(|mass| mass * STANDARD_GRAVITY);
+    match options.weight_n.or(of_mass).or(said.weight_n) {
+        Some(force_n) => Ok(Pressed { force_n, mass_kg: None }),
+        None => refuse(
+            "the block's weight is not known: give --weight-n W or --mass-kg M, \
+             or put '# weight_n: W' into the log",
+        ),
+    }
+}
+
+impl TestOptions {
+    /// What the core is not told.
+    #[must_use]
+    pub fn around(&self, log: &Log) -> Around {
+        let mass_kg = pressed(log, self, 0.0).ok().and_then(|pressed| pressed.mass_kg);
+        Around { zero: self.known.zero(log), mass_kg }
+    }
+}
+
+/// What the core is not told of a test.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Around {
+    /// The zero to take off.
+    pub zero: Zero,
+    /// Mass of the block, kg, where that is not its weight over gravity.
+    pub mass_kg: Option<f64>,
 }
 
 /// Converter codes to newtons, if the log is in codes.

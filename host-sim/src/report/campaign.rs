@@ -14,6 +14,7 @@ use super::svg::{Path, escape};
 const STYLE: &str = include_str!("style.css");
 const SCRIPT: &str = include_str!("script.js");
 const TREND_STYLE: &str = ".trend { stroke: var(--tone); stroke-width: 2; }\n\
+    .rist { stroke: var(--ink); stroke-width: 1.5; stroke-dasharray: 5 4; }\n\
     main td:last-child, main th:last-child { text-align: right; min-width: 0; }\n";
 
 /// Points of a plot are drawn up to this many.
@@ -67,9 +68,9 @@ fn groups(groups: &[GroupMeans]) -> String {
             g.group.name(),
             g.mu.or(g.mu_s).map_or(0, |m| m.tests),
             cell(g.mu),
-            fixed(g.published_mu, 2),
+            g.published_mu.map_or("–".to_owned(), |mean| fixed(mean, 2)),
             cell(g.mu_s),
-            fixed(g.published_mu_s, 2),
+            g.published_mu_s.map_or("–".to_owned(), |mean| fixed(mean, 2)),
         )
     };
     let rows: String = groups.iter().map(row).collect();
@@ -160,6 +161,9 @@ impl Panel<'_> {
             .map(|(group, tone)| dot_key(&format!("event {tone}"), group.name()))
             .collect();
         keys.push(line_key("mean", "line by least squares, ± one standard error"));
+        if self.against == Against::WeightKn {
+            keys.push(line_key("rist", "Rist (1997): proportional to weight^(-1/3)"));
+        }
         Some(Figure {
             class: "trend-figure",
             drawings: vec![both(|layout| self.draw(layout))],
@@ -204,8 +208,24 @@ impl Panel<'_> {
             let ends = [low, high].map(|x| (x, trend.trend.at(x).0));
             plot.line(&format!("trend {tone}"), ends);
         }
+        if self.against == Against::WeightKn {
+            self.draw_rist(&mut plot);
+        }
         self.draw_points(&mut plot);
         plot.finish()
+    }
+
+    /// Rist (1997): a shear force proportional to `N^(2/3)`, so a coefficient to
+    /// `N^(-1/3)`, through the mean of all tests.
+    fn draw_rist(&self, plot: &mut Plot) {
+        let points = self.points(Group::All);
+        let sum: f64 = points.iter().map(|(weight, value)| value * weight.cbrt()).sum();
+        let factor = sum / points.len().max(1) as f64;
+        let (low, high) = extent(points.iter().map(|p| p.0), 0.02);
+        if low > 0.0 && high > low {
+            let at = |i: i32| low + (high - low) * f64::from(i) / 40.0;
+            plot.line("rist", (0..=40).map(|i| (at(i), factor / at(i).cbrt())));
+        }
     }
 
     fn draw_points(&self, plot: &mut Plot) {
@@ -230,6 +250,8 @@ impl Panel<'_> {
             (Against::PullMmPerS, Coefficient::MuS) => ("pull-mu-s", "μs", "s"),
             (Against::SnowMm, Coefficient::Mu) => ("snow-mu", "μ", ""),
             (Against::SnowMm, Coefficient::MuS) => ("snow-mu-s", "μs", "s"),
+            (Against::HoldDecades, Coefficient::Mu) => ("hold-mu", "μ", ""),
+            (Against::HoldDecades, Coefficient::MuS) => ("hold-mu-s", "μs", "s"),
         };
         let (low, high) = extent(all.iter().map(|p| p.1), 0.08);
         Spec {

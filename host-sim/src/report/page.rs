@@ -67,10 +67,14 @@ fn test_line(result: &ReplayResult) -> String {
     let slope =
         if degrees == 0.0 { "level ice".into() } else { format!("slope {}°", fixed(degrees, 2)) };
     let weight = quantity(result.test.weight_n, "N");
-    format!(
-        "block weight {weight} · {slope} · <span class=\"path\">{}</span>",
-        escape(&result.log.path)
-    )
+    let block = match result.test.mass_kg {
+        Some(mass_kg) => {
+            let mass = quantity(mass_kg, "kg");
+            format!("under the ice: normal force {weight}, mass {mass}")
+        }
+        None => format!("block weight {weight} · {slope}"),
+    };
+    format!("{block} · <span class=\"path\">{}</span>", escape(&result.log.path))
 }
 
 /// Those that there is something to draw in.

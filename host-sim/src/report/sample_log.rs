@@ -80,6 +80,7 @@ fn event(index: u32, from_s: f64, from_n: f64, noise: &mut Noise) -> EventSummar
         mu_ci95: Some([mu - 0.0062, mu + 0.0062]),
         slip_length_m: Some(0.03),
         energy_j: Some(15.0),
+        onset_time: None,
     }
 }
 
@@ -249,6 +250,7 @@ fn result(events: Vec<EventSummary>, samples: u64, duration_s: f64) -> ReplayRes
             test_id: Some("DFF8-13 (synthetic)".into()),
             weight_n: WEIGHT_N,
             slope_rad: 0.0,
+            mass_kg: None,
         },
         estimate: EstimateSummary {
             mu_s: coefficient(&values(|e| e.mu_s)),

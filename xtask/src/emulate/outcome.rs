@@ -63,6 +63,7 @@ pub fn decode(shown: &str) -> Result<Outcome> {
             | Line::About(_)
             | Line::Mean(_)
             | Line::Note(_)
+            | Line::Weighed(_)
             | Line::Mark { .. }
             | Line::Sync { .. }
             | Line::Climate { .. }
@@ -148,6 +149,7 @@ impl Outcome {
             test_id: record.test_id.clone(),
             weight_n: f64::from(self.config.weight_n),
             slope_rad: f64::from(self.config.slope_rad),
+            mass_kg: None,
         };
         let seconds = |moment: SampleTime| {
             let last = record.times_s.len().saturating_sub(1);

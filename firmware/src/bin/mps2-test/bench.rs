@@ -94,6 +94,7 @@ fn lines() {
         flag: floe_core::SampleFlag::Good,
         phase: floe_core::Phase::Stick,
         gap: 0,
+        rate_n_per_s: Some(361.125),
     };
     show("sample-line", |_| (), |()| Line::Sample(live).to_text(), 4);
 }

@@ -3,7 +3,7 @@
 //! Time runs from the middle of the window, so that cosine and mean go together, and sine
 //! and slope, but not the one pair with the other: two equations of two unknowns each.
 
-use crate::num::math::{hypotenuse, larger, sin_cos, smaller, sqrt};
+use floe_core::num::math::{self, hypotenuse, larger, smaller, sqrt};
 
 use super::window::Window;
 
@@ -24,6 +24,12 @@ const REFINEMENTS: u32 = 8;
 /// a larger one, and is to be seen as the drift it is.
 const LARGEST_CORRELATION: f32 = 0.8;
 const TURN_RAD: f32 = core::f32::consts::TAU;
+
+/// Once in the program: nothing here is done at every sample.
+#[inline(never)]
+fn sin_cos(x_rad: f32) -> (f32, f32) {
+    math::sin_cos(x_rad)
+}
 
 /// An oscillation of the force.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -169,6 +175,7 @@ fn strongest(window: &Window, line: &Line) -> (f32, Sine) {
 }
 
 /// Least squares of a sine beside the line.
+#[inline(never)]
 fn sine_at(window: &Window, line: &Line, step_rad: f32) -> Sine {
     let (turn_sin, turn_cos) = sin_cos(step_rad);
     let (mut s, mut c) = sin_cos(0.5 * step_rad);

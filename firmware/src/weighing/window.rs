@@ -1,6 +1,6 @@
 //! The last 64 s as means of a quarter of a second.
 
-use crate::num::math::larger;
+use floe_core::num::math::larger;
 
 /// Means that are kept; an even number.
 const LEN: usize = 256;
@@ -27,36 +27,32 @@ impl Window {
         Self { readings, rate_hz, origin, means, blocks: 0, taken: 0, good: 0, sum: 0.0 }
     }
 
-    /// True when a group is complete. A group without a good reading empties the window:
-    /// what happened meanwhile is not known.
-    pub(super) fn add(&mut self, reading: Option<f32>) -> bool {
+    /// A group without a good reading empties the window: what happened meanwhile is not
+    /// known.
+    pub(super) fn add(&mut self, reading: Option<f32>) {
         if let Some(reading) = reading {
             let origin = *self.origin.get_or_insert(reading);
             self.sum += reading - origin;
             self.good += 1;
         }
         self.taken += 1;
-        self.taken >= self.readings && self.close()
+        if self.taken >= self.readings {
+            self.close();
+        }
     }
 
-    fn close(&mut self) -> bool {
+    fn close(&mut self) {
         let mean = self.sum / larger(self.good as f32, 1.0);
         let failed = self.good == 0;
         (self.taken, self.good, self.sum) = (0, 0, 0.0);
         if failed {
             (self.origin, self.blocks) = (None, 0);
-            return false;
+            return;
         }
         if let Some(place) = self.means.get_mut(self.blocks as usize % LEN) {
             *place = mean;
         }
         self.blocks = self.blocks.wrapping_add(1);
-        true
-    }
-
-    /// Groups since the window was last empty.
-    pub(super) fn blocks(&self) -> u32 {
-        self.blocks
     }
 
     /// Means in the window, the newest ones: an even number.

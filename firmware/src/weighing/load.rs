@@ -1,6 +1,6 @@
 //! What hangs there, without what its swing adds.
 
-use crate::num::math::{atan2, hypotenuse, sqrt};
+use floe_core::num::math::{atan2, hypotenuse, sqrt};
 
 use super::{Rest, Unrest};
 

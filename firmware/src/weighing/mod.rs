@@ -22,7 +22,7 @@ mod window;
 pub use load::{Load, Swing};
 pub use sine::Oscillation;
 
-use crate::num::math::{larger, sqrt};
+use floe_core::num::math::{larger, sqrt};
 use sine::Fit;
 use window::Window;
 
@@ -82,11 +82,9 @@ impl Weighing {
         Self { window: Window::new(readings.max(1), rate_hz) }
     }
 
-    /// Takes a reading, `None` for one that failed. True once a second: time to ask for
-    /// the [`Self::rest`], which costs as much as thousand readings.
-    pub fn add(&mut self, reading: Option<f32>) -> bool {
-        let complete = self.window.add(reading);
-        complete && self.window.blocks().is_multiple_of(BLOCKS_PER_S as u32)
+    /// Takes a reading, `None` for one that failed.
+    pub fn add(&mut self, reading: Option<f32>) {
+        self.window.add(reading);
     }
 
     /// Length of the record so far, s.
@@ -95,7 +93,8 @@ impl Weighing {
         self.window.len() as f32 * self.window.block_s()
     }
 
-    /// The mean and its standard deviation.
+    /// The mean and its standard deviation; costs as much as some hundred thousand
+    /// readings, so ask once a second.
     ///
     /// # Errors
     /// The load does not rest, or not for long enough.

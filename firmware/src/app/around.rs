@@ -1,0 +1,141 @@
+//! What is done around a test: the zero, the span and the weight, the clock, the notebook.
+
+use embedded_io::{Read, ReadReady, Write};
+use heapless::String;
+
+use super::{App, Job, config_error};
+use crate::adc::Climate;
+use crate::console::INPUT_LEN;
+use crate::line::Line;
+use crate::measuring::{Measuring, Task};
+use crate::settings::{Settings, Zero};
+use crate::store::Store;
+use crate::text::text;
+use crate::wall_clock::Moment;
+
+/// Half a sampling period: a command comes anywhere within one.
+const HALF_A_PERIOD_MS: u64 = 31;
+
+impl<P: Read + ReadReady + Write, S: Store> App<'_, P, S> {
+    // This and the next on their own: a measurement is big, and on the stack while it moves.
+    /// Begins to measure what hangs there, or goes on with another known weight.
+    #[inline(never)]
+    pub(super) fn measure(&mut self, task: Task) -> Result<(), &'static str> {
+        let hint = match (task, &mut self.job) {
+            (Task::Calibrate(force_n), Job::Measuring(measuring)) if measuring.is_calibration() => {
+                measuring.another(force_n, &self.settings)?;
+                "the weight before is kept; "
+            }
+            _ => {
+                self.job = Job::Measuring(Measuring::new(task, &self.settings));
+                ""
+            }
+        };
+        self.shared.want(crate::adc::Input::Bridge);
+        let what = match task {
+            Task::Tare => "the empty hook",
+            Task::Calibrate(_) => "the known weight",
+            Task::Weigh => "the block",
+        };
+        let how = " at rest: 8 s at least, 40 s is better; then accept, or abort";
+        self.info(&text((hint, what, how)));
+        Ok(())
+    }
+
+    /// Once a second: how far the measurement has come.
+    #[inline(never)]
+    pub(super) fn measured(&mut self) {
+        let Job::Measuring(measuring) = &self.job else { return };
+        let (weighed, news) = (measuring.weighed(), measuring.news(&self.settings));
+        if let Some(weighed) = weighed {
+            self.console.tell(&Line::Weighed(weighed));
+        }
+        if let Some(news) = news {
+            self.info(&news);
+        }
+    }
+
+    /// Uses what was measured.
+    #[inline(never)]
+    pub(super) fn accept(&mut self) -> Result<(), &'static str> {
+        let Job::Measuring(measuring) = &self.job else {
+            return Err("nothing to accept; tare, calibrate N or weigh first");
+        };
+        let tare = measuring.is_tare();
+        let mut settings = measuring.accept(&self.settings)?;
+        settings.check().map_err(config_error)?;
+        self.job = Job::Idle;
+        if tare {
+            self.take_zero(&mut settings);
+        }
+        self.change(settings);
+        Ok(())
+    }
+
+    /// The zero before the next test, and after the last one if there was one since.
+    fn take_zero(&mut self, settings: &mut Settings) {
+        let moved_n =
+            self.settings.force_n(floe_core::Counts(settings.config.calibration.tare_counts));
+        if self.pulled {
+            self.settings.zero.after_n = Some(moved_n);
+            let stored = self.journal.remember(&self.settings);
+            self.check_store(stored.is_err());
+            self.pulled = false;
+        }
+        settings.zero = Zero { before_n: Some(0.0), after_n: None };
+    }
+
+    /// Writes down what somebody says; between tests it belongs to the last one.
+    pub(super) fn note(&mut self, words: &String<INPUT_LEN>) -> Result<(), &'static str> {
+        if !self.testing() && !self.pulled {
+            return Err("a note belongs to a test: start first");
+        }
+        let line = Line::Note(words);
+        let Ok(line) = line.to_text() else { return Err("that is too long") };
+        self.console.say(&line);
+        self.journal.line(&line);
+        if !self.testing() {
+            let stored = self.journal.flush();
+            self.check_store(stored.is_err());
+        }
+        Ok(())
+    }
+
+    /// Sets the clock, or says what it shows.
+    pub(super) fn set_clock(&mut self, moment: Option<Moment>) -> Result<(), &'static str> {
+        if let Some(Moment(unix_ms)) = moment {
+            // A test has one time from its beginning to its end.
+            if !self.testing() || self.clock.at(self.newest).is_none() {
+                let next = self.newest.wrapping_add(1);
+                self.clock.set(unix_ms.saturating_sub(HALF_A_PERIOD_MS), next);
+                self.sync(next);
+            }
+        }
+        match self.clock.at(self.newest.wrapping_add(1)) {
+            Some(next_ms) => {
+                self.info(&text(("clock ", Moment(next_ms.saturating_add(HALF_A_PERIOD_MS)))));
+            }
+            None => self.info("the clock is not set: clock 2027-03-02T10:15:00Z"),
+        }
+        Ok(())
+    }
+
+    /// How cold the converter is and what feeds it, if it can tell.
+    pub(super) fn say_climate(&mut self, index: u64) {
+        let Climate { temperature_256, supply_mv } = self.shared.climate();
+        let temperature_c = temperature_256.map(|code| code as f32 / 256.0);
+        let supply_v = supply_mv.map(|supply_mv| supply_mv as f32 / 1000.0);
+        if temperature_c.is_some() || supply_v.is_some() {
+            self.tell(&Line::Climate { index, temperature_c, supply_v });
+        }
+    }
+
+    /// Says during a test when a sample was taken, if the clock is set.
+    pub(super) fn sync(&mut self, index: u32) {
+        let Job::Test(test) = &self.job else { return };
+        if let (Some(first), Some(unix_ms)) = (test.first_index, self.clock.at(index)) {
+            let index = u64::from(index.wrapping_sub(first));
+            self.tell(&Line::Sync { index, unix_ms });
+        }
+    }
+}

@@ -1,0 +1,154 @@
+//! The pictures of the display in the documentation, drawn by the display's own code:
+//! `docs/display/`. `FLOE_GOLDEN=write` writes them anew.
+
+use std::fmt::Write;
+use std::path::Path;
+use std::{env, fs};
+
+use core::convert::Infallible;
+
+use crate::weighing::{Load, Swing};
+use embedded_graphics::Pixel;
+use embedded_graphics::geometry::{OriginDimensions, Size};
+use embedded_graphics::pixelcolor::BinaryColor;
+use embedded_graphics::prelude::DrawTarget;
+use floe_core::{Cause, Change, Coefficient, Estimate, Phase, Pipeline, Provisional, Report};
+use floe_core::{Config, SampleTime};
+
+use super::draw;
+use super::tests::nothing;
+use crate::app::View;
+use crate::line::{Health, Weighed};
+use crate::measuring::Hindrance;
+use crate::store::CardState;
+
+const WIDTH: usize = 128;
+const HEIGHT: usize = 64;
+
+/// Points that are lit.
+struct Screen([[bool; WIDTH]; HEIGHT]);
+
+impl OriginDimensions for Screen {
+    fn size(&self) -> Size {
+        Size::new(WIDTH as u32, HEIGHT as u32)
+    }
+}
+
+impl DrawTarget for Screen {
+    type Color = BinaryColor;
+    type Error = Infallible;
+
+    fn draw_iter<I: IntoIterator<Item = Pixel<BinaryColor>>>(
+        &mut self,
+        pixels: I,
+    ) -> Result<(), Infallible> {
+        for Pixel(point, colour) in pixels {
+            let place = (usize::try_from(point.y), usize::try_from(point.x));
+            let (Ok(y), Ok(x)) = place else { continue };
+            if let Some(lit) = self.0.get_mut(y).and_then(|row| row.get_mut(x)) {
+                *lit = colour.is_on();
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Black with one bar for each row's points side by side.
+fn svg(screen: &Screen) -> String {
+    let mut bars = String::new();
+    for (y, row) in screen.0.iter().enumerate() {
+        let mut x = 0;
+        for lit in row.chunk_by(|a, b| a == b) {
+            if lit[0] {
+                let _ = write!(bars, "M{x} {y}h{}v1h-{}z", lit.len(), lit.len());
+            }
+            x += lit.len();
+        }
+    }
+    format!(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"-4 -4 136 72\" width=\"408\" \
+         height=\"216\">\n<rect x=\"-4\" y=\"-4\" width=\"136\" height=\"72\" rx=\"3\" \
+         fill=\"#0a0e14\"/>\n<path fill=\"#8fd3ff\" d=\"{bars}\"/>\n</svg>\n"
+    )
+}
+
+fn report(change: Option<Change>) -> Report {
+    let config = Config { weight_n: 630.0, ..Config::default() };
+    let none = Pipeline::new(&config).expect("a weight").report();
+    let estimate = |mean, std_error| {
+        Some(Estimate {
+            mean,
+            std_error: Some(std_error),
+            freedom: 32.0,
+            systematic_std: 0.0,
+            common_std: 0.0,
+            spread: None,
+            events: 33,
+        })
+    };
+    let (mu_s, mu) = (estimate(1.2403, 0.0007), estimate(0.7801, 0.0004));
+    Report { events: 33, mu_s, mu, change, ..none }
+}
+
+/// What stands on the display, by the names of the pictures.
+fn views() -> [(&'static str, View); 9] {
+    let idle = View { force_n: Some(0.3), ..nothing() };
+    let set = View { unix_ms: Some(1_803_982_507_000), ..idle };
+    let swing = Some(Swing { period_s: 2.01, amplitude_rad: 0.0873, excess: 1.2 });
+    let load = Ok(Load { value: 630.02, std: 0.05, swing });
+    let weighing = |load| View {
+        force_n: Some(631.4),
+        weighed: Some(Weighed { duration_s: 40.0, load }),
+        ..set
+    };
+    let pulling = View { report: Some(report(None)), ..set };
+    let sticks =
+        View { force_n: Some(612.5), rate_n_per_s: Some(361.0), phase: Phase::Stick, ..pulling };
+    let coefficient = |value| Coefficient::random(value, 0.01);
+    let provisional = Provisional { mu_s: coefficient(1.239), mu: Some(coefficient(0.781)) };
+    let slips = View {
+        force_n: Some(402.8),
+        rate_n_per_s: Some(-4180.0),
+        phase: Phase::Slip,
+        provisional: Some(provisional),
+        ..pulling
+    };
+    let onset = SampleTime { index: 964, fraction: 0.4 };
+    let change = Change {
+        event: 33,
+        onset,
+        cause: Cause::Mass,
+        weight_ratio: 0.653,
+        weight_ratio_std: 0.019,
+    };
+    let broke = View { report: Some(report(Some(change))), ..sticks };
+    let no_card = Health { store_failures: 12, overruns: 3, ..Health::default() };
+    [
+        ("idle-no-clock", idle),
+        ("idle", set),
+        ("weighing", weighing(load)),
+        ("weighing-drifts", weighing(Err(Hindrance::Drifts))),
+        ("first-stick", View { report: None, ..sticks }),
+        ("sticks", sticks),
+        ("slips", slips),
+        ("block-broke", broke),
+        ("no-card", View { health: no_card, card: CardState::NoCard, ..sticks }),
+    ]
+}
+
+#[test]
+fn the_pictures_of_the_documentation_are_the_displays() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/display");
+    let write = env::var("FLOE_GOLDEN").is_ok_and(|value| value == "write");
+    for (name, view) in views() {
+        let mut screen = Screen([[false; WIDTH]; HEIGHT]);
+        let Ok(()) = draw(&mut screen, &view);
+        let (path, picture) = (folder.join(format!("{name}.svg")), svg(&screen));
+        if write {
+            fs::create_dir_all(&folder).unwrap();
+            fs::write(&path, &picture).unwrap();
+        }
+        let kept = fs::read_to_string(&path).unwrap_or_default();
+        assert!(picture == kept, "{}: FLOE_GOLDEN=write writes it", path.display());
+    }
+}

@@ -1,0 +1,369 @@
+//! What is measured while nothing is pulled: the zero, the span, the weight.
+//!
+//! All three are the mean of a load at rest ([`crate::weighing`]), which grows sharper
+//! until somebody says `accept` or `abort`. Nothing changes before.
+
+use crate::weighing::{Load, Rest, Unrest, Weighing};
+use floe_core::num::math::{hypotenuse, larger, sqrt};
+use floe_core::signal::calibrate::Calibrator;
+use floe_core::{Counts, Reading};
+use heapless::Vec;
+
+use crate::adc::Input;
+use crate::line::{Decimal, Text, Weighed};
+use crate::notebook::WeightFrom;
+use crate::sample::{RATE_HZ, Sample};
+use crate::settings::Settings;
+use crate::text::{Fixed, join, text};
+
+/// Weights of one calibration.
+const MOST_WEIGHTS: usize = 4;
+/// A load is one when it is so many standard deviations from zero; so far apart are
+/// weights that disagree.
+const SURE: f32 = 5.0;
+/// Weights that disagree by less, as a part, say more of the weights than of the cell.
+const AGREE: f32 = 2e-3;
+/// A known weight below this part of the range gives the span of its corner only.
+const FEW: f32 = 0.05;
+/// A zero that moves by more than this part of the range has something hanging on it.
+const LOADED: f32 = 0.02;
+/// The span of a cell does not double.
+const USUAL: core::ops::Range<f32> = 0.5..2.0;
+
+/// Standard deviation of what rounding to a whole code leaves open, codes.
+const WHOLE_CODE: f32 = 0.289;
+
+/// What is looked for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Task {
+    /// Nothing hangs there: the zero.
+    Tare,
+    /// This force hangs there, N: the span.
+    Calibrate(f32),
+    /// The block hangs there: its weight.
+    Weigh,
+}
+
+/// One measurement going on.
+#[derive(Clone, Debug)]
+pub struct Measuring {
+    task: Task,
+    /// Of codes, or of newtons for the block.
+    weighing: Weighing,
+    calibrator: Calibrator,
+    range_counts: (i32, i32),
+    /// Weights that were measured before: force in N, codes above zero.
+    weights: Vec<(f32, Load), MOST_WEIGHTS>,
+    /// The newest reading is beyond the range.
+    saturated: bool,
+    /// Samples since it began, whatever came between.
+    samples: u32,
+    /// The block as it was at the last full second.
+    weighed: Weighed,
+    /// Code of the zero.
+    tare: f32,
+    /// The known weight, codes, as sharply as it was seen: what comes when it is taken off
+    /// belongs to another.
+    rested: Option<Load>,
+}
+
+/// Codes of a force, and how well they are known.
+#[derive(Clone, Copy, Debug)]
+struct Span {
+    counts_per_n: f32,
+    std: f32,
+    /// Largest distance of a weight from the line through zero, N.
+    residual_n: f32,
+    /// Largest of the weights, N.
+    largest_n: f32,
+}
+
+impl Measuring {
+    /// Begins.
+    #[must_use]
+    pub fn new(task: Task, settings: &Settings) -> Self {
+        let range_counts = settings.config.calibration.range_counts;
+        let calibrator = Calibrator::new(&settings.config);
+        let (weighing, weights) = (Weighing::new(RATE_HZ), Vec::new());
+        let weighed = Weighed { duration_s: 0.0, load: Err(Hindrance::Short) };
+        Self {
+            task,
+            weighing,
+            calibrator,
+            range_counts,
+            weights,
+            saturated: false,
+            samples: 0,
+            weighed,
+            tare: settings.config.calibration.tare_counts as f32,
+            rested: None,
+        }
+    }
+
+    /// Goes on with another known weight, which may hang there already; the one before is
+    /// kept as it rested.
+    ///
+    /// # Errors
+    /// It has not rested, or there is no room for another.
+    pub fn another(&mut self, force_n: f32, settings: &Settings) -> Result<(), &'static str> {
+        if let Task::Calibrate(before_n) = self.task {
+            let load = self.rested.ok_or(Hindrance::Short.words())?;
+            self.weights.push((before_n, load)).map_err(|_| "four weights are enough: accept")?;
+        }
+        let weights = core::mem::take(&mut self.weights);
+        *self = Self { weights, ..Self::new(Task::Calibrate(force_n), settings) };
+        Ok(())
+    }
+
+    /// Whether it is a calibration.
+    #[must_use]
+    pub fn is_calibration(&self) -> bool {
+        matches!(self.task, Task::Calibrate(_))
+    }
+
+    /// Whether it is the zero.
+    #[must_use]
+    pub fn is_tare(&self) -> bool {
+        self.task == Task::Tare
+    }
+
+    /// Takes a sample; true once a second, when there is news.
+    pub fn add(&mut self, sample: &Sample) -> bool {
+        if sample.input != Input::Bridge {
+            return false;
+        }
+        let (lowest, highest) = self.range_counts;
+        let inside = |code: &Counts| lowest < code.0 && code.0 < highest;
+        self.saturated = sample.reading.is_ok_and(|code| !inside(&code));
+        let code = sample.reading.ok().filter(inside);
+        self.weighing.add(match self.task {
+            Task::Tare | Task::Calibrate(_) => code.map(|code| code.0 as f32),
+            Task::Weigh => {
+                code.and_then(|code| self.calibrator.force_n(Reading::Counts(code)).ok())
+            }
+        });
+        self.samples = self.samples.wrapping_add(1);
+        let second = self.samples.is_multiple_of(RATE_HZ as u32);
+        if second {
+            self.look();
+        }
+        second
+    }
+
+    /// Once a second: what hangs there now.
+    fn look(&mut self) {
+        match self.task {
+            Task::Tare => {}
+            Task::Calibrate(_) => {
+                let sharper = |load: &Load| self.rested.is_none_or(|kept| load.std < kept.std);
+                self.rested = self.load().ok().filter(sharper).or(self.rested);
+            }
+            Task::Weigh => {
+                let duration_s = self.weighing.duration_s();
+                self.weighed = Weighed { duration_s, load: self.load_above(0.0) };
+            }
+        }
+    }
+
+    /// The block's weight so far, as it is shown once a second.
+    #[must_use]
+    pub fn weighed(&self) -> Option<Weighed> {
+        (self.task == Task::Weigh).then_some(self.weighed)
+    }
+
+    /// What to say of it now, if there is anything.
+    #[must_use]
+    pub fn news(&self, settings: &Settings) -> Option<Text> {
+        // Said when twice as long has made it sharper, and every minute.
+        let seconds = self.samples / RATE_HZ as u32;
+        let due = [8, 16, 32].contains(&seconds) || seconds.is_multiple_of(64);
+        let news = match self.task {
+            Task::Tare if due => self.zero().map(|rest| tare_news(&rest, settings)),
+            Task::Calibrate(_) if due => {
+                self.span().map(|(span, load)| span_news(span, &load, settings))
+            }
+            Task::Tare | Task::Calibrate(_) | Task::Weigh => return None,
+        };
+        Some(news.unwrap_or_else(text))
+    }
+
+    /// The settings with what was measured.
+    ///
+    /// # Errors
+    /// Why it cannot be used, or not yet.
+    pub fn accept(&self, settings: &Settings) -> Result<Settings, &'static str> {
+        let mut settings = settings.clone();
+        match self.task {
+            Task::Tare => {
+                let rest = self.zero()?;
+                let span = settings.config.calibration.counts_per_n;
+                settings.config.calibration.tare_counts = rounded(rest.mean);
+                settings.stds.zero_n = Some(hypotenuse(rest.std, WHOLE_CODE) / span.abs());
+            }
+            Task::Calibrate(_) => {
+                settings.config.calibration.counts_per_n = self.span()?.0.counts_per_n;
+            }
+            Task::Weigh => {
+                let load = self.hanging()?;
+                settings.config.weight_n = load.value;
+                settings.stds.weight_n = Some(load.std);
+                settings.weight_from = Some(WeightFrom::SameCell);
+            }
+        }
+        Ok(settings)
+    }
+
+    fn rest(&self) -> Result<Rest, Hindrance> {
+        if self.saturated {
+            return Err(Hindrance::OutOfRange);
+        }
+        self.weighing.rest().map_err(Hindrance::from)
+    }
+
+    fn load_above(&self, zero: f32) -> Result<Load, Hindrance> {
+        self.rest()?.load(zero).map_err(Hindrance::from)
+    }
+
+    /// The empty cell, codes.
+    fn zero(&self) -> Result<Rest, &'static str> {
+        let rest = self.rest().map_err(Hindrance::words)?;
+        if rest.oscillation.is_seen {
+            return Err("it swings: nothing may hang there");
+        }
+        Ok(rest)
+    }
+
+    /// A known weight, codes.
+    fn load(&self) -> Result<Load, &'static str> {
+        let load = self.load_above(self.tare).map_err(Hindrance::words)?;
+        let hangs = load.value.abs() > SURE * load.std;
+        hangs.then_some(load).ok_or("nothing hangs there: tare first, then hang a known weight")
+    }
+
+    /// The block, N.
+    fn hanging(&self) -> Result<Load, &'static str> {
+        let load = self.load_above(0.0).map_err(Hindrance::words)?;
+        if load.value < -SURE * load.std {
+            return Err("the force is below zero: tare the empty hook, or the cell is reversed");
+        }
+        let hangs = load.value > SURE * load.std;
+        hangs.then_some(load).ok_or("nothing hangs there")
+    }
+
+    /// The line through zero and all weights, and the newest of them.
+    fn span(&self) -> Result<(Span, Load), &'static str> {
+        let Task::Calibrate(force_n) = self.task else { return Err("no calibration") };
+        let newest = self.load()?;
+        let last = (force_n, newest);
+        let all = || self.weights.iter().chain([&last]);
+        let (mut squares, mut products, mut variance, mut largest_n) = (0.0, 0.0, 0.0, 0.0_f32);
+        for (force_n, load) in all() {
+            squares += force_n * force_n;
+            products += force_n * load.value;
+            variance += force_n * force_n * load.std * load.std;
+            largest_n = larger(largest_n, *force_n);
+        }
+        let counts_per_n = products / squares;
+        let mut residual_n = 0.0;
+        for (force_n, load) in all() {
+            residual_n = larger(residual_n, (load.value / counts_per_n - force_n).abs());
+        }
+        let std = sqrt(variance) / squares;
+        let good = counts_per_n.is_finite() && counts_per_n != 0.0;
+        let span = Span { counts_per_n, std, residual_n, largest_n };
+        if good { Ok((span, newest)) } else { Err("the weights do not make a span") }
+    }
+}
+
+/// What stands in the way of an answer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Hindrance {
+    /// The record is too short, or readings were missing.
+    Short,
+    /// The force rises or falls.
+    Drifts,
+    /// It moves otherwise than a swinging load.
+    Moves,
+    /// Beyond the range of the cell or the converter.
+    OutOfRange,
+}
+
+impl Hindrance {
+    /// For a person: what it is, and what to do.
+    #[must_use]
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Short => "8 s of rest are needed",
+            Self::Drifts => "it drifts: wait until it hangs still",
+            Self::Moves => "it moves, or swings by more than 15 degrees: calm it",
+            Self::OutOfRange => "OUT OF RANGE: overloaded, or a wire is off",
+        }
+    }
+}
+
+impl From<Unrest> for Hindrance {
+    fn from(unrest: Unrest) -> Self {
+        match unrest {
+            Unrest::Short => Self::Short,
+            Unrest::Drifts(_) => Self::Drifts,
+            Unrest::Moves => Self::Moves,
+        }
+    }
+}
+
+fn tare_news(rest: &Rest, settings: &Settings) -> Text {
+    let calibration = &settings.config.calibration;
+    let moved_n = (rest.mean - calibration.tare_counts as f32) / calibration.counts_per_n;
+    let warning = if moved_n.abs() > LOADED * settings.range_n() {
+        "; DOES ANYTHING HANG THERE?"
+    } else {
+        ""
+    };
+    join(&[
+        &"zero ",
+        &Fixed(rest.mean, 1),
+        &" +- ",
+        &Fixed(rest.std, 1),
+        &" codes, scatter ",
+        &Fixed(rest.scatter, 1),
+        &", moves by ",
+        &Fixed(moved_n, 2),
+        &" N",
+        &warning,
+        &": accept, or abort",
+    ])
+}
+
+fn span_news(span: Span, load: &Load, settings: &Settings) -> Text {
+    let Span { counts_per_n, std, residual_n, largest_n } = span;
+    let before = settings.config.calibration.counts_per_n;
+    let warning = if counts_per_n < 0.0 {
+        "; REVERSED: the reading falls under load"
+    } else if residual_n > AGREE * largest_n {
+        "; THE WEIGHTS DISAGREE"
+    } else if !USUAL.contains(&(counts_per_n / before)) {
+        "; NOT THE SAME CELL as before?"
+    } else if largest_n < FEW * settings.range_n() {
+        "; LITTLE OF THE RANGE: hang more"
+    } else {
+        ""
+    };
+    let swing_deg = load.swing.map_or(0.0, |swing| swing.amplitude_rad.to_degrees());
+    join(&[
+        &"span ",
+        &Decimal(counts_per_n),
+        &" +- ",
+        &Fixed(std, 4),
+        &" codes per N, off by ",
+        &Fixed(residual_n, 3),
+        &" N, swing ",
+        &Fixed(swing_deg, 1),
+        &" deg",
+        &warning,
+        &": accept, abort, or hang another and calibrate N",
+    ])
+}
+
+fn rounded(value: f32) -> i32 {
+    (value + 0.5_f32.copysign(value)) as i32
+}

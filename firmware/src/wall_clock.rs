@@ -1,0 +1,222 @@
+//! The time of day, counted in sampling periods of the crystal.
+//!
+//! It is set from outside and is not known before: a board without power has no clock.
+
+use core::fmt;
+
+use floe_core::num::long_division::divide;
+use heapless::string::StringView;
+
+use crate::text::{Show, whole};
+
+/// Milliseconds of two sampling periods, 16 a second.
+const MS_OF_TWO: u64 = 125;
+const DAY_MS: u64 = 86_400_000;
+
+/// The time of day, once it is set.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct WallClock {
+    /// A moment, ms since 1970 (UTC), and the number of the sample that began then.
+    set: Option<(u64, u32)>,
+}
+
+impl WallClock {
+    /// From now on it is known: the sample of this number begins at `unix_ms`.
+    pub fn set(&mut self, unix_ms: u64, index: u32) {
+        self.set = Some((unix_ms, index));
+    }
+
+    /// When a sample began, ms since 1970 (UTC); `None` if nobody has set the clock.
+    #[must_use]
+    pub fn at(&self, index: u32) -> Option<u64> {
+        let (unix_ms, from) = self.set?;
+        // Half of all numbers lie before: samples since, or shortly before.
+        let since = index.wrapping_sub(from) as i32;
+        let ms = u64::from(since.unsigned_abs()) * MS_OF_TWO / 2;
+        Some(if since < 0 { unix_ms.saturating_sub(ms) } else { unix_ms.saturating_add(ms) })
+    }
+}
+
+/// A moment, ms since 1970 (UTC), as text: `2027-03-02T10:15:00.000Z`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Moment(pub u64);
+
+impl Moment {
+    /// Reads `2027-03-02T10:15:00Z`, with or without a fraction of the second; years 2000
+    /// to 2099.
+    #[must_use]
+    pub fn parse(text: &str) -> Option<Self> {
+        const MARKS: [(usize, u8); 5] = [(4, b'-'), (7, b'-'), (10, b'T'), (13, b':'), (16, b':')];
+        let bytes = text.as_bytes();
+        let two = |from: usize| number(bytes.get(from..from + 2)?);
+        let (year, month, day) = (number(bytes.get(..4)?)?, two(5)?, two(8)?);
+        let (hour, minute, second) = (two(11)?, two(14)?, two(17)?);
+        let ms = match bytes.get(19..)? {
+            b"Z" => 0,
+            [b'.', digits @ .., b'Z'] => thousandths(digits)?,
+            _ => return None,
+        };
+        let leap = u32::from(year.is_multiple_of(4));
+        let days = DAYS_BEFORE.get(month.checked_sub(1)? as usize)?;
+        let last = DAYS_BEFORE.get(month as usize).copied().unwrap_or(365) - days;
+        let last = if month == 2 { last + leap } else { last };
+        let good = (2000..2100).contains(&year) && (1..=last).contains(&day);
+        let marked = MARKS.iter().all(|(at, mark)| bytes.get(*at) == Some(mark));
+        if !good || !marked || hour > 23 || minute > 59 || second > 59 {
+            return None;
+        }
+        let years = year - 2000;
+        let extra = years.div_ceil(4) + if month > 2 { leap } else { 0 };
+        let days = DAYS_TO_2000 + 365 * years + extra + days + day - 1;
+        let seconds = 3600 * hour + 60 * minute + second;
+        Some(Self(u64::from(days) * DAY_MS + u64::from(seconds) * 1000 + u64::from(ms)))
+    }
+}
+
+const DAYS_TO_2000: u32 = 10_957;
+/// Days of a common year before each month.
+const DAYS_BEFORE: [u32; 12] = [0, 31, 59, 90, 120, 151, 181, 212, 243, 273, 304, 334];
+
+/// Digits as a number.
+#[inline(never)]
+fn number(digits: &[u8]) -> Option<u32> {
+    let add = |number: u32, digit: &u8| {
+        digit.is_ascii_digit().then(|| number.wrapping_mul(10).wrapping_add((digit - b'0').into()))
+    };
+    digits.iter().try_fold(0, add)
+}
+
+/// Digits behind the point as ms; what is finer is left out.
+fn thousandths(digits: &[u8]) -> Option<u32> {
+    number(digits).filter(|_| !digits.is_empty())?;
+    let digit = |place: usize| digits.get(place).map_or(0, |digit| u32::from(digit - b'0'));
+    Some(100 * digit(0) + 10 * digit(1) + digit(2))
+}
+
+/// Days since 1970, seconds of the day, ms of the second.
+#[inline(never)]
+fn parts(unix_ms: u64) -> (u32, u32, u16) {
+    let (seconds, ms) = divide(unix_ms, 1000);
+    let (hours, second) = divide(seconds, 3600);
+    let (days, hour) = divide(hours, 24);
+    (days as u32, 3600 * u32::from(hour) + u32::from(second), ms)
+}
+
+impl Show for Moment {
+    fn show(&self, out: &mut StringView) -> fmt::Result {
+        let (mut day, _, ms) = parts(self.0);
+        let mut year = 1970;
+        let leap = |year: u32| {
+            let by = |years: u32| year.is_multiple_of(years);
+            u32::from(by(4) && (!by(100) || by(400)))
+        };
+        while day >= 365 + leap(year) {
+            day -= 365 + leap(year);
+            year += 1;
+        }
+        let before = |month: usize| {
+            let days = DAYS_BEFORE.get(month).copied().unwrap_or(365);
+            if month > 1 { days + leap(year) } else { days }
+        };
+        let month = (0..12).rev().find(|&month| before(month) <= day).unwrap_or(0);
+        whole(out, year.into(), 4)?;
+        for number in [month as u32 + 1, day - before(month) + 1] {
+            "-".show(out)?;
+            whole(out, number.into(), 2)?;
+        }
+        ("T", TimeOfDay(self.0), ".").show(out)?;
+        whole(out, ms.into(), 3)?;
+        "Z".show(out)
+    }
+}
+
+impl fmt::Display for Moment {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mut text = heapless::String::<24>::new();
+        self.show(&mut text)?;
+        f.write_str(&text)
+    }
+}
+
+/// The time of day of a moment, ms since 1970 (UTC), as text: `10:15:00`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct TimeOfDay(pub u64);
+
+impl Show for TimeOfDay {
+    fn show(&self, out: &mut StringView) -> fmt::Result {
+        let (_, seconds, _) = parts(self.0);
+        whole(out, (seconds / 3600).into(), 2)?;
+        ":".show(out)?;
+        whole(out, (seconds / 60 % 60).into(), 2)?;
+        ":".show(out)?;
+        whole(out, (seconds % 60).into(), 2)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    /// Unix seconds from `date -u -d TEXT +%s`.
+    #[test]
+    fn moments_are_those_of_the_calendar() {
+        for (said, seconds) in [
+            ("2000-01-01T00:00:00Z", 946_684_800),
+            ("2000-02-29T23:59:59Z", 951_868_799),
+            ("2000-03-01T00:00:00Z", 951_868_800),
+            ("2024-12-31T12:00:00Z", 1_735_646_400),
+            ("2027-03-02T10:15:00Z", 1_803_982_500),
+            ("2099-12-31T23:59:59Z", 4_102_444_799),
+        ] {
+            let moment = Moment::parse(said).expect(said);
+            assert_eq!(moment.0, seconds * 1000, "{said}");
+            assert_eq!(moment.to_string(), said.replace('Z', ".000Z"));
+        }
+        let fine = Moment::parse("2027-03-02T10:15:00.12345Z").unwrap();
+        assert_eq!(fine.to_string(), "2027-03-02T10:15:00.123Z");
+        assert_eq!(Moment(0).to_string(), "1970-01-01T00:00:00.000Z");
+    }
+
+    #[test]
+    fn every_day_there_and_back() {
+        for day in (10_957..47_482).step_by(1) {
+            let moment = Moment(day * DAY_MS + 45_296_789);
+            assert_eq!(Moment::parse(&moment.to_string()), Some(moment));
+        }
+    }
+
+    #[test]
+    fn what_is_no_moment_is_refused() {
+        for wrong in [
+            "",
+            "Z",
+            "2027-03-02",
+            "2027-03-02T10:15:00",
+            "2027-03-02 10:15:00Z",
+            "2027-02-29T10:15:00Z",
+            "2027-00-02T10:15:00Z",
+            "2027-13-02T10:15:00Z",
+            "2027-03-32T10:15:00Z",
+            "1999-03-02T10:15:00Z",
+            "2027-03-02T24:15:00Z",
+            "2027-03-02T10:60:00Z",
+            "2027-03-02T10:15:60Z",
+            "2027-03-02T10:15:00.Z",
+            "2027-03-02T10:15:00.1xZ",
+            "2027-03-02T10:15:00:00Z",
+            "2027--3-02T10:15:00Z",
+            "99999999999-03-02T10:15:00Z",
+        ] {
+            assert_eq!(Moment::parse(wrong), None, "{wrong}");
+        }
+    }
+
+    #[test]
+    fn samples_have_times_once_it_is_set() {
+        let mut clock = WallClock::default();
+        assert_eq!(clock.at(5), None);
+        clock.set(1_000_000, u32::MAX - 3);
+        assert_eq!(clock.at(u32::MAX - 3), Some(1_000_000));
+        assert_eq!(clock.at(12), Some(1_001_000));
+        assert_eq!(clock.at(u32::MAX - 5), Some(1_000_000 - 125));
+    }
+}

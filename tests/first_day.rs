@@ -1,0 +1,314 @@
+//! A first day on the ice, typed into the console of the whole logger: clock, self-test, zero,
+//! weight, notes, a pull of 60 s, the zero again; then the card at the hut.
+//!
+//! What comes is `docs/first-day.txt`; `FLOE_GOLDEN=write` writes it anew, to be read again.
+
+use std::io::Cursor;
+use std::path::Path;
+use std::{env, fs};
+
+use floe::campaign::recorded;
+use floe::card;
+use floe::chip::{LoadCell, Schedule};
+use floe::log::{Log, LogOptions};
+use floe::replay::replay;
+use floe::replay::test::{TestOptions, configure};
+use floe::sim::terms::Weighing;
+use floe::sim::{Measurement, Scene, simulate};
+use floe_core::Report;
+use floe_firmware::line::Line;
+use floe_firmware::notebook::{Kind, WeightFrom};
+use floe_firmware::settings::Settings;
+use floe_firmware::wall_clock::Moment;
+use floe_tests::scripted::{Card, Session, run};
+
+/// Codes per newton and code of the empty hook; 12 codes of noise are the converter's.
+const SPAN: f64 = 429.5;
+const ZERO: f64 = 12_345.0;
+/// By how much the zero has moved after the pull, N.
+const MOVED_N: f64 = 0.9;
+
+/// Ticks at which the day's parts begin, 16 a second.
+const HANGING: u64 = 260;
+const PULLED: u64 = 1040;
+const SLACK: u64 = 2000;
+
+/// The block on the tripod: 630 N, 5 degrees, 2 s, 2 N of noise.
+fn swinging(seconds: f64) -> Vec<f64> {
+    let length_m = 9.80665 / std::f64::consts::PI.powi(2);
+    let weighing = Some(Weighing { swing_deg: 5.0, length_m, damping_per_s: 0.0 });
+    forces(&Scene { weighing, ..pull(seconds) }, 3)
+}
+
+/// Test DFF8-13.
+fn pull(duration_s: f64) -> Scene {
+    let measurement = Measurement { white_n: 2.0, ..Measurement::default() };
+    Scene { duration_s, measurement, ..Scene::default() }
+}
+
+fn forces(scene: &Scene, seed: u64) -> Vec<f64> {
+    let simulation = simulate(scene, seed).expect("a valid scene");
+    simulation.samples.iter().map(|sample| sample.force_n).collect()
+}
+
+fn cell(forces_n: impl IntoIterator<Item = f64>, span: f64) -> LoadCell {
+    let codes = forces_n.into_iter().map(|force_n| (ZERO + span * force_n).round() as i32);
+    LoadCell::from_codes(&codes.collect::<Vec<_>>(), 16.0).with_noise(12.0, 5)
+}
+
+/// What the cell feels all day.
+fn day() -> Vec<f64> {
+    let mut forces_n = vec![0.0; HANGING as usize];
+    forces_n.extend(swinging(44.0));
+    forces_n.resize(PULLED as usize, 0.0);
+    forces_n.extend(forces(&pull(60.0), 1));
+    forces_n.truncate(SLACK as usize);
+    forces_n.resize(2400, MOVED_N);
+    forces_n
+}
+
+const DAY: [(u64, &str); 20] = [
+    (1, "clock 2027-03-02T10:15:00Z\n"),
+    (2, "self-test\n"),
+    (110, "tare\n"),
+    (255, "accept\n"),
+    (270, "weigh\n"),
+    (930, "accept\n"),
+    (950, "set range 5000\n"),
+    (951, "set winch 0.0157\n"),
+    (952, "set kind sliding\n"),
+    (953, "set snow 10\n"),
+    (954, "set size 1.2 1 0.3\n"),
+    (955, "set track fresh\n"),
+    (956, "set cable 15\n"),
+    (957, "set name first pull\n"),
+    (1030, "start\n"),
+    (1500, "note wind from the side\n"),
+    (1990, "stop\n"),
+    (2010, "tare\n"),
+    (2160, "accept\n"),
+    (2161, "status\n"),
+];
+
+/// What was typed and what was said, without samples and first answers.
+fn transcript(board: &Session) -> String {
+    let (mut text, mut said, mut left_out) = (String::new(), 0, 0);
+    let mut show = |piece: &str, text: &mut String| {
+        for line in piece.lines() {
+            if line.starts_with("S,") || line.starts_with("A,") {
+                left_out += 1;
+            } else {
+                text.push_str(line.trim_end());
+                text.push('\n');
+            }
+        }
+    };
+    for (at, typed) in &board.typed {
+        show(&board.screen[said..*at], &mut text);
+        text.push_str(&format!("> {typed}"));
+        said = *at;
+    }
+    show(&board.screen[said..], &mut text);
+    text + &format!("({left_out} lines S and A are left out)\n")
+}
+
+fn one_day(card: &Card) -> Session {
+    run(cell(day(), SPAN), Schedule::default(), card, &DAY)
+}
+
+fn last_settings(board: &Session) -> Settings {
+    let settings =
+        |line| if let Line::Start { settings, .. } = line { Some(settings) } else { None };
+    board.lines().filter_map(settings).last().expect("settings")
+}
+
+fn report(board: &Session) -> Report {
+    let report = |line| if let Line::Report(report) = line { Some(report) } else { None };
+    board.lines().filter_map(report).last().expect("a report")
+}
+
+#[test]
+fn the_day_is_the_one_in_the_documentation() {
+    let text = transcript(&one_day(&Card::default()));
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/first-day.txt");
+    if env::var("FLOE_GOLDEN").is_ok_and(|value| value == "write") {
+        fs::write(&path, &text).expect("written");
+    }
+    let kept = fs::read_to_string(&path).unwrap_or_default();
+    assert!(text == kept, "{}: FLOE_GOLDEN=write writes it", path.display());
+}
+
+#[test]
+fn what_was_measured_before_the_pull_is_right() {
+    let board = one_day(&Card::default());
+    let settings = last_settings(&board);
+    let (config, std_n) = (settings.config, settings.stds.weight_n.expect("a std"));
+    // The span is exact here, so the weight is.
+    let span = 429.5;
+    assert!((config.calibration.counts_per_n - span).abs() < 1e-3, "{config:?}");
+    let error_n = f64::from(config.weight_n) - 630.0;
+    assert!(error_n.abs() < 4.0 * f64::from(std_n) && std_n < 0.2, "{error_n} ± {std_n}");
+    assert_eq!(settings.weight_from, Some(WeightFrom::SameCell));
+    assert_eq!(settings.notes.kind, Some(Kind::Sliding));
+    assert!(board.says("self test passed"), "{}", board.screen);
+    assert!(board.says("load ") && board.says("% of the range"), "{}", board.screen);
+}
+
+/// Console, display and card, and the replay of that card, to the last bit.
+#[test]
+fn board_display_and_card_agree() {
+    let card = Card::default();
+    let board = one_day(&card);
+    let report = report(&board);
+    assert!(report.events > 25, "{report:?}");
+    let shown = board.views.iter().rev().find_map(|view| view.report).expect("shown");
+    // The display was drawn before the last event was finished.
+    assert!(shown.events + 1 >= report.events && shown.noise_n.is_some(), "{shown:?}");
+
+    let bytes = card.bytes.borrow().clone();
+    let mut log = Log::from_reader(Box::new(Cursor::new(bytes.clone())), &LogOptions::default())
+        .expect("a log");
+    let config = configure(&log, &TestOptions::default()).expect("complete");
+    let result = replay("FLOE.LOG", &mut log, &config, |_, _| {}).expect("replayed");
+    let mean = |estimate: Option<floe_core::Estimate>| estimate.map(|e| f64::from(e.mean));
+    assert_eq!(result.estimate.mu_s.mean, mean(report.mu_s));
+    assert_eq!(result.estimate.mu.mean, mean(report.mu));
+    assert_eq!(result.events.len(), board.events().len());
+    // To the millisecond of the crystal; `Y` says the sample before.
+    let onset = board.events()[0].onset;
+    let first =
+        |line| if let Line::Sync { index: 0, unix_ms } = line { Some(unix_ms) } else { None };
+    let start = board.lines().find_map(first).expect("a date");
+    let onset_ms = start + ((onset.index as f64 + f64::from(onset.fraction)) * 62.5).round() as u64;
+    assert_eq!(result.events[0].onset_time, Some(Moment(onset_ms).to_string()));
+
+    let (tests, _) = card::tests(Cursor::new(bytes)).expect("readable");
+    let [test] = tests.as_slice() else { panic!("{} tests", tests.len()) };
+    assert_eq!(test.stem, "test-0001-first_pull");
+    let after_n = test.settings.zero.after_n.expect("a zero after the test");
+    assert!((f64::from(after_n) - MOVED_N).abs() < 0.05, "{after_n}");
+    assert!(test.lines.contains("N,wind from the side*"), "{}", test.lines);
+    // Once a minute how cold it is, and no sample is lost for it.
+    assert!(test.lines.lines().any(|line| line.starts_with("K,0,-12,3.3*")), "{}", test.lines);
+    assert_eq!((test.missing(), test.samples.len()), (0, 960));
+    let at = |line| if let Line::Sync { unix_ms, .. } = line { Some(unix_ms) } else { None };
+    let times: Vec<u64> = board.lines().filter_map(at).collect();
+    assert_eq!(times.len(), 1 + board.events().len());
+    assert!(times.windows(2).all(|pair| pair[0] < pair[1]), "{times:?}");
+    let start_ms = test.part.start_ms.expect("a date");
+    assert_eq!(times.first(), Some(&start_ms));
+}
+
+/// What `recover` writes is what `campaign` reads, beside a log that is none.
+#[test]
+fn a_campaign_of_the_recovered_card() {
+    let card = Card::default();
+    let board = one_day(&card);
+    let (tests, _) = card::tests(Cursor::new(card.bytes.borrow().clone())).expect("readable");
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("first-day");
+    let _ = fs::remove_dir_all(&folder);
+    fs::create_dir_all(&folder).expect("a folder");
+    for test in &tests {
+        let file = |extension: &str| folder.join(format!("{}.{extension}", test.stem));
+        fs::write(file("csv"), card::csv(test)).expect("written");
+        fs::write(file("txt"), card::lines(test)).expect("written");
+    }
+    fs::write(folder.join("broken.csv"), "time_s,force_n\nx,y\n").expect("written");
+    let logs = recorded::logs(&folder).expect("logs");
+    assert_eq!(logs.len(), 2, "{logs:?}");
+    assert!(recorded::evaluate(&logs[0], 0).is_err());
+    let record = recorded::evaluate(&logs[1], 1).expect("evaluated");
+    assert_eq!(record.test_id, "first pull");
+    assert_eq!((record.kind.as_deref(), record.track.as_deref()), (Some("sliding"), Some("fresh")));
+    assert_eq!((record.snow_mm, record.cable_length_m), (Some(10.0), Some(15.0)));
+    assert_eq!(record.temperature_c, Some(-12.0));
+    assert!(record.start_time.expect("a date").starts_with("2027-03-02T10:16:"));
+    // The zero that moved is taken off, half of it on the average: the board did not know yet.
+    let shown = f64::from(report(&board).mu_s.expect("a mean").mean);
+    let moved = shown - record.mu_s.mean.expect("a mean");
+    let half = 0.5 * MOVED_N / 630.0;
+    assert!((moved / half - 1.0).abs() < 0.2, "{moved} {half}");
+}
+
+fn says(forces_n: Vec<f64>, span: f64, script: &[(u64, &str)]) -> Session {
+    run(cell(forces_n, span), Schedule::default(), &Card::default(), script)
+}
+
+#[test]
+fn a_swinging_tare_is_not_taken() {
+    let board = says(swinging(30.0), SPAN, &[(1, "tare\n"), (300, "accept\n"), (301, "status\n")]);
+    assert!(board.says("it swings: nothing may hang there"), "{}", board.screen);
+    assert_eq!(last_settings(&board).config.calibration.tare_counts, 0);
+}
+
+#[test]
+fn a_tare_with_the_block_on_asks() {
+    let board = says(vec![630.0; 400], SPAN, &[(1, "tare\n"), (200, "abort\n"), (201, "status\n")]);
+    assert!(board.says("DOES ANYTHING HANG THERE?: accept, or abort"), "{}", board.screen);
+    assert_eq!(last_settings(&board).config.calibration.tare_counts, 0);
+}
+
+const CALIBRATE: [(u64, &str); 6] = [
+    (0, "set tare 12345\n"),
+    (1, "set range 5000\n"),
+    (2, "calibrate 630\n"),
+    (500, "accept\n"),
+    (501, "status\n"),
+    (502, ""),
+];
+
+#[test]
+fn a_swinging_calibration_takes_the_excess_off() {
+    let board = says(swinging(40.0), SPAN, &CALIBRATE);
+    assert!(board.says("swing 4.") || board.says("swing 5."), "{}", board.screen);
+    let span = f64::from(last_settings(&board).config.calibration.counts_per_n);
+    // A fiftieth of a percent is what a weighing reaches; the excess is a fifth of one.
+    assert!((span / SPAN - 1.0).abs() < 6e-4, "{span}");
+}
+
+#[test]
+fn a_reversed_cell_is_said() {
+    let board = says(vec![630.0; 600], -SPAN, &CALIBRATE);
+    assert!(board.says("REVERSED: the reading falls under load"), "{}", board.screen);
+    let reads_below =
+        says(vec![630.0; 200], -SPAN, &[(0, "set tare 12345\nself-test\n"), (90, "")]);
+    assert!(reads_below.says("below zero"), "{}", reads_below.screen);
+    assert!(reads_below.says("self test FAILED"), "{}", reads_below.screen);
+}
+
+#[test]
+fn a_little_of_the_range_is_said() {
+    let script =
+        [(0, "set tare 12345\n"), (1, "set range 5000\n"), (2, "calibrate 100\n"), (200, "")];
+    let board = says(vec![100.0; 300], SPAN, &script);
+    assert!(board.says("LITTLE OF THE RANGE: hang more"), "{}", board.screen);
+}
+
+#[test]
+fn an_overloaded_cell_is_said() {
+    let board = says(vec![25_000.0; 300], SPAN, &[(0, "weigh\n"), (200, "accept\n"), (201, "")]);
+    assert!(board.says("out-of-range"), "{}", board.screen);
+    assert!(board.says("OUT OF RANGE: overloaded, or a wire is off"), "{}", board.screen);
+}
+
+/// Two known weights: the line through both, and what disagrees.
+#[test]
+fn two_weights_make_one_span() {
+    let steps = |second_n: f64| {
+        let mut forces_n = vec![500.0; 186];
+        forces_n.resize(500, second_n);
+        forces_n
+    };
+    let script = [
+        (0, "set tare 12345\nset span 400\n"),
+        (1, "calibrate 500\n"),
+        (200, "calibrate 1000\n"),
+        (360, "accept\n"),
+        (361, "status\n"),
+    ];
+    let good = says(steps(1000.0), SPAN, &script);
+    let span = f64::from(last_settings(&good).config.calibration.counts_per_n);
+    assert!((span / SPAN - 1.0).abs() < 1e-4, "{span}: {}", good.screen);
+    let bad = says(steps(1050.0), SPAN, &script);
+    assert!(bad.says("THE WEIGHTS DISAGREE"), "{}", bad.screen);
+}
