@@ -257,7 +257,7 @@ enum Strain {
 fn iterations(samples: usize) -> usize {
     const SAMPLES: usize = 52;
     const OTHER: usize = 6;
-    (SAMPLES / (samples + OTHER)).clamp(1, 4)
+    SAMPLES.checked_div(samples + OTHER).unwrap_or(1).clamp(1, 4)
 }
 
 fn measured(

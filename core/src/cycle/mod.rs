@@ -167,7 +167,8 @@ impl CycleTracker {
         let slip = self.slip(stick, detector, extremes);
         let noise_n2 = self.learnt.fitted_noise_n2(&slip);
         let most = if self.learnt.knows_omega() { FIRST_STEPS } else { STEPS_UNKNOWN };
-        let steps = most.min(FIRST_SAMPLES / (slip.samples().forces_n.len() + 6));
+        let steps =
+            most.min(FIRST_SAMPLES.checked_div(slip.samples().forces_n.len() + 6).unwrap_or(1));
         let none = Line::default();
         let data = self.learnt.data(&slip, &none, noise_n2);
         let mut fitting = slip.begin(&data, self.learnt.knows_omega());

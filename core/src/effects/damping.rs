@@ -80,6 +80,7 @@ impl Damping {
 }
 
 /// Score and information of one event, N².
+#[cold]
 fn score(data: &Data<'_>, fit: &Fit) -> Option<(f32, f32)> {
     let shape = fit.cycle.shape();
     if shape.is_slack() {

@@ -133,6 +133,7 @@ impl Data<'_> {
     /// The fit is the one without that scatter, `x = A⁻¹ Σ w u r`, so its covariance grows by
     /// `λ Σ g w² (A⁻¹ u)(A⁻¹ u)ᵀ`.
     #[must_use]
+    #[cold]
     pub fn slip_scatter(
         &self,
         fit: &Fit,
@@ -144,20 +145,23 @@ impl Data<'_> {
         let Some(factor) = fit.normal.factor(0.0) else { return (slip, wider) };
         let shape = fit.cycle.shape();
         let (from, to) = self.samples.slip;
-        let stride = 1 + ((to - from) / MOST as f32) as usize;
+        // Never zero, also for a slip that is no number.
+        let stride = (1.0 + (to - from) / MOST as f32).max(1.0) as usize;
         let inside = self.samples.good().filter(|&(time, _)| time > from && time < to);
         // Of each so far: its steepness, and by how much its error moves the unknowns.
         let mut others = [(0.0, Gradient::default()); MOST];
-        for (i, (time, measured_n)) in inside.step_by(stride).take(MOST).enumerate() {
+        for (place, (time, measured_n)) in inside.step_by(stride.max(1)).take(MOST).enumerate() {
             let steepness = self.samples.steepness(time);
             let (off_n, gradient) = self.residual(&shape, time, measured_n);
             let moved = factor.solve(&gradient).map(|by| by * self.samples.weight(time));
             let left = (1.0 - dot(&gradient, &moved)).max(0.0);
             slip.add(steepness, off_n * off_n / noise_n2, left);
-            for (of_other, by_other) in &others[..i] {
+            for (of_other, by_other) in others.iter().take(place) {
                 slip.add_pair(steepness * of_other, dot(&gradient, by_other));
             }
-            others[i] = (steepness, moved);
+            if let Some(own) = others.get_mut(place) {
+                *own = (steepness, moved);
+            }
             wider.add(&moved, excess * steepness * stride as f32);
         }
         (slip, wider)
