@@ -87,9 +87,12 @@ impl CycleFit {
         }
     }
 
-    /// Iterations a sample: as many as one has time for, two of a usual slip.
+    /// Iterations a sample: as many as one has time for, two of a usual slip. With fewer,
+    /// unresolved slips in quick succession lose places of their onset, and first events their
+    /// fit.
     pub(crate) fn iterations(&self) -> usize {
-        iterations(self.pending.samples().forces_n.len())
+        const TIME: usize = 52;
+        iterations_within(TIME, self.pending.samples().forces_n.len()).clamp(1, 4)
     }
 
     /// Is the next step as long as all that a sample has time for?
@@ -251,13 +254,11 @@ enum Strain {
     Misfit,
 }
 
-/// Iterations that a sample has time for, with so many samples around the slip; lines and
-/// factorisation take as long as some more. With fewer, unresolved slips in quick succession
-/// lose places of their onset, and first events their fit.
-fn iterations(samples: usize) -> usize {
-    const SAMPLES: usize = 52;
+/// Iterations of a fit with so many samples around the slip in the time that this many samples
+/// take; lines and factorisation take as long as some more.
+pub(crate) fn iterations_within(time: usize, samples: usize) -> usize {
     const OTHER: usize = 6;
-    SAMPLES.checked_div(samples + OTHER).unwrap_or(1).clamp(1, 4)
+    time.checked_div(samples + OTHER).unwrap_or(1)
 }
 
 fn measured(

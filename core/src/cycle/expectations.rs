@@ -43,12 +43,12 @@ const CHANGED: u8 = 3;
 /// Least part of a fitted precision that has to be the event's own: a smaller part is
 /// the difference of two numbers that the fit's last step may have left unsettled.
 const LEAST_OWN: f32 = 0.01;
+/// The same to judge whether it is another block, which differs by far.
+const LEAST_JUDGED: f32 = 0.003;
 /// Standard deviations within which the first event's rate is the same before and after it.
 const LASTS: f32 = 3.0;
 /// Samples of lines that tell the first event's two rates.
 const LINE: u32 = 8;
-/// The same to judge whether it is another block, which differs by far.
-const LEAST_JUDGED: f32 = 0.003;
 
 impl Expectations {
     /// Before the first event.

@@ -12,7 +12,7 @@ mod slip_record;
 use core::ops::ControlFlow;
 
 use crate::coefficient::{Coefficient, Site};
-use crate::cycle::cycle_fit::{CycleFit, Measured, Outcome};
+use crate::cycle::cycle_fit::{CycleFit, Measured, Outcome, iterations_within};
 use crate::cycle::expectations::{Expectations, is_clear};
 use crate::cycle::slip_record::{SlipRecord, UNSURE};
 use crate::detector::{Detector, Stick};
@@ -167,8 +167,7 @@ impl CycleTracker {
         let slip = self.slip(stick, detector, extremes);
         let noise_n2 = self.learnt.fitted_noise_n2(&slip);
         let most = if self.learnt.knows_omega() { FIRST_STEPS } else { STEPS_UNKNOWN };
-        let steps =
-            most.min(FIRST_SAMPLES.checked_div(slip.samples().forces_n.len() + 6).unwrap_or(1));
+        let steps = most.min(iterations_within(FIRST_SAMPLES, slip.samples().forces_n.len()));
         let none = Line::default();
         let data = self.learnt.data(&slip, &none, noise_n2);
         let mut fitting = slip.begin(&data, self.learnt.knows_omega());

@@ -111,14 +111,8 @@ fn score(data: &Data<'_>, fit: &Fit) -> Option<(f32, f32)> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fit::Samples;
+    use crate::effects::synthetic::{self, NOISE_N};
     use crate::model::CycleParams;
-    use crate::model::corner::Corner;
-    use crate::noise::ripple::ColoredNoise;
-    use crate::stats::line::Line;
-    use crate::stats::prior::Prior;
-
-    const NOISE_N: f32 = 2.0;
 
     /// Force at a time since the onset of a slip with losses in the air, brute force.
     fn damped_n(cycle: &CycleParams, ratio: f32, since_onset: f32) -> f32 {
@@ -141,48 +135,14 @@ mod tests {
     }
 
     fn learnt(events: u16, ratio: f32) -> Damping {
-        let (mut damping, mut state) = (Damping::default(), 1_u32);
-        let mut noise_n = || {
-            let mut sum = -6.0;
-            for _ in 0..12 {
-                state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-                sum += (state >> 8) as f32 / 16_777_216.0;
+        let mut damping = Damping::default();
+        let force_n = |cycle: &CycleParams, time: f32| damped_n(cycle, ratio, time - cycle.onset);
+        synthetic::events(events, force_n, |data, cycle| {
+            let noise_n2 = NOISE_N * NOISE_N;
+            if let Some(fit) = data.fit(cycle, noise_n2) {
+                damping.learn(&data, &fit, noise_n2);
             }
-            NOISE_N * sum
-        };
-        for event in 0..events {
-            let onset = (0.618_034 * f32::from(event)).fract() - 1.0;
-            let cycle = CycleParams {
-                onset,
-                rate: 22.5,
-                static_n: 781.2,
-                half_drop_n: 289.8,
-                omega: 1.1828,
-                rate_change: 0.0,
-            };
-            let mut sample_n = |time: f32| damped_n(&cycle, ratio, time - onset) + noise_n();
-            let mut line = |from: i16, to: i16| {
-                let mut line = Line::default();
-                (from..to).for_each(|t| line.add(t.into(), sample_n(t.into()), 1.0, 1.0));
-                line
-            };
-            let (before, after) = (line(-30, -8), line(6, 24));
-            let forces_n: [f32; 14] = core::array::from_fn(|i| sample_n(i as f32 - 8.0));
-            let free = Prior::default();
-            let data = Data {
-                before: &before,
-                samples: Samples::new(-8.0, &forces_n),
-                after: &after,
-                wander: ColoredNoise::NONE,
-                rate: free,
-                inverse_omega: free,
-                rate_change: Prior { mean: 0.0, weight: 1e3 },
-                onset: free,
-                corner: Corner::default(),
-            };
-            let Some(fit) = data.fit(&cycle, NOISE_N * NOISE_N) else { continue };
-            damping.learn(&data, &fit, NOISE_N * NOISE_N);
-        }
+        });
         damping
     }
 

@@ -146,11 +146,11 @@ impl Data<'_> {
         let shape = fit.cycle.shape();
         let (from, to) = self.samples.slip;
         // Never zero, also for a slip that is no number.
-        let stride = (1.0 + (to - from) / MOST as f32).max(1.0) as usize;
+        let stride = ((1.0 + (to - from) / MOST as f32) as usize).max(1);
         let inside = self.samples.good().filter(|&(time, _)| time > from && time < to);
         // Of each so far: its steepness, and by how much its error moves the unknowns.
         let mut others = [(0.0, Gradient::default()); MOST];
-        for (place, (time, measured_n)) in inside.step_by(stride.max(1)).take(MOST).enumerate() {
+        for (place, (time, measured_n)) in inside.step_by(stride).take(MOST).enumerate() {
             let steepness = self.samples.steepness(time);
             let (off_n, gradient) = self.residual(&shape, time, measured_n);
             let moved = factor.solve(&gradient).map(|by| by * self.samples.weight(time));

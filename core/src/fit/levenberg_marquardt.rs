@@ -90,12 +90,6 @@ impl Fitting {
         Self { guesses, left: GUESSES, cycle, normal, gain: 0.0, damping: 0.0, steps: 0, pass }
     }
 
-    /// The best cycle so far.
-    #[must_use]
-    pub fn cycle(&self) -> &CycleParams {
-        &self.cycle
-    }
-
     /// One piece. Breaks with the fit, or with `None` when the data do not determine the
     /// unknowns.
     ///
