@@ -214,11 +214,14 @@ fn what_no_logger_writes_is_refused() {
     };
     let unsound = Err(RecordError::Unsound);
     assert_eq!(broken(0, b"FLOE"), Ok(full()));
-    for name in [&b"a/b"[..], b"..\\x", b"a\nb", b"a\0b", b"\x1b[2J", b"a,b", b"\xFF\xFE", b"a b"] {
+    for name in [&b"a/b"[..], b"..\\x", b"a\nb", b"a\0b", b"\x1b[2J", b"a,b", b"\xFF\xFE"] {
         let mut padded = [0; 16];
         padded[..name.len()].copy_from_slice(name);
         assert_eq!(broken(68, &padded), unsound, "{name:?}");
     }
+    // A name keeps its spaces.
+    let spaced = broken(68, b"a b\0\0\0\0\0\0\0\0\0\0\0\0\0").expect("sound");
+    assert_eq!(spaced.settings.name.as_str(), "a b");
     for (at, number) in [
         (32, f32::NAN),
         (32, 0.0),

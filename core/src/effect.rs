@@ -33,11 +33,13 @@ pub enum Effect {
     Ripple,
     /// Stick lines that bend: a shorter memory forecasts better.
     Forgetting,
+    /// Losses in the cable or the air: they widen, and shift nothing.
+    Damping,
 }
 
 impl Effect {
     /// All of them, in the order of their bits.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 10] = [
         Self::Corner,
         Self::Sag,
         Self::Stiffening,
@@ -47,6 +49,7 @@ impl Effect {
         Self::Flop,
         Self::Ripple,
         Self::Forgetting,
+        Self::Damping,
     ];
 
     /// As in `--effects`, JSON and `docs/effects.md`.
@@ -62,6 +65,7 @@ impl Effect {
             Self::Flop => "flop",
             Self::Ripple => "ripple",
             Self::Forgetting => "forgetting",
+            Self::Damping => "damping",
         }
     }
 
@@ -102,7 +106,8 @@ impl Effects {
         .with(Effect::Drift, cfg!(feature = "drift"))
         .with(Effect::Flop, cfg!(feature = "flop"))
         .with(Effect::Ripple, cfg!(feature = "ripple"))
-        .with(Effect::Forgetting, cfg!(feature = "forgetting"));
+        .with(Effect::Forgetting, cfg!(feature = "forgetting"))
+        .with(Effect::Damping, cfg!(feature = "damping"));
 
     /// As stored in a log: one bit each, in the order of [`Effect::ALL`]; bits beyond are of
     /// later versions and stay away.

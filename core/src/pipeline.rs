@@ -228,7 +228,6 @@ impl Pipeline {
     #[must_use]
     pub fn report(&self) -> Report {
         let (loading_rate, omega) = self.cycles.shared();
-        let noise_n = self.cycles.noise_n().or(self.detector.noise_n());
         let known = Known {
             weight_ratio: (self.cycles.weight_ratio().0, self.weight_std),
             drift_n: self.cycles.force_n(self.drift.mean_std()),
@@ -240,14 +239,15 @@ impl Pipeline {
             events: self.events,
             mu_s,
             mu,
-            noise_n: noise_n.map(|noise_n| noise_n * self.block_root),
+            noise_n: self.noise_n().map(|noise_n| noise_n * self.block_root),
             loading_rate_n_per_s: loading_rate,
             omega_rad_per_s: omega.filter(|omega| omega.std < omega.value / 3.0),
             stiffness_n_per_m: self.stiffness(loading_rate, omega),
             recurrence_s: self.recurrence_s(),
-            zero_n: noise_n.and_then(|noise_n| self.zero_n(noise_n)),
+            zero_n: self.zero_n(),
             zero_std_n: known.zero_n,
             zero_drift_n: known.drift_n,
+            damping_std: known.damping_std,
             weight_ratio: known.weight_ratio.0,
             weight_ratio_std: known.weight_ratio.1,
             change: self.change.map(|change| {
@@ -265,11 +265,13 @@ impl Pipeline {
             let parameters = self.cycles.parameters(effect);
             let found = match effect {
                 Effect::Level => self.change.is_some_and(|change| change.cause != Cause::Mass),
-                Effect::Drift => self.report().zero_n.is_some(),
+                Effect::Drift => self.zero_n().is_some(),
                 Effect::Flop | Effect::Ripple | Effect::Forgetting => self.detector.shows(effect),
-                Effect::Corner | Effect::Sag | Effect::Stiffening | Effect::Mass => {
-                    parameters.iter().any(Option::is_some)
-                }
+                Effect::Corner
+                | Effect::Sag
+                | Effect::Stiffening
+                | Effect::Mass
+                | Effect::Damping => parameters.iter().any(Option::is_some),
             };
             Finding { effect, enabled, found: enabled && found, parameters }
         })
@@ -294,6 +296,7 @@ impl Pipeline {
             weight_ratio: self.cycles.weight_ratio(),
             zero_n: self.config.std.zero_n(self.largest_n),
             drift_n: self.cycles.force_n(self.drift.std()),
+            damping_std: self.cycles.damping_std(self.config.std.damping),
         }
     }
 
@@ -465,10 +468,15 @@ impl Pipeline {
         }
     }
 
+    /// Noise of a block, N: of the fits so far, else the detector's.
+    fn noise_n(&self) -> Option<f32> {
+        self.cycles.noise_n().or(self.detector.noise_n())
+    }
+
     /// Force of the zero's drift, if it is more than the noise.
-    fn zero_n(&self, noise_n: f32) -> Option<f32> {
+    fn zero_n(&self) -> Option<f32> {
         let zero_n = self.cycles.force_n(self.drift.std());
-        (zero_n > noise_n).then_some(zero_n)
+        self.noise_n().filter(|&noise_n| zero_n > noise_n).map(|_| zero_n)
     }
 
     fn recurrence_s(&self) -> Option<f32> {

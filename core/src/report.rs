@@ -52,6 +52,8 @@ pub struct Report {
     pub zero_std_n: f32,
     /// What the drift of the zero leaves in the means, one standard deviation, N.
     pub zero_drift_n: f32,
+    /// Standard deviation of the damping ratio: as stated, or as the events ask for.
+    pub damping_std: f32,
     /// Weight in use over the given one, and what its relative standard deviation leaves in
     /// the means: 1 and 0 where the block did not change.
     pub weight_ratio: f32,

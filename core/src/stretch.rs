@@ -195,7 +195,7 @@ pub(crate) struct Stretches {
     /// The newest moment that a stretch was told of.
     told: SampleTime,
     /// Oldest first.
-    ready: [Option<Stretch>; 4],
+    ready: [Option<Stretch>; 3],
 }
 
 impl Stretches {
@@ -208,7 +208,7 @@ impl Stretches {
             moving: winch.then_some(true),
             open: None,
             told: SampleTime { index: 0, fraction: 0.0 },
-            ready: [None; 4],
+            ready: [None; 3],
         }
     }
 
@@ -272,8 +272,8 @@ impl Stretches {
 
     /// The oldest one that is complete.
     pub(crate) fn next(&mut self) -> Option<Stretch> {
-        let [first, second, third, last] = self.ready;
-        self.ready = [second, third, last, None];
+        let [first, second, last] = self.ready;
+        self.ready = [second, last, None];
         first
     }
 
@@ -296,7 +296,8 @@ impl Stretches {
         self.push(Stretch { start, stop, kind });
     }
 
-    /// There is always room: a stretch takes many samples, and each step takes one out.
+    /// There is room: a step ends at most one constant force, which takes many samples, with what
+    /// was open before it, and one event's; and it takes one out.
     fn push(&mut self, mut stretch: Stretch) {
         if stretch.start < self.told {
             stretch.start = self.told;

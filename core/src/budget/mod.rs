@@ -86,6 +86,8 @@ pub(crate) struct Known<'a> {
     /// Standard deviations of the zero as it was taken, and of its drift, N.
     pub(crate) zero_n: f32,
     pub(crate) drift_n: f32,
+    /// Standard deviation of the damping ratio.
+    pub(crate) damping_std: f32,
 }
 
 impl Known<'_> {
@@ -111,7 +113,7 @@ impl Known<'_> {
             entry(Input::Slope, Some(slope_rad), std.slope_rad, each(|c, tan| c * tan - 1.0)),
             entry(Input::Zero, Some(0.0), self.zero_n, zero),
             entry(Input::Span, Some(1.0), std.span, force),
-            entry(Input::Damping, Some(0.0), std.damping, damping),
+            entry(Input::Damping, Some(0.0), self.damping_std, damping),
             entry(Input::Winch, winch_m_per_s, winch_std, both(0.0)),
             entry(Input::ZeroDrift, None, self.drift_n, zero),
             entry(Input::WeightChange, Some(ratio), ratio_std * ratio, of(ratio)),
@@ -143,6 +145,7 @@ pub fn budget(config: &Config, report: &Report) -> Option<[Entry; INPUTS]> {
         weight_ratio: (report.weight_ratio, report.weight_ratio_std),
         zero_n: report.zero_std_n,
         drift_n: report.zero_drift_n,
+        damping_std: report.damping_std,
     };
     let share = |common_std| Share { sensitivity: None, contribution: common_std };
     let shares = [share(mu_s.common_std), share(mu.common_std)];

@@ -87,9 +87,12 @@ impl CycleFit {
         }
     }
 
-    /// Iterations a sample: as many as one has time for, two of a usual slip.
+    /// Iterations a sample: as many as one has time for, two of a usual slip. With fewer,
+    /// unresolved slips in quick succession lose places of their onset, and first events their
+    /// fit.
     pub(crate) fn iterations(&self) -> usize {
-        iterations(self.pending.samples().forces_n.len())
+        const TIME: usize = 52;
+        iterations_within(TIME, self.pending.samples().forces_n.len()).clamp(1, 4)
     }
 
     /// Is the next step as long as all that a sample has time for?
@@ -164,7 +167,7 @@ impl CycleFit {
             return ControlFlow::Continue(());
         };
         let holds = |fit: &Fit| fit.converged && pending.holds(&fit.cycle);
-        let Some(fit) = fit.filter(holds) else {
+        let Some(mut fit) = fit.filter(holds) else {
             // Corners that are not there may be why.
             learnt.corner = CornerEstimator::default();
             return ControlFlow::Break(Outcome::Failed(Reason::NoFit));
@@ -179,6 +182,12 @@ impl CycleFit {
         let misfit = learnt.is_misfit(pending, around_n2, free - points);
         if free >= 1.0 && !misfit {
             learnt.residuals.add(squares_n2, free, pending.noise_n2);
+            let (slip, wider) = data.slip_scatter(&fit, learnt.slip.excess(), noise_n2);
+            fit.widen(wider);
+            // A force that wanders does so in the slip as well.
+            if pending.wander.level <= 0.0 {
+                learnt.slip.learn(&slip);
+            }
         }
         let now_n2 = learnt.noise_n2(pending);
         let strained = is_strained(&data, around_n2, now_n2);
@@ -224,6 +233,7 @@ impl CycleFit {
         let shows = posterior.is_resolved() && is_clear(posterior);
         // A slip of two samples shows nothing of its corners.
         if measured.verdict == Verdict::Same && strain == Strain::None && shows {
+            learnt.learn_damping(&data, fit, noise_n2);
             let correction = learnt.learn_corner(&data, fit, noise_n2);
             posterior.take(&correction);
             if let Some(alone) = &mut measured.alone {
@@ -244,13 +254,11 @@ enum Strain {
     Misfit,
 }
 
-/// Iterations that a sample has time for, with so many samples around the slip; lines and
-/// factorisation take as long as some more. With fewer, unresolved slips in quick succession
-/// lose places of their onset, and first events their fit.
-fn iterations(samples: usize) -> usize {
-    const SAMPLES: usize = 52;
+/// Iterations of a fit with so many samples around the slip in the time that this many samples
+/// take; lines and factorisation take as long as some more.
+pub(crate) fn iterations_within(time: usize, samples: usize) -> usize {
     const OTHER: usize = 6;
-    (SAMPLES / (samples + OTHER)).clamp(1, 4)
+    time.checked_div(samples + OTHER).unwrap_or(1)
 }
 
 fn measured(

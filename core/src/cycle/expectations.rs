@@ -3,11 +3,13 @@
 use crate::cycle::slip_record::SlipRecord;
 use crate::effect::{Effect, Effects, Parameter};
 use crate::effects::corner::CornerEstimator;
+use crate::effects::damping::Damping;
 use crate::effects::mass_change::{Mass, Told, Verdict};
 use crate::effects::sag::Sag;
 use crate::fit::correction::Correction;
 use crate::fit::posterior::Posterior;
 use crate::fit::residuals::Residuals;
+use crate::fit::slip_scatter::SlipScatter;
 use crate::fit::{Data, Fit, rounding_n2};
 use crate::model::CycleParams;
 use crate::num::math;
@@ -28,6 +30,8 @@ pub(crate) struct Expectations {
     /// Loading rate as the newest event alone tells it, and its variance.
     pub(crate) own_rate: Option<(f32, f32)>,
     pub(crate) residuals: Residuals,
+    pub(crate) slip: SlipScatter,
+    pub(crate) damping: Damping,
     /// Events in a row that did not fit.
     misfits: u8,
     /// The residuals are those of weighted samples.
@@ -41,6 +45,10 @@ const CHANGED: u8 = 3;
 const LEAST_OWN: f32 = 0.01;
 /// The same to judge whether it is another block, which differs by far.
 const LEAST_JUDGED: f32 = 0.003;
+/// Standard deviations within which the first event's rate is the same before and after it.
+const LASTS: f32 = 3.0;
+/// Samples of lines that tell the first event's two rates.
+const LINE: u32 = 8;
 
 impl Expectations {
     /// Before the first event.
@@ -100,6 +108,8 @@ impl Expectations {
         noise_n2: f32,
     ) -> Data<'a> {
         let rough = pending.rough(after);
+        let has_lines =
+            pending.before.count.min(after.count) >= LINE && pending.wander.level <= 0.0;
         let rate = expected(self.rate.prior(noise_n2), rough.rate, 0.7 * rough.rate, noise_n2);
         let known_swing = if self.knows_omega() {
             self.mass.inverse_omega().prior(noise_n2)
@@ -119,20 +129,25 @@ impl Expectations {
             wander: pending.wander,
             rate: rate.loosened(pending.wander.slope),
             inverse_omega,
-            rate_change: self.bend_prior(rough.rate, noise_n2).loosened(4.0 * pending.wander.slope),
+            rate_change: self
+                .bend_prior(rough.rate, has_lines, noise_n2)
+                .loosened(4.0 * pending.wander.slope),
             onset: rough.onset(noise_n2),
             corner: self.corner.expected(rate.mean, inverse_omega.mean),
         }
     }
 
     /// Until the events tell otherwise the winch turns steadily.
-    fn bend_prior(&self, rough_rate: f32, noise_n2: f32) -> Prior {
+    fn bend_prior(&self, rough_rate: f32, has_lines: bool, noise_n2: f32) -> Prior {
         const STEADY: f32 = 0.003;
+        // The first slip may tighten the cable, and the winch may yet have to come up to speed.
+        const FIRST: f32 = 0.3;
         let learnt = self.rate_change.prior_around_zero(noise_n2);
         if learnt.weight > 0.0 {
             return learnt;
         }
-        let spread = STEADY * self.rate.mean().unwrap_or(rough_rate);
+        let first = if has_lines { FIRST } else { STEADY };
+        let spread = self.rate.mean().map_or(first * rough_rate, |rate| STEADY * rate);
         Prior { mean: 0.0, weight: noise_n2 / (spread * spread) }
     }
 
@@ -155,6 +170,16 @@ impl Expectations {
         let std = 1.0 / math::sqrt(gain.weight) / rate;
         let found = gain.mean.abs() > 0.0 && std.is_finite();
         found.then_some(Parameter { name: "rate_gain", value: gain.mean / rate, std })
+    }
+
+    /// Variance of `Fp`, N², because a rate that changed by the slip may have done so at any time
+    /// of it. A winch whose rate steps by `b` at the angle `ωt` of the slip lifts `Fe` by
+    /// `b sin(ωt) / ω`; the model takes the mean over an even change, `2/π` of the largest. Half
+    /// the time anywhere and half the time at either end: `0.5 b/ω` about it, half of that in `Fp`.
+    pub(crate) fn unsteady_n2(&self, cycle: &CycleParams) -> f32 {
+        let own = cycle.rate_change - self.rate_change.prior_around_zero(1.0).mean;
+        let unsteady_n = 0.25 * own * cycle.inverse_omega();
+        unsteady_n * unsteady_n
     }
 
     /// Is the swing known from earlier events?
@@ -205,12 +230,16 @@ impl Expectations {
         if strained || (verdict == Verdict::Suspect && !on_trial) {
             return verdict;
         }
-        if let Some((value, variance)) = own_rate {
+        // A first rate that did not last is not that of the events to come.
+        let change = cycle.rate_change;
+        let lasts = self.rate.mean().is_some()
+            || data.wander.level > 0.0
+            || change * change < LASTS * LASTS * rate_change;
+        if let Some((value, variance)) = own_rate.filter(|_| lasts) {
             self.rate.add(value, variance);
         }
-        if let Some((value, variance)) =
-            own(cycle.rate_change, rate_change, data.rate_change, LEAST_OWN)
-        {
+        let own_change = own(cycle.rate_change, rate_change, data.rate_change, LEAST_OWN);
+        if let Some((value, variance)) = own_change.filter(|_| lasts) {
             self.rate_change.add(value, variance);
         }
         told.inverse_omega = own_swing(LEAST_OWN).filter(|_| !on_trial || is_clear(posterior));
@@ -229,6 +258,13 @@ impl Expectations {
         self.mass.translate(inverse_omega);
         self.rate_change.translate(rate_change);
         effect
+    }
+
+    /// Takes what the event's residuals tell of losses.
+    pub(crate) fn learn_damping(&mut self, data: &Data<'_>, fit: &Fit, noise_n2: f32) {
+        if self.effects.has(Effect::Damping) {
+            self.damping.learn(data, fit, noise_n2);
+        }
     }
 
     /// Periods before an onset in which the force lacks more than a fifth of the noise.

@@ -12,7 +12,7 @@ mod slip_record;
 use core::ops::ControlFlow;
 
 use crate::coefficient::{Coefficient, Site};
-use crate::cycle::cycle_fit::{CycleFit, Measured, Outcome};
+use crate::cycle::cycle_fit::{CycleFit, Measured, Outcome, iterations_within};
 use crate::cycle::expectations::{Expectations, is_clear};
 use crate::cycle::slip_record::{SlipRecord, UNSURE};
 use crate::detector::{Detector, Stick};
@@ -131,6 +131,7 @@ impl CycleTracker {
     pub fn parameters(&self, effect: Effect) -> [Option<Parameter>; 2] {
         match effect {
             Effect::Corner => self.learnt.corner.parameters(self.site.rate_hz),
+            Effect::Damping => [self.learnt.damping.parameter(), None],
             Effect::Sag => [self.learnt.sag.parameter(), None],
             Effect::Stiffening => [self.learnt.stiffening(), None],
             Effect::Mass => {
@@ -166,7 +167,7 @@ impl CycleTracker {
         let slip = self.slip(stick, detector, extremes);
         let noise_n2 = self.learnt.fitted_noise_n2(&slip);
         let most = if self.learnt.knows_omega() { FIRST_STEPS } else { STEPS_UNKNOWN };
-        let steps = most.min(FIRST_SAMPLES / (slip.samples().forces_n.len() + 6));
+        let steps = most.min(iterations_within(FIRST_SAMPLES, slip.samples().forces_n.len()));
         let none = Line::default();
         let data = self.learnt.data(&slip, &none, noise_n2);
         let mut fitting = slip.begin(&data, self.learnt.knows_omega());
@@ -389,7 +390,7 @@ impl CycleTracker {
             return;
         }
         self.rested = Some((moment(pending.origin, shape.stop()), cycle.restick_n()));
-        let rested = rested.filter(|_| pending.wander.level > 0.0);
+        let rested = rested.filter(|_| pending.wander.level > 0.0 && !pending.broken);
         let Some(((from, from_n), (rate, rate_variance))) = rested.zip(self.learnt.own_rate) else {
             return;
         };
@@ -411,10 +412,11 @@ impl CycleTracker {
         let (sag_n, sag_n2) = self.learnt.sag.shift(cycle);
         let stiffens = self.site.effects.has(Effect::Stiffening);
         let is_straight = pending.wander.level <= 0.0 && sag_n2 <= 0.0 && cycle.is_taut();
-        (
-            sag_n - if stiffens && is_straight { self.learnt.stiffening_n(cycle) } else { 0.0 },
-            sag_n2,
-        )
+        if !is_straight {
+            return (sag_n, sag_n2);
+        }
+        let stiffening_n = if stiffens { self.learnt.stiffening_n(cycle) } else { 0.0 };
+        (sag_n - stiffening_n, sag_n2 + self.learnt.unsteady_n2(cycle))
     }
 
     /// A measured event with what it tells of a change.
@@ -450,6 +452,12 @@ impl CycleTracker {
     pub fn force_n(&self, coefficient: f32) -> f32 {
         let site = self.site();
         coefficient * site.weight_n * site.slope.1
+    }
+
+    /// Standard deviation of the damping ratio where it is stated to be so much.
+    #[must_use]
+    pub fn damping_std(&self, stated: f32) -> f32 {
+        self.learnt.damping.std(stated)
     }
 
     /// Weight in use over the given one, and its relative standard deviation.

@@ -42,6 +42,8 @@ pub(crate) struct SlipRecord {
     /// Weight of the samples after the stop, and from when on they have it.
     pub(crate) rest_weight: f32,
     rest_from: f32,
+    /// The rate of the rest before it broke off.
+    pub(crate) broken: bool,
     /// A saturated sample, or too many missing ones, between the lines.
     pub(crate) hidden: bool,
     /// The cycle as far as it was known before the stick line after it.
@@ -129,6 +131,7 @@ impl SlipRecord {
             wander: ColoredNoise::NONE,
             rest_weight: 1.0,
             rest_from: since(first, low.index),
+            broken: stick.broken,
             hidden: false,
             early: None,
             limit: f32::MAX,
@@ -163,7 +166,9 @@ impl SlipRecord {
     pub(crate) fn samples(&self) -> Samples<'_> {
         let forces_n = self.forces_n.get(..self.length).unwrap_or_default();
         let (rest_weight, rest_from) = (self.rest_weight, self.rest_from);
-        Samples { start: self.start, forces_n, rest_weight, rest_from }
+        let extremes = || (since(self.origin, self.peak.index), since(self.origin, self.low.index));
+        let slip = self.early.map_or_else(extremes, |cycle| (cycle.onset, cycle.shape().stop()));
+        Samples { rest_weight, rest_from, slip, ..Samples::new(self.start, forces_n) }
     }
 
     /// Ends the event before the next one's slip begins, a little before its highest

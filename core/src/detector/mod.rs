@@ -111,6 +111,8 @@ pub struct Stick {
     /// All samples so far are on one line, with endless memory: `line` is also how
     /// it started.
     pub straight: bool,
+    /// The rate has broken off: the winch paused, or turned at another speed.
+    pub broken: bool,
     /// Weight of the next sample in `first`; zero: `first` is complete.
     first_weight: f32,
     /// The line with another memory, on trial.
@@ -366,7 +368,8 @@ impl Detector {
             | Effect::Stiffening
             | Effect::Mass
             | Effect::Level
-            | Effect::Drift => false,
+            | Effect::Drift
+            | Effect::Damping => false,
         }
     }
 
@@ -692,6 +695,8 @@ impl Detector {
         let start = (index + 1).saturating_sub(u64::from(NEW_LINE));
         stick.next = start;
         stick.start_line(start);
+        // A cable that flops leaves the line as well.
+        stick.broken = self.profile.is_flat();
         // What was higher before, a spike perhaps, is not of this line.
         stick.highest = ForcePoint { index: start, force_n: f32::NEG_INFINITY };
         for past in start..=self.last.index {

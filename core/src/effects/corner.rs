@@ -327,72 +327,24 @@ impl Score {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fit::Samples;
+    use crate::effects::synthetic::{self, NOISE_N};
     use crate::model::CycleParams;
-    use crate::noise::ripple::ColoredNoise;
-    use crate::stats::line::Line;
-    use crate::stats::prior::Prior;
-
-    const NOISE_N: f32 = 2.0;
-
-    /// Nearly normal: the sum of twelve even numbers.
-    struct Noise(u32);
-
-    impl Noise {
-        fn next_n(&mut self) -> f32 {
-            let even = (0..12).fold(0.0, |sum, _| {
-                self.0 = self.0.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-                sum + (self.0 >> 8) as f32 / 16_777_216.0
-            });
-            NOISE_N * (even - 6.0)
-        }
-    }
 
     /// So many events with these corners: how many were taken for round, and what is
     /// learnt in the end.
     fn learnt(events: u16, truth: &Corner) -> (u16, CornerEstimator) {
-        let (mut learnt, mut noise) = (CornerEstimator::default(), Noise(1));
-        let mut round = 0;
-        for event in 0..events {
-            let onset = (0.618_034 * f32::from(event)).fract() - 1.0;
-            let (static_n, half_drop_n) = (781.2, 289.8);
-            let cycle = CycleParams {
-                onset,
-                rate: 22.5,
-                static_n,
-                half_drop_n,
-                omega: 1.1828,
-                rate_change: 0.0,
-            };
+        let (mut learnt, mut round) = (CornerEstimator::default(), 0);
+        let force_n = |cycle: &CycleParams, time: f32| {
             let shape = cycle.shape();
-            let mut sample_n = |time: f32| {
-                let shift_n = truth.shift(&shape, time - onset).force_n;
-                shape.force(time).0 + shift_n + noise.next_n()
-            };
-            let mut line = |from: i16, to: i16| {
-                let mut line = Line::default();
-                (from..to).for_each(|t| line.add(t.into(), sample_n(t.into()), 1.0, 1.0));
-                line
-            };
-            let (before, after) = (line(-30, -8), line(6, 24));
-            let forces_n: [f32; 14] = core::array::from_fn(|i| sample_n(i as f32 - 8.0));
-            let free = Prior::default();
-            let data = Data {
-                before: &before,
-                samples: Samples::new(-8.0, &forces_n),
-                after: &after,
-                wander: ColoredNoise::NONE,
-                rate: free,
-                inverse_omega: free,
-                rate_change: Prior { mean: 0.0, weight: 1e3 },
-                onset: free,
-                corner: learnt.expected(22.5, cycle.inverse_omega()),
-            };
+            shape.force(time).0 + truth.shift(&shape, time - cycle.onset).force_n
+        };
+        synthetic::events(events, force_n, |data, cycle| {
+            let data = Data { corner: learnt.expected(22.5, cycle.inverse_omega()), ..data };
             let noise_n2 = NOISE_N * NOISE_N;
-            let Some(fit) = data.fit(&cycle, noise_n2) else { continue };
+            let Some(fit) = data.fit(cycle, noise_n2) else { return };
             learnt.learn(&data, &fit, noise_n2);
             round += u16::from(!learnt.corner.is_sharp());
-        }
+        });
         (round, learnt)
     }
 

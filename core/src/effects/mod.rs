@@ -1,7 +1,76 @@
 //! What makes an event depart from line, ellipse, line, and what changes between events.
 
 pub mod corner;
+pub(crate) mod damping;
 pub mod level_shift;
 pub mod mass_change;
 pub(crate) mod sag;
 pub(crate) mod zero_drift;
+
+#[cfg(test)]
+mod synthetic {
+    //! Events of DFF8-13 with something that the model lacks, and noise.
+
+    use crate::fit::{Data, Samples};
+    use crate::model::CycleParams;
+    use crate::model::corner::Corner;
+    use crate::noise::ripple::ColoredNoise;
+    use crate::stats::line::Line;
+    use crate::stats::prior::Prior;
+
+    pub(super) const NOISE_N: f32 = 2.0;
+
+    /// Nearly normal: the sum of twelve even numbers.
+    struct Noise(u32);
+
+    impl Noise {
+        fn next_n(&mut self) -> f32 {
+            let even = (0..12).fold(0.0, |sum, _| {
+                self.0 = self.0.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+                sum + (self.0 >> 8) as f32 / 16_777_216.0
+            });
+            NOISE_N * (even - 6.0)
+        }
+    }
+
+    /// Gives so many events, their onsets spread over a period, with sharp corners expected:
+    /// `force_n` is the force of a cycle at a time.
+    pub(super) fn events(
+        count: u16,
+        force_n: impl Fn(&CycleParams, f32) -> f32,
+        mut take: impl FnMut(Data<'_>, &CycleParams),
+    ) {
+        let mut noise = Noise(1);
+        for event in 0..count {
+            let cycle = CycleParams {
+                onset: (0.618_034 * f32::from(event)).fract() - 1.0,
+                rate: 22.5,
+                static_n: 781.2,
+                half_drop_n: 289.8,
+                omega: 1.1828,
+                rate_change: 0.0,
+            };
+            let mut sample_n = |time: f32| force_n(&cycle, time) + noise.next_n();
+            let mut line = |from: i16, to: i16| {
+                let mut line = Line::default();
+                (from..to).for_each(|t| line.add(t.into(), sample_n(t.into()), 1.0, 1.0));
+                line
+            };
+            let (before, after) = (line(-30, -8), line(6, 24));
+            let forces_n: [f32; 14] = core::array::from_fn(|i| sample_n(i as f32 - 8.0));
+            let free = Prior::default();
+            let data = Data {
+                before: &before,
+                samples: Samples::new(-8.0, &forces_n),
+                after: &after,
+                wander: ColoredNoise::NONE,
+                rate: free,
+                inverse_omega: free,
+                rate_change: Prior { mean: 0.0, weight: 1e3 },
+                onset: free,
+                corner: Corner::default(),
+            };
+            take(data, &cycle);
+        }
+    }
+}

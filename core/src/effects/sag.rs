@@ -53,12 +53,14 @@ pub(crate) struct Sag {
 impl Sag {
     /// Lets the past count for less, once an event.
     pub(crate) fn forget(&mut self) {
-        self.softness.forget();
+        self.softness.fade();
     }
 
     /// Takes a rest.
     pub(crate) fn learn(&mut self, rest: &Rest) {
         if let Some((softness, variance)) = rest.softness() {
+            // A trend goes on no longer than rests tell of it.
+            self.softness.pass();
             self.softness.add(softness, variance);
         }
     }

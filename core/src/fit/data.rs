@@ -1,10 +1,12 @@
 //! What one event's fit is made from: lines, samples, expectations.
 
+use crate::fit::slip_scatter::{SlipResiduals, steepness};
+use crate::fit::{Fit, Variances};
 use crate::model::corner::{Corner, Shift};
 use crate::model::{CycleParams, Shape};
 use crate::noise::ripple::ColoredNoise;
 use crate::stats::line::Line;
-use crate::stats::normal_equations::{Gradient, Normal, UNKNOWNS};
+use crate::stats::normal_equations::{Gradient, Normal, UNKNOWNS, dot};
 use crate::stats::prior::{Prior, loosened};
 
 /// The samples of the slip and its surroundings, one a period.
@@ -18,13 +20,16 @@ pub struct Samples<'a> {
     pub rest_weight: f32,
     /// That time, periods.
     pub rest_from: f32,
+    /// When the slip begins and ends, periods.
+    pub slip: (f32, f32),
 }
 
 impl<'a> Samples<'a> {
     /// Of equal weight.
     #[must_use]
     pub fn new(start: f32, forces_n: &'a [f32]) -> Self {
-        Self { start, forces_n, rest_weight: 1.0, rest_from: f32::INFINITY }
+        let (rest_from, slip) = (f32::INFINITY, (f32::INFINITY, f32::INFINITY));
+        Self { start, forces_n, rest_weight: 1.0, rest_from, slip }
     }
 
     /// Time of the last sample, or before the first if there is none.
@@ -36,6 +41,10 @@ impl<'a> Samples<'a> {
     /// Weight of a sample at a time.
     fn weight(&self, time: f32) -> f32 {
         if time > self.rest_from { self.rest_weight } else { 1.0 }
+    }
+
+    fn steepness(&self, time: f32) -> f32 {
+        steepness((time - self.slip.0) / (self.slip.1 - self.slip.0))
     }
 
     /// Times, periods, and forces, N, of the good samples.
@@ -98,19 +107,64 @@ impl Data<'_> {
     /// Takes samples into the normal equations at a trial cycle: as many as given, from a
     /// place on.
     pub(crate) fn add_samples(&self, normal: &mut Normal, shape: &Shape, from: usize, most: usize) {
-        let cycle = shape.cycle();
         let forces_n = self.samples.forces_n.get(from..).unwrap_or_default();
         let times = (0..most).map(|i| self.samples.start + (from + i) as f32);
         for (time, &measured_n) in times.zip(forces_n) {
             if measured_n.is_nan() {
                 continue;
             }
-            let (force_n, mut gradient) = shape.force(time);
-            let shift = self.shift(shape, time - cycle.onset);
-            gradient[0] -= shift.rate;
-            let residual_n = measured_n - force_n - shift.force_n;
+            let (residual_n, gradient) = self.residual(shape, time, measured_n);
             normal.add(residual_n, &gradient, self.samples.weight(time));
         }
+    }
+
+    /// What a sample lies above the model, N, and the model's derivatives.
+    pub(crate) fn residual(&self, shape: &Shape, time: f32, measured_n: f32) -> (f32, Gradient) {
+        let (force_n, mut gradient) = shape.force(time);
+        let shift = self.shift(shape, time - shape.cycle().onset);
+        gradient[0] -= shift.rate;
+        (measured_n - force_n - shift.force_n, gradient)
+    }
+
+    /// What the samples of the slip scatter at a fit, in units of the noise's variance, and what
+    /// their scatter beyond the noise, `λ`, adds to the variances; of a long slip a part of them,
+    /// evenly spread.
+    ///
+    /// The fit is the one without that scatter, `x = A⁻¹ Σ w u r`, so its covariance grows by
+    /// `λ Σ g w² (A⁻¹ u)(A⁻¹ u)ᵀ`.
+    #[must_use]
+    #[cold]
+    pub fn slip_scatter(
+        &self,
+        fit: &Fit,
+        excess: f32,
+        noise_n2: f32,
+    ) -> (SlipResiduals, Variances) {
+        const MOST: usize = 12;
+        let (mut slip, mut wider) = (SlipResiduals::default(), Variances::default());
+        let Some(factor) = fit.normal.factor(0.0) else { return (slip, wider) };
+        let shape = fit.cycle.shape();
+        let (from, to) = self.samples.slip;
+        // Never zero, also for a slip that is no number.
+        let stride = ((1.0 + (to - from) / MOST as f32) as usize).max(1);
+        let inside = self.samples.good().filter(|&(time, _)| time > from && time < to);
+        // Of each so far: its steepness, and by how much its error moves the unknowns.
+        let mut others = [(0.0, Gradient::default()); MOST];
+        for (place, (time, measured_n)) in inside.step_by(stride).take(MOST).enumerate() {
+            let steepness = self.samples.steepness(time);
+            let (off_n, gradient) = self.residual(&shape, time, measured_n);
+            let moved = factor.solve(&gradient).map(|by| by * self.samples.weight(time));
+            let left = (1.0 - dot(&gradient, &moved)).max(0.0);
+            slip.add(steepness, off_n * off_n / noise_n2, left);
+            for (of_other, by_other) in others.iter().take(place) {
+                slip.add_pair(steepness * of_other, dot(&gradient, by_other));
+            }
+            if let Some(own) = others.get_mut(place) {
+                *own = (steepness, moved);
+            }
+            wider.add(&moved, excess * steepness * stride as f32);
+        }
+        (slip, wider)
     }
 
     /// Takes the lines and what is expected into the normal equations at a trial cycle.

@@ -90,12 +90,6 @@ impl Fitting {
         Self { guesses, left: GUESSES, cycle, normal, gain: 0.0, damping: 0.0, steps: 0, pass }
     }
 
-    /// The best cycle so far.
-    #[must_use]
-    pub fn cycle(&self) -> &CycleParams {
-        &self.cycle
-    }
-
     /// One piece. Breaks with the fit, or with `None` when the data do not determine the
     /// unknowns.
     ///
@@ -192,7 +186,15 @@ impl Fitting {
     fn fit(&self, information: &Factor, converged: bool) -> Option<Fit> {
         let Self { cycle, normal, .. } = *self;
         let (forces, variances) = (Forces::new(&cycle, information), information.variances());
-        normal.cost.is_finite().then_some(Fit { cycle, normal, forces, variances, converged })
+        let wider = (0.0, 0.0);
+        normal.cost.is_finite().then_some(Fit {
+            cycle,
+            normal,
+            forces,
+            variances,
+            wider,
+            converged,
+        })
     }
 }
 

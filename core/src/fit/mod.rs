@@ -11,6 +11,7 @@ pub mod data;
 pub mod levenberg_marquardt;
 pub mod posterior;
 pub mod residuals;
+pub mod slip_scatter;
 
 pub use data::{Data, Samples};
 pub use levenberg_marquardt::Fitting;
@@ -31,8 +32,29 @@ pub struct Fit {
     pub forces: Forces,
     /// Variances of the unknowns, in units of the noise variance.
     pub variances: Gradient,
+    /// What the slip's scatter beyond the noise adds to the forces' variances.
+    wider: (f32, f32),
     /// Whether the iteration settled.
     pub converged: bool,
+}
+
+/// Variances of the unknowns and of `Fs` and `Fp`, in units of the noise variance.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Variances {
+    unknowns: Gradient,
+    forces: (f32, f32),
+}
+
+impl Variances {
+    /// Takes an error of this variance that moves the unknowns by so much.
+    fn add(&mut self, moved: &Gradient, variance: f32) {
+        for (sum, by) in self.unknowns.iter_mut().zip(moved) {
+            *sum += variance * by * by;
+        }
+        let by = [STATIC, DYNAMIC].map(|(combination, _)| dot(moved, &combination));
+        self.forces.0 += variance * by[0] * by[0];
+        self.forces.1 += variance * by[1] * by[1];
+    }
 }
 
 /// `Fs` and `Fp` with their variances, N and units of the noise variance.
@@ -59,6 +81,11 @@ impl Forces {
         }
     }
 
+    fn widen(&mut self, (static_variance, dynamic_variance): (f32, f32)) {
+        self.static_variance += static_variance;
+        self.dynamic_variance += dynamic_variance;
+    }
+
     /// Takes what is known of the corners since the fit.
     pub(crate) fn take(&mut self, effect: &Correction, noise_n2: f32) {
         self.static_n += dot(&effect.moved, &STATIC.0);
@@ -79,6 +106,15 @@ impl Fit {
         self.normal.cost
     }
 
+    /// Takes what the slip scatters beyond the noise into the variances.
+    pub(crate) fn widen(&mut self, wider: Variances) {
+        for (variance, more) in self.variances.iter_mut().zip(wider.unknowns) {
+            *variance += more;
+        }
+        self.forces.widen(wider.forces);
+        self.wider = wider.forces;
+    }
+
     /// The forces as the event would give them without what was expected of its
     /// loading rate: the expectation is taken out of the normal equations again.
     ///
@@ -91,7 +127,9 @@ impl Fit {
         let mut cycle = self.cycle;
         cycle.static_n += by_static;
         cycle.half_drop_n += by_drop;
-        Some(Forces::new(&cycle, &factor))
+        let mut forces = Forces::new(&cycle, &factor);
+        forces.widen(self.wider);
+        Some(forces)
     }
 
     /// The normal equations without what is expected of all but the bend, the last one.

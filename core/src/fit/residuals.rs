@@ -31,12 +31,12 @@ impl Residuals {
         Self { squares_n2: 0.0, free: 0.0, median_n2: Quantile::new(0.5) }
     }
 
-    /// Takes an event's squared residuals and their degrees of freedom, one or more.
+    /// Takes an event's squared residuals and their degrees of freedom.
     ///
     /// `rough_n2` is a rough variance of the noise, for the first events.
     pub fn add(&mut self, squares_n2: f32, free: f32, rough_n2: f32) {
         // Median of χ²/ν over its mean (Wilson and Hilferty).
-        let skew = 1.0 - 2.0 / (9.0 * free);
+        let skew = 1.0 - 2.0 / (9.0 * free.max(1.0));
         self.median_n2.add(squares_n2 / (free * skew * skew * skew));
         let limit = LIMIT * self.median_n2.value().unwrap_or(ROUGH * rough_n2);
         if self.free > MEMORY {
@@ -64,6 +64,12 @@ impl Residuals {
         usual.is_some_and(|(median, mean)| {
             squares_n2 > MISFIT * (median.max(mean) + rounding_n2) * free.max(1.0)
         })
+    }
+
+    /// Degrees of freedom that count.
+    #[must_use]
+    pub fn free(&self) -> f32 {
+        self.free
     }
 
     /// Variance of the noise, N²; `None` before the first event.

@@ -52,9 +52,19 @@ impl FadingTrend {
     /// Lets the past count for less: once an event, whether or not it tells anything, so
     /// that no expectation, once too sure of itself, shuts out what could correct it.
     pub fn forget(&mut self) {
+        self.fade();
+        self.pass();
+    }
+
+    /// An event passes: a trend goes on.
+    pub(crate) fn pass(&mut self) {
+        self.line.shift(1.0);
+    }
+
+    /// The past counts for less, and no trend goes on.
+    pub(crate) fn fade(&mut self) {
         const FADE: f32 = 1.0 - 1.0 / MEMORY;
         self.line.fade(FADE);
-        self.line.shift(1.0);
         self.count *= FADE;
         self.excess *= FADE;
         self.weight_squares *= FADE;

@@ -1,4 +1,4 @@
-//! A quantile, online: moved by a constant factor up or down, no threshold and no division.
+//! A quantile, online: moved by a constant factor up or down, no threshold.
 
 use crate::num::math::larger;
 
@@ -11,9 +11,6 @@ pub struct Quantile {
     first: [f32; FEWEST as usize],
     /// Probability of the quantile.
     part: f32,
-    /// Factors up and down, once settled.
-    up: f32,
-    down: f32,
 }
 
 /// Final step of a quantile: settles to 8 % within a hundred samples.
@@ -27,8 +24,7 @@ impl Quantile {
     /// For a probability.
     #[must_use]
     pub const fn new(part: f32) -> Self {
-        let (up, down) = factors(SMALLEST_GAIN, part);
-        Self { value: 0.0, count: 0, first: [f32::MAX; FEWEST as usize], part, up, down }
+        Self { value: 0.0, count: 0, first: [f32::MAX; FEWEST as usize], part }
     }
 
     /// Takes a number at or above zero.
@@ -36,11 +32,16 @@ impl Quantile {
         if self.count < SETTLED {
             return self.start(size);
         }
-        self.follow(size, (self.up, self.down));
+        self.follow(size, SMALLEST_GAIN);
     }
 
-    fn follow(&mut self, size: f32, (up, down): (f32, f32)) {
-        let factor = if size > self.value { up } else { down };
+    /// With factors that balance when a part of the numbers lies below the quantile.
+    fn follow(&mut self, size: f32, gain: f32) {
+        let factor = if size > self.value {
+            1.0 + gain * self.part
+        } else {
+            1.0 / (1.0 + gain * (1.0 - self.part))
+        };
         // Zero (a noiseless start) could not grow by a factor alone.
         self.value = larger(self.value * factor, 1e-3 * size);
     }
@@ -52,7 +53,7 @@ impl Quantile {
         if self.count >= FEWEST {
             self.count += 1;
             let gain = (4.0 / self.count as f32).max(SMALLEST_GAIN);
-            return self.follow(size, factors(gain, self.part));
+            return self.follow(size, gain);
         }
         for entry in &mut self.first {
             (*entry, size) = (entry.min(size), entry.max(size));
@@ -83,9 +84,4 @@ impl Quantile {
     pub fn value(&self) -> Option<f32> {
         (self.count >= FEWEST).then_some(self.value)
     }
-}
-
-/// Factors that balance when a part of the numbers lies below the quantile.
-const fn factors(gain: f32, part: f32) -> (f32, f32) {
-    (1.0 + gain * part, 1.0 / (1.0 + gain * (1.0 - part)))
 }

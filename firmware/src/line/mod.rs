@@ -340,6 +340,7 @@ mod tests {
             zero_n: Some(LONG),
             zero_std_n: LONG,
             zero_drift_n: LONG,
+            damping_std: LONG,
             weight_ratio: LONG,
             weight_ratio_std: LONG,
         }

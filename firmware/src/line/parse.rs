@@ -192,6 +192,7 @@ fn report(from: &mut Reader<'_>) -> Result<Report, LineError> {
         zero_n: from.take_late()?,
         zero_std_n: 0.0,
         zero_drift_n: 0.0,
+        damping_std: 0.0,
         weight_ratio: 1.0,
         weight_ratio_std: 0.0,
     };
@@ -218,6 +219,7 @@ fn uncertainty(from: &mut Reader<'_>, report: &mut Report) -> Result<(), LineErr
     report.zero_drift_n = from.take_late()?.unwrap_or(0.0);
     report.weight_ratio = from.take_late()?.unwrap_or(1.0);
     report.weight_ratio_std = from.take_late()?.unwrap_or(0.0);
+    report.damping_std = from.take_late()?.unwrap_or(0.0);
     Ok(())
 }
 

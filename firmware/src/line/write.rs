@@ -208,7 +208,8 @@ fn report(out: &mut Writer<'_>, report: &Report) -> fmt::Result {
     out.put_f32(report.zero_std_n)?;
     out.put_f32(report.zero_drift_n)?;
     out.put_f32(report.weight_ratio)?;
-    out.put_f32(report.weight_ratio_std)
+    out.put_f32(report.weight_ratio_std)?;
+    out.put_f32(report.damping_std)
 }
 
 fn change(out: &mut Writer<'_>, change: &Change) -> fmt::Result {

@@ -80,6 +80,7 @@ pub(super) fn report() -> Report {
         zero_n: None,
         zero_std_n: 0.8,
         zero_drift_n: 0.0,
+        damping_std: 0.005,
         weight_ratio: 1.0,
         weight_ratio_std: 0.0,
         change: None,
