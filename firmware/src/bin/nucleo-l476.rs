@@ -91,6 +91,7 @@ mod target {
     }
 
     /// Draws a picture, and sends it if the tick leaves the time for it.
+    #[inline(never)]
     fn show(screen: &mut Screen, app: &Logger) -> bool {
         // Without a display there is nothing to see.
         let _ = display::draw(screen, &app.view());
