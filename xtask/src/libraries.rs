@@ -9,10 +9,7 @@ use crate::shell::{cargo, run};
 /// # Errors
 /// The first of these that fails.
 pub fn check() -> Result<()> {
-    document(&["floe", "floe-firmware"], "-D warnings")?;
-    // Five links of the core's comments lead to private items, or to two of one name.
-    let links = "-A rustdoc::private_intra_doc_links -A rustdoc::broken_intra_doc_links";
-    document(&["floe-core"], &format!("-D warnings {links}"))?;
+    document()?;
     run(cargo().args([
         "test",
         "--package",
@@ -31,11 +28,11 @@ pub fn check() -> Result<()> {
     run(cargo().args(["package", "--package", "floe-core", "--allow-dirty", "--offline"]))
 }
 
-fn document(packages: &[&str], flags: &str) -> Result<()> {
+fn document() -> Result<()> {
     let mut doc = cargo();
     doc.args(["doc", "--no-deps"]);
-    for package in packages {
+    for package in ["floe-core", "floe-firmware", "floe"] {
         doc.args(["--package", package]);
     }
-    run(doc.env("RUSTDOCFLAGS", flags))
+    run(doc.env("RUSTDOCFLAGS", "-D warnings"))
 }

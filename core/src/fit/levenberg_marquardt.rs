@@ -29,7 +29,7 @@ const GUESSES: usize = 5;
 ///
 /// A *pass* takes the samples and lines at a trial cycle into normal equations. Every
 /// [`Fitting::step`] wants the same data, but for what is expected, which may become better
-/// known meanwhile. Its cost is bounded: [`SAMPLES_A_STEP`] samples, two lines, one
+/// known meanwhile. Its cost is bounded: `SAMPLES_A_STEP` samples, two lines, one
 /// factorisation.
 #[derive(Clone, Copy, Debug)]
 pub struct Fitting {
