@@ -213,6 +213,7 @@ fn moved(cycle: &CycleParams, step: &Gradient) -> CycleParams {
 }
 
 /// Keeps the unknowns where the formulas hold.
+#[inline(never)]
 fn limited(cycle: CycleParams) -> CycleParams {
     const TINY: f32 = 1e-12;
     let least_n = (TINY * cycle.static_n.abs()).max(f32::MIN_POSITIVE);
