@@ -12,7 +12,7 @@ use crate::estimator::Estimator;
 use crate::event::{Event, Provisional, Quality};
 use crate::num::math;
 use crate::report::{Counters, Report};
-use crate::sample::{ForcePoint, ForceSample, Phase, RawSample, SampleFlag, SampleTime};
+use crate::sample::{ForcePoint, ForceSample, Phase, RawSample, SampleFlag, SampleTime, since};
 use crate::signal::calibrate::Calibrator;
 use crate::signal::decimate::Decimator;
 use crate::signal::derivative::{Central, Rate};
@@ -481,8 +481,7 @@ impl Pipeline {
 
     fn recurrence_s(&self) -> Option<f32> {
         let (first, last) = self.onsets?;
-        let periods =
-            last.index.saturating_sub(first.index) as f32 + last.fraction - first.fraction;
+        let periods = since(first.index, last.index) + last.fraction - first.fraction;
         let intervals = self.events.saturating_sub(1);
         (intervals > 0).then(|| periods / (intervals as f32 * self.config.rate_hz))
     }

@@ -117,6 +117,8 @@ impl SteadyForce {
     }
 
     /// Ends the stretch before the block that grows; what follows begins at an index.
+    #[cold]
+    #[inline(never)]
     fn end(&mut self, next: u64) -> Option<Steady> {
         let (start, means) = (self.start, self.means);
         let stop = self.last.index.saturating_sub(self.count.into());
@@ -173,6 +175,7 @@ impl SteadyForce {
     }
 
     /// Variance of a block's mean, N².
+    #[inline(never)]
     fn scatter_n2(&self, noise_n2: f32) -> f32 {
         let free = larger(self.means.count as f32 - 2.0, 1.0);
         larger(self.means.residual() / free, larger(self.noise_n2, noise_n2))
@@ -272,6 +275,8 @@ impl Stretches {
 
     /// The oldest one that is complete.
     pub(crate) fn next(&mut self) -> Option<Stretch> {
+        // Nearly always there is none: nothing is moved for that.
+        self.ready[0]?;
         let [first, second, last] = self.ready;
         self.ready = [second, last, None];
         first

@@ -58,6 +58,7 @@ impl Expectations {
 
     /// Variance of the noise, as if it were white: from the fits so far, else the
     /// detector's. Never below what single precision leaves of a force.
+    #[inline(never)]
     pub(crate) fn noise_n2(&self, pending: &SlipRecord) -> f32 {
         let noise_n2 = self.residuals.variance_n2().unwrap_or(pending.noise_n2);
         (pending.white_share() * noise_n2).max(rounding_n2(pending.peak.force_n))

@@ -92,7 +92,7 @@ impl Rough {
         // The force turns faster on the slip's side: of the two samples around each end of the
         // slip the outer one is the highest, or the lowest, more often. Wider for slow ends of
         // long slips.
-        let fall = (low.index - peak.index) as f32;
+        let fall = since(peak.index, low.index);
         let (slide, slide_std) = (fall - 0.4, 0.3 + 0.25 * fall);
         // From the highest to the lowest force the slide turns by π, in all by π + 2 φ.
         let turn = core::f32::consts::FRAC_2_PI * fall / (peak.force_n - low.force_n);
@@ -312,7 +312,7 @@ impl SlipRecord {
 
     /// Periods from the highest sample to the lowest.
     fn fall(&self) -> f32 {
-        (self.low.index - self.peak.index) as f32
+        since(self.peak.index, self.low.index)
     }
 
     /// The slip ended on a slack cable if the stick line after it, continued back to

@@ -304,7 +304,7 @@ impl Detector {
         let drop = self.stick.highest.force_n - self.lowest.force_n;
         let fall = self.lowest.index - self.stick.highest.index;
         let rise = now.force_n - self.lowest.force_n;
-        let rises = rise > (4.0 * std).min(0.5 * drop).max(CLEAR_RISE * drop);
+        let rises = rise > larger(smaller(4.0 * std, 0.5 * drop), CLEAR_RISE * drop);
         rises || now.index - self.lowest.index >= fall.div_ceil(2).max(2)
     }
 
@@ -575,7 +575,7 @@ impl Detector {
             true => LEAST_PART_BRIEF,
             false => LEAST_PART_LOW,
         };
-        (LEAST_DROP * std).max(part * usual)
+        larger(LEAST_DROP * std, part * usual)
     }
 
     /// How far a sample lies below the stick line, N, as sure as a single sample of
@@ -589,7 +589,7 @@ impl Detector {
             (line.level_n - now.force_n) / math::rough_sqrt(variance + 1.0 / line.weight);
         let rises = line.slope().is_some_and(|slope| slope > 0.0);
         let below_line = -off_n / self.spread(now, variance);
-        Some(if rises { below_line.max(below_mean) } else { below_line })
+        Some(if rises { larger(below_line, below_mean) } else { below_line })
     }
 
     /// Does the stick line describe the force, or does the block never rest long

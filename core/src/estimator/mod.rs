@@ -8,7 +8,7 @@
 //! With `s_i` an event's standard deviation, `τ²` the variance between events:
 //!
 //! - `τ² = max(0, S² − mean s_i²)`, `S²` the sample variance (method of moments); of few
-//!   events with a stated prior ([`Scatter`]), and of one event nothing;
+//!   events with a stated prior (`Scatter`), and of one event nothing;
 //! - mean `m = λ m_w + (1 − λ) m_1`: `m_w` weighted by `1/s_i²`, `m_1` plain,
 //!   `λ = s̄²/(s̄² + τ²)` with `s̄²` the harmonic mean of `s_i²`; either is the best
 //!   mean at its end of the scale;

@@ -14,7 +14,7 @@
 //!     onset          stop             T_slide = (π + 2 φ) / ω    (25)
 //! ```
 //!
-//! If `a > Fp` the cable goes slack on the way, see [`crate::model::slack`].
+//! If `a > Fp` the cable goes slack on the way (`model/slack.rs`).
 //!
 //! Any unit of time will do, as long as the rate, ω and the times agree; the fit
 //! uses sampling periods. Exactness: `tests/equations.rs` integrates the equations

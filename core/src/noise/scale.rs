@@ -34,7 +34,7 @@ impl Smallest {
 
     fn add(&mut self, size: f32) {
         let [a, b, c] = self.now;
-        self.now = [a.min(size), b.min(a.max(size)), c.min(b.max(size))];
+        self.now = [smaller(a, size), smaller(b, larger(a, size)), smaller(c, larger(b, size))];
         self.count += 1;
         if self.count == Self::BLOCK {
             self.blocks = [self.blocks[1], self.now[2]];

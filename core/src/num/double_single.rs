@@ -80,6 +80,7 @@ impl AddAssign for DoubleSingle {
 }
 
 impl AddAssign<f32> for DoubleSingle {
+    #[inline(never)]
     fn add_assign(&mut self, number: f32) {
         let sum = self.high + number;
         let part = sum - self.high;

@@ -6,7 +6,7 @@
 //!
 //! | method | weights | delay | attenuation at ω | noise of the rate |
 //! |---|---|---|---|---|
-//! | [`central`] | (−1, 0, 1)/2 | 1 period | sin(ω dt)/(ω dt) | 0.71 σ/dt |
+//! | [`Central`] | (−1, 0, 1)/2 | 1 period | sin(ω dt)/(ω dt) | 0.71 σ/dt |
 //! | [`LeastSquares`] | (−2, −1, 0, 1, 2)/10 | 2 periods | (sin ω dt + 2 sin 2ω dt)/(5 ω dt) | 0.32 σ/dt |
 //!
 //! DFF8-13 (ω dt = 1.18): 0.78 and 0.39. The paper uses the central difference;

@@ -51,6 +51,7 @@ pub struct FadingTrend {
 impl FadingTrend {
     /// Lets the past count for less: once an event, whether or not it tells anything, so
     /// that no expectation, once too sure of itself, shuts out what could correct it.
+    #[inline(never)]
     pub fn forget(&mut self) {
         self.fade();
         self.pass();
@@ -62,6 +63,7 @@ impl FadingTrend {
     }
 
     /// The past counts for less, and no trend goes on.
+    #[inline(never)]
     pub(crate) fn fade(&mut self) {
         const FADE: f32 = 1.0 - 1.0 / MEMORY;
         self.line.fade(FADE);
