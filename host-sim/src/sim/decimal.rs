@@ -65,7 +65,7 @@ mod tests {
     #[test]
     fn halves_signs_and_what_is_no_number_are_as_format_writes_them() {
         let small = [0.0, -0.0, 0.5, 1.5, 2.5, -0.00001, 0.125];
-        let large = [199_999.9375, 3.999_999_999_999e6, 1e10, 1e300, f64::NAN, -f64::INFINITY];
+        let large = [199_999.937_5, 3.999_999_999_999e6, 1e10, 1e300, f64::NAN, -f64::INFINITY];
         for value in small.into_iter().chain(large) {
             for decimals in [0, 1, 2, 4, 6, 12, 15] {
                 assert_eq!(fixed(value, decimals), format!("{value:.decimals$}"));
