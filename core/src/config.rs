@@ -30,7 +30,7 @@ impl Default for Calibration {
 
 /// Standard deviations of what the pipeline is told; 0 means exactly known.
 ///
-/// They are in every combined uncertainty, never in the random one ([`mod@crate::budget`]).
+/// They are in every combined uncertainty, never in the random one ([`crate::budget()`]).
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]

@@ -15,28 +15,28 @@
 #![no_std]
 #![forbid(unsafe_code)]
 
-pub mod budget;
-pub mod coefficient;
-pub mod config;
-pub mod cycle;
+mod budget;
+mod coefficient;
+mod config;
+mod cycle;
 pub mod detector;
-pub mod effect;
-pub mod effects;
+mod effect;
+mod effects;
 pub mod estimator;
-pub mod event;
-pub mod fit;
+mod event;
+mod fit;
 pub mod model;
-pub mod noise;
+mod noise;
 pub mod num;
-pub mod pipeline;
-pub mod report;
-pub mod sample;
+mod pipeline;
+mod report;
+mod sample;
 pub mod signal;
-pub mod stats;
-pub mod stretch;
+mod stats;
+mod stretch;
 pub mod units;
 
-pub use budget::{Entry, Input, budget};
+pub use budget::{Entry, Input, Share, budget};
 pub use coefficient::{Coefficient, Estimate};
 pub use config::{Calibration, Config, ConfigError, InputStd};
 pub use effect::{Effect, Effects, Finding, Parameter};

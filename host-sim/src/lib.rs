@@ -1,17 +1,19 @@
 #![doc = include_str!("../README.md")]
 #![forbid(unsafe_code)]
 
+#[doc(hidden)]
 pub mod bench;
 pub mod campaign;
 pub mod card;
 pub mod chip;
+#[doc(hidden)]
 pub mod cli;
 mod columnar;
 pub mod error;
-pub mod live;
+mod live;
 pub mod log;
 pub mod replay;
-pub mod report;
+mod report;
 pub mod sim;
 pub mod stiffness;
-pub mod weigh;
+mod weigh;

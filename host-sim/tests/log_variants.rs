@@ -190,6 +190,19 @@ fn time_forms() -> Vec<Form> {
             Same,
         ),
         form(
+            "dates under any name",
+            table("Block 7;;\nZeitpunkt;Kraft [kN];Bemerkung\n", |t, f| {
+                let stamp = format!("2012-02-29T{}", clock(t)).replace('.', ",");
+                format!("{stamp};{};", comma(f / 1e3))
+            }),
+            Same,
+        ),
+        form(
+            "two columns of dates",
+            table("begun;seen;Force [N]\n", |t, f| format!("{};{};{f}", iso(0.0), iso(t))),
+            Refused(&["no time column", "--time-column", "begun, seen"]),
+        ),
+        form(
             "02/29/2012",
             iso_rows("time;force_n\n", &|t| format!("02/29/2012 {}", clock(t))),
             Refused(&["no time can be read from '02/29/2012"]),

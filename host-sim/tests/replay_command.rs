@@ -318,12 +318,14 @@ fn samples_and_figures_are_written() {
     assert!(said.contains("SIMULATED") && !said.contains("onset s"), "{said}");
     let written = fs::read_to_string(&csv).unwrap();
     let rows: Vec<Vec<&str>> = written.lines().map(|row| row.split(',').collect()).collect();
-    assert_eq!(rows[0], ["time_s", "force_n", "rate_n_per_s", "phase", "block_m_per_s", "flag"]);
+    let names = ["time_s", "force_n", "rate_n_per_s", "phase", "block_m_per_s", "flag", "index"];
+    assert_eq!(rows[0], names);
     let in_log = fs::read_to_string(log).unwrap();
     let in_log: Vec<&str> =
         in_log.lines().filter(|row| row.starts_with(char::is_numeric)).collect();
     assert_eq!(rows.len() - 1, in_log.len());
-    for (row, logged) in rows.iter().skip(1).zip(in_log) {
+    for (index, (row, logged)) in rows.iter().skip(1).zip(in_log).enumerate() {
+        assert_eq!(row[6], index.to_string());
         let (time, force) = logged.split_once(',').unwrap();
         let number = |text: &str| text.parse::<f64>().unwrap();
         assert!((number(row[0]) - number(time)).abs() < 1e-9);

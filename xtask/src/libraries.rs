@@ -3,8 +3,11 @@
 use crate::Result;
 use crate::shell::{cargo, run};
 
+/// What can be published, in its order.
+const PACKAGES: [&str; 3] = ["floe-core", "floe-firmware", "floe"];
+
 /// Builds the documentation with every warning an error, tests `floe-core` with serde, runs
-/// its examples, and builds it from the package that would be published.
+/// its examples, and builds all three from the packages that would be published.
 ///
 /// # Errors
 /// The first of these that fails.
@@ -24,15 +27,15 @@ pub fn check() -> Result<()> {
         command.args(["run", "--quiet", "--package", "floe-core", "--features", "serde"]);
         run(command.args(["--example", example]))?;
     }
-    // What is not committed yet is packaged too.
-    run(cargo().args(["package", "--package", "floe-core", "--allow-dirty", "--offline"]))
+    // Each is built from its package, with the others' packages; what is not committed yet too.
+    let mut package = cargo();
+    package.args(["package", "--allow-dirty", "--offline"]);
+    run(package.args(PACKAGES.iter().flat_map(|name| ["--package", name])))
 }
 
 fn document() -> Result<()> {
     let mut doc = cargo();
     doc.args(["doc", "--no-deps"]);
-    for package in ["floe-core", "floe-firmware", "floe"] {
-        doc.args(["--package", package]);
-    }
+    doc.args(PACKAGES.iter().flat_map(|name| ["--package", name]));
     run(doc.env("RUSTDOCFLAGS", "-D warnings"))
 }

@@ -4,6 +4,7 @@
 mod apt;
 mod arm;
 mod bench;
+mod browser;
 mod budgets;
 #[cfg(feature = "defmt")]
 mod defmt;
@@ -66,6 +67,8 @@ enum Job {
     Performance,
     /// The pictures of the README: a report and the live view, into docs/
     Pictures,
+    /// Every kind of report in headless Chromium, narrow and wide
+    Reports,
     /// Write the firmware to a NUCLEO-L476RG on USB
     Flash,
     /// The files to copy onto the board's USB drive: .bin and .hex
@@ -88,6 +91,7 @@ fn main() -> ExitCode {
         Job::Maths => maths::run(cli.arm),
         Job::Performance => performance::run_all(),
         Job::Pictures => pictures::run_all(),
+        Job::Reports => browser::check(),
         Job::Flash => flash::run(cli.arm),
         Job::Image => image::run(cli.arm),
         #[cfg(feature = "defmt")]

@@ -1,9 +1,8 @@
 //! `cargo xtask pictures`: the pictures of the README, from what the programs show.
 
-use std::process::Command;
-
-use crate::shell::{cargo, output, root, run, say};
-use crate::{Result, apt};
+use crate::Result;
+use crate::browser::chromium;
+use crate::shell::{cargo, root, run, say};
 
 /// Part of the report that is shown, px.
 const WINDOW: [&str; 2] = ["--window-size=1240,1900", "--force-device-scale-factor=0.75"];
@@ -26,12 +25,7 @@ pub fn run_all() -> Result<()> {
         "host-sim/logs/dff8-13.csv",
     ]);
     run(replay.args(["--quiet", "--report"]).arg(&report))?;
-    if output(Command::new("chromium").arg("--version")).is_none() {
-        apt::install(&["chromium", "fonts-dejavu"])?;
-    }
-    let mut chromium = Command::new("chromium");
-    // A container's root has no sandbox of its own; the page is ours.
-    chromium.args(["--headless", "--no-sandbox", "--disable-gpu", "--hide-scrollbars"]);
+    let mut chromium = chromium()?;
     chromium.args(WINDOW);
     chromium.arg(format!("--screenshot={}", docs.join("report.png").display()));
     run(chromium.arg(format!("file://{}", report.display())))?;

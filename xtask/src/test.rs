@@ -7,7 +7,7 @@ use crate::Result;
 use crate::arm::Route;
 use crate::shell::{self, cargo, run_within, say};
 use crate::target::Tests;
-use crate::{budgets, emulate, libraries, python, qemu, size};
+use crate::{browser, budgets, emulate, libraries, python, qemu, size};
 
 /// Names of the steps that passed and of those that did not.
 struct Tally {
@@ -52,6 +52,7 @@ fn host(tally: &mut Tally) {
     tally.step("clippy", || component("clippy", &mut clippy()));
     tally.step("libraries", libraries::check);
     tally.step("Python examples", python::check);
+    tally.step("reports in a browser", browser::check);
     tally.step("host tests", || shell::run(cargo().args(["test", "--workspace"])));
     tally.step("display", || {
         // Nothing else on a PC has the feature.

@@ -198,19 +198,6 @@ impl Fitting {
     }
 }
 
-impl Data<'_> {
-    /// Starts from a guess and returns the best fit near it, see [`Fitting`].
-    #[must_use]
-    pub fn fit(&self, guess: &CycleParams, noise_n2: f32) -> Option<Fit> {
-        let mut fitting = Fitting::new(guess);
-        loop {
-            if let ControlFlow::Break(fit) = fitting.step(self, noise_n2) {
-                return fit;
-            }
-        }
-    }
-}
-
 fn moved(cycle: &CycleParams, step: &Gradient) -> CycleParams {
     // Omega and the rate stay positive by never losing more than two thirds at once. Not
     // `clamp`, which panics at a limit that is no number.
@@ -246,6 +233,19 @@ mod tests {
     use crate::noise::ripple::ColoredNoise;
     use crate::stats::line::Line;
     use crate::stats::prior::Prior;
+
+    impl Data<'_> {
+        /// Starts from a guess and returns the best fit near it, see [`Fitting`].
+        #[must_use]
+        pub fn fit(&self, guess: &CycleParams, noise_n2: f32) -> Option<Fit> {
+            let mut fitting = Fitting::new(guess);
+            loop {
+                if let ControlFlow::Break(fit) = fitting.step(self, noise_n2) {
+                    return fit;
+                }
+            }
+        }
+    }
 
     #[test]
     fn a_short_step_settles_a_fit_and_a_long_one_does_not() {

@@ -9,21 +9,21 @@ use clap::{Parser, Subcommand};
 
 use crate::error::InputError;
 
-pub mod bench;
-pub mod campaign;
-pub mod completions;
-pub mod input;
-pub mod inspect;
-pub mod json;
-pub mod live;
+mod bench;
+mod campaign;
+mod completions;
+mod input;
+mod inspect;
+mod json;
+mod live;
 pub mod output;
-pub mod progress;
-pub mod provenance;
-pub mod recover;
-pub mod replay;
+mod progress;
+mod provenance;
+mod recover;
+mod replay;
 pub mod simulate;
-pub mod stiffness;
-pub mod weigh;
+mod stiffness;
+mod weigh;
 
 /// Friction of sea ice from the force in the cable: replays, simulates, compares.
 #[derive(Debug, Parser)]

@@ -60,8 +60,20 @@ impl<'a> Columns<'a> {
                 return Ok(Some(place));
             }
         }
-        let Some(place) = self.labels.iter().position(Label::is_time) else { return Ok(None) };
+        let Some(place) = self.labels.iter().position(Label::is_time) else {
+            return Ok(self.dated());
+        };
         find(&self.names, &self.names[place]).map(|_| Some(place))
+    }
+
+    /// The only column of dates with times of day: the time, whatever it is called.
+    fn dated(&self) -> Option<usize> {
+        let is_dated = |&place: &usize| {
+            let mut cells = self.header.cells(place).filter(|cell| !cell.is_empty()).peekable();
+            cells.peek().is_some() && cells.all(|cell| date_time_seconds(cell.as_bytes()).is_some())
+        };
+        let mut dated = (0..self.names.len()).filter(is_dated);
+        dated.next().filter(|_| dated.next().is_none())
     }
 
     /// Two columns are time and force, one is the force.

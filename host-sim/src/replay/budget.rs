@@ -1,6 +1,6 @@
 //! The error budget of a test, line by line.
 
-use floe_core::budget::Share;
+use floe_core::Share;
 use floe_core::{Config, Entry, Input, Report, budget};
 use serde::Serialize;
 

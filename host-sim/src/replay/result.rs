@@ -9,6 +9,7 @@ use serde::{Serialize, Serializer};
 use super::budget::{BudgetLine, lines};
 use super::quantities::Quantities;
 use super::stretches::Stretches;
+use super::table::digits;
 
 /// Name and version of this format; changes when a meaning changes.
 pub const SCHEMA: &str = "floe-replay/2";
@@ -313,7 +314,7 @@ impl ReplayResult {
 /// What to say of a zero that may have moved by so much.
 #[must_use]
 pub fn zero_sentence(zero_n: f64) -> String {
-    let decimals = usize::from(zero_n < 10.0);
+    let decimals = digits(zero_n);
     format!(
         "the zero of the load cell may have moved by {zero_n:.decimals$} N, which is in the budget; \
          take it before and after a test (--zero-before-n, --zero-after-n)"

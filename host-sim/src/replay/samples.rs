@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use floe_core::{Phase, SampleFlag, Step};
 use parquet::basic::{LogicalType, Repetition, Type as Physical};
-use parquet::data_type::{ByteArray, ByteArrayType, DoubleType, FloatType};
+use parquet::data_type::{ByteArray, ByteArrayType, DoubleType, FloatType, Int64Type};
 use parquet::errors::Result as ParquetResult;
 use parquet::file::writer::{SerializedFileWriter, SerializedRowGroupWriter};
 use parquet::schema::types::Type;
@@ -14,8 +14,8 @@ use parquet::schema::types::Type;
 use crate::columnar;
 
 /// The columns, in CSV and in Parquet.
-pub const COLUMNS: [&str; 6] =
-    ["time_s", "force_n", "rate_n_per_s", "phase", "block_m_per_s", "flag"];
+pub const COLUMNS: [&str; 7] =
+    ["time_s", "force_n", "rate_n_per_s", "phase", "block_m_per_s", "flag", "index"];
 /// Samples that are held back until their rate is known and they can be no spike.
 const HELD: usize = 4;
 /// Rows in a group of a Parquet file.
@@ -24,7 +24,8 @@ const GROUP: usize = 1 << 18;
 /// One sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SampleRow {
-    index: u64,
+    /// The sampling period it was taken in, from 0; what is missing leaves its number out.
+    pub index: u64,
     /// In the log's own time.
     pub time_s: f64,
     /// Force in the cable; `None` where there is none that can be used.
@@ -154,8 +155,8 @@ struct Csv<W: Write>(csv::Writer<W>);
 
 impl<W: Write> Table for Csv<W> {
     fn row(&mut self, row: SampleRow) -> io::Result<()> {
-        let SampleRow { time_s, force_n, rate_n_per_s, phase, block_m_per_s, flag, .. } = row;
-        let cells = (time_s, force_n, rate_n_per_s, phase, block_m_per_s, flag);
+        let SampleRow { index, time_s, force_n, rate_n_per_s, phase, block_m_per_s, flag } = row;
+        let cells = (time_s, force_n, rate_n_per_s, phase, block_m_per_s, flag, index);
         self.0.serialize(cells).map_err(io::Error::other)
     }
 
@@ -178,6 +179,7 @@ impl<W: Write + Send> Parquet<W> {
             (Physical::BYTE_ARRAY, Repetition::REQUIRED),
             (Physical::FLOAT, Repetition::OPTIONAL),
             (Physical::BYTE_ARRAY, Repetition::REQUIRED),
+            (Physical::INT64, Repetition::REQUIRED),
         ];
         let field = |(name, (kind, repetition)): (&&str, (Physical, Repetition))| {
             let text = (kind == Physical::BYTE_ARRAY).then_some(LogicalType::String);
@@ -203,6 +205,11 @@ impl<W: Write + Send> Parquet<W> {
         words(&mut group, &self.rows, |row| row.phase)?;
         maybe(&mut group, &self.rows, |row| row.block_m_per_s)?;
         words(&mut group, &self.rows, |row| row.flag)?;
+        let indices: Vec<i64> = self.rows.iter().map(|row| row.index as i64).collect();
+        if let Some(mut column) = group.next_column()? {
+            column.typed::<Int64Type>().write_batch(&indices, None, None)?;
+            column.close()?;
+        }
         self.rows.clear();
         group.close().map(drop)
     }

@@ -3,6 +3,8 @@
 use floe_core::{Stretch, StretchKind};
 use serde::Serialize;
 
+use super::table::digits;
+
 /// All of a log, in order.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Stretches {
@@ -61,17 +63,24 @@ impl SteadySummary {
     pub fn sentence(&self, slope_rad: f64) -> String {
         let Self { start_s, stop_s, force_over_weight, std, moving } = self;
         let (sin, cos) = slope_rad.sin_cos();
+        let decimals = digits(*std).max(4);
         let what = match moving {
+            _ if is_nothing(*force_over_weight, *std) => {
+                "no force: the cable was slack, or nothing hung on the cell".to_string()
+            }
             None => "held or sliding: the force alone cannot tell".to_string(),
             Some(false) => "the winch stood: the cable was held".to_string(),
             Some(true) => {
                 let mu = (force_over_weight - sin) / cos;
-                format!("the winch turned, so the block slid: mu {mu:.4} ± {:.4}", std / cos)
+                let std = std / cos;
+                format!(
+                    "the winch turned, so the block slid: mu {mu:.decimals$} ± {std:.decimals$}"
+                )
             }
         };
         format!(
-            "{start_s:.2} to {stop_s:.2} s: constant force, F/W {force_over_weight:.4} ± {std:.4}; \
-             {what}"
+            "{start_s:.2} to {stop_s:.2} s: constant force, F/W {force_over_weight:.decimals$} ± \
+             {std:.decimals$}; {what}"
         )
     }
 }
@@ -90,6 +99,7 @@ pub fn told(stretch: &Stretch) -> String {
     match stretch.kind {
         StretchKind::Steady { force_over_weight, std, moving } => {
             let what = match moving {
+                _ if is_nothing(force_over_weight.into(), std.into()) => "no force",
                 None => "held or sliding",
                 Some(false) => "held",
                 Some(true) => "sliding",
@@ -98,6 +108,11 @@ pub fn told(stretch: &Stretch) -> String {
         }
         StretchKind::NotUnderstood(reason) => format!("no slip: {reason}"),
     }
+}
+
+/// Whether a mean force cannot be told from none.
+fn is_nothing(force_over_weight: f64, std: f64) -> bool {
+    force_over_weight.abs() <= 3.0 * std
 }
 
 /// The number whose shortest text is that of the `f32`.
@@ -139,5 +154,19 @@ mod tests {
         assert!(said(None).contains("held or sliding: the force alone cannot tell"));
         assert!(said(Some(true)).ends_with("mu 0.4022 ± 0.0010"), "{}", said(Some(true)));
         assert!(!said(Some(false)).contains("mu"));
+    }
+
+    #[test]
+    fn a_slack_cable_is_no_block_that_slides() {
+        let stretch = |force_over_weight, std| SteadySummary {
+            start_s: 0.0,
+            stop_s: 9.0,
+            force_over_weight,
+            std,
+            moving: Some(true),
+        };
+        let said = stretch(-2e-5, 1e-4).sentence(0.0);
+        assert!(said.contains("the cable was slack") && !said.contains("mu"), "{said}");
+        assert!(stretch(4e-4, 1e-4).sentence(0.0).contains("mu 0.00040 ± 0.00010"));
     }
 }

@@ -52,7 +52,8 @@ fn cell(value: Option<f64>, decimals: usize) -> String {
 const LEAST: f64 = 1e-7;
 
 /// Decimals that show two digits of an uncertainty.
-fn digits(std: f64) -> usize {
+#[must_use]
+pub fn digits(std: f64) -> usize {
     if std < LEAST { 0 } else { (1.0 - std.log10().floor()).clamp(0.0, 8.0) as usize }
 }
 
