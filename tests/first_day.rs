@@ -222,6 +222,8 @@ fn a_campaign_of_the_recovered_card() {
     assert_eq!((record.kind.as_deref(), record.track.as_deref()), (Some("sliding"), Some("fresh")));
     assert_eq!((record.snow_mm, record.cable_length_m), (Some(10.0), Some(15.0)));
     assert_eq!(record.temperature_c, Some(-12.0));
+    let supply_v = record.supply_v.expect("measured");
+    assert!((supply_v - 3.3).abs() < 0.01, "{supply_v}");
     assert!(record.start_time.expect("a date").starts_with("2027-03-02T10:16:"));
     // The zero that moved is taken off, half of it on the average: the board did not know yet.
     let shown = f64::from(report(&board).mu_s.expect("a mean").mean);

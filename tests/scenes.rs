@@ -1,14 +1,16 @@
 //! Every scene in the repository can be read and simulated.
 
+use std::collections::HashSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
 use floe::sim::{Scene, simulate};
+use serde_json::Value;
 
 fn scenes() -> Vec<PathBuf> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../host-sim/scenes");
     let mut scenes = Vec::new();
-    for part in ["", "linear", "hard", "paper", "honesty"] {
+    for part in ["", "linear", "hard", "paper", "honesty", "terms"] {
         let files = fs::read_dir(folder.join(part)).unwrap().map(|f| f.unwrap().path());
         scenes.extend(files.filter(|f| f.extension().is_some_and(|e| e == "toml")));
     }
@@ -26,10 +28,29 @@ const WITHOUT_EVENTS: [&str; 8] = [
     "breakaway",
 ];
 
+/// What a scene can have, some scene has.
+#[test]
+fn no_term_is_without_a_scene() {
+    let mut seen = HashSet::new();
+    let mut known = HashSet::new();
+    for path in scenes() {
+        let scene = Scene::from_toml(&fs::read_to_string(&path).unwrap()).unwrap();
+        let Value::Object(terms) = serde_json::to_value(&scene).unwrap() else { panic!("a table") };
+        for (name, value) in terms {
+            if !matches!(value, Value::Null | Value::Bool(false)) {
+                seen.insert(name.clone());
+            }
+            known.insert(name);
+        }
+    }
+    let missing: Vec<_> = known.difference(&seen).collect();
+    assert!(known.len() > 30 && missing.is_empty(), "{missing:?}");
+}
+
 #[test]
 fn every_scene_can_be_simulated() {
     let scenes = scenes();
-    assert!(scenes.len() >= 78);
+    assert!(scenes.len() >= 83);
     for path in scenes {
         let name = path.file_stem().unwrap().to_str().unwrap().to_owned();
         let scene = Scene::from_toml(&fs::read_to_string(&path).unwrap());

@@ -7,6 +7,8 @@ use std::process::Command;
 
 use serde_json::Value;
 
+const SCENES: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes");
+
 fn folder(name: &str) -> PathBuf {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("conditions-{name}"));
     let _ = fs::remove_dir_all(&folder);
@@ -33,6 +35,75 @@ fn simulate(folder: &Path, scene: &str, log: &str) {
     let (_, error, code) =
         floe(folder, &["simulate", "scene.toml", "-o", log, "--truth", "truth.json"]);
     assert_eq!(code, 0, "{error}");
+}
+
+/// The bundled scene of it, with the drag of the water: a few parts in a thousand of `mu`.
+#[test]
+fn water_that_drags_is_a_little_friction() {
+    let folder = folder("drag");
+    let scene = fs::read_to_string(SCENES.to_owned() + "/terms/under_ice.toml").unwrap();
+    simulate(&folder, &scene, "drag.csv");
+    let still = scene.replace("n_s2_per_m2 = 300.0", "n_s2_per_m2 = 0.0");
+    simulate(&folder, &still, "still.csv");
+    let mean = |log: &str, name: &str| {
+        let under = ["replay", log, "--normal-n", "200", "--mass-kg", "203.943", "--json"];
+        json(&folder, &under)["estimate"][name]["mean"].as_f64().unwrap()
+    };
+    let added = mean("drag.csv", "mu") - mean("still.csv", "mu");
+    assert!(added > 0.0005 && added < 0.01, "{added}");
+    assert!((mean("drag.csv", "mu_s") - 1.2).abs() < 0.004);
+}
+
+/// Rests of one second to a hundred: the trend that a campaign finds in tests whose hold times
+/// differ is the one that was put in.
+#[test]
+fn a_campaign_finds_static_friction_against_the_time_of_rest() {
+    let folder = folder("hold");
+    let scene = fs::read_to_string(SCENES.to_owned() + "/terms/hold_time.toml").unwrap();
+    let steady = scene.split("[winch_profile]").next().unwrap();
+    for (test, winch_m_per_s) in [0.0008, 0.0016, 0.0031, 0.0063, 0.0125].into_iter().enumerate() {
+        let scene = steady
+            .replace("winch_m_per_s = 0.0157", &format!("winch_m_per_s = {winch_m_per_s}"))
+            .replace("hold-time", &format!("hold-{test}"));
+        simulate(&folder, &scene, &format!("hold-{test}.csv"));
+    }
+    let found = json(&folder, &["campaign", ".", "--json", "--report", "hold.html"]);
+    let trends = found["trends"].as_array().unwrap();
+    let is = |trend: &&Value| {
+        [&trend["coefficient"], &trend["against"], &trend["group"]]
+            == ["mu_s", "hold_decades", "all"]
+    };
+    let trend = &trends.iter().find(is).expect("a trend")["trend"];
+    let slope = trend["slope"].as_f64().unwrap();
+    assert!((slope / 0.289 - 1.0).abs() < 0.05, "{trend}");
+    let page = fs::read_to_string(folder.join("hold.html")).unwrap();
+    assert!(page.contains("id=\"hold-mu-s-wide\""));
+}
+
+/// Rist's law stands beside tests of several weights, Figs 9 and 10's groups in the table.
+#[test]
+fn rist_and_the_groups_of_the_figures_are_in_a_campaign() {
+    let folder = folder("figures");
+    for (test, kind) in ["rafting", "over-riding", "sliding", "rafting"].into_iter().enumerate() {
+        let weight_n = 400 * (test + 1);
+        let scene = format!(
+            "duration_s = 60\nweight_n = {weight_n}\nmu_s = 1.24\nmu = 0.78\n\
+             stiffness_n_per_m = 23000\nwinch_m_per_s = 0.0157\n[measurement]\nwhite_n = 2\n"
+        );
+        let log = format!("pull-{test}.csv");
+        simulate(&folder, &scene, &log);
+        let text = fs::read_to_string(folder.join(&log)).unwrap();
+        fs::write(folder.join(log), format!("# kind: {kind}\n{text}")).unwrap();
+    }
+    let found = json(&folder, &["campaign", ".", "--json", "--report", "figures.html"]);
+    let groups = found["groups"].as_array().unwrap();
+    let tests = |name: &str| {
+        groups.iter().find(|group| group["group"] == name).map(|group| group["mu"]["tests"].clone())
+    };
+    assert_eq!(tests("rafting"), Some(2.into()));
+    assert_eq!(tests("over_riding").or(tests("over-riding")), Some(1.into()));
+    let page = fs::read_to_string(folder.join("figures.html")).unwrap();
+    assert!(page.contains("class=\"rist\""));
 }
 
 /// Under the ice a block of 2000 N of weight is pressed up by 200 N: its motion is that of a

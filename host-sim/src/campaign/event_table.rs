@@ -36,7 +36,7 @@ use Column::{Integer, Maybe, MaybeText, Number, Text, Truth};
 
 /// The columns. Units are in the names, as everywhere, and the names are those of a replay's
 /// JSON; an interval has its two ends in columns of their own, as in the CSV of events.
-const COLUMNS: [(&str, Column); 43] = [
+const COLUMNS: [(&str, Column); 44] = [
     ("campaign", Integer(|(t, _)| t.campaign)),
     ("test", Integer(|(t, _)| t.test)),
     ("test_id", Text(|(t, _)| &t.test_id)),
@@ -80,6 +80,7 @@ const COLUMNS: [(&str, Column); 43] = [
     ("cable_length_m", Maybe(|(t, _)| t.cable_length_m)),
     ("start_time", MaybeText(|(t, _)| t.start_time.as_deref())),
     ("temperature_c", Maybe(|(t, _)| t.temperature_c)),
+    ("supply_v", Maybe(|(t, _)| t.supply_v)),
 ];
 
 fn schema() -> Result<TypePtr> {

@@ -48,6 +48,8 @@ pub struct TestRecord {
     pub start_time: Option<String>,
     /// Mean temperature of the converter, °C, if known.
     pub temperature_c: Option<f64>,
+    /// Mean supply of the converter, V, if known.
+    pub supply_v: Option<f64>,
     /// Mean time that the block rested before a slip, s.
     pub hold_s: Option<f64>,
     /// Static coefficient.

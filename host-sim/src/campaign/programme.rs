@@ -120,6 +120,7 @@ pub fn evaluate(seed: u64, campaign: u32, test: u32) -> Result<TestRecord, Input
         cable_length_m: None,
         start_time: None,
         temperature_c: None,
+        supply_v: None,
         hold_s: TestRecord::mean_hold_s(&events),
         campaign,
         test,

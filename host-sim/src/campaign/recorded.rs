@@ -116,6 +116,7 @@ fn read(entry: &Entry, test: u32) -> Result<TestRecord, InputError> {
         cable_length_m: notes.cable_length_m.or(said.cable_length_m),
         start_time: log.start().and_then(|start| start.after(0.0)),
         temperature_c: said.temperature_c,
+        supply_v: said.supply_v,
         hold_s: TestRecord::mean_hold_s(&events),
         mu_s: result.estimate.mu_s,
         mu: result.estimate.mu,

@@ -26,19 +26,23 @@ pub fn csv(test: &Test) -> String {
     heads.into_iter().chain(rows).collect()
 }
 
-/// What the board noted while it measured: when, how cold, and what somebody wrote down.
+/// What the board noted while it measured: how cold it was, its supply, and what somebody
+/// wrote down.
 fn said(lines: &str) -> String {
-    let (mut text, mut cold) = (String::new(), Vec::new());
+    let (mut text, mut cold, mut supply) = (String::new(), Vec::new(), Vec::new());
     for line in lines.lines().filter_map(|line| Line::parse(line).ok()) {
         if let Line::Note(note) = line {
             let _ = writeln!(text, "# note: {note}");
-        } else if let Line::Climate { temperature_c, .. } = line {
+        } else if let Line::Climate { temperature_c, supply_v, .. } = line {
             cold.extend(temperature_c.map(f64::from));
+            supply.extend(supply_v.map(f64::from));
         }
     }
-    if !cold.is_empty() {
-        let mean = cold.iter().sum::<f64>() / cold.len() as f64;
-        let _ = writeln!(text, "# temperature_c: {mean:.2}");
+    for (key, values, decimals) in [("temperature_c", cold, 2), ("supply_v", supply, 3)] {
+        if !values.is_empty() {
+            let mean = values.iter().sum::<f64>() / values.len() as f64;
+            let _ = writeln!(text, "# {key}: {mean:.decimals$}");
+        }
     }
     text
 }

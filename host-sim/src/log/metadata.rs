@@ -36,6 +36,8 @@ pub struct Metadata {
     pub undated: bool,
     /// Mean temperature of the converter, °C.
     pub temperature_c: Option<f64>,
+    /// Mean supply of the converter, V.
+    pub supply_v: Option<f64>,
     /// Depth of the snow cover, mm.
     pub snow_mm: Option<f64>,
     /// Samples per second.
@@ -125,6 +127,7 @@ impl Metadata {
             "cable_length_m" => &mut self.cable_length_m,
             "start_unix_ms" => &mut self.start_unix_ms,
             "temperature_c" => &mut self.temperature_c,
+            "supply_v" => &mut self.supply_v,
             "snow_mm" => &mut self.snow_mm,
             "rate_hz" => &mut self.rate_hz,
             "range_n" => &mut self.range_n,
