@@ -26,7 +26,7 @@ pub enum Kind {
     /// Coefficients with intervals that hold, and are no wider than they have to be.
     Events,
     /// The same, but the cause cannot be seen in the samples: the stated prior is as wide
-    /// as it is.
+    /// as it is. A zero that moves is taken after the test as well.
     Unseen,
     /// No event at all.
     Nothing,
@@ -256,9 +256,20 @@ fn read(scene: &Scene, record: &Record, errors: [f64; 4], std: InputStd) -> (Vec
     let mut config = Config { std, ..both::config(scene) };
     config.weight_n *= 1.0 + weight as f32;
     config.slope_rad += slope_deg.to_radians() as f32;
-    let seen = |force_n: f64| (1.0 + span) * force_n + zero_n;
+    let zero_after_n = scene.measurement.ramp.as_ref().map(|it| it.zero_n_per_s * scene.duration_s);
+    if let Some(zero_after_n) = zero_after_n {
+        // What is left between two zeros is stated as `floe replay --zero-after-n` does.
+        let left_n = (zero_after_n / 12_f64.sqrt()) as f32;
+        config.std.zero_n = Some(config.std.zero_n.map_or(left_n, |std_n| std_n.hypot(left_n)));
+    }
+    let whole = scene.duration_s * scene.rate_hz;
+    let seen = |index: u64, force_n: f64| {
+        let moved_n = zero_after_n.unwrap_or(0.0) * index as f64 / whole;
+        (1.0 + span) * force_n + zero_n - moved_n
+    };
     let samples = record.simulation.samples.iter();
-    let outcome = feed::replay(&config, samples.map(|s| feed::force(s.index, seen(s.force_n))));
+    let samples = samples.map(|s| feed::force(s.index, seen(s.index, s.force_n)));
+    let outcome = feed::replay(&config, samples);
     (outcome.events, outcome.report)
 }
 

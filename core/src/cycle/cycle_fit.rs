@@ -9,7 +9,8 @@ use crate::effects::corner::CornerEstimator;
 use crate::effects::mass_change::Verdict;
 use crate::event::Reason;
 use crate::fit::posterior::{OverOnset, Posterior};
-use crate::fit::{Data, Fit, Fitting, Forces};
+use crate::fit::residuals::excess_ratio;
+use crate::fit::{Data, Fit, Fitting, Forces, Variances};
 use crate::stats::line::Line;
 
 /// Samples' worth of iterations that are still made when the next event wants to be fitted.
@@ -180,16 +181,21 @@ impl CycleFit {
         let (line_n2, points) = (self.after.residual(), (self.after.weight - 2.0).max(0.0));
         let around_n2 = squares_n2 - line_n2;
         let misfit = learnt.is_misfit(pending, around_n2, free - points);
-        if free >= 1.0 && !misfit {
+        let counts = free >= 1.0 && !misfit;
+        if counts {
             learnt.residuals.add(squares_n2, free, pending.noise_n2);
-            let (slip, wider) = data.slip_scatter(&fit, learnt.slip.excess(), noise_n2);
-            fit.widen(wider);
+        }
+        let now_n2 = learnt.noise_n2(pending);
+        fit.scale(excess_ratio(around_n2, free - points, now_n2));
+        if counts {
+            let (slip, wider) = data.slip_scatter(&fit, noise_n2);
             // A force that wanders does so in the slip as well.
             if pending.wander.level <= 0.0 {
                 learnt.slip.learn(&slip);
             }
+            fit.widen(&wider, learnt.slip.excess());
+            fit.widen(&Variances::QUICK_SWING, learnt.quick_swing(pending));
         }
-        let now_n2 = learnt.noise_n2(pending);
         let strained = is_strained(&data, around_n2, now_n2);
         let strain = match (misfit, strained) {
             (true, _) => Strain::Misfit,

@@ -127,19 +127,14 @@ impl Data<'_> {
     }
 
     /// What the samples of the slip scatter at a fit, in units of the noise's variance, and what
-    /// their scatter beyond the noise, `λ`, adds to the variances; of a long slip a part of them,
+    /// a scatter beyond the noise of `λ` = 1 adds to the variances; of a long slip a part of them,
     /// evenly spread.
     ///
     /// The fit is the one without that scatter, `x = A⁻¹ Σ w u r`, so its covariance grows by
     /// `λ Σ g w² (A⁻¹ u)(A⁻¹ u)ᵀ`.
     #[must_use]
     #[cold]
-    pub fn slip_scatter(
-        &self,
-        fit: &Fit,
-        excess: f32,
-        noise_n2: f32,
-    ) -> (SlipResiduals, Variances) {
+    pub fn slip_scatter(&self, fit: &Fit, noise_n2: f32) -> (SlipResiduals, Variances) {
         const MOST: usize = 12;
         let (mut slip, mut wider) = (SlipResiduals::default(), Variances::default());
         let Some(factor) = fit.normal.factor(0.0) else { return (slip, wider) };
@@ -162,7 +157,7 @@ impl Data<'_> {
             if let Some(own) = others.get_mut(place) {
                 *own = (steepness, moved);
             }
-            wider.add(&moved, excess * steepness * stride as f32);
+            wider.add(&moved, steepness * stride as f32);
         }
         (slip, wider)
     }

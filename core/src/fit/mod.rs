@@ -46,6 +46,11 @@ pub struct Variances {
 }
 
 impl Variances {
+    /// A swing about both lines, of variance 1: `Fs` and `Fe` are each off by it, `Fp` by half of
+    /// both.
+    pub(crate) const QUICK_SWING: Self =
+        Self { unknowns: [0.0, 0.0, 1.0, 0.5, 0.0, 0.0], forces: (1.0, 0.5) };
+
     /// Takes an error of this variance that moves the unknowns by so much.
     fn add(&mut self, moved: &Gradient, variance: f32) {
         for (sum, by) in self.unknowns.iter_mut().zip(moved) {
@@ -106,13 +111,23 @@ impl Fit {
         self.normal.cost
     }
 
-    /// Takes what the slip scatters beyond the noise into the variances.
-    pub(crate) fn widen(&mut self, wider: Variances) {
+    /// Multiplies all variances: an event that leaves so many times the noise is as much less
+    /// sure.
+    pub(crate) fn scale(&mut self, ratio: f32) {
+        let Forces { static_variance, dynamic_variance, .. } = self.forces;
+        let forces = (static_variance, dynamic_variance);
+        self.widen(&Variances { unknowns: self.variances, forces }, ratio - 1.0);
+    }
+
+    /// Takes what the slip scatters beyond the noise, so many times what is given, into the
+    /// variances.
+    pub(crate) fn widen(&mut self, wider: &Variances, times: f32) {
         for (variance, more) in self.variances.iter_mut().zip(wider.unknowns) {
-            *variance += more;
+            *variance += times * more;
         }
-        self.forces.widen(wider.forces);
-        self.wider = wider.forces;
+        let forces = (times * wider.forces.0, times * wider.forces.1);
+        self.wider = (self.wider.0 + forces.0, self.wider.1 + forces.1);
+        self.forces.widen(forces);
     }
 
     /// The forces as the event would give them without what was expected of its

@@ -1,6 +1,8 @@
 //! What the fits leave over: the noise that is reported and that scales every
 //! standard deviation.
 
+use crate::num::math;
+use crate::stats::prior::surely;
 use crate::stats::quantile::Quantile;
 
 /// Pooled residuals of the events' fits.
@@ -79,6 +81,16 @@ impl Residuals {
     }
 }
 
+/// How many times the noise an event's own residuals show (Birge's ratio), where that is clear;
+/// else 1. What the model lacks in one event is seldom what it lacks in the next.
+#[must_use]
+pub(crate) fn excess_ratio(squares_n2: f32, free: f32, noise_n2: f32) -> f32 {
+    const SIGNIFICANT: f32 = 4.0;
+    let free = math::larger(free, 1.0);
+    let more = squares_n2 / (free * noise_n2) - 1.0;
+    1.0 + more * surely(more, SIGNIFICANT * math::sqrt(2.0 / free))
+}
+
 impl Default for Residuals {
     fn default() -> Self {
         Self::new()
@@ -96,6 +108,14 @@ mod tests {
         pool.add(8.0, 2.0, 1.0);
         pool.add(12.0, 8.0, 1.0);
         assert!((pool.variance_n2().unwrap() - 2.0).abs() < 1e-6);
+    }
+
+    #[test]
+    fn an_event_that_leaves_far_too_much_is_less_sure() {
+        assert!((excess_ratio(8.0, 2.0, 4.0) - 1.0).abs() < 1e-6);
+        assert!((excess_ratio(60.0, 5.0, 4.0) - 1.0).abs() < 1e-6);
+        assert!((excess_ratio(4000.0, 10.0, 4.0) - 100.0).abs() < 1e-3);
+        assert!(excess_ratio(f32::NAN, 10.0, 4.0).is_nan());
     }
 
     #[test]

@@ -12,7 +12,7 @@ use crate::num::math;
 use crate::stats::prior::surely;
 
 /// Standard errors beyond which the scatter counts.
-const SIGNIFICANT: f32 = 3.0;
+const SIGNIFICANT: f32 = 2.0;
 
 /// Squared rate of the force in a slip, of the steepest but for the winch's, at a part of its
 /// time: `(4 x (1 − x))²`, close to `sin² πx`; zero outside.
@@ -67,9 +67,9 @@ impl SlipScatter {
 
     /// Takes a slip.
     pub fn learn(&mut self, slip: &SlipResiduals) {
-        const LEAST: f32 = 0.05;
+        const LEAST: f32 = 0.2;
         if slip.squares.is_finite() && slip.free > LEAST {
-            self.pooled.add(slip.squares, slip.free, 1.0);
+            self.pooled.add(slip.squares, slip.free, 1e4);
             let part = slip.free / self.pooled.free().max(slip.free);
             self.shown += part * (slip.shown / slip.free - self.shown);
         }

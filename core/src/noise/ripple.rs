@@ -6,6 +6,8 @@
 //! difference of the line's innovations, `e − 2 e' + e''`, shows the noise alone (6 times its
 //! variance), and what the innovations have beyond that wanders slowly.
 
+use crate::num::math;
+
 /// How far the force wanders about its line; variances in units of that of the noise.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ColoredNoise {
@@ -15,11 +17,15 @@ pub struct ColoredNoise {
     pub level: f32,
     /// Variance of the force's slope, per period squared.
     pub slope: f32,
+    /// Part of the variance of a sample about the line that is a swing of so few samples that it
+    /// may be the cell's as well as the cable's: a line's end tells the force no better than
+    /// to that.
+    pub quick: f32,
 }
 
 impl ColoredNoise {
     /// The line is straight.
-    pub const NONE: Self = Self { white_share: 1.0, level: 0.0, slope: 0.0 };
+    pub const NONE: Self = Self { white_share: 1.0, level: 0.0, slope: 0.0, quick: 0.0 };
 }
 
 /// Running sums of squares of the innovations and of their first two differences, of a
@@ -31,6 +37,8 @@ pub struct Ripple {
     squares: f32,
     steps: f32,
     bends: f32,
+    /// Sums of the products of neighbours, and of those two apart.
+    products: [f32; 2],
     /// Sum and number of the squares of the differences so many samples apart.
     far_steps: f32,
     far_count: f32,
@@ -47,6 +55,9 @@ const SIGNIFICANT: f32 = 4.0;
 /// A swing of fewer than six samples changes too fast to be followed from one to the next:
 /// the mean of the line is better. This is its variance of the slope over that of the level.
 const FASTEST: f32 = 0.8;
+/// The same of a swing of fourteen samples: a winch turns more slowly, mains hum is folded to
+/// anything.
+const QUICK: f32 = 0.2;
 /// Fewest samples that show it.
 const FEWEST: f32 = 24.0;
 
@@ -70,6 +81,8 @@ impl Ripple {
         self.squares = FADE * self.squares + innovation * innovation;
         self.steps = FADE * self.steps + step * step;
         self.bends = FADE * self.bends + second_difference * second_difference;
+        let [first, second] = self.products;
+        self.products = [FADE * first + innovation * last, FADE * second + innovation * before];
         self.count = FADE * self.count + weight;
     }
 
@@ -85,18 +98,40 @@ impl Ripple {
         let slow = self.squares - white;
         let limit = 2.0 * SIGNIFICANT * white;
         let sure = self.count >= FEWEST && slow * slow * self.count > limit * limit;
+        let unfollowed = ColoredNoise { quick: self.swing(), ..ColoredNoise::NONE };
         if white <= 0.0 || slow <= 0.0 || !sure {
-            return ColoredNoise::NONE;
+            return unfollowed;
         }
         let (level, step) = (slow / white, self.steps / white - 2.0);
         if step > FASTEST * level {
-            return ColoredNoise::NONE;
+            return unfollowed;
         }
         // A slow one's slope is lost in the noise of single steps.
         let sure = step * step * self.count > 4.0 * SIGNIFICANT * SIGNIFICANT;
         let far = self.far_steps / white * self.count / self.far_count - 2.0;
         let slope = (far / (FAR * FAR) as f32).max(if sure { step } else { 0.0 }).max(0.0);
-        ColoredNoise { white_share: white / self.squares, level, slope }
+        let white_share = white / self.squares;
+        let quick = if step > QUICK * level { self.swing() } else { 0.0 };
+        ColoredNoise { white_share, level, slope, quick }
+    }
+
+    /// Part of the innovations' variance that is a swing, of any length, if that is clear.
+    ///
+    /// White noise and a swing of the variance `A` have the autocovariances `γ₁ = A c` and
+    /// `γ₂ = A (2 c² − 1)`, `c = cos ω`, so `4 c = γ₂/γ₁ ± √((γ₂/γ₁)² + 8)`, with the sign of `γ₁`.
+    fn swing(&self) -> f32 {
+        let [first, second] = self.products;
+        let root = math::sqrt(second * second + 8.0 * first * first);
+        let size = if second < 0.0 {
+            // The same without the difference of near equals.
+            0.5 * (root - second)
+        } else {
+            let cosine = 0.25 * (second + root) / first.abs();
+            first.abs() / math::smaller(cosine, 1.0)
+        };
+        let part = size / self.squares;
+        let sure = self.count >= FEWEST && part * part * self.count > SIGNIFICANT * SIGNIFICANT;
+        if sure { part } else { 0.0 }
     }
 }
 
@@ -104,7 +139,8 @@ impl Default for Ripple {
     fn default() -> Self {
         let (squares, steps, bends, count) = (0.0, 0.0, 0.0, 0.0);
         let (far_steps, far_count) = (0.0, 0.0);
-        Self { last: [f32::NAN; FAR], squares, steps, bends, far_steps, far_count, count }
+        let (last, products) = ([f32::NAN; FAR], [0.0; 2]);
+        Self { last, squares, steps, bends, products, far_steps, far_count, count }
     }
 }
 
@@ -142,10 +178,17 @@ mod tests {
     }
 
     #[test]
-    fn a_swing_of_a_few_samples_is_not_followed() {
-        for period in [3.3, 4.5, 5.5] {
-            assert_eq!(seen(1.0, period, 4000), ColoredNoise::NONE, "{period}");
+    fn a_swing_of_a_few_samples_is_not_followed_but_seen() {
+        // Variances 1/2 and 1/12.
+        let share = 6.0 / 7.0;
+        for period in [2.5, 3.3, 4.0, 4.5, 5.5] {
+            let seen = seen(1.0, period, 4000);
+            assert_eq!(ColoredNoise { quick: 0.0, ..seen }, ColoredNoise::NONE, "{period}");
+            assert!((seen.quick - share).abs() < 0.02, "{period}: {seen:?}");
         }
+        // One that is followed may still be the cell's.
+        assert!((seen(1.0, 8.0, 4000).quick - share).abs() < 0.02);
+        assert!(seen(1.0, 20.0, 4000).quick.to_bits() == 0);
     }
 
     #[test]
