@@ -11,6 +11,7 @@ use floe::campaign::recorded;
 use floe::card;
 use floe::chip::{LoadCell, Schedule};
 use floe::log::{Log, LogOptions};
+use floe::replay::budget::lines;
 use floe::replay::replay;
 use floe::replay::test::{TestOptions, configure};
 use floe::sim::terms::Weighing;
@@ -174,6 +175,9 @@ fn board_display_and_card_agree() {
     assert_eq!(result.estimate.mu_s.mean, mean(report.mu_s));
     assert_eq!(result.estimate.mu.mean, mean(report.mu));
     assert_eq!(result.events.len(), board.events().len());
+    // The error budget too: of what the board says, and of the replay.
+    let said = lines(&last_settings(&board).core_config(), &report);
+    assert!(said.len() > 5 && said == result.budget, "{said:?}\n{:?}", result.budget);
     // To the millisecond of the crystal; `Y` says the sample before.
     let onset = board.events()[0].onset;
     let first =

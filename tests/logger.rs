@@ -188,6 +188,24 @@ fn tare_and_calibration_survive_the_power() {
     assert_eq!(config.weight_n.to_bits(), 300.0_f32.to_bits());
 }
 
+/// Without effects the board's events are those of a core without, and its card says so.
+#[test]
+fn what_the_core_looks_for_can_be_set() {
+    let card = Card::default();
+    let script = [(0, "set weight 630\nset effects none\n"), (1, "start\n"), (970, "stop\n")];
+    let board = run(cell(&stick_slip()), Schedule::default(), &card, &script);
+    let again = run(cell(&[0]), Schedule::default(), &card, &[(0, "status\n")]);
+    let said = |board: &Session| {
+        let effects = |line| {
+            if let Line::Start { settings, .. } = line { settings.effects.enabled } else { None }
+        };
+        board.lines().filter_map(effects).last()
+    };
+    assert_eq!((said(&board), said(&again)), (Some(0), Some(0)));
+    let with = one_test(&Card::default());
+    assert!(board.events().len() > 20 && board.events() != with.events());
+}
+
 #[test]
 fn runs_are_numbered_across_the_power() {
     let card = Card::default();

@@ -1,5 +1,6 @@
 //! What a user can say.
 
+use floe_core::{Effect, Effects};
 use heapless::String;
 
 use crate::console::INPUT_LEN;
@@ -47,6 +48,8 @@ pub enum Setting {
     DampingStd(f32),
     /// `set weight-from same_cell|other`: what weighed the block.
     WeightFrom(WeightFrom),
+    /// `set effects auto|none|NAME,NAME`: what the core looks for beyond the linear model.
+    Effects(Effects),
 }
 
 /// A line from the console.
@@ -81,7 +84,7 @@ pub enum Command {
 /// One line of help.
 pub const HELP: &str = "clock [TIME]; self-test; tare; calibrate N; weigh; accept; abort; \
 set weight|slope|winch|range|span|tare|name|snow|kind|size|track|cable X; \
-set weight|slope|zero|span|damping-std X; set weight-from same_cell|other; note TEXT; start; \
+set weight|slope|zero|span|damping-std X; set weight-from same_cell|other; set effects auto|none|NAMES; note TEXT; start; \
 stop; status; live on|off";
 
 const MISSING: &str = "a number like 12.5 is missing";
@@ -167,8 +170,25 @@ impl Setting {
             "weight-from" => Self::WeightFrom(
                 from_word(WeightFrom::ALL, value).ok_or("weight-from same_cell, or other")?,
             ),
+            "effects" => Self::Effects(effects(value)?),
             _ => return Err("set what? help lists it"),
         })
+    }
+}
+
+/// All that this program has, none, or those that are named.
+fn effects(text: &str) -> Result<Effects, &'static str> {
+    let named = |set: Effects, name: &str| {
+        let effect = Effect::named(name).filter(|effect| Effects::COMPILED.has(*effect))?;
+        Some(set.with(effect, true))
+    };
+    match text {
+        "auto" => Ok(Effects::COMPILED),
+        "none" => Ok(Effects::NONE),
+        names => names
+            .split(',')
+            .try_fold(Effects::NONE, named)
+            .ok_or("auto, none, or names like sag,flop of effects in this program"),
     }
 }
 
@@ -279,6 +299,15 @@ mod tests {
         assert_eq!(Command::parse("set cable 15 345000"), set(cable));
         assert_eq!(Command::parse("set kind over-riding"), set(Setting::Kind(Kind::OverRiding)));
         assert_eq!(Command::parse("set track fresh"), set(Setting::Track(Track::Fresh)));
+        let two = Effects::NONE.with(Effect::Sag, true).with(Effect::Flop, true);
+        for (text, effects) in
+            [("auto", Effects::COMPILED), ("none", Effects::NONE), ("sag,flop", two)]
+        {
+            let line = format!("set effects {text}");
+            assert_eq!(Command::parse(&line), set(Setting::Effects(effects)));
+        }
+        assert!(Command::parse("set effects gravity").unwrap_err().contains("auto, none"));
+        assert!(Command::parse("set effects").is_err());
         assert_eq!(Command::parse("clock"), Ok(Command::Clock(None)));
         let moment = Moment::parse("2027-03-02T10:15:00Z");
         assert_eq!(Command::parse("clock 2027-03-02T10:15:00Z"), Ok(Command::Clock(moment)));

@@ -178,6 +178,7 @@ impl Settings {
             Setting::SpanStd(std) => changed.stds.span = Some(std),
             Setting::DampingStd(std) => changed.stds.damping = Some(std),
             Setting::WeightFrom(from) => changed.weight_from = Some(from),
+            Setting::Effects(effects) => changed.effects = Effects::of(effects),
         }
         changed.check()?;
         changed.core_config().validate_std()?;

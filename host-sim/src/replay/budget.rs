@@ -1,7 +1,6 @@
 //! The error budget of a test, line by line.
 
-use floe_core::Share;
-use floe_core::{Config, Entry, Input, Report, budget};
+use floe_core::{Config, Entry, Input, Report, Share, budget};
 use serde::Serialize;
 
 use super::result::{known, short_or_null};

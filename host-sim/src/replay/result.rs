@@ -54,7 +54,7 @@ pub struct ReplayResult {
 /// One effect.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct EffectSummary {
-    /// As in `--effects` and `docs/effects.md`.
+    /// As in `--effects`.
     pub name: &'static str,
     /// Whether it was looked for.
     pub enabled: bool,

@@ -26,7 +26,8 @@ pub struct TestOptions {
     #[arg(long, value_name = "A", allow_negative_numbers = true)]
     pub slope_deg: Option<f64>,
     /// What to look for beyond the linear model: auto (the data decide), none, or names with
-    /// commas between them, as in docs/effects.md [default: auto, or what the log says]
+    /// commas between them: corner, sag, stiffening, mass, level, drift, flop, ripple, forgetting,
+    /// damping [default: auto, or what the log says]
     #[arg(long, value_name = "auto|none|LIST", value_parser = effects)]
     pub effects: Option<Effects>,
     /// Converter code at zero force, for --unit counts
