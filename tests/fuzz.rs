@@ -2,8 +2,10 @@
 //! time, `FLOE_FUZZ_CASE=N` runs one case again.
 
 use std::io::Cursor;
+use std::path::Path;
 
 use embedded_io::{ErrorType, Read, ReadReady, Write};
+use floe::campaign::manifest;
 use floe::card;
 use floe::log::{Format, Log, LogOptions, Unit};
 use floe::sim::{Run, Scene};
@@ -218,9 +220,10 @@ fn live_line() {
 
 #[test]
 fn scene() {
-    let names = ["dff8-13.toml", "slack.toml", "breaking.toml"];
+    let names = ["dff8-13.toml", "hard/slack.toml", "hard/breaking.toml", "hard/all.toml"];
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../host-sim/scenes/");
-    let seeds: Vec<_> = names.iter().flat_map(|n| std::fs::read(format!("{folder}{n}"))).collect();
+    let read = |name| std::fs::read(format!("{folder}{name}")).expect("a bundled scene");
+    let seeds = names.map(read);
     run("scene", |dice| {
         let mut text = dice.pick(&seeds).clone();
         dice.damage(&mut text, WORDS);
@@ -229,6 +232,25 @@ fn scene() {
         for sample in run.by_ref().take(50) {
             assert!(sample.index < 1 << 40);
         }
+    });
+}
+
+/// The table of a campaign.
+#[test]
+fn manifest() {
+    let seed = b"# a comment\nfile,array_id,column,unit,weight_n,mass_kg,slope_deg,winch_m_per_s,\
+        snow_mm,kind,track,cable_length_m,test_id\n\
+        day3.dat,118,5,N,630,,0,0.016,10,sliding,fresh,15,DFF8-13\n\
+        a.csv,,force_n,,,64.2,-2.5,,,over-riding,repeated,,\"two, words\"\n";
+    run("manifest", |dice| {
+        let mut text = seed.to_vec();
+        dice.damage(&mut text, WORDS);
+        let text = String::from_utf8_lossy(&text);
+        if !manifest::is_manifest(&text) {
+            return;
+        }
+        let Ok(entries) = manifest::read(&text, Path::new("folder")) else { return };
+        assert!(entries.len() <= text.lines().count());
     });
 }
 

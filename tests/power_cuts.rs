@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 use floe::card::{self, Test};
-use floe_core::Counts;
+use floe_core::{Counts, Event, Pipeline};
 use floe_firmware::card::CardLog;
 use floe_firmware::line::Line;
 use floe_tests::board::{lines, with_board};
@@ -117,6 +117,33 @@ fn nothing_is_lost_but_the_last_half_second() {
         f64::from(worst) * 62.5
     );
     assert!(worst <= 8 && dirty == 0 && resumed * 10 >= cuts * 9);
+}
+
+/// The estimate begins anew after a restart: what the card has of the part that went on
+/// gives the board's events of it, bit for bit.
+#[test]
+fn a_part_that_went_on_is_replayed_to_the_boards_events() {
+    let codes = stick_slip(WHOLE);
+    let card = SimCard::new(formatted());
+    run(&card, BEGIN, &codes, WHOLE);
+    let said = with_board(CardLog::new(card.clone(), LOG_SECTORS), &codes, |board| {
+        (0..2 * WHOLE).for_each(|_| board.tick());
+        board.type_in(b"stop\n");
+        board.said()
+    });
+    let is_event = |line: &&str| line.starts_with("E,");
+    let board: Vec<String> = said.lines().filter(is_event).map(String::from).collect();
+
+    let found = tests(&card);
+    let [_, part] = &found[..] else { panic!("{} parts on the card", found.len()) };
+    assert_eq!((part.part.number, part.missing()), (1, 0));
+    let mut pipeline = Pipeline::new(&part.settings.core_config()).expect("the board's own");
+    let raw = part.samples.iter().map(|sample| sample.raw(part.part.first_index));
+    let mut events: Vec<Event> = raw.filter_map(|raw| pipeline.step(raw).event).collect();
+    events.extend(std::iter::from_fn(|| pipeline.finish()));
+    let text = |event| Line::Event(event).to_text().expect("room").to_string();
+    assert!(board.len() > 20, "{} events", board.len());
+    assert_eq!(events.into_iter().map(text).collect::<Vec<_>>(), board);
 }
 
 /// The settings that a board has after it was switched on.

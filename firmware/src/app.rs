@@ -33,6 +33,8 @@ pub struct App<'q, P, S> {
     pipeline: &'q mut Option<Pipeline>,
     clock_hz: u32,
     settings: Settings,
+    /// Whether the settings are somebody's, typed or those of a card.
+    is_set: bool,
     part: Part,
     /// Stirred by every reading: what makes the identity of the next test.
     dice: u64,
@@ -126,6 +128,7 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
             pipeline,
             clock_hz,
             settings: Settings::default(),
+            is_set: false,
             part: Part::default(),
             dice: 0,
             live: true,
@@ -159,6 +162,7 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
     }
 
     /// The card comes, goes, is being made ready.
+    #[inline(never)]
     fn tend(&mut self) {
         let state = self.journal.tend();
         let before = self.card.replace(state);
@@ -195,18 +199,25 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
     /// Its settings are taken unless there are others already, and if it was not ended
     /// it goes on.
     fn take_over(&mut self) {
-        if self.testing() || self.part.run != 0 {
-            return;
+        let idle = !self.testing() && self.part.run == 0;
+        if idle && self.recall() {
+            self.resume();
         }
-        let Some(last) = self.journal.last() else { return };
+    }
+
+    /// What the card knows; whether its last test goes on. On its own: a record is big, and
+    /// off the stack when the test is resumed.
+    #[inline(never)]
+    fn recall(&mut self) -> bool {
+        let Some(last) = self.journal.last() else { return false };
         self.journal.recall(&last);
         self.part = last.part;
-        if self.settings == Settings::default() {
-            self.settings = last.settings;
-            if last.running {
-                self.resume();
-            }
+        if self.is_set {
+            return false;
         }
+        self.settings = last.settings;
+        self.is_set = true;
+        last.running
     }
 
     /// Something of the board that whoever reads a test has to know: said now and
@@ -220,16 +231,22 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
     /// board started, if not by being switched on. A test that was not ended goes on.
     #[inline(never)]
     pub fn power_up(&mut self, last_words: Option<&str>) {
+        log::info!("boot: {}", last_words.unwrap_or("power or the button"));
         self.info("floe, help lists the commands");
         if let Some(words) = last_words {
-            let words = text(("restarted after: ", words));
-            if let Ok(line) = Line::Trouble(&words).to_text() {
-                self.console.say(&line);
-                // On the card it stands at the beginning of the next test.
-                self.journal.line(&line);
-            }
+            self.repeat(words);
         }
         self.take_over();
+    }
+
+    /// On the card the last words stand at the beginning of the next test.
+    #[inline(never)]
+    fn repeat(&mut self, last_words: &str) {
+        let words = text(("restarted after: ", last_words));
+        if let Ok(line) = Line::Trouble(&words).to_text() {
+            self.console.say(&line);
+            self.journal.line(&line);
+        }
     }
 
     /// The next part of the test that was running. The estimate begins anew: what
@@ -288,6 +305,7 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
         self.journal.store()
     }
 
+    #[inline(never)]
     fn take(&mut self, sample: Sample) {
         self.count(&sample);
         match &mut self.job {
@@ -336,6 +354,7 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
         self.dice = (self.dice ^ what).wrapping_mul(ODD).rotate_left(29);
     }
 
+    #[inline(never)]
     fn adc_trouble(&mut self, sample: &Sample, fault: crate::adc::AdcFault) {
         if self.health.adc_faults % 16 == 1 {
             let said = ("converter at sample ", sample.index, (": ", fault.words()));
@@ -359,6 +378,9 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
         }
         let first_index = *test.first_index.get_or_insert(sample.index);
         let step = pipeline.step(sample.raw(first_index));
+        if step.sample.gap > 0 {
+            log::warn!("{} samples missing before {}", step.sample.gap, sample.index);
+        }
         test.note(&step);
         self.force_n = step.sample.force_n;
         if begins {
@@ -400,6 +422,8 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
         }
     }
 
+    // On its own, as all that is done with what was typed needs its stack.
+    #[inline(never)]
     fn obey(&mut self, typed: &Typed) {
         let command = match typed {
             Typed::TooLong => Err("that line is too long"),
@@ -441,6 +465,7 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
 
     fn change(&mut self, settings: Settings) {
         self.settings = settings;
+        self.is_set = true;
         let stored = self.journal.remember(&self.settings);
         self.check_store(stored.is_err());
         self.say_settings();
@@ -542,6 +567,7 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
         self.job = Job::SelfTest(test);
     }
 
+    #[inline(never)]
     fn self_test(&mut self, mean: Mean) {
         self.console.tell(&Line::Mean(mean));
         let Job::SelfTest(test) = &mut self.job else { return };

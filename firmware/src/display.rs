@@ -12,7 +12,7 @@ use crate::app::View;
 use crate::line::{Health, Weighed};
 use crate::measuring::Hindrance;
 use crate::store::CardState;
-use crate::text::{Fixed, Show};
+use crate::text::{Fixed, Out, Show};
 use crate::wall_clock::TimeOfDay;
 
 type Row = String<22>;
@@ -115,7 +115,7 @@ fn is_lit(letter: u8, x: i32, y: i32) -> bool {
 fn row(content: impl Show) -> Row {
     let mut row = Row::new();
     // What is too long is cut: there is no more room anyway.
-    let _ = content.show(&mut row);
+    content.show(&mut Out::new(&mut row));
     row
 }
 

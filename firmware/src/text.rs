@@ -7,60 +7,90 @@ use heapless::string::StringView;
 
 use crate::line::Text;
 
+/// A text that grows at its end. Of what does not fit, and all behind it, nothing is in it.
+#[derive(Debug)]
+pub struct Out<'t> {
+    text: &'t mut StringView,
+    is_cut: bool,
+}
+
+impl<'t> Out<'t> {
+    /// Goes on behind what there is.
+    pub fn new(text: &'t mut StringView) -> Self {
+        Self { text, is_cut: false }
+    }
+
+    /// What there is.
+    #[must_use]
+    pub fn as_str(&self) -> &str {
+        self.text
+    }
+
+    /// Whether all is in it.
+    ///
+    /// # Errors
+    /// Something did not fit.
+    pub fn end(self) -> fmt::Result {
+        if self.is_cut { Err(fmt::Error) } else { Ok(()) }
+    }
+
+    #[inline(never)]
+    fn push(&mut self, part: &str) {
+        self.is_cut = self.is_cut || self.text.push_str(part).is_err();
+    }
+}
+
 /// Something that can be written out.
 pub trait Show {
     /// Adds it to the end of a text.
-    ///
-    /// # Errors
-    /// There is no room for all of it.
-    fn show(&self, out: &mut StringView) -> fmt::Result;
+    fn show(&self, out: &mut Out<'_>);
 }
 
 impl Show for &str {
-    fn show(&self, out: &mut StringView) -> fmt::Result {
-        out.push_str(self).map_err(|_| fmt::Error)
+    fn show(&self, out: &mut Out<'_>) {
+        out.push(self);
     }
 }
 
 impl Show for u64 {
-    fn show(&self, out: &mut StringView) -> fmt::Result {
-        whole(out, *self, 1)
+    fn show(&self, out: &mut Out<'_>) {
+        whole(out, *self, 1);
     }
 }
 
 impl Show for u32 {
-    fn show(&self, out: &mut StringView) -> fmt::Result {
-        u64::from(*self).show(out)
+    fn show(&self, out: &mut Out<'_>) {
+        u64::from(*self).show(out);
     }
 }
 
 impl Show for i32 {
-    fn show(&self, out: &mut StringView) -> fmt::Result {
+    fn show(&self, out: &mut Out<'_>) {
         if *self < 0 {
-            "-".show(out)?;
+            "-".show(out);
         }
-        self.unsigned_abs().show(out)
+        self.unsigned_abs().show(out);
     }
 }
 
 impl<A: Show, B: Show> Show for (A, B) {
-    fn show(&self, out: &mut StringView) -> fmt::Result {
-        self.0.show(out)?;
-        self.1.show(out)
+    fn show(&self, out: &mut Out<'_>) {
+        self.0.show(out);
+        self.1.show(out);
     }
 }
 
 impl<A: Show, B: Show, C: Show> Show for (A, B, C) {
-    fn show(&self, out: &mut StringView) -> fmt::Result {
-        self.0.show(out)?;
-        self.1.show(out)?;
-        self.2.show(out)
+    fn show(&self, out: &mut Out<'_>) {
+        self.0.show(out);
+        self.1.show(out);
+        self.2.show(out);
     }
 }
 
 /// A whole number of at least so many digits.
 #[inline(never)]
-pub(crate) fn whole(out: &mut StringView, number: u64, least: usize) -> fmt::Result {
+pub(crate) fn whole(out: &mut Out<'_>, number: u64, least: usize) {
     let mut digits = [0; 20];
     let (mut rest, mut count) = (number, 0);
     for place in digits.iter_mut().rev() {
@@ -71,13 +101,13 @@ pub(crate) fn whole(out: &mut StringView, number: u64, least: usize) -> fmt::Res
         (rest, count) = (quotient, count + 1);
         *place = digit as u8;
     }
-    digits.iter().skip(20 - count).try_for_each(|digit| put(out, b'0' + digit))
+    digits.iter().skip(20 - count).for_each(|digit| put(out, b'0' + digit));
 }
 
 /// As a line's text; what does not fit is left out.
 pub(crate) fn text(content: impl Show) -> Text {
     let mut text = Text::new();
-    let _ = content.show(&mut text);
+    content.show(&mut Out::new(&mut text));
     text
 }
 
@@ -85,7 +115,8 @@ pub(crate) fn text(content: impl Show) -> Text {
 #[inline(never)]
 pub(crate) fn join(parts: &[&dyn Show]) -> Text {
     let mut text = Text::new();
-    let _ = parts.iter().try_for_each(|part| part.show(&mut text));
+    let mut out = Out::new(&mut text);
+    parts.iter().for_each(|part| part.show(&mut out));
     text
 }
 
@@ -94,13 +125,13 @@ pub(crate) fn join(parts: &[&dyn Show]) -> Text {
 pub struct Fixed(pub f32, pub u32);
 
 impl Show for Fixed {
-    fn show(&self, out: &mut StringView) -> fmt::Result {
+    fn show(&self, out: &mut Out<'_>) {
         let Self(value, decimals) = *self;
         let scale = 10_u32.pow(decimals);
         let rounded = (value.abs() * scale as f32 + 0.5) as u32;
         let sign = if value < 0.0 && rounded > 0 { "-" } else { "" };
-        (sign, rounded / scale, ".").show(out)?;
-        whole(out, (rounded % scale).into(), decimals as usize)
+        (sign, rounded / scale, ".").show(out);
+        whole(out, (rounded % scale).into(), decimals as usize);
     }
 }
 
@@ -109,14 +140,14 @@ impl Show for Fixed {
 pub struct Hex(pub u32, pub u8);
 
 impl Show for Hex {
-    fn show(&self, out: &mut StringView) -> fmt::Result {
-        (0..self.1).rev().try_for_each(|place| {
+    fn show(&self, out: &mut Out<'_>) {
+        for place in (0..self.1).rev() {
             let digit = (self.0 >> (4 * place)) as u8 & 0xF;
-            put(out, if digit < 10 { b'0' + digit } else { b'A' - 10 + digit })
-        })
+            put(out, if digit < 10 { b'0' + digit } else { b'A' - 10 + digit });
+        }
     }
 }
 
-fn put(out: &mut StringView, letter: u8) -> fmt::Result {
-    out.push(char::from(letter)).map_err(|_| fmt::Error)
+fn put(out: &mut Out<'_>, letter: u8) {
+    out.is_cut = out.is_cut || out.text.push(char::from(letter)).is_err();
 }

@@ -5,9 +5,8 @@
 use core::fmt;
 
 use floe_core::num::long_division::divide;
-use heapless::string::StringView;
 
-use crate::text::{Show, whole};
+use crate::text::{Out, Show, whole};
 
 /// Milliseconds of two sampling periods, 16 a second.
 const MS_OF_TWO: u64 = 125;
@@ -46,11 +45,22 @@ impl Moment {
     /// to 2099.
     #[must_use]
     pub fn parse(text: &str) -> Option<Self> {
-        const MARKS: [(usize, u8); 5] = [(4, b'-'), (7, b'-'), (10, b'T'), (13, b':'), (16, b':')];
+        // From where to where, and what may stand behind.
+        const FIELDS: [(usize, usize, &[u8]); 6] = [
+            (0, 4, b"-"),
+            (5, 7, b"-"),
+            (8, 10, b"T"),
+            (11, 13, b":"),
+            (14, 16, b":"),
+            (17, 19, b".Z"),
+        ];
         let bytes = text.as_bytes();
-        let two = |from: usize| number(bytes.get(from..from + 2)?);
-        let (year, month, day) = (number(bytes.get(..4)?)?, two(5)?, two(8)?);
-        let (hour, minute, second) = (two(11)?, two(14)?, two(17)?);
+        let mut fields = [0; 6];
+        for (field, (from, to, marks)) in fields.iter_mut().zip(FIELDS) {
+            *field = number(bytes.get(from..to)?)?;
+            bytes.get(to).filter(|mark| marks.contains(mark))?;
+        }
+        let [year, month, day, hour, minute, second] = fields;
         let ms = match bytes.get(19..)? {
             b"Z" => 0,
             [b'.', digits @ .., b'Z'] => thousandths(digits)?,
@@ -61,8 +71,7 @@ impl Moment {
         let last = DAYS_BEFORE.get(month as usize).copied().unwrap_or(365) - days;
         let last = if month == 2 { last + leap } else { last };
         let good = (2000..2100).contains(&year) && (1..=last).contains(&day);
-        let marked = MARKS.iter().all(|(at, mark)| bytes.get(*at) == Some(mark));
-        if !good || !marked || hour > 23 || minute > 59 || second > 59 {
+        if !good || hour > 23 || minute > 59 || second > 59 {
             return None;
         }
         let years = year - 2000;
@@ -103,7 +112,7 @@ fn parts(unix_ms: u64) -> (u32, u32, u16) {
 }
 
 impl Show for Moment {
-    fn show(&self, out: &mut StringView) -> fmt::Result {
+    fn show(&self, out: &mut Out<'_>) {
         let (mut day, _, ms) = parts(self.0);
         let mut year = 1970;
         let leap = |year: u32| {
@@ -119,21 +128,21 @@ impl Show for Moment {
             if month > 1 { days + leap(year) } else { days }
         };
         let month = (0..12).rev().find(|&month| before(month) <= day).unwrap_or(0);
-        whole(out, year.into(), 4)?;
+        whole(out, year.into(), 4);
         for number in [month as u32 + 1, day - before(month) + 1] {
-            "-".show(out)?;
-            whole(out, number.into(), 2)?;
+            "-".show(out);
+            whole(out, number.into(), 2);
         }
-        ("T", TimeOfDay(self.0), ".").show(out)?;
-        whole(out, ms.into(), 3)?;
-        "Z".show(out)
+        ("T", TimeOfDay(self.0), ".").show(out);
+        whole(out, ms.into(), 3);
+        "Z".show(out);
     }
 }
 
 impl fmt::Display for Moment {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let mut text = heapless::String::<24>::new();
-        self.show(&mut text)?;
+        self.show(&mut Out::new(&mut text));
         f.write_str(&text)
     }
 }
@@ -143,13 +152,13 @@ impl fmt::Display for Moment {
 pub struct TimeOfDay(pub u64);
 
 impl Show for TimeOfDay {
-    fn show(&self, out: &mut StringView) -> fmt::Result {
+    fn show(&self, out: &mut Out<'_>) {
         let (_, seconds, _) = parts(self.0);
-        whole(out, (seconds / 3600).into(), 2)?;
-        ":".show(out)?;
-        whole(out, (seconds / 60 % 60).into(), 2)?;
-        ":".show(out)?;
-        whole(out, (seconds % 60).into(), 2)
+        whole(out, (seconds / 3600).into(), 2);
+        ":".show(out);
+        whole(out, (seconds / 60 % 60).into(), 2);
+        ":".show(out);
+        whole(out, (seconds % 60).into(), 2);
     }
 }
 

@@ -9,18 +9,24 @@ use crate::shell::{self, output, say};
 const CHIP: &str = "STM32L476RG";
 const INSTALL: &str = "https://probe.rs/docs/getting-started/installation";
 
-/// Looks for tool and board before it builds anything.
+/// Looks for tool and board before it builds anything. With its log the firmware is
+/// another image, for the bench: the field's has no log in it.
 ///
 /// # Errors
 /// The tool, the board or the firmware is missing.
-pub fn run(forced: Option<Route>) -> Result<()> {
+pub fn run(forced: Option<Route>, log: bool) -> Result<()> {
     let Some(probes) = output(Command::new("probe-rs").arg("list")) else {
         return Err(format!("probe-rs is not installed: see {INSTALL}"));
     };
     if !probes.contains("[0]") {
         return Err("no board found: connect the NUCLEO-L476RG's ST-LINK by USB".into());
     }
-    let firmware = Route::find(forced)?.build_firmware("nucleo-l476", "nucleo-l476")?;
+    let features = if log { "nucleo-l476,defmt" } else { "nucleo-l476" };
+    let firmware = Route::find(forced)?.build_firmware("nucleo-l476", features)?;
+    if log {
+        say("Ctrl-C ends the log; the board goes on with the firmware that logs");
+        return shell::run(Command::new("probe-rs").args(["run", "--chip", CHIP]).arg(&firmware));
+    }
     shell::run(Command::new("probe-rs").args(["download", "--chip", CHIP]).arg(&firmware))?;
     shell::run(Command::new("probe-rs").args(["reset", "--chip", CHIP]))?;
     say("done; the console is the board's USB serial port at 115 200 baud");

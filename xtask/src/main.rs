@@ -52,7 +52,14 @@ enum Job {
     },
     /// Run a log through the firmware in the emulator
     Emulate(Box<emulate::Args>),
-    /// What can happen to the user's board, on the image that is flashed: one table
+    /// Every bundled log and scene through the firmware, compared with this PC bit for bit
+    Logs {
+        /// Which board
+        #[arg(long, value_enum, default_value_t)]
+        board: emulate::Board,
+    },
+    /// The battery pulled, then what else can happen to the user's board, on the image that is
+    /// flashed: one table
     Faults,
     /// Speed on this PC and on the board, one table
     Bench,
@@ -73,7 +80,11 @@ enum Job {
     /// Every kind of report in headless Chromium, narrow and wide
     Reports,
     /// Write the firmware to a NUCLEO-L476RG on USB
-    Flash,
+    Flash {
+        /// Write the one that logs, and follow its log
+        #[arg(long)]
+        log: bool,
+    },
     /// The files to copy onto the board's USB drive: .bin and .hex
     Image,
     /// Decode the firmware's own log of an emulated test
@@ -88,7 +99,10 @@ fn main() -> ExitCode {
     let done = match &cli.job {
         Job::Test { firmware } => test::run(cli.arm, *firmware),
         Job::Emulate(args) => emulate::run(args, cli.arm),
-        Job::Faults => arm::Route::find(cli.arm).and_then(emulate::check_board),
+        Job::Logs { board } => emulate::check_bundled(*board, cli.arm),
+        Job::Faults => arm::Route::find(cli.arm).and_then(|route| {
+            emulate::check_card(route).and_then(|()| emulate::check_board(route))
+        }),
         Job::Bench => bench::run(cli.arm),
         Job::Budgets { write } => budgets::run(cli.arm, *write),
         Job::Effects => effects::run(cli.arm),
@@ -96,7 +110,7 @@ fn main() -> ExitCode {
         Job::Performance => performance::run_all(),
         Job::Pictures => pictures::run_all(),
         Job::Reports => browser::check(),
-        Job::Flash => flash::run(cli.arm),
+        Job::Flash { log } => flash::run(cli.arm, *log),
         Job::Image => image::run(cli.arm),
         #[cfg(feature = "defmt")]
         Job::Defmt => defmt::run(cli.arm),

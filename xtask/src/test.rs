@@ -77,7 +77,9 @@ fn firmware(tally: &mut Tally, forced: Option<Route>) {
     });
     tally.step("tests on target", || Tests::prepare(Some(route))?.run_all());
     tally.step("core's budget", || budgets::run(Some(route), false));
-    tally.step("logs through the firmware", || emulate::check_bundled(route));
+    tally.step("logs through the firmware", || {
+        emulate::check_bundled(emulate::Board::Mps2, Some(route))
+    });
     tally.step("converter troubles", || emulate::check_troubles(route));
     tally.step("card and power cuts", || emulate::check_card(route));
     tally.step("the board's image", || emulate::check_board(route));

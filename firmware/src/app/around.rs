@@ -85,7 +85,9 @@ impl<P: Read + ReadReady + Write, S: Store> App<'_, P, S> {
         settings.zero = Zero { before_n: Some(0.0), after_n: None };
     }
 
+    // Texts are big too.
     /// Writes down what somebody says; between tests it belongs to the last one.
+    #[inline(never)]
     pub(super) fn note(&mut self, words: &String<INPUT_LEN>) -> Result<(), &'static str> {
         if !self.testing() && !self.pulled {
             return Err("a note belongs to a test: start first");
@@ -102,6 +104,7 @@ impl<P: Read + ReadReady + Write, S: Store> App<'_, P, S> {
     }
 
     /// Sets the clock, or says what it shows.
+    #[inline(never)]
     pub(super) fn set_clock(&mut self, moment: Option<Moment>) -> Result<(), &'static str> {
         if let Some(Moment(unix_ms)) = moment {
             // A test has one time from its beginning to its end.

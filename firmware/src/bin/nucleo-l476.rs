@@ -24,6 +24,9 @@ mod target {
     use ssd1306::{I2CDisplayInterface, Ssd1306};
     use static_cell::StaticCell;
 
+    #[cfg(feature = "defmt")]
+    defmt::timestamp!("{=u32:us}", clock::clock());
+
     type Adc = Ads122<I2cBus<Bus>, Delay>;
     type Logger = App<'static, Console, CardLog<CardSlot>>;
 
@@ -35,6 +38,8 @@ mod target {
     const LOG_SECTORS: u32 = 131_072;
     /// Samples between two pictures on the display.
     const PICTURE_SAMPLES: u32 = 8;
+    /// Samples between two words about the stack.
+    const MINUTE_SAMPLES: u32 = 960;
     /// A picture takes 28 ms of the bus; later than this it would meet the tick.
     const PICTURE_LATEST_US: u32 = 30_000;
     /// The log's file is made longer by so many sectors at a time, 40 ms.
@@ -52,7 +57,7 @@ mod target {
         watchdog.unleash();
         app.power_up(words.as_deref());
         let mut waiting = Some(sampler);
-        let (mut samples, mut pulse) = (0, Pulse::default());
+        let (mut samples, mut minute, mut pulse) = (0, 0, Pulse::default());
         loop {
             if let Some(sampler) = waiting.take() {
                 waiting = begin(app, sampler);
@@ -63,6 +68,11 @@ mod target {
             }
             if app.turn() {
                 samples += 1;
+                minute += 1;
+                if minute >= MINUTE_SAMPLES {
+                    minute = 0;
+                    log_stack();
+                }
                 if samples >= PICTURE_SAMPLES && show(screen, app) {
                     samples = 0;
                 }
@@ -71,7 +81,17 @@ mod target {
         }
     }
 
+    /// Once a minute, where the firmware logs.
+    fn log_stack() {
+        #[cfg(feature = "defmt")]
+        {
+            let (used, size) = floe_firmware::board::stack::used();
+            defmt::info!("stack: {} of {} bytes", used, size);
+        }
+    }
+
     /// Draws a picture, and sends it if the tick leaves the time for it.
+    #[inline(never)]
     fn show(screen: &mut Screen, app: &Logger) -> bool {
         // Without a display there is nothing to see.
         let _ = display::draw(screen, &app.view());
@@ -88,8 +108,12 @@ mod target {
         sampler: &'static mut Sampler<'static, Adc>,
     ) -> Option<&'static mut Sampler<'static, Adc>> {
         if clock::crystal_runs() {
+            #[cfg(feature = "defmt")]
+            defmt::info!("tick by the crystal, 16 MHz in step with it");
             clock::start_tick(sampler, clock::Source::Crystal);
         } else if clock::clock() > CRYSTAL_US {
+            #[cfg(feature = "defmt")]
+            defmt::warn!("tick by the internal oscillator: the crystal does not start");
             app.warn(NO_CRYSTAL);
             clock::start_tick(sampler, clock::Source::Internal);
         } else {

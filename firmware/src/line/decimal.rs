@@ -5,9 +5,8 @@ use core::fmt;
 
 use floe_core::num::long_division::divide;
 use heapless::String;
-use heapless::string::StringView;
 
-use crate::text::{Show, whole};
+use crate::text::{Out, Show, whole};
 
 /// Writes at least 6 significant digits, more if needed, without closing zeros;
 /// with an exponent outside 0.0001 to 1e9. Reading the text as `f32` gives the same
@@ -23,12 +22,12 @@ use crate::text::{Show, whole};
 pub struct Decimal(pub f32);
 
 impl Show for Decimal {
-    fn show(&self, out: &mut StringView) -> fmt::Result {
+    fn show(&self, out: &mut Out<'_>) {
         if self.0.is_nan() {
             return "NaN".show(out);
         }
         if self.0.is_sign_negative() {
-            "-".show(out)?;
+            "-".show(out);
         }
         if self.0.is_infinite() {
             return "inf".show(out);
@@ -37,8 +36,8 @@ impl Show for Decimal {
         match exponent {
             -4..9 => plain(out, digits, exponent),
             _ => {
-                plain(out, digits, 0)?;
-                ("e", exponent).show(out)
+                plain(out, digits, 0);
+                ("e", exponent).show(out);
             }
         }
     }
@@ -47,7 +46,7 @@ impl Show for Decimal {
 impl fmt::Display for Decimal {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let mut text = String::<16>::new();
-        self.show(&mut text)?;
+        self.show(&mut Out::new(&mut text));
         f.write_str(&text)
     }
 }
@@ -138,7 +137,7 @@ fn is_near(scaled: u64, number: f32) -> bool {
 }
 
 /// Writes `digits` with the first of them at a power of ten.
-fn plain(out: &mut StringView, digits: u32, exponent: i32) -> fmt::Result {
+fn plain(out: &mut Out<'_>, digits: u32, exponent: i32) {
     let count = digits.checked_ilog10().unwrap_or(0) as i32 + 1;
     let decimals = count - 1 - exponent;
     if decimals <= 0 {
@@ -146,8 +145,8 @@ fn plain(out: &mut StringView, digits: u32, exponent: i32) -> fmt::Result {
     }
     // Ten decimals or more are more than there are digits.
     let scale = 10_u32.checked_pow(decimals.unsigned_abs()).unwrap_or(u32::MAX);
-    (digits / scale, ".").show(out)?;
-    whole(out, (digits % scale).into(), decimals as usize)
+    (digits / scale, ".").show(out);
+    whole(out, (digits % scale).into(), decimals as usize);
 }
 
 #[cfg(test)]

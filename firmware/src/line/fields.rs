@@ -1,54 +1,51 @@
 //! Single fields, there and back.
 
-use core::fmt;
 use core::str::{FromStr, Split};
-
-use floe_core::{Cause, Phase, Quality, Reason, SampleFlag};
-use heapless::string::StringView;
 
 use super::{Decimal, LineError};
 use crate::adc::Input;
 use crate::measuring::Hindrance;
 use crate::notebook::{Kind, Track, WeightFrom, Winch, from_word, word};
-use crate::text::Show;
+use crate::text::{Out, Show};
+use floe_core::{Cause, Phase, Quality, Reason, SampleFlag};
 
 /// Writes a field per call.
-pub(super) struct Writer<'w>(pub &'w mut StringView);
+pub(super) struct Writer<'w>(pub Out<'w>);
 
 impl Writer<'_> {
-    pub(super) fn put(&mut self, value: impl Show) -> fmt::Result {
-        ",".show(self.0)?;
-        value.show(self.0)
+    pub(super) fn put(&mut self, value: impl Show) {
+        ",".show(&mut self.0);
+        value.show(&mut self.0);
     }
 
     /// The fewest digits that give the same `f32` back.
-    pub(super) fn put_f32(&mut self, value: f32) -> fmt::Result {
-        self.put(Decimal(value))
+    pub(super) fn put_f32(&mut self, value: f32) {
+        self.put(Decimal(value));
     }
 
-    pub(super) fn put_some_f32(&mut self, value: Option<f32>) -> fmt::Result {
+    pub(super) fn put_some_f32(&mut self, value: Option<f32>) {
         match value {
             Some(value) => self.put_f32(value),
             None => self.put(""),
         }
     }
 
-    pub(super) fn put_some(&mut self, value: Option<impl Show>) -> fmt::Result {
+    pub(super) fn put_some(&mut self, value: Option<impl Show>) {
         match value {
             Some(value) => self.put(value),
             None => self.put(""),
         }
     }
 
-    pub(super) fn put_some_word<T: Word>(&mut self, value: Option<T>) -> fmt::Result {
+    pub(super) fn put_some_word<T: Word>(&mut self, value: Option<T>) {
         match value {
             Some(value) => self.put_word(value),
             None => self.put(""),
         }
     }
 
-    pub(super) fn put_word<T: Word>(&mut self, value: T) -> fmt::Result {
-        self.put(word(T::WORDS, &value))
+    pub(super) fn put_word<T: Word>(&mut self, value: T) {
+        self.put(word(T::WORDS, &value));
     }
 }
 

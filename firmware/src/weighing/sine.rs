@@ -3,7 +3,7 @@
 //! Time runs from the middle of the window, so that cosine and mean go together, and sine
 //! and slope, but not the one pair with the other: two equations of two unknowns each.
 
-use floe_core::num::math::{self, hypotenuse, larger, smaller, sqrt};
+use floe_core::num::math::{hypotenuse, larger, sin_cos, smaller, sqrt};
 
 use super::window::Window;
 
@@ -24,12 +24,6 @@ const REFINEMENTS: u32 = 8;
 /// a larger one, and is to be seen as the drift it is.
 const LARGEST_CORRELATION: f32 = 0.8;
 const TURN_RAD: f32 = core::f32::consts::TAU;
-
-/// Once in the program: nothing here is done at every sample.
-#[inline(never)]
-fn sin_cos(x_rad: f32) -> (f32, f32) {
-    math::sin_cos(x_rad)
-}
 
 /// An oscillation of the force.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

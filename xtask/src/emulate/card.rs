@@ -1,5 +1,6 @@
 //! The SD card under the whole firmware, and the battery pulled.
 
+use std::collections::BTreeMap;
 use std::fs::{self, File};
 use std::io::{Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
@@ -7,7 +8,7 @@ use std::process::{Command, Stdio};
 
 use floe::card;
 
-use super::machine::{Machine, Setup};
+use super::machine::{Machine, Run, Setup};
 use super::record::Record;
 use crate::arm::Route;
 use crate::shell::{output, root};
@@ -22,26 +23,42 @@ const START: u32 = 2048;
 /// Samples after which the power fails: in the first second, in the middle of a
 /// sector, at its end, late.
 const CUTS: [u64; 6] = [5, 100, 201, 207, 208, 900];
+/// The emulated board's log has room for so many.
+const CUTS_OF_A_CARD: usize = 50;
 
 /// Pulls the battery again and again on one card: each time the file system is
 /// clean, everything but the last second is there, and nothing of the tests before
-/// has changed.
+/// has changed. `FLOE_POWER_CUTS=200` does it so often, anywhere in a test.
 ///
 /// # Errors
 /// What was lost.
 pub fn check_card(route: Route) -> Result<()> {
     let machine = Machine::prepare(Some(route))?;
     let image = root().join("target").join(format!("card-{}.img", std::process::id()));
-    format(&image)?;
-    let done = cuts(&machine, &image);
+    let done = pull_battery(&machine, &image);
     let _ = fs::remove_file(&image);
     let _ = fs::remove_file(partition(&image));
     done
 }
 
-fn cuts(machine: &Machine, image: &Path) -> Result<()> {
+/// Samples after which the power fails.
+fn cuts() -> Vec<u64> {
+    let wanted = std::env::var("FLOE_POWER_CUTS").ok().and_then(|n| n.parse().ok());
+    let samples = Record::stick_slip().codes.len() as u64;
+    // The golden ratio's multiples: spread over the test, and no two the same soon.
+    let anywhere = |n: u64| n.wrapping_mul(0x9E37_79B9_7F4A_7C15) % samples;
+    wanted.map_or(CUTS.into(), |wanted: u64| (1..=wanted).map(anywhere).collect())
+}
+
+fn pull_battery(machine: &Machine, image: &Path) -> Result<()> {
+    let cuts = cuts();
     let mut lengths: Vec<u64> = Vec::new();
-    for cut in CUTS {
+    let mut worst = 0;
+    for (number, &cut) in cuts.iter().enumerate() {
+        if number % CUTS_OF_A_CARD == 0 {
+            format(image)?;
+            lengths.clear();
+        }
         let setup = Setup { card: Some(image), cut_at: Some(cut), ..Setup::default() };
         machine.run(&Record::stick_slip(), setup)?;
         check_file_system(image)?;
@@ -56,8 +73,10 @@ fn cuts(machine: &Machine, image: &Path) -> Result<()> {
             return Err(format!("cut at sample {cut}: tests of {lengths:?} became {now:?}"));
         }
         lengths = now;
-        println!("card: power cut at sample {cut}: {length} on the card, file system clean");
+        worst = worst.max(cut.saturating_sub(length));
     }
+    let count = cuts.len();
+    println!("card: {count} power cuts: at most {worst} samples lost, every file system clean");
     Ok(())
 }
 
@@ -161,6 +180,33 @@ impl Image {
     pub fn tests(&self) -> Result<Vec<card::Test>> {
         let file = File::open(&self.0).map_err(|e| e.to_string())?;
         card::tests(file).map(|(tests, _)| tests).map_err(|e| e.to_string())
+    }
+
+    /// The card has every code that the converter gave in the test, and every line of
+    /// it but what only a display needs. Gives a sentence about it.
+    ///
+    /// # Errors
+    /// The first difference.
+    pub fn compare(&self, run: &Run) -> Result<String> {
+        let tests = self.tests()?;
+        let test = tests.last().ok_or("the card has no test")?;
+        let given: BTreeMap<u64, i32> = run.delivered.iter().copied().collect();
+        for sample in &test.samples {
+            let index = u64::from(sample.index.wrapping_sub(test.part.first_index));
+            if sample.reading.ok().map(|code| code.0) != given.get(&index).copied() {
+                return Err(format!("the card has {sample:?}, the converter gave another"));
+            }
+        }
+        let of_the_test = |line: &&str| line.starts_with(['E', 'C', 'R', 'Z']);
+        let said: Vec<&str> = run.shown.lines().filter(of_the_test).collect();
+        let kept: Vec<&str> = test.lines.lines().filter(of_the_test).collect();
+        if said != kept || test.missing() > 0 {
+            let (said, kept, missing) = (said.len(), kept.len(), test.missing());
+            return Err(format!(
+                "{said} lines said, {kept} on the card, {missing} samples missing"
+            ));
+        }
+        Ok(format!("{} codes and {} lines as said", test.samples.len(), kept.len()))
     }
 }
 

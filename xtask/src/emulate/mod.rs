@@ -100,8 +100,8 @@ pub struct Args {
 ///
 /// # Errors
 /// The first difference.
-pub fn check_bundled(route: Route) -> Result<()> {
-    let machine = Machine::prepare(Some(route))?;
+pub fn check_bundled(board: Board, forced: Option<Route>) -> Result<()> {
+    let machine = Ready::new(board, forced)?;
     let weight = TestOptions { weight_n: Some(630.0), ..TestOptions::default() };
     let (mut runs, mut events, mut skipped) = (0, 0, 0);
     for path in files(&["host-sim/logs", "host-sim/scenes"]) {
@@ -124,21 +124,22 @@ pub fn check_bundled(route: Route) -> Result<()> {
     Ok(())
 }
 
-/// Runs a bundled log on the image that is flashed, and compares the console with what
-/// this PC makes of the converter's codes, bit for bit.
+/// Runs a bundled log on the image that is flashed, and compares console and card with
+/// what this PC makes of the converter's codes, bit for bit.
 ///
 /// # Errors
 /// The first difference.
-fn check_nucleo(route: Route) -> Result<()> {
-    let nucleo = Nucleo::prepare(Some(route))?;
+fn check_nucleo(nucleo: &Nucleo) -> Result<()> {
     let path = root().join("host-sim/logs/dff8-13.csv");
     let weight = TestOptions { weight_n: Some(630.0), ..TestOptions::default() };
     let record = Record::read(&path, &LogOptions::default(), &weight)?;
-    let run = nucleo.run(&record, Setup::default())?;
+    let image = card::Image::large("nucleo")?;
+    let run = nucleo.run(&record, Setup { card: Some(image.path()), ..Setup::default() })?;
     let outcome = outcome::decode(&run.shown)?;
     let same = outcome.compare(&record, &run.delivered)?;
     outcome.check_ticks()?;
-    println!("board: dff8-13.csv: {same}");
+    let kept = image.compare(&run)?;
+    println!("board: dff8-13.csv: {same}; card: {kept}");
     Ok(())
 }
 
@@ -147,8 +148,9 @@ fn check_nucleo(route: Route) -> Result<()> {
 /// # Errors
 /// What did not go as it has to.
 pub fn check_board(route: Route) -> Result<()> {
-    check_nucleo(route)?;
-    check_faults(route)
+    let nucleo = Nucleo::prepare(Some(route))?;
+    check_nucleo(&nucleo)?;
+    check_faults(&nucleo)
 }
 
 /// Logs and scenes below some directories, in order.
@@ -176,7 +178,7 @@ pub use live::check_live;
 pub use troubles::check_troubles;
 
 /// Number of events.
-fn check(machine: &Machine, name: &str, record: &Record) -> Result<usize> {
+fn check(machine: &Ready, name: &str, record: &Record) -> Result<usize> {
     let run = machine.run(record, Setup { samples: record.has_gaps(), ..Setup::default() })?;
     let outcome = outcome::decode(&run.shown)?;
     let same = outcome.compare(record, &run.delivered).map_err(|e| format!("{name}: {e}"))?;

@@ -52,22 +52,36 @@ impl ErrorType for Bus {
     type Error = Error;
 }
 
-impl embedded_hal::i2c::I2c for Bus {
-    fn transaction(&mut self, address: u8, operations: &mut [Operation<'_>]) -> Result<(), Error> {
+impl Bus {
+    /// Does something on the bus that nobody else does meanwhile.
+    fn alone(&self, deed: impl FnOnce(&mut Port) -> Result<(), Error>) -> Result<(), Error> {
         without_tick(|| {
             // SAFETY: only the main loop and the tick's interrupt have the bus. The
             // interrupt runs to its end before the main loop goes on, and is kept off
             // while the main loop is in here: this is the only borrow.
             let cs = unsafe { critical_section::CriticalSection::new() };
-            let done = self.0.borrow_ref_mut(cs).blocking_transaction(address, operations);
-            match done {
-                Ok(()) | Err(Error::Nack) => done,
-                Err(error) => {
-                    free();
-                    Err(error)
-                }
+            let done = deed(&mut self.0.borrow_ref_mut(cs));
+            if !matches!(done, Ok(()) | Err(Error::Nack)) {
+                free();
             }
+            done
         })
+    }
+}
+
+/// Converter and display are written to, and written to and read: each has the port's own
+/// function, a tenth of the code that any row of operations takes.
+impl embedded_hal::i2c::I2c for Bus {
+    fn write(&mut self, address: u8, bytes: &[u8]) -> Result<(), Error> {
+        self.alone(|port| port.blocking_write(address, bytes))
+    }
+
+    fn write_read(&mut self, address: u8, bytes: &[u8], into: &mut [u8]) -> Result<(), Error> {
+        self.alone(|port| port.blocking_write_read(address, bytes, into))
+    }
+
+    fn transaction(&mut self, address: u8, operations: &mut [Operation<'_>]) -> Result<(), Error> {
+        self.alone(|port| port.blocking_transaction(address, operations))
     }
 }
 
@@ -87,6 +101,7 @@ fn without_tick<R>(deed: impl FnOnce() -> R) -> R {
 
 /// The port starts again, and a chip that was interrupted while it sent gets the clocks
 /// that it waits for.
+#[cold]
 fn free() {
     pac::I2C1.cr1().modify(|w| w.set_pe(false));
     while pac::I2C1.cr1().read().pe() {}

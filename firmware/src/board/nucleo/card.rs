@@ -4,18 +4,19 @@ use core::cell::Cell;
 
 use embassy_stm32::gpio::Output;
 use embassy_stm32::mode::Blocking;
+use embassy_stm32::pac::SPI2;
+use embassy_stm32::pac::spi::vals::Br;
 use embassy_stm32::spi::{self, Spi};
-use embassy_stm32::time::Hertz;
 use embedded_hal::spi::{Error, ErrorKind, ErrorType, Operation, SpiBus, SpiDevice};
 use embedded_sdmmc::sdcard::spi::AcquireOpts;
 use embedded_sdmmc::{Block, BlockCount, BlockDevice, BlockIdx, SdCard};
 
 use super::clock::{Delay, clock};
 
-/// Until a card is ready; 250 kHz come out.
-const SLOW: Hertz = Hertz::khz(400);
-/// Afterwards.
-const FAST: Hertz = Hertz::mhz(8);
+/// 250 kHz of 16 MHz, until a card is ready; the specification wants at most 400.
+const SLOW: Br = Br::DIV64;
+/// 8 MHz afterwards.
+const FAST: Br = Br::DIV2;
 /// Ten bytes are 80 clocks; the specification wants 74 before the first command.
 const WAKE_BYTES: [u8; 10] = [0xFF; 10];
 /// CMD0 with its checksum.
@@ -87,11 +88,13 @@ impl CardBus {
         answered
     }
 
-    fn set_speed(&mut self, frequency: Hertz) {
-        let mut config = spi::Config::default();
-        config.frequency = frequency;
-        // The dividers exist: 64 and 2.
-        let _ = self.spi.set_config(&config);
+    /// The bus is idle: whatever was sent has been waited for.
+    fn set_speed(&mut self, divider: Br) {
+        SPI2.cr1().modify(|w| w.set_spe(false));
+        SPI2.cr1().modify(|w| {
+            w.set_br(divider);
+            w.set_spe(true);
+        });
     }
 }
 

@@ -5,7 +5,7 @@ use core::mem::MaybeUninit;
 use embassy_stm32::pac;
 use heapless::String;
 
-use crate::text::Show;
+use crate::text::{Out, Show};
 
 /// The first of a panic's words.
 pub type Words = String<96>;
@@ -26,7 +26,7 @@ static mut CRASH: MaybeUninit<Crash> = MaybeUninit::uninit();
 pub fn die(reason: &dyn Show) -> ! {
     cortex_m::interrupt::disable();
     let mut words = Words::new();
-    let _ = reason.show(&mut words);
+    reason.show(&mut Out::new(&mut words));
     // SAFETY: interrupts are off and nobody else runs: this is the only access.
     unsafe { (&raw mut CRASH).write(MaybeUninit::new(Crash { valid: VALID, words })) };
     cortex_m::peripheral::SCB::sys_reset()
