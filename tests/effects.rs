@@ -85,3 +85,12 @@ fn one_effect_left_out_changes_no_linear_scene() {
         assert!(ratios.iter().all(|it| (it - 1.0).abs() <= MOST), "{effect}: {ratios:?}");
     }
 }
+
+#[test]
+fn the_page_of_effects_has_every_one() {
+    let page = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/effects.md");
+    let page = std::fs::read_to_string(page).expect("cargo xtask effects writes it");
+    for effect in Effect::ALL {
+        assert!(page.lines().any(|line| line.starts_with(&format!("| {effect} |"))), "{effect}");
+    }
+}

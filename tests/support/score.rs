@@ -185,9 +185,15 @@ impl Score {
     /// Of records with seeds 1, 2, ... until there are so many events, or so many records.
     #[must_use]
     pub fn of(scene: &Scene, events: usize, records: u64) -> Self {
+        Self::looking_for(Effects::default(), scene, events, records)
+    }
+
+    /// The same with only some effects looked for.
+    #[must_use]
+    pub fn looking_for(effects: Effects, scene: &Scene, events: usize, records: u64) -> Self {
         let mut score = Self::default();
         for seed in 1..=records {
-            score.add(&run(scene, seed));
+            score.add(&run_looking_for(effects, scene, seed));
             if score.detection.hits + score.detection.misses >= events {
                 break;
             }

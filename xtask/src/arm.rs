@@ -63,7 +63,16 @@ impl Route {
     /// # Errors
     /// It does not build.
     pub fn build_firmware(self, program: &str, features: &str) -> Result<PathBuf> {
+        self.build_with(program, features, &[])
+    }
+
+    /// The same with what else the compiler is asked for.
+    ///
+    /// # Errors
+    /// It does not compile.
+    pub fn build_with(self, program: &str, features: &str, more: &[&str]) -> Result<PathBuf> {
         let mut command = self.cargo("build");
+        command.args(more);
         command.args(["--package", "floe-firmware", "--bin", program]);
         command.args(["--features", features, "--profile", "firmware"]);
         command.env("DEFMT_LOG", "debug");

@@ -41,26 +41,26 @@ struct Limits {
 
 /// Instructions of one record's steps.
 #[derive(Clone, Copy, Debug, Default, Deserialize, Serialize)]
-struct Cost {
-    quiet: u64,
-    mean: u64,
-    worst: u64,
+pub(crate) struct Cost {
+    pub(crate) quiet: u64,
+    pub(crate) mean: u64,
+    pub(crate) worst: u64,
 }
 
 /// A record as the board's program reads it.
-struct Record {
+pub(crate) struct Record {
     name: String,
     bytes: Vec<u8>,
 }
 
 /// What the board's program said of one record.
-struct Counted {
+pub(crate) struct Counted {
     name: String,
     samples: u64,
     events: u64,
-    cost: Cost,
+    pub(crate) cost: Cost,
     worst_at: u64,
-    state_bytes: u64,
+    pub(crate) state_bytes: u64,
 }
 
 /// Prints the table; `write` makes it the budget of this compiler.
@@ -116,7 +116,7 @@ fn records() -> Result<Vec<Record>> {
     Ok(records)
 }
 
-fn scene_record(file: &Path) -> Result<Record> {
+pub(crate) fn scene_record(file: &Path) -> Result<Record> {
     let text = fs::read_to_string(file).map_err(|e| format!("{}: {e}", file.display()))?;
     let scene = Scene::from_toml(&text).map_err(|e| format!("{}: {e}", file.display()))?;
     let samples = simulate(&scene, 2).map_err(|e| format!("{}: {e}", file.display()))?.samples;
@@ -157,7 +157,7 @@ fn bytes(head: [f32; 4], forces_n: &[f32]) -> Vec<u8> {
     head.iter().chain(forces_n).flat_map(|number| number.to_le_bytes()).collect()
 }
 
-fn count(qemu: &str, program: &Path, record: &Record) -> Result<Counted> {
+pub(crate) fn count(qemu: &str, program: &Path, record: &Record) -> Result<Counted> {
     let directory = root().join("target").join(format!("budget-{}", std::process::id()));
     fs::create_dir_all(&directory).map_err(|e| e.to_string())?;
     fs::write(directory.join("samples"), &record.bytes).map_err(|e| e.to_string())?;

@@ -8,6 +8,7 @@ mod browser;
 mod budgets;
 #[cfg(feature = "defmt")]
 mod defmt;
+mod effects;
 mod emulate;
 mod flash;
 mod image;
@@ -68,6 +69,8 @@ enum Job {
         #[arg(long)]
         write: bool,
     },
+    /// What each effect costs and brings, into docs/effects.md
+    Effects,
     /// Errors and speed of the elementary functions, into docs/maths.md
     Maths,
     /// Speed of readers, replay, simulator and campaign beside others, into docs/performance.md
@@ -102,6 +105,7 @@ fn main() -> ExitCode {
         }),
         Job::Bench => bench::run(cli.arm),
         Job::Budgets { write } => budgets::run(cli.arm, *write),
+        Job::Effects => effects::run(cli.arm),
         Job::Maths => maths::run(cli.arm),
         Job::Performance => performance::run_all(),
         Job::Pictures => pictures::run_all(),

@@ -52,16 +52,17 @@ pub fn run(forced: Option<Route>) -> Result<()> {
 }
 
 /// What an ELF file says.
-struct Image {
+pub(crate) struct Image {
     flash: u64,
     statics: u64,
     stack: u64,
-    crates: BTreeMap<String, u64>,
+    /// Bytes by crate.
+    pub(crate) crates: BTreeMap<String, u64>,
 }
 
 impl Image {
     #[allow(clippy::wildcard_enum_match_arm)] // most kinds of section are not on the board
-    fn read(path: &Path) -> Result<Self> {
+    pub(crate) fn read(path: &Path) -> Result<Self> {
         let bytes = std::fs::read(path).map_err(|e| format!("{}: {e}", path.display()))?;
         let elf = object::File::parse(&*bytes).map_err(|e| format!("{}: {e}", path.display()))?;
         let (mut flash, mut statics) = (0, 0);
