@@ -11,9 +11,9 @@ use floe_tests::score::{Errors, Score};
 use crate::Result;
 use crate::arm::Route;
 use crate::budgets::{self, Counted};
-use crate::qemu;
 use crate::shell::{root, say};
 use crate::size::Image;
+use crate::{parallel, qemu};
 
 /// Events of a scene, and most records to have them from.
 const EVENTS: usize = 400;
@@ -156,19 +156,7 @@ fn tried() -> Result<Vec<Tried>> {
         found.sort();
         files.extend(found);
     }
-    let threads = std::thread::available_parallelism().map_or(1, usize::from);
-    let chunk = files.len().div_ceil(threads);
-    let part =
-        |files: &[PathBuf]| files.iter().map(|file| scores(file)).collect::<Result<Vec<_>>>();
-    let parts: Result<Vec<Vec<Tried>>> = std::thread::scope(|scope| {
-        let running: Vec<_> =
-            files.chunks(chunk).map(|files| scope.spawn(move || part(files))).collect();
-        let join = |thread: std::thread::ScopedJoinHandle<'_, _>| {
-            thread.join().map_err(|_| "a scene cannot be read".to_owned())?
-        };
-        running.into_iter().map(join).collect()
-    });
-    Ok(parts?.into_iter().flatten().collect())
+    parallel::each(&files, |file| scores(file)).into_iter().collect()
 }
 
 fn scores(file: &Path) -> Result<Tried> {

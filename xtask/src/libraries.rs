@@ -28,7 +28,10 @@ pub fn check() -> Result<()> {
         run(command.args(["--example", example]))?;
     }
     // Each is built from its package, with the others' packages; what is not committed yet too.
+    // With the workspace's profile what they depend on is built once for this and the tests.
     let mut package = cargo();
+    package.env("CARGO_PROFILE_DEV_OPT_LEVEL", "1");
+    package.env("CARGO_PROFILE_DEV_DEBUG", "line-tables-only");
     package.args(["package", "--allow-dirty", "--offline"]);
     run(package.args(PACKAGES.iter().flat_map(|name| ["--package", name])))
 }

@@ -15,6 +15,7 @@ mod image;
 mod libraries;
 mod maths;
 mod panics;
+mod parallel;
 mod performance;
 mod pictures;
 mod python;

@@ -5,6 +5,7 @@ use std::fs::{self, File};
 use std::io::{Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
+use std::sync::atomic::{AtomicU32, Ordering};
 
 use floe::card;
 
@@ -127,7 +128,9 @@ pub struct Image(PathBuf);
 
 impl Image {
     fn new(name: &str, bytes: u64) -> Result<Self> {
-        let name = format!("card-{name}-{}.img", std::process::id());
+        static COUNT: AtomicU32 = AtomicU32::new(0);
+        let number = COUNT.fetch_add(1, Ordering::Relaxed);
+        let name = format!("card-{name}-{}-{number}.img", std::process::id());
         let image = Self(root().join("target").join(name));
         make(&image.0, bytes)?;
         Ok(image)

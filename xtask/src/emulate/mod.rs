@@ -30,6 +30,7 @@ use floe::replay::test::TestOptions;
 
 use crate::Result;
 use crate::arm::Route;
+use crate::parallel;
 use crate::shell::{root, say};
 use machine::{Machine, Run, Setup};
 use nucleo::Nucleo;
@@ -104,16 +105,20 @@ pub fn check_bundled(board: Board, forced: Option<Route>) -> Result<()> {
     let machine = Ready::new(board, forced)?;
     let weight = TestOptions { weight_n: Some(630.0), ..TestOptions::default() };
     let (mut runs, mut events, mut skipped) = (0, 0, 0);
-    for path in files(&["host-sim/logs", "host-sim/scenes"]) {
-        let options = if is_scene(&path) { TestOptions::default() } else { weight.clone() };
-        let name = path.strip_prefix(root()).unwrap_or(&path).display().to_string();
-        match Record::read(&path, &LogOptions::default(), &options) {
-            Err(reason) if reason.contains("the board takes 16") => skipped += 1,
-            Err(reason) => return Err(reason),
-            Ok(record) => {
-                events += check(&machine, &name, &record)?;
-                runs += 1;
-            }
+    // The events that are the same; none of a log that is of another rate.
+    let compared = |path: &PathBuf| -> Result<Option<usize>> {
+        let options = if is_scene(path) { TestOptions::default() } else { weight.clone() };
+        let name = path.strip_prefix(root()).unwrap_or(path).display().to_string();
+        match Record::read(path, &LogOptions::default(), &options) {
+            Err(reason) if reason.contains("the board takes 16") => Ok(None),
+            Err(reason) => Err(reason),
+            Ok(record) => check(&machine, &name, &record).map(Some),
+        }
+    };
+    for count in parallel::each(&files(&["host-sim/logs", "host-sim/scenes"]), compared) {
+        match count? {
+            Some(count) => (runs, events) = (runs + 1, events + count),
+            None => skipped += 1,
         }
     }
     events += check(&machine, "a sawtooth", &Record::stick_slip())?;

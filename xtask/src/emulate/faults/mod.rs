@@ -10,6 +10,7 @@ use floe_firmware::line::{Health, Line};
 use super::nucleo::{Nucleo, Played};
 use super::record::{NOISE, RATE_HZ, Record};
 use crate::Result;
+use crate::parallel;
 
 /// First answer on the console after the power comes, s.
 const FIRST_WORDS_S: f64 = 1.0;
@@ -59,11 +60,12 @@ pub fn check_faults(nucleo: &Nucleo) -> Result<()> {
         ("supply fails for a moment in a test", board::brown_out),
         ("40 lines typed without pauses", board::typed_fast),
     ];
+    let results = parallel::each(&cases, |(_, case)| case(&bench));
     println!("| fault | noticed, said | lost | normal again |");
     println!("|---|---|---|---|");
     let mut failed = Vec::new();
-    for (name, case) in cases {
-        match case(&bench) {
+    for ((name, _), result) in cases.iter().zip(results) {
+        match result {
             Ok(Row { noticed, lost, normal }) => {
                 println!("| {name} | {noticed} | {lost} | {normal} |");
             }
