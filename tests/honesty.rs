@@ -7,12 +7,11 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::sync::Mutex;
-use std::sync::atomic::{AtomicUsize, Ordering};
 
 use floe::sim::Scene;
 use floe_tests::aims::{self, Check};
 use floe_tests::honesty::{Class, Intervals, Judged, Kind};
+use floe_tests::parallel;
 
 /// Records of a class, and of one of the shortest.
 const SEEDS: u64 = 12;
@@ -86,21 +85,7 @@ fn row(&(name, kind): &(&'static str, Kind)) -> Row {
 
 /// All rows, on all processors.
 fn rows() -> Vec<Row> {
-    let (next, done) = (AtomicUsize::new(0), Mutex::new(Vec::new()));
-    let threads = std::thread::available_parallelism().map_or(1, usize::from);
-    std::thread::scope(|scope| {
-        for _ in 0..threads {
-            scope.spawn(|| {
-                while let Some(class) = CLASSES.get(next.fetch_add(1, Ordering::Relaxed)) {
-                    let row = row(class);
-                    done.lock().unwrap().push(row);
-                }
-            });
-        }
-    });
-    let mut rows = done.into_inner().unwrap();
-    rows.sort_by_key(|row| CLASSES.iter().position(|c| c.0 == row.name));
-    rows
+    parallel::each(&CLASSES, row)
 }
 
 /// A figure of both coefficients.

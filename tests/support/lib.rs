@@ -10,6 +10,7 @@ pub mod fuzz;
 pub mod honesty;
 pub mod maths;
 pub mod normal;
+pub mod parallel;
 pub mod records;
 pub mod scenes;
 pub mod score;

@@ -98,16 +98,22 @@ pub fn run(forced: Option<Route>, write: bool) -> Result<()> {
     if over.is_empty() { Ok(()) } else { Err(over.join("\n       ")) }
 }
 
-/// Every linear and hard scene, and what no block does.
-fn records() -> Result<Vec<Record>> {
+/// DFF8-13 and the scenes of some folders, in order.
+pub(crate) fn scenes(folders: &[&str]) -> Result<Vec<PathBuf>> {
     let scenes = root().join("host-sim/scenes");
     let mut files = vec![scenes.join("dff8-13.toml")];
-    for folder in ["linear", "hard"] {
+    for folder in folders {
         let entries = fs::read_dir(scenes.join(folder)).map_err(|e| e.to_string())?;
         let mut found: Vec<PathBuf> = entries.flatten().map(|entry| entry.path()).collect();
         found.sort();
         files.extend(found);
     }
+    Ok(files)
+}
+
+/// Every linear and hard scene, and what no block does.
+fn records() -> Result<Vec<Record>> {
+    let files = scenes(&["linear", "hard"])?;
     let mut records = Vec::new();
     for file in &files {
         records.push(scene_record(file)?);

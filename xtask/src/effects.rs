@@ -2,18 +2,19 @@
 //! `docs/effects.md`.
 
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use floe::sim::Scene;
 use floe_core::{Effect, Effects};
+use floe_tests::parallel;
 use floe_tests::score::{Errors, Score};
 
 use crate::Result;
 use crate::arm::Route;
 use crate::budgets::{self, Counted};
+use crate::qemu;
 use crate::shell::{root, say};
 use crate::size::Image;
-use crate::{parallel, qemu};
 
 /// Events of a scene, and most records to have them from.
 const EVENTS: usize = 400;
@@ -148,14 +149,7 @@ fn lines(effect: Effect) -> Result<String> {
 
 /// Every scene with events, on all processors.
 fn tried() -> Result<Vec<Tried>> {
-    let mut files = vec![root().join("host-sim/scenes/dff8-13.toml")];
-    for folder in ["linear", "hard", "honesty"] {
-        let entries = fs::read_dir(root().join("host-sim/scenes").join(folder));
-        let mut found: Vec<PathBuf> =
-            entries.map_err(|e| e.to_string())?.flatten().map(|entry| entry.path()).collect();
-        found.sort();
-        files.extend(found);
-    }
+    let files = budgets::scenes(&["linear", "hard", "honesty"])?;
     parallel::each(&files, |file| scores(file)).into_iter().collect()
 }
 

@@ -15,7 +15,6 @@ mod image;
 mod libraries;
 mod maths;
 mod panics;
-mod parallel;
 mod performance;
 mod pictures;
 mod python;

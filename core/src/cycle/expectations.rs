@@ -64,10 +64,10 @@ impl Expectations {
         (pending.white_share() * noise_n2).max(rounding_n2(pending.peak.force_n))
     }
 
-    /// Variance of a quick swing about an event's lines, in units of that.
-    pub(crate) fn quick_swing(&self, pending: &SlipRecord) -> f32 {
+    /// Variance of a quick swing about an event's lines, in units of the noise's.
+    pub(crate) fn quick_swing(&self, pending: &SlipRecord, noise_n2: f32) -> f32 {
         let all_n2 = self.residuals.variance_n2().unwrap_or(pending.noise_n2);
-        pending.wander.quick * all_n2 / self.noise_n2(pending)
+        pending.wander.quick * all_n2 / noise_n2
     }
 
     /// The same from the fits alone. Before the first of them next to nothing, so that

@@ -32,7 +32,7 @@ pub struct Fit {
     pub forces: Forces,
     /// Variances of the unknowns, in units of the noise variance.
     pub variances: Gradient,
-    /// What the slip's scatter beyond the noise adds to the forces' variances.
+    /// What was added to the forces' variances since the fit.
     wider: (f32, f32),
     /// Whether the iteration settled.
     pub converged: bool,
@@ -119,8 +119,8 @@ impl Fit {
         self.widen(&Variances { unknowns: self.variances, forces }, ratio - 1.0);
     }
 
-    /// Takes what the slip scatters beyond the noise, so many times what is given, into the
-    /// variances.
+    /// Takes what the event is unsure of beyond the noise, so many times what is given, into
+    /// the variances.
     pub(crate) fn widen(&mut self, wider: &Variances, times: f32) {
         for (variance, more) in self.variances.iter_mut().zip(wider.unknowns) {
             *variance += times * more;

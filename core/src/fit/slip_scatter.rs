@@ -67,9 +67,11 @@ impl SlipScatter {
 
     /// Takes a slip.
     pub fn learn(&mut self, slip: &SlipResiduals) {
+        // Degrees of freedom that tell anything, and a scatter that is believed of first slips.
         const LEAST: f32 = 0.2;
+        const LARGEST: f32 = 1e4;
         if slip.squares.is_finite() && slip.free > LEAST {
-            self.pooled.add(slip.squares, slip.free, 1e4);
+            self.pooled.add(slip.squares, slip.free, LARGEST);
             let part = slip.free / self.pooled.free().max(slip.free);
             self.shown += part * (slip.shown / slip.free - self.shown);
         }

@@ -98,13 +98,13 @@ impl Ripple {
         let slow = self.squares - white;
         let limit = 2.0 * SIGNIFICANT * white;
         let sure = self.count >= FEWEST && slow * slow * self.count > limit * limit;
-        let unfollowed = ColoredNoise { quick: self.swing(), ..ColoredNoise::NONE };
+        let unfollowed = || ColoredNoise { quick: self.swing(), ..ColoredNoise::NONE };
         if white <= 0.0 || slow <= 0.0 || !sure {
-            return unfollowed;
+            return unfollowed();
         }
         let (level, step) = (slow / white, self.steps / white - 2.0);
         if step > FASTEST * level {
-            return unfollowed;
+            return unfollowed();
         }
         // A slow one's slope is lost in the noise of single steps.
         let sure = step * step * self.count > 4.0 * SIGNIFICANT * SIGNIFICANT;

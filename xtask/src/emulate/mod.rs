@@ -30,8 +30,8 @@ use floe::replay::test::TestOptions;
 
 use crate::Result;
 use crate::arm::Route;
-use crate::parallel;
 use crate::shell::{root, say};
+use floe_tests::parallel;
 use machine::{Machine, Run, Setup};
 use nucleo::Nucleo;
 use record::{Record, is_scene};

@@ -10,7 +10,7 @@ use floe_firmware::line::{Health, Line};
 use super::nucleo::{Nucleo, Played};
 use super::record::{NOISE, RATE_HZ, Record};
 use crate::Result;
-use crate::parallel;
+use floe_tests::parallel;
 
 /// First answer on the console after the power comes, s.
 const FIRST_WORDS_S: f64 = 1.0;
