@@ -109,7 +109,7 @@ fn batch(events: &[Coefficient]) -> [f64; 3] {
     // Variance of Σ c_i x_i with c_i = λ w_i / Σ w + (1 − λ) / n.
     let share = |e: &Coefficient| lambda / (variance(e) * weights) + (1.0 - lambda) / n;
     let independent = sum(&|e| share(e).powi(2) * (variance(e) + between));
-    let shared_line = if events.len() > 1 { 1.0 + 0.7 * lambda } else { 1.0 };
+    let shared_line = if events.len() > 1 { 1.0 + 0.44 * lambda } else { 1.0 };
     let inflation = if events.len() >= 30 && squares > 0.0 {
         (1.0 + 2.0 * correlations(events, plain, squares / n)).max(shared_line)
     } else {

@@ -151,9 +151,9 @@ impl Estimator {
     }
 
     /// Factor on the variance of the mean because the events are correlated: what is
-    /// seen, once there are enough, and at least neighbours by a third of the share of
-    /// the noise: they share one of two stick lines, which makes a half at most
-    /// (measured: `means_of_whole_tests`).
+    /// seen, once there are enough, and at least neighbours by a fifth of the share of the noise:
+    /// they share one of two stick lines. Measured as what makes the means of 400 tests scatter as
+    /// they say (`means` among the examples of the tests).
     fn inflation(&self, noise_share: f32) -> f32 {
         const ENOUGH: u32 = 30;
         const NEIGHBOURS: f32 = 0.22;
