@@ -143,7 +143,7 @@ fn check_nucleo(nucleo: &Nucleo) -> Result<()> {
     let outcome = outcome::decode(&run.shown)?;
     let same = outcome.compare(&record, &run.delivered)?;
     outcome.check_ticks()?;
-    let kept = image.compare(&run)?;
+    let kept = card::compare(image.path(), &run)?;
     println!("board: dff8-13.csv: {same}; card: {kept}");
     Ok(())
 }
@@ -234,6 +234,9 @@ pub fn run(args: &Args, forced: Option<Route>) -> Result<()> {
     }
     if args.live.is_none() {
         outcome.check_ticks()?;
+        if let Some(card) = &args.card {
+            say(&format!("card: {}", card::compare(card, &run)?));
+        }
     }
     for trouble in &outcome.troubles {
         say(&format!("the board says: {trouble}"));

@@ -2,6 +2,7 @@
 
 use super::{Board, Emulator};
 use crate::i2c::Wires as Lines;
+use crate::patience::Patience;
 use crate::rcc::{AHB1, AHB2, APB1};
 use crate::rules::At;
 
@@ -53,8 +54,35 @@ macro_rules! at {
 pub(super) use at;
 
 impl Board {
-    /// Reads; `None`: the bus reports an error.
+    /// Reads; `None`: the bus reports an error. A program that waits for a flag gets it
+    /// when it changes, without the thousands of answers in between.
     pub fn read(
+        &mut self,
+        emulator: &mut dyn Emulator,
+        base: u32,
+        offset: u32,
+        size: u32,
+    ) -> Option<u32> {
+        let value = self.read_now(emulator, base, offset, size)?;
+        if base == TIM2 || !self.patience.asks_again(base + offset, value) {
+            return Some(value);
+        }
+        let Some(change_ns) = self.next_change_ns(base) else { return Some(value) };
+        emulator.skip_to(change_ns);
+        self.read_now(emulator, base, offset, size)
+    }
+
+    /// When what a program may be waiting for changes by itself, ns. A byte of the card's
+    /// bus is too short for that: it is gone before the second question.
+    fn next_change_ns(&self, base: u32) -> Option<u64> {
+        match base {
+            USART2 => self.usart.next_change_ns(),
+            I2C1 => self.i2c.next_change_ns(),
+            _ => None,
+        }
+    }
+
+    fn read_now(
         &mut self,
         emulator: &mut dyn Emulator,
         base: u32,
@@ -102,6 +130,7 @@ impl Board {
         (size, value): (u32, u32),
     ) -> bool {
         let now_ns = emulator.now_ns();
+        self.patience = Patience::default();
         if self.failing == Some(base) {
             return false;
         }
