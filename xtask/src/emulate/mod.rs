@@ -241,12 +241,12 @@ pub fn run(args: &Args, forced: Option<Route>) -> Result<()> {
     for trouble in &outcome.troubles {
         say(&format!("the board says: {trouble}"));
     }
-    let result = outcome.result(&args.log, &record);
+    let result = outcome.result(&args.log, &record)?;
     let text = serde_json::to_string_pretty(&result).map_err(|e| e.to_string())? + "\n";
     let done = match args.json.as_deref() {
         Some(path) if path.as_os_str() == "-" => output::print(&text),
         Some(path) => output::replace(path, &text),
-        None => output::print(&table::text(&result)),
+        None => output::print(&table::text(&result).map_err(|e| e.to_string())?),
     };
     done.map_err(|error| error.to_string())
 }
