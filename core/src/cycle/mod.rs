@@ -412,7 +412,7 @@ impl CycleTracker {
     /// line that is not straight tells nothing of a cable that gets stiffer by sliding.
     fn shift(&self, pending: &SlipRecord, cycle: &CycleParams) -> (f32, f32) {
         let (sag_n, sag_n2) = self.learnt.sag.shift(cycle);
-        if sag_n <= 0.0 && pending.wander.quick > 0.0 {
+        if sag_n <= 0.0 && pending.wander.is_quick() {
             // A quick swing bends no rest: it says nothing of a sag that only may be.
             return (0.0, 0.0);
         }

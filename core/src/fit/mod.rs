@@ -48,7 +48,7 @@ pub struct Variances {
 impl Variances {
     /// A swing about both lines, of variance 1: `Fs` and `Fe` are each off by it, `Fp` by half of
     /// both.
-    pub(crate) const QUICK_SWING: Self =
+    pub(crate) const UNSURE_SWING: Self =
         Self { unknowns: [0.0, 0.0, 1.0, 0.5, 0.0, 0.0], forces: (1.0, 0.5) };
 
     /// Takes an error of this variance that moves the unknowns by so much.
