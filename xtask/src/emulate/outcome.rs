@@ -135,7 +135,6 @@ impl Outcome {
     }
 
     /// As `floe replay` would give it.
-    #[must_use]
     ///
     /// # Errors
     /// There is no room for the events.
