@@ -12,7 +12,7 @@ mod score;
 use crate::effect::Parameter;
 use crate::effects::corner::score::Score;
 use crate::fit::correction::Correction;
-use crate::fit::{DYNAMIC, Data, Fit, STATIC};
+use crate::fit::{Alone, DYNAMIC, Data, Fit, STATIC};
 use crate::model::corner::{Corner, NUMBERS};
 use crate::num::math;
 use crate::stats::normal_equations::{Factor, Gradient, Normal, dot};
@@ -113,13 +113,19 @@ impl CornerEstimator {
     }
 
     /// Takes what an event's residuals tell.
-    pub(crate) fn learn(&mut self, data: &Data<'_>, fit: &Fit, noise_n2: f32) -> Correction {
+    pub(crate) fn learn(
+        &mut self,
+        data: &Data<'_>,
+        fit: &Fit,
+        alone: &Alone,
+        noise_n2: f32,
+    ) -> Correction {
         self.events = self.events.wrapping_add(1);
         let is_sharp = data.corner.is_sharp() && self.possible.iter().all(|&v| v <= 0.0);
         if is_sharp && self.events > FIRST && !self.events.is_multiple_of(SELDOM) {
             return Correction::default();
         }
-        let effect = Score::of(data, fit).and_then(|score| self.take(&score, noise_n2));
+        let effect = Score::of(data, fit, alone).and_then(|score| self.take(&score, noise_n2));
         let effect = effect.unwrap_or_default();
         let Corner { smoothing, missing_n, range_n } = self.corner;
         if effect.is_finite() && (smoothing + missing_n + range_n).is_finite() {
@@ -266,7 +272,8 @@ mod tests {
             let data = Data { corner: learnt.expected(22.5, cycle.inverse_omega()), ..data };
             let noise_n2 = NOISE_N * NOISE_N;
             let Some(fit) = data.fit(cycle, noise_n2) else { return };
-            learnt.learn(&data, &fit, noise_n2);
+            let Some(alone) = fit.alone(&data) else { return };
+            learnt.learn(&data, &fit, &alone, noise_n2);
             round += u16::from(!learnt.corner.is_sharp());
         });
         (round, learnt)

@@ -2,7 +2,7 @@
 
 #![allow(clippy::needless_range_loop, reason = "an index is that of rows and columns alike")]
 
-use crate::fit::{Data, Fit};
+use crate::fit::{Alone, Data, Fit};
 use crate::model::corner::{Corner, NUMBERS};
 use crate::stats::normal_equations::{Gradient, Normal, dot};
 
@@ -22,7 +22,7 @@ pub(super) struct Score {
 }
 
 impl Score {
-    pub(super) fn of(data: &Data<'_>, fit: &Fit) -> Option<Self> {
+    pub(super) fn of(data: &Data<'_>, fit: &Fit, alone: &Alone) -> Option<Self> {
         let (corner, cycle) = (data.corner, &fit.cycle);
         let shape = cycle.shape();
         let mut products = [Gradient::default(); NUMBERS];
@@ -42,15 +42,13 @@ impl Score {
                 product.iter_mut().zip(gradient).for_each(|(sum, g)| *sum += weight * by * g);
             }
         }
-        let (alone, right) = fit.alone(data);
-        let alone = alone.factor(0.0)?;
-        let response = products.map(|product| alone.solve(&product));
+        let response = products.map(|product| alone.factor.solve(&product));
         for i in 0..NUMBERS {
             let whole = normal.matrix[i][i];
             for j in 0..=i {
                 normal.matrix[i][j] -= dot(&products[i], &response[j]);
             }
-            normal.right[i] -= dot(&response[i], &right);
+            normal.right[i] -= dot(&response[i], &alone.right);
             // Without creep its range is not known at all.
             let own = normal.matrix[i][i];
             if i < 2 && (own <= LEAST_OWN * whole || own.is_nan()) {
