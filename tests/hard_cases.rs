@@ -42,10 +42,8 @@ const AIM: Limits = Limits {
 /// Coverage of a hard and of a linear scene.
 const HARD: (f64, f64) = (0.90, 0.99);
 const EXACT: (f64, f64) = (0.93, 0.97);
-/// Where an error that looks like noise makes the interval too wide, and where one that
-/// no sample shows makes it mean nothing.
+/// Where an error that looks like noise makes the interval too wide.
 const WIDE: (f64, f64) = (0.90, 1.0);
-const NONE: (f64, f64) = (0.0, 1.0);
 const LINEAR: Limits = Limits { coverage: [EXACT; 2], over_bound: Some([0.8, 1.0]), ..AIM };
 
 /// `Fs` and `Fp` of most hard scenes, N.
@@ -64,7 +62,6 @@ fn limits(name: &str) -> Limits {
         "all" => Limits {
             bias: [0.7, 1.6],
             p95: [1.5, 3.2],
-            coverage: [NONE; 2],
             why: "drift and creep, which flop hides, with sag and ripple: as measured, and a quarter",
             ..AIM
         },

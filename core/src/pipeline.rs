@@ -1,6 +1,6 @@
 //! The one entry point: a sample in, what is known out.
 
-use crate::budget::Known;
+use crate::budget::{Known, overshoot_n};
 use crate::coefficient::{Coefficient, Estimate, Site};
 use crate::config::{Config, ConfigError};
 use crate::cycle::{CycleTracker, Finished};
@@ -241,7 +241,7 @@ impl Pipeline {
             mu,
             noise_n: self.noise_n().map(|noise_n| noise_n * self.block_root),
             loading_rate_n_per_s: loading_rate,
-            omega_rad_per_s: omega.filter(|omega| omega.std < omega.value / 3.0),
+            omega_rad_per_s: omega,
             stiffness_n_per_m: self.stiffness(loading_rate, omega),
             recurrence_s: self.recurrence_s(),
             zero_n: self.zero_n(),
@@ -291,12 +291,14 @@ impl Pipeline {
 
     /// The inputs as they are known now.
     fn known(&self) -> Known<'_> {
+        let (loading_rate, omega) = self.cycles.shared();
         Known {
             config: &self.config,
             weight_ratio: self.cycles.weight_ratio(),
             zero_n: self.config.std.zero_n(self.largest_n),
             drift_n: self.cycles.force_n(self.drift.std()),
             damping_std: self.cycles.damping_std(self.config.std.damping),
+            overshoot_n: overshoot_n(loading_rate, omega),
         }
     }
 

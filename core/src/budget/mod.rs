@@ -10,11 +10,14 @@
 //! | slope `α` | `c tan α − 1` |
 //! | zero | `−1/(W cos α)` |
 //! | span (a factor) | `−(c + tan α)` |
-//! | damping `D` | `mu`: `−π/2 (mu_s − mu)`, `mu_s`: 0 |
+//! | damping `D` | `mu`: `−π/2 (mu_s − mu)`, `mu_s`: `−5/2 r/(ω W cos α)` |
 //! | winch speed | 0: it makes the stiffness only |
 //!
 //! Damping: half a turn of the ellipse loses the part `π D` of its axis, so the block rests
-//! `π D (Fs − Fp)` too early, and `(Fs + Fe)/2` lies above `Fp` by half of that.
+//! `π D (Fs − Fp)` too early, and `(Fs + Fe)/2` lies above `Fp` by half of that. An undamped
+//! curve laid through it begins lower by `3/2 D r/ω`, `r` the loading rate (what least squares
+//! make of it where a slip has three samples or more); a dashpot in the cable bends the onset by
+//! another `D r/ω`, which drag would give back: the larger sum is taken.
 //!
 //! What may be the zero's drift, a weight that changed during the test, and what the events
 //! of a test share are lines of their own. The random part is the standard error.
@@ -22,6 +25,7 @@
 use crate::config::Config;
 use crate::num::math;
 use crate::report::Report;
+use crate::stats::quantity::Quantity;
 
 /// What a coefficient depends on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -88,6 +92,8 @@ pub(crate) struct Known<'a> {
     pub(crate) drift_n: f32,
     /// Standard deviation of the damping ratio.
     pub(crate) damping_std: f32,
+    /// Loading rate over omega, N: what the force overshoots the middle of a slip's start by.
+    pub(crate) overshoot_n: f32,
 }
 
 impl Known<'_> {
@@ -101,7 +107,8 @@ impl Known<'_> {
         let each = |by: fn(f32, f32) -> f32| [by(mu_s, tan), by(mu, tan)];
         let force = each(|c, tan| -(c + tan));
         let of = |scale: f32| force.map(|by| by / scale);
-        let damping = [0.0, -core::f32::consts::FRAC_PI_2 * (mu_s - mu)];
+        let onset = -2.5 * self.overshoot_n / (weight_n * cos);
+        let damping = [onset, -core::f32::consts::FRAC_PI_2 * (mu_s - mu)];
         let entry = |input, value, std: f32, by: [f32; 2]| {
             let share = |by: f32| Share { sensitivity: Some(by), contribution: (by * std).abs() };
             Entry { input, value, std: Some(std), shares: by.map(share) }
@@ -132,6 +139,14 @@ impl Known<'_> {
     }
 }
 
+/// Loading rate over omega, N; zero while one of them is unknown.
+pub(crate) fn overshoot_n(
+    rate_n_per_s: Option<Quantity>,
+    omega_rad_per_s: Option<Quantity>,
+) -> f32 {
+    rate_n_per_s.zip(omega_rad_per_s).map_or(0.0, |(rate, omega)| rate.value / omega.value)
+}
+
 fn square(x: f32) -> f32 {
     x * x
 }
@@ -146,6 +161,7 @@ pub fn budget(config: &Config, report: &Report) -> Option<[Entry; INPUTS]> {
         zero_n: report.zero_std_n,
         drift_n: report.zero_drift_n,
         damping_std: report.damping_std,
+        overshoot_n: overshoot_n(report.loading_rate_n_per_s, report.omega_rad_per_s),
     };
     let share = |common_std| Share { sensitivity: None, contribution: common_std };
     let shares = [share(mu_s.common_std), share(mu.common_std)];

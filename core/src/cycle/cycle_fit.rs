@@ -194,7 +194,7 @@ impl CycleFit {
                 learnt.slip.learn(&slip);
             }
             fit.widen(&wider, learnt.slip.excess());
-            fit.widen(&Variances::QUICK_SWING, learnt.quick_swing(pending, now_n2));
+            fit.widen(&Variances::UNSURE_SWING, learnt.unsure_swing(pending, now_n2));
         }
         let strained = is_strained(&data, around_n2, now_n2);
         let strain = match (misfit, strained) {

@@ -65,9 +65,9 @@ impl Expectations {
     }
 
     /// Variance of a quick swing about an event's lines, in units of the noise's.
-    pub(crate) fn quick_swing(&self, pending: &SlipRecord, noise_n2: f32) -> f32 {
+    pub(crate) fn unsure_swing(&self, pending: &SlipRecord, noise_n2: f32) -> f32 {
         let all_n2 = self.residuals.variance_n2().unwrap_or(pending.noise_n2);
-        pending.wander.quick * all_n2 / noise_n2
+        pending.wander.unsure * all_n2 / noise_n2
     }
 
     /// The same from the fits alone. Before the first of them next to nothing, so that

@@ -114,7 +114,7 @@ impl CycleTracker {
     }
 
     /// Loading rate, N/s, and omega, rad/s, of the recent events, each with its standard
-    /// deviation.
+    /// deviation; omega where it is known to a third.
     #[must_use]
     pub fn shared(&self) -> (Option<Quantity>, Option<Quantity>) {
         let hz = self.site.rate_hz;
@@ -123,7 +123,9 @@ impl CycleTracker {
             let value = hz / inverse.value;
             Quantity { value, std: value * inverse.std / inverse.value }
         };
-        (rate.known().map(|rate| rate.times(hz)), mass.inverse_omega().known().map(omega))
+        let omega = mass.inverse_omega().known().map(omega);
+        let is_known = |omega: &Quantity| omega.std < omega.value / 3.0;
+        (rate.known().map(|rate| rate.times(hz)), omega.filter(is_known))
     }
 
     /// What the events show of an effect: its numbers.
@@ -410,7 +412,7 @@ impl CycleTracker {
     /// line that is not straight tells nothing of a cable that gets stiffer by sliding.
     fn shift(&self, pending: &SlipRecord, cycle: &CycleParams) -> (f32, f32) {
         let (sag_n, sag_n2) = self.learnt.sag.shift(cycle);
-        if sag_n <= 0.0 && pending.wander.quick > 0.0 {
+        if sag_n <= 0.0 && pending.wander.is_quick() {
             // A quick swing bends no rest: it says nothing of a sag that only may be.
             return (0.0, 0.0);
         }

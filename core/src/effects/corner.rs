@@ -41,14 +41,17 @@ pub(crate) struct CornerEstimator {
 
 /// Without any sign of a round corner so many events are asked, and then one of so many.
 const FIRST: u32 = 12;
-const SELDOM: u32 = 16;
+const SELDOM: u32 = 4;
 /// Part that is left of the past with every event that is asked.
 const FADE: f32 = 1.0 - 1.0 / 40.0;
-/// Events before which nothing counts.
+/// Events before which nothing counts, it is possible at most.
 const LEAST_EVENTS: f32 = 2.5;
-/// Standard errors beyond which a number counts, and beyond which it is possible.
+/// Standard errors beyond which a number counts, beyond which it is possible, and beyond which
+/// it is so in the first events. Tuned: a smaller one widens linear scenes, a larger one lets
+/// smooth onsets pass for sharp ones.
 const SIGNIFICANT: f32 = 3.0;
-const POSSIBLE: f32 = 1.0;
+const POSSIBLE: f32 = 1.1;
+const POSSIBLE_EARLY: f32 = 2.0;
 /// What a number that does not count is held at zero with, times its own information.
 const HELD: f32 = 1e12;
 /// The creep is thought to last so many swings before the events tell it, and one over the
@@ -195,13 +198,14 @@ impl CornerEstimator {
             let square = self.best[k] * self.best[k];
             let variance = excess * variances[k];
             self.variances[k] = variance;
-            let may_count = self.count > LEAST_EVENTS && self.best[k] > 0.0;
             let beyond = |errors: f32| {
-                if may_count { surely(square, errors * errors * variance) } else { 0.0 }
+                if self.best[k] > 0.0 { surely(square, errors * errors * variance) } else { 0.0 }
             };
-            let sure = beyond(SIGNIFICANT);
+            let is_early = self.count <= LEAST_EVENTS;
+            let sure = if is_early { 0.0 } else { beyond(SIGNIFICANT) };
             counts[k] = sure > 0.0;
-            self.possible[k] = (1.0 - sure) * beyond(POSSIBLE) * square;
+            let errors = if is_early { POSSIBLE_EARLY } else { POSSIBLE };
+            self.possible[k] = (1.0 - sure) * beyond(errors) * square;
             // Around zero, within its own size as far as it counts.
             let own = &mut likely.matrix[k][k];
             *own += if counts[k] { 1.0 / (sure * square) } else { HELD * *own };

@@ -6,14 +6,16 @@
 //! One shared `D` is known to about ±.018 after ten events and ±.008 after fifty.
 //!
 //! What is found is never taken off, since friction that varies along the slip looks much the
-//! same: it widens the stated prior. With `D ~ N(0, s²)` the events are most likely under
-//! `s² = D̂² − var D̂`, which is added to the stated variance. Losses that are stated to be known
-//! exactly, with 0, stay so.
+//! same: it widens the stated prior. Beyond one standard error losses are possible, and `D̂²` is
+//! added to the stated variance; with `D ~ N(0, s²)` the events are most likely under
+//! `s² = D̂² − var D̂`, but a `D̂` that came out low by chance must not hide them. Losses that are
+//! stated to be known exactly, with 0, stay so.
 
 use crate::effect::Parameter;
 use crate::fit::{Data, Fit};
 use crate::num::math;
 use crate::stats::normal_equations::{Gradient, dot};
+use crate::stats::prior::surely;
 
 /// Part that is left of the past with every event.
 const FADE: f32 = 1.0 - 1.0 / 200.0;
@@ -66,9 +68,11 @@ impl Damping {
     /// The stated standard deviation with what the events ask for beyond it.
     pub(crate) fn std(&self, stated: f32) -> f32 {
         let value = self.value();
-        let more2 = value * value - self.variance();
-        let counts = self.count > LEAST_EVENTS && value > 0.0 && more2 > 0.0 && stated > 0.0;
-        if counts { math::hypotenuse(stated, math::sqrt(more2)).min(MOST) } else { stated }
+        if self.count <= LEAST_EVENTS || value <= 0.0 || stated <= 0.0 {
+            return stated;
+        }
+        let possible = surely(value * value, self.variance());
+        math::hypotenuse(stated, value * math::sqrt(possible)).min(MOST)
     }
 
     /// The damping ratio, if it is significant.

@@ -48,7 +48,7 @@ pub struct Variances {
 impl Variances {
     /// A swing about both lines, of variance 1: `Fs` and `Fe` are each off by it, `Fp` by half of
     /// both.
-    pub(crate) const QUICK_SWING: Self =
+    pub(crate) const UNSURE_SWING: Self =
         Self { unknowns: [0.0, 0.0, 1.0, 0.5, 0.0, 0.0], forces: (1.0, 0.5) };
 
     /// Takes an error of this variance that moves the unknowns by so much.
@@ -136,7 +136,8 @@ impl Fit {
     /// `None` when the event alone does not determine them.
     #[must_use]
     pub fn forces_alone(&self, rate: Prior) -> Option<Forces> {
-        let (normal, right) = self.without([(1, (rate, self.cycle.rate))]);
+        let (normal, right) =
+            without((self.normal, Gradient::default()), [(1, (rate, self.cycle.rate))]);
         let factor = normal.factor(0.0)?;
         let [_, _, by_static, by_drop, ..] = factor.solve(&right);
         let mut cycle = self.cycle;
@@ -147,25 +148,33 @@ impl Fit {
         Some(forces)
     }
 
-    /// The normal equations without what is expected of all but the bend, the last one.
+    /// The normal equations without what is expected of all but the bend, the last one, and their
+    /// right-hand side at the fit.
+    ///
+    /// They are set up anew: a fit ends with a step that is not looked at again, and what that
+    /// leaves is no noise, so it would add up over the events.
     #[must_use]
     pub fn alone(&self, data: &Data<'_>) -> (Normal, Gradient) {
+        let (mut normal, shape) = (Normal::default(), self.cycle.shape());
+        data.add_samples(&mut normal, &shape, 0, usize::MAX);
+        data.add_lines(&mut normal, &shape);
         let expected = data.priors(&self.cycle).into_iter().enumerate();
-        self.without(expected.take(UNKNOWNS - 1))
+        let right = normal.right;
+        without((normal, right), expected.take(UNKNOWNS - 1))
     }
+}
 
-    /// The normal equations without what was expected of some unknowns with these values.
-    fn without(
-        &self,
-        expected: impl IntoIterator<Item = (usize, (Prior, f32))>,
-    ) -> (Normal, Gradient) {
-        let (mut normal, mut right) = (self.normal, Gradient::default());
-        for (unknown, (prior, value)) in expected {
-            normal.matrix[unknown][unknown] -= prior.weight;
-            right[unknown] = -prior.weight * (prior.mean - value);
-        }
-        (normal, right)
+/// Normal equations and their right-hand side without what was expected of some unknowns with
+/// these values.
+fn without(
+    (mut normal, mut right): (Normal, Gradient),
+    expected: impl IntoIterator<Item = (usize, (Prior, f32))>,
+) -> (Normal, Gradient) {
+    for (unknown, (prior, value)) in expected {
+        normal.matrix[unknown][unknown] -= prior.weight;
+        right[unknown] -= prior.weight * (prior.mean - value);
     }
+    (normal, right)
 }
 
 /// Variance of what single precision leaves of a force, N²: a quiet cell's noise may be
