@@ -94,10 +94,11 @@ fn places_in_the_code_exist() {
     }
 }
 
-/// Does a file define a function, a type or a type's functions of this name?
+/// Does a file define a function, a type or functions of a type of this name? A type's functions
+/// may stand in another file than the type.
 fn defines(code: &str, name: &str) -> bool {
     let ends = |rest: &str| !rest.starts_with(|c: char| c.is_alphanumeric() || c == '_');
-    ["fn ", "struct ", "enum ", "type "].iter().any(|kind| {
+    ["fn ", "struct ", "enum ", "type ", "impl "].iter().any(|kind| {
         let defined = format!("{kind}{name}");
         code.match_indices(&defined).any(|(at, _)| ends(&code[at + defined.len()..]))
     })

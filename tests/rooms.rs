@@ -73,6 +73,16 @@ fn arrows_go_one_way() {
     assert!(arrows > 100, "{arrows} imports found: is this the core?");
 }
 
+/// A file that is longer holds two things: it is to be split where they meet.
+#[test]
+fn files_are_read_at_one_sitting() {
+    const MOST_LINES: usize = 350;
+    for file in files(&core()) {
+        let lines = fs::read_to_string(&file).unwrap().lines().count();
+        assert!(lines <= MOST_LINES, "{}: {lines} lines of {MOST_LINES}", file.display());
+    }
+}
+
 #[test]
 fn imports_are_found() {
     let text = "use crate::num::math;\n// crate::no\nfn f() { crate::stats::g() }\n#[cfg(test)]\nuse crate::late;";

@@ -109,6 +109,19 @@ pub struct SampleTime {
     pub fraction: f32,
 }
 
+impl SampleTime {
+    /// The moment that is so many periods after an index; before it, if they are negative.
+    pub(crate) fn after(origin: u64, periods: f32) -> Self {
+        let whole = libm::floorf(periods);
+        Self { index: origin.saturating_add_signed(whole as i64), fraction: periods - whole }
+    }
+
+    /// Periods from an earlier moment to this one.
+    pub(crate) fn periods_since(self, earlier: Self) -> f32 {
+        since(earlier.index, self.index) + self.fraction - earlier.fraction
+    }
+}
+
 /// A sample and where it was.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ForcePoint {

@@ -125,10 +125,10 @@ fn cost(all: &Board, without: &Board) -> String {
 /// Files of an effect's own, product lines: neither empty, nor comment, nor test.
 fn lines(effect: Effect) -> Result<String> {
     let files: &[&str] = match effect {
-        Effect::Corner => &["effects/corner.rs", "model/corner.rs"],
+        Effect::Corner => &["effects/corner/mod.rs", "effects/corner/score.rs", "model/corner.rs"],
         Effect::Sag => &["effects/sag.rs"],
         Effect::Stiffening => return Ok("few".into()),
-        Effect::Mass => &["effects/mass_change.rs"],
+        Effect::Mass => &["effects/mass_change/mod.rs", "effects/mass_change/swings.rs"],
         Effect::Level => &["effects/level_shift.rs"],
         Effect::Drift => &["effects/zero_drift.rs"],
         Effect::Flop => &["noise/flop.rs"],

@@ -239,8 +239,7 @@ impl CycleFit {
         let shows = posterior.is_resolved() && is_clear(posterior);
         // A slip of two samples shows nothing of its corners.
         if measured.verdict == Verdict::Same && strain == Strain::None && shows {
-            learnt.learn_damping(&data, fit, noise_n2);
-            let correction = learnt.learn_corner(&data, fit, noise_n2);
+            let correction = learnt.learn_terms(&data, fit, noise_n2);
             posterior.take(&correction);
             if let Some(alone) = &mut measured.alone {
                 alone.take(&correction, noise_n2);

@@ -253,25 +253,22 @@ impl Expectations {
         self.mass.learn(&told).unwrap_or(verdict)
     }
 
-    /// Carries what the event's residuals tell of the corners to the next ones. All that
-    /// was learnt moves along.
-    pub(crate) fn learn_corner(&mut self, data: &Data<'_>, fit: &Fit, noise_n2: f32) -> Correction {
+    /// Carries what the event's residuals tell of losses and of the corners to the next ones. All
+    /// that was learnt moves along with the corners.
+    pub(crate) fn learn_terms(&mut self, data: &Data<'_>, fit: &Fit, noise_n2: f32) -> Correction {
+        let Some(alone) = fit.alone(data) else { return Correction::default() };
+        if self.effects.has(Effect::Damping) {
+            self.damping.learn(data, fit, &alone, noise_n2);
+        }
         if !self.effects.has(Effect::Corner) {
             return Correction::default();
         }
-        let effect = self.corner.learn(data, fit, noise_n2);
+        let effect = self.corner.learn(data, fit, &alone, noise_n2);
         let [_, rate, _, _, inverse_omega, rate_change] = effect.moved;
         self.rate.translate(rate);
         self.mass.translate(inverse_omega);
         self.rate_change.translate(rate_change);
         effect
-    }
-
-    /// Takes what the event's residuals tell of losses.
-    pub(crate) fn learn_damping(&mut self, data: &Data<'_>, fit: &Fit, noise_n2: f32) {
-        if self.effects.has(Effect::Damping) {
-            self.damping.learn(data, fit, noise_n2);
-        }
     }
 
     /// Periods before an onset in which the force lacks more than a fifth of the noise.

@@ -12,7 +12,7 @@
 //! stated to be known exactly, with 0, stay so.
 
 use crate::effect::Parameter;
-use crate::fit::{Data, Fit};
+use crate::fit::{Alone, Data, Fit};
 use crate::num::math;
 use crate::stats::normal_equations::{Gradient, dot};
 use crate::stats::prior::surely;
@@ -41,8 +41,8 @@ pub(crate) struct Damping {
 
 impl Damping {
     /// Takes what an event's residuals tell.
-    pub(crate) fn learn(&mut self, data: &Data<'_>, fit: &Fit, noise_n2: f32) {
-        let Some((score, information)) = score(data, fit) else { return };
+    pub(crate) fn learn(&mut self, data: &Data<'_>, fit: &Fit, alone: &Alone, noise_n2: f32) {
+        let Some((score, information)) = score(data, fit, alone) else { return };
         let (score, information) = (score / noise_n2, information / noise_n2);
         let off = score - self.value() * information;
         let square = off * off / information;
@@ -85,7 +85,7 @@ impl Damping {
 
 /// Score and information of one event, N².
 #[cold]
-fn score(data: &Data<'_>, fit: &Fit) -> Option<(f32, f32)> {
+fn score(data: &Data<'_>, fit: &Fit, alone: &Alone) -> Option<(f32, f32)> {
     let shape = fit.cycle.shape();
     if shape.is_slack() {
         return None;
@@ -105,11 +105,10 @@ fn score(data: &Data<'_>, fit: &Fit) -> Option<(f32, f32)> {
             score += weight * by * off_n;
         }
     }
-    let (alone, right) = fit.alone(data);
-    let response = alone.factor(0.0)?.solve(&product);
+    let response = alone.factor.solve(&product);
     let information = whole - dot(&product, &response);
     let is_told = information > LEAST_OWN * whole;
-    is_told.then_some((score - dot(&response, &right), information))
+    is_told.then_some((score - dot(&response, &alone.right), information))
 }
 
 #[cfg(test)]
@@ -143,9 +142,9 @@ mod tests {
         let force_n = |cycle: &CycleParams, time: f32| damped_n(cycle, ratio, time - cycle.onset);
         synthetic::events(events, force_n, |data, cycle| {
             let noise_n2 = NOISE_N * NOISE_N;
-            if let Some(fit) = data.fit(cycle, noise_n2) {
-                damping.learn(&data, &fit, noise_n2);
-            }
+            let Some(fit) = data.fit(cycle, noise_n2) else { return };
+            let Some(alone) = fit.alone(&data) else { return };
+            damping.learn(&data, &fit, &alone, noise_n2);
         });
         damping
     }

@@ -156,7 +156,7 @@ impl Estimator {
     /// (measured: `means_of_whole_tests`).
     fn inflation(&self, noise_share: f32) -> f32 {
         const ENOUGH: u32 = 30;
-        const NEIGHBOURS: f32 = 0.35;
+        const NEIGHBOURS: f32 = 0.22;
         let shared_line = if self.count > 1 { 1.0 + 2.0 * NEIGHBOURS * noise_share } else { 1.0 };
         if self.count < ENOUGH {
             return shared_line;

@@ -148,20 +148,27 @@ impl Fit {
         Some(forces)
     }
 
-    /// The normal equations without what is expected of all but the bend, the last one, and their
-    /// right-hand side at the fit.
+    /// What the event tells without what is expected of all but the bend, the last unknown.
     ///
     /// They are set up anew: a fit ends with a step that is not looked at again, and what that
     /// leaves is no noise, so it would add up over the events.
     #[must_use]
-    pub fn alone(&self, data: &Data<'_>) -> (Normal, Gradient) {
+    pub(crate) fn alone(&self, data: &Data<'_>) -> Option<Alone> {
         let (mut normal, shape) = (Normal::default(), self.cycle.shape());
         data.add_samples(&mut normal, &shape, 0, usize::MAX);
         data.add_lines(&mut normal, &shape);
         let expected = data.priors(&self.cycle).into_iter().enumerate();
         let right = normal.right;
-        without((normal, right), expected.take(UNKNOWNS - 1))
+        let (normal, right) = without((normal, right), expected.take(UNKNOWNS - 1));
+        Some(Alone { factor: normal.factor(0.0)?, right })
     }
+}
+
+/// The normal equations of an event alone at its fit: their factor and right-hand side.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Alone {
+    pub(crate) factor: Factor,
+    pub(crate) right: Gradient,
 }
 
 /// Normal equations and their right-hand side without what was expected of some unknowns with

@@ -16,6 +16,7 @@ mod clips;
 mod closer;
 mod context;
 mod convergence;
+mod correlation;
 mod envelope;
 mod figure;
 mod fit;

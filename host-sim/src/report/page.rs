@@ -3,6 +3,7 @@
 use super::closer::data;
 use super::context::Context;
 use super::convergence::convergence;
+use super::correlation::correlation;
 use super::figure::Figure;
 use super::history::history;
 use super::number::{fixed, quantity};
@@ -87,6 +88,7 @@ fn drawn(context: &Context<'_>) -> Vec<Figure> {
         phase_plane(context, focus),
         convergence(context),
         residuals(context),
+        correlation(context),
     ];
     figures.into_iter().flatten().collect()
 }

@@ -185,7 +185,7 @@ fn the_result_and_the_health_of_the_log_are_there() {
     ] {
         assert!(seen.contains(needed), "{needed}");
     }
-    assert_eq!(elements(&document, "figure").len(), 5);
+    assert_eq!(elements(&document, "figure").len(), 6);
     let rows = elements(&document, "tr").len() - 1;
     assert_eq!(rows, log.result.events.len());
 }

@@ -11,16 +11,19 @@
 //! events. Where single events tell too little of the swing, a change of the forces'
 //! level starts a trial: the swings before and after it decide.
 
+mod swings;
+
+pub use crate::effects::mass_change::swings::Told;
+
+use crate::effects::mass_change::swings::{LEAST, Ratio, Swings, is_nearer};
+use crate::num::math;
 use crate::stats::fading_trend::FadingTrend;
 use crate::stats::prior::Prior;
 
-/// Standard deviations by which the swing of one event, or the mean of a trial, has
-/// to be off.
-const FAR: f32 = 6.0;
+/// Standard deviations by which the mean swing of a trial has to be off. Tuned: fewer than for
+/// one event, since a trial is only begun where the forces have changed as well.
 const FAR_MEAN: f32 = 4.0;
-/// A smaller change of the mass is not claimed: sag and wear change the stiffness
-/// like that.
-const LEAST: f32 = 0.05;
+
 /// Events that must have told their swing before.
 const FEWEST: u32 = 5;
 /// Events whose swings make the ratio; later ones may have another cable length.
@@ -29,19 +32,6 @@ const MOST: u32 = 16;
 const ODD: u32 = 3;
 /// The same for events that do not tell their swing.
 const SILENT: u32 = 8;
-
-/// What an event tells.
-#[derive(Clone, Copy, Debug)]
-pub struct Told {
-    /// Its swing and the variance of that, periods, with nothing from other events.
-    pub inverse_omega: Option<(f32, f32)>,
-    /// `Fp`, N.
-    pub dynamic_n: f32,
-    /// The loading rate is what it was: so are cable and winch.
-    pub same_cable: bool,
-    /// The model, with what is known of the swing, is far from the samples.
-    pub strained: bool,
-}
 
 /// What becomes of it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -56,34 +46,6 @@ pub enum Verdict {
     SameMass,
     /// The cable or the winch has changed, or there is no telling.
     Unknown,
-}
-
-/// The weight in use over the one that was given.
-#[derive(Clone, Copy, Debug)]
-struct Ratio {
-    value: f32,
-    /// Relative variance.
-    variance: f32,
-}
-
-/// Weighted mean of the swings since the last change.
-#[derive(Clone, Copy, Debug, Default)]
-struct Since {
-    count: u32,
-    mean: f32,
-    weight: f32,
-    /// Mean `Fp`, N.
-    dynamic_n: f32,
-}
-
-impl Since {
-    fn add(&mut self, (value, variance): (f32, f32), dynamic_n: f32) {
-        let weight = 1.0 / variance;
-        self.weight += weight;
-        self.mean += weight / self.weight * (value - self.mean);
-        self.count += 1;
-        self.dynamic_n += (dynamic_n - self.dynamic_n) / self.count as f32;
-    }
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -109,7 +71,7 @@ pub struct Mass {
     base: Ratio,
     /// The swing before the last change of mass or the trial, and the swings since.
     before: Option<Prior>,
-    since: Since,
+    since: Swings,
 }
 
 impl Mass {
@@ -123,7 +85,7 @@ impl Mass {
             dynamic_n: 0.0,
             base: Ratio { value: 1.0, variance: 0.0 },
             before: None,
-            since: Since::default(),
+            since: Swings::default(),
         }
     }
 
@@ -232,7 +194,7 @@ impl Mass {
     #[must_use]
     pub fn weight_ratio(&self) -> (f32, f32) {
         let ratio = if self.is_on_trial() { self.base } else { self.ratio() };
-        (ratio.value, crate::num::math::sqrt(ratio.variance))
+        (ratio.value, math::sqrt(ratio.variance))
     }
 
     /// What the trial says so far.
@@ -272,46 +234,13 @@ impl Mass {
     /// From here on the swings count anew.
     fn start(&mut self, before: Option<Prior>) {
         self.base = self.ratio();
-        (self.before, self.seen, self.since) = (before, 0, Since::default());
+        (self.before, self.seen, self.since) = (before, 0, Swings::default());
     }
 }
 
 impl Default for Mass {
     fn default() -> Self {
         Self::new()
-    }
-}
-
-/// Is a ratio of the masses nearer than one to that of the forces?
-fn is_nearer(forces: f32, masses: f32) -> bool {
-    (forces - masses).abs() < (forces - 1.0).abs()
-}
-
-impl Told {
-    /// Is the swing off by more than its noise, and by more than a cable may vary?
-    fn is_off(&self, expected: Prior) -> bool {
-        let Some((inverse_omega, variance)) = self.inverse_omega.filter(|_| expected.weight > 0.0)
-        else {
-            return false;
-        };
-        let off = inverse_omega - expected.mean;
-        off * off > FAR * FAR * (variance + 1.0 / expected.weight)
-            && (self.mass_ratio(expected) - 1.0).abs() > LEAST
-    }
-
-    /// Has the mass changed: with the same cable, and the force with it?
-    fn explains(&self, before: Prior, dynamic_before_n: f32) -> bool {
-        let forces = self.dynamic_n / dynamic_before_n;
-        self.inverse_omega.is_some()
-            && self.same_cable
-            && is_nearer(forces, self.mass_ratio(before))
-    }
-
-    /// Mass over that of the expected swing.
-    fn mass_ratio(&self, expected: Prior) -> f32 {
-        let ratio =
-            self.inverse_omega.map_or(1.0, |(inverse_omega, _)| inverse_omega / expected.mean);
-        ratio * ratio
     }
 }
 

@@ -7,9 +7,12 @@
 
 #![allow(clippy::needless_range_loop, reason = "an index is that of rows and columns alike")]
 
+mod score;
+
 use crate::effect::Parameter;
+use crate::effects::corner::score::Score;
 use crate::fit::correction::Correction;
-use crate::fit::{DYNAMIC, Data, Fit, STATIC};
+use crate::fit::{Alone, DYNAMIC, Data, Fit, STATIC};
 use crate::model::corner::{Corner, NUMBERS};
 use crate::num::math;
 use crate::stats::normal_equations::{Factor, Gradient, Normal, dot};
@@ -20,10 +23,10 @@ use crate::stats::prior::surely;
 pub(crate) struct CornerEstimator {
     /// What the events of a fading past tell of the three numbers: their normal equations,
     /// in units of the noise. The other unknowns are zero.
-    told: Normal,
+    information: Normal,
     /// Number of these events, and Σ of the squared surprises of their scores.
     count: f32,
-    surprise: f32,
+    chi_square: f32,
     /// The range's logarithm is that of its ratio to this, N: all is as exact whatever the
     /// size of the forces.
     unit_n: f32,
@@ -110,13 +113,19 @@ impl CornerEstimator {
     }
 
     /// Takes what an event's residuals tell.
-    pub(crate) fn learn(&mut self, data: &Data<'_>, fit: &Fit, noise_n2: f32) -> Correction {
+    pub(crate) fn learn(
+        &mut self,
+        data: &Data<'_>,
+        fit: &Fit,
+        alone: &Alone,
+        noise_n2: f32,
+    ) -> Correction {
         self.events = self.events.wrapping_add(1);
         let is_sharp = data.corner.is_sharp() && self.possible.iter().all(|&v| v <= 0.0);
         if is_sharp && self.events > FIRST && !self.events.is_multiple_of(SELDOM) {
             return Correction::default();
         }
-        let effect = Score::of(data, fit).and_then(|score| self.take(&score, noise_n2));
+        let effect = Score::of(data, fit, alone).and_then(|score| self.take(&score, noise_n2));
         let effect = effect.unwrap_or_default();
         let Corner { smoothing, missing_n, range_n } = self.corner;
         if effect.is_finite() && (smoothing + missing_n + range_n).is_finite() {
@@ -133,7 +142,7 @@ impl CornerEstimator {
         self.best = self.numbers(corner);
         let diagonal = [0.0, 0.0, RANGE_KNOWN, 1.0, 1.0, 1.0];
         for (i, entry) in diagonal.into_iter().enumerate() {
-            self.told.matrix[i][i] = entry;
+            self.information.matrix[i][i] = entry;
         }
     }
 
@@ -149,19 +158,19 @@ impl CornerEstimator {
         let used = self.numbers(&score.corner);
         let told = score.told(&used);
         self.add(score, &told, &used, noise_n2);
-        let free = self.told.factor(0.0)?;
-        let best = free.solve(&self.told.right);
+        let free = self.information.factor(0.0)?;
+        let best = free.solve(&self.information.right);
         let (before, after) = (score.times(&self.best), score.times(&best));
-        self.surprise *= FADE;
+        self.chi_square *= FADE;
         for k in 0..2 {
             // How far off the event was before times how far it is after it: on average
             // the variance of the noise.
             let squared = (told[k] - before[k]) * (told[k] - after[k]);
-            self.surprise += 0.5 * squared / (score.normal.matrix[k][k] * noise_n2);
+            self.chi_square += 0.5 * squared / (score.normal.matrix[k][k] * noise_n2);
         }
         self.best = best;
         // More than the noise explains: so much less is known.
-        let excess = (self.surprise / (self.count - 1.0).max(1.0)).max(1.0);
+        let excess = (self.chi_square / (self.count - 1.0).max(1.0)).max(1.0);
         let factor = self.decide(&free, excess, &used)?;
         let moved = self.limited(score, &used);
         let variance = |force: &Gradient| {
@@ -179,19 +188,19 @@ impl CornerEstimator {
         self.count = FADE * self.count + 1.0;
         for i in 0..NUMBERS {
             for j in 0..=i {
-                let sum = &mut self.told.matrix[i][j];
+                let sum = &mut self.information.matrix[i][j];
                 *sum = FADE * *sum + score.normal.matrix[i][j] / noise_n2;
             }
-            self.told.right[i] = FADE * self.told.right[i] + told[i] / noise_n2;
+            self.information.right[i] = FADE * self.information.right[i] + told[i] / noise_n2;
         }
         // While nothing tells the range it stays what it was thought to be.
-        self.told.matrix[2][2] += (1.0 - FADE) * RANGE_KNOWN;
-        self.told.right[2] += (1.0 - FADE) * RANGE_KNOWN * used[2];
+        self.information.matrix[2][2] += (1.0 - FADE) * RANGE_KNOWN;
+        self.information.right[2] += (1.0 - FADE) * RANGE_KNOWN * used[2];
     }
 
     /// Which numbers count, and what they then are.
     fn decide(&mut self, free: &Factor, excess: f32, used: &Gradient) -> Option<Factor> {
-        let mut likely = self.told;
+        let mut likely = self.information;
         let mut counts = [false; 2];
         let variances = free.variances();
         for k in 0..2 {
@@ -245,89 +254,6 @@ impl CornerEstimator {
     }
 }
 
-/// What an event tells of the corners by itself.
-struct Score {
-    /// The corners that it was fitted with, and its swing.
-    corner: Corner,
-    inverse_omega: f32,
-    /// Normal equations of the three numbers' steps from there, the unknowns free.
-    normal: Normal,
-    /// By how much the unknowns fall when a number grows by one.
-    response: [Gradient; NUMBERS],
-}
-
-/// A number of which less than this part of the information is left when the unknowns are
-/// free is lost in rounding.
-const LEAST_OWN: f32 = 1e-3;
-
-impl Score {
-    fn of(data: &Data<'_>, fit: &Fit) -> Option<Self> {
-        let (corner, cycle) = (data.corner, &fit.cycle);
-        let shape = cycle.shape();
-        let mut products = [Gradient::default(); NUMBERS];
-        let mut normal = Normal::default();
-        for (time, force_n, weight) in data.levels() {
-            let since_onset = time - cycle.onset;
-            let (force, mut gradient) = shape.force(time);
-            let shift = corner.shift(&shape, since_onset);
-            gradient[0] -= shift.rate;
-            let [smoothing, missing, range] = shift.by;
-            normal.add(
-                force_n - force - shift.force_n,
-                &[smoothing, missing, range, 0.0, 0.0, 0.0],
-                weight,
-            );
-            for (product, by) in products.iter_mut().zip(shift.by) {
-                product.iter_mut().zip(gradient).for_each(|(sum, g)| *sum += weight * by * g);
-            }
-        }
-        let (alone, right) = fit.alone(data);
-        let alone = alone.factor(0.0)?;
-        let response = products.map(|product| alone.solve(&product));
-        for i in 0..NUMBERS {
-            let whole = normal.matrix[i][i];
-            for j in 0..=i {
-                normal.matrix[i][j] -= dot(&products[i], &response[j]);
-            }
-            normal.right[i] -= dot(&response[i], &right);
-            // Without creep its range is not known at all.
-            let own = normal.matrix[i][i];
-            if i < 2 && (own <= LEAST_OWN * whole || own.is_nan()) {
-                return None;
-            }
-        }
-        Some(Self { corner, inverse_omega: cycle.inverse_omega(), normal, response })
-    }
-
-    /// By how much the unknowns move when the numbers do.
-    fn moved(&self, steps: &Gradient) -> Gradient {
-        let mut moved = Gradient::default();
-        for (response, step) in self.response.iter().zip(steps) {
-            moved.iter_mut().zip(response).for_each(|(moved, by)| *moved -= step * by);
-        }
-        moved
-    }
-
-    /// The score as if the fit had used sharp corners.
-    fn told(&self, used: &Gradient) -> Gradient {
-        let mut told = self.times(used);
-        told.iter_mut().zip(self.normal.right).for_each(|(told, right)| *told += right);
-        told
-    }
-
-    /// The information times the numbers.
-    #[inline(never)]
-    fn times(&self, numbers: &Gradient) -> Gradient {
-        let mut product = Gradient::default();
-        for (i, sum) in product.iter_mut().enumerate().take(NUMBERS) {
-            for (j, number) in numbers.iter().enumerate().take(NUMBERS) {
-                *sum += self.normal.matrix[i.max(j)][i.min(j)] * number;
-            }
-        }
-        product
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -346,7 +272,8 @@ mod tests {
             let data = Data { corner: learnt.expected(22.5, cycle.inverse_omega()), ..data };
             let noise_n2 = NOISE_N * NOISE_N;
             let Some(fit) = data.fit(cycle, noise_n2) else { return };
-            learnt.learn(&data, &fit, noise_n2);
+            let Some(alone) = fit.alone(&data) else { return };
+            learnt.learn(&data, &fit, &alone, noise_n2);
             round += u16::from(!learnt.corner.is_sharp());
         });
         (round, learnt)

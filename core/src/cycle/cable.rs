@@ -1,0 +1,53 @@
+//! What a cable that sags, or gets stiffer, does to `Fp`: learnt from the rests.
+
+use crate::cycle::CycleTracker;
+use crate::cycle::slip_record::SlipRecord;
+use crate::effect::Effect;
+use crate::effects::sag::Rest;
+use crate::fit::posterior::Posterior;
+use crate::model::{CycleParams, Shape};
+use crate::sample::SampleTime;
+
+impl CycleTracker {
+    /// What a rest between two slips tells of a cable that sags, if the force strays from
+    /// its line at all.
+    pub(super) fn learn_sag(&mut self, pending: &SlipRecord, posterior: &Posterior, shape: &Shape) {
+        let cycle = &posterior.cycle;
+        let rested = self.rested.take();
+        if !self.site.effects.has(Effect::Sag) || shape.is_slack() || !posterior.is_resolved() {
+            return;
+        }
+        self.rested = Some((SampleTime::after(pending.origin, shape.stop()), cycle.restick_n()));
+        let rested = rested.filter(|_| pending.wander.level > 0.0 && !pending.broken);
+        let Some(((from, from_n), (rate, rate_variance))) = rested.zip(self.learnt.own_rate) else {
+            return;
+        };
+        let to = SampleTime::after(pending.origin, cycle.onset);
+        self.learnt.sag.learn(&Rest {
+            time: to.periods_since(from),
+            from_n,
+            // Where the line goes on to: what creep takes from it is not the cable's.
+            to_n: cycle.static_n + self.learnt.corner.missing_n(),
+            rate,
+            rate_variance,
+            rate_at_n: pending.before.level_n,
+        });
+    }
+
+    /// How far the cable takes `Fp` below the middle of `Fs` and `Fe`, N, and its variance. A
+    /// line that is not straight tells nothing of a cable that gets stiffer by sliding.
+    pub(super) fn shift(&self, pending: &SlipRecord, cycle: &CycleParams) -> (f32, f32) {
+        let (sag_n, sag_n2) = self.learnt.sag.shift(cycle);
+        if sag_n <= 0.0 && pending.wander.is_quick() {
+            // A quick swing bends no rest: it says nothing of a sag that only may be.
+            return (0.0, 0.0);
+        }
+        let stiffens = self.site.effects.has(Effect::Stiffening);
+        let is_straight = pending.wander.level <= 0.0 && sag_n2 <= 0.0 && cycle.is_taut();
+        if !is_straight {
+            return (sag_n, sag_n2);
+        }
+        let stiffening_n = if stiffens { self.learnt.stiffening_n(cycle) } else { 0.0 };
+        (sag_n - stiffening_n, sag_n2 + self.learnt.unsteady_n2(cycle))
+    }
+}

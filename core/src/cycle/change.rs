@@ -1,0 +1,68 @@
+//! A change of the block or of its friction, as an event shows it.
+
+use crate::coefficient::Coefficient;
+use crate::cycle::expectations::is_clear;
+use crate::cycle::{CycleTracker, Finished};
+use crate::effect::Effect;
+use crate::effects::level_shift::{Cause, Change};
+use crate::effects::mass_change::Verdict;
+use crate::event::{Event, Reason};
+use crate::fit::posterior::Posterior;
+use crate::model::CycleParams;
+
+impl CycleTracker {
+    /// A measured event with what it tells of a change.
+    pub(super) fn judged(
+        &mut self,
+        mut event: Event,
+        alone: Option<(Coefficient, Coefficient)>,
+        posterior: &Posterior,
+        (shift_n, shift_n2): (f32, f32),
+        verdict: Verdict,
+    ) -> Finished {
+        let change = self.change(verdict, &event, posterior);
+        if verdict == Verdict::Suspect {
+            (event.mu_s, event.mu, event.reason) = (None, None, Some(Reason::Suspect));
+            return event.into();
+        }
+        let site = self.site();
+        // A sag that only may be is no part of what all events have in common.
+        let sag_n2 = if shift_n > 0.0 { shift_n2 } else { 0.0 };
+        let (static_n2, dynamic_n2) = posterior.common_n2;
+        let common = (site.std(static_n2), site.std(dynamic_n2 + sag_n2));
+        Finished { event, alone, common, change }
+    }
+
+    /// What an event tells of a change.
+    fn change(&mut self, verdict: Verdict, event: &Event, posterior: &Posterior) -> Option<Change> {
+        let here = (event.index, event.onset);
+        let suspect = self.suspect.take();
+        let (cause, (first, onset)) = match verdict {
+            Verdict::Suspect => {
+                self.suspect = suspect.or(Some(here));
+                return None;
+            }
+            Verdict::Same => {
+                let CycleParams { static_n, .. } = posterior.cycle;
+                let dynamic_n = posterior.cycle.dynamic_n();
+                let follows = self.site.effects.has(Effect::Level);
+                let shift = follows.then(|| self.levels.take(static_n, dynamic_n))??;
+                let first = (event.index.saturating_sub(shift.events_ago), event.onset);
+                let watches = self.site.effects.has(Effect::Mass);
+                if watches && is_clear(posterior) && self.learnt.mass.doubt(shift.dynamic_before_n)
+                {
+                    self.suspect = Some(first);
+                    return None;
+                }
+                (Cause::Unknown, first)
+            }
+            Verdict::Mass => (Cause::Mass, suspect.unwrap_or(here)),
+            Verdict::SameMass => (Cause::Friction, suspect.unwrap_or(here)),
+            Verdict::Unknown => (Cause::Unknown, suspect.unwrap_or(here)),
+        };
+        self.levels.forget();
+        let (weight_ratio, relative) = self.learnt.mass.weight_ratio();
+        let weight_ratio_std = relative * weight_ratio;
+        Some(Change { event: first, onset, cause, weight_ratio, weight_ratio_std })
+    }
+}

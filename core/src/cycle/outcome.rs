@@ -1,0 +1,152 @@
+//! How an event ends: with its coefficients, or with the reason why there are none.
+
+use crate::cycle::cycle_fit::{CycleFit, Measured, Outcome};
+use crate::cycle::slip_record::SlipRecord;
+use crate::cycle::{CycleTracker, Finished, refusal};
+use crate::event::{Event, Quality, Reason};
+use crate::fit::posterior::Posterior;
+use crate::model::{CycleParams, Shape};
+use crate::sample::SampleTime;
+
+impl CycleTracker {
+    /// The fit has ended: gives the event, between the end of the last one and the next.
+    pub(super) fn end(&mut self, outcome: Outcome) -> Option<Finished> {
+        let finishing = self.finishing.take()?;
+        let pending = finishing.pending;
+        let (mut finished, load) = match outcome {
+            Outcome::Failed(reason) => (self.without_coefficients(&pending, reason).into(), None),
+            Outcome::Fitted(measured) => {
+                let (finished, load) = self.fitted(&finishing, &measured);
+                (finished, Some(load))
+            }
+        };
+        let event = &finished.event;
+        let limit = SampleTime::after(pending.origin, pending.limit);
+        let overlaps = event.stop > limit || self.last_stop.is_some_and(|it| it > event.onset);
+        let overlaps = overlaps.then_some(Reason::NoFit).filter(|_| event.reason.is_none());
+        if let Some(reason) = refusal::of_event(event).or(overlaps) {
+            finished = self.without_coefficients(&pending, reason).into();
+        }
+        let event = &mut finished.event;
+        event.onset = self.last_stop.map_or(event.onset, |it| later(it, event.onset));
+        event.stop = later(event.onset, earlier(event.stop, limit));
+        self.last_stop = Some(event.stop);
+        self.last_load = load.or(self.last_stop);
+        if !event.reason.is_some_and(Reason::is_no_slip) {
+            self.count = self.count.saturating_add(1);
+        }
+        Some(finished)
+    }
+
+    /// The event of a fit, and when its cable began to load.
+    fn fitted(&mut self, finishing: &CycleFit, measured: &Measured) -> (Finished, SampleTime) {
+        let (pending, site) = (&finishing.pending, self.site());
+        let Measured { posterior, alone, noise_n2, verdict } = measured;
+        let alone = alone.map(|forces| {
+            let mu_s = site.coefficient(forces.static_n, noise_n2 * forces.static_variance);
+            let (shift_n, _) = self.shift(pending, &posterior.cycle);
+            let dynamic_n = forces.dynamic_n - shift_n;
+            (mu_s, site.coefficient(dynamic_n, noise_n2 * forces.dynamic_variance))
+        });
+        let shape = posterior.cycle.shape();
+        self.learn_sag(pending, posterior, &shape);
+        let loads = shape.loads();
+        let shift = self.shift(pending, &posterior.cycle);
+        let event = self.measured(pending, posterior, &shape, shift);
+        let mut finished = self.judged(event, alone, posterior, shift, *verdict);
+        if event.slack && !finishing.shows(loads) {
+            // How far the block slid on a slack cable was not seen.
+            (finished.event.mu, finished.alone) = (None, None);
+            finished.event.reason = finished.event.reason.or(Some(Reason::TooShort));
+        }
+        (finished, SampleTime::after(pending.origin, loads))
+    }
+
+    /// An event with its coefficients; omega where the slip shows it.
+    fn measured(
+        &self,
+        pending: &SlipRecord,
+        posterior: &Posterior,
+        shape: &Shape,
+        (shift_n, shift_n2): (f32, f32),
+    ) -> Event {
+        let cycle = &posterior.cycle;
+        let mut event = self.bare(pending, cycle, shape);
+        let site = self.site();
+        event.mu_s = Some(site.coefficient(cycle.static_n, posterior.static_n2));
+        event.dynamic_force_n -= shift_n;
+        event.mu = Some(site.coefficient(event.dynamic_force_n, posterior.dynamic_n2 + shift_n2));
+        if !posterior.is_resolved() {
+            if !event.slack {
+                event.quality = Quality::Unresolved;
+            }
+            event.omega_rad_per_s = None;
+        }
+        event
+    }
+
+    /// Times and forces of an event.
+    fn bare(&self, pending: &SlipRecord, cycle: &CycleParams, shape: &Shape) -> Event {
+        let hz = self.site.rate_hz;
+        let onset = SampleTime::after(pending.origin, cycle.onset);
+        let stop = SampleTime::after(pending.origin, shape.stop());
+        let rest = self.last_stop.map(|last| onset.periods_since(last).max(0.0) / hz);
+        Event {
+            index: self.count,
+            onset,
+            stop,
+            static_force_n: cycle.static_n,
+            dynamic_force_n: cycle.dynamic_n(),
+            peak_force_n: cycle.peak_n(),
+            restick_force_n: cycle.restick_n(),
+            mu_s: None,
+            mu: None,
+            stick_s: rest,
+            slip_s: shape.slide_time() / hz,
+            loading_rate_n_per_s: cycle.rate * hz,
+            omega_rad_per_s: Some(cycle.omega * hz),
+            slack: shape.is_slack(),
+            quality: if shape.is_slack() { Quality::Slack } else { Quality::Good },
+            reason: None,
+        }
+    }
+
+    /// An event that is only seen, from its highest and lowest sample.
+    fn without_coefficients(&self, pending: &SlipRecord, reason: Reason) -> Event {
+        let (onset, stop) = pending.fall_edges();
+        let fall = stop - onset;
+        let drop = pending.peak.force_n - pending.low.force_n;
+        let cycle = CycleParams {
+            onset,
+            rate: self
+                .learnt
+                .rate
+                .mean()
+                .or(pending.before.slope())
+                .unwrap_or(0.0)
+                .max(1e-6 * drop),
+            static_n: pending.peak.force_n,
+            half_drop_n: 0.5 * drop,
+            omega: core::f32::consts::PI / fall.max(1.0),
+            rate_change: 0.0,
+        };
+        let mut event = self.bare(pending, &cycle, &cycle.shape());
+        event.stop = SampleTime::after(pending.origin, stop);
+        event.slip_s = fall / self.site.rate_hz;
+        (event.peak_force_n, event.restick_force_n) = (pending.peak.force_n, pending.low.force_n);
+        event.slack = false;
+        event.quality =
+            if reason == Reason::Hidden { Quality::Clipped } else { Quality::Unresolved };
+        event.omega_rad_per_s = None;
+        event.reason = Some(reason);
+        event
+    }
+}
+
+fn earlier(a: SampleTime, b: SampleTime) -> SampleTime {
+    if b < a { b } else { a }
+}
+
+fn later(a: SampleTime, b: SampleTime) -> SampleTime {
+    if b > a { b } else { a }
+}

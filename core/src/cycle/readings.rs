@@ -1,0 +1,81 @@
+//! What others may know of the events so far: noise, rate, omega, effects, weight.
+
+use crate::coefficient::Site;
+use crate::cycle::CycleTracker;
+use crate::cycle::expectations::Expectations;
+use crate::effect::{Effect, Parameter};
+use crate::num::math;
+use crate::stats::quantity::Quantity;
+
+impl CycleTracker {
+    /// Standard deviation of the noise, N, from the residuals of all fits.
+    #[must_use]
+    pub fn noise_n(&self) -> Option<f32> {
+        self.learnt.residuals.variance_n2().map(math::sqrt)
+    }
+
+    /// Periods before the onset in which creep bends the stick line.
+    #[must_use]
+    pub fn creep_periods(&self) -> f32 {
+        self.learnt.creep_periods()
+    }
+
+    /// Loading rate, N/s, and omega, rad/s, of the recent events, each with its standard
+    /// deviation; omega where it is known to a third.
+    #[must_use]
+    pub fn shared(&self) -> (Option<Quantity>, Option<Quantity>) {
+        let hz = self.site.rate_hz;
+        let Expectations { rate, mass, .. } = &self.learnt;
+        let omega = |inverse: Quantity| {
+            let value = hz / inverse.value;
+            Quantity { value, std: value * inverse.std / inverse.value }
+        };
+        let omega = mass.inverse_omega().known().map(omega);
+        let is_known = |omega: &Quantity| omega.std < omega.value / 3.0;
+        (rate.known().map(|rate| rate.times(hz)), omega.filter(is_known))
+    }
+
+    /// What the events show of an effect: its numbers.
+    #[must_use]
+    pub fn parameters(&self, effect: Effect) -> [Option<Parameter>; 2] {
+        match effect {
+            Effect::Corner => self.learnt.corner.parameters(self.site.rate_hz),
+            Effect::Damping => [self.learnt.damping.parameter(), None],
+            Effect::Sag => [self.learnt.sag.parameter(), None],
+            Effect::Stiffening => [self.learnt.stiffening(), None],
+            Effect::Mass => {
+                let (value, relative) = self.learnt.mass.weight_ratio();
+                let ratio = Parameter { name: "weight_ratio", value, std: relative * value };
+                [(relative > 0.0).then_some(ratio), None]
+            }
+            Effect::Level | Effect::Drift | Effect::Flop | Effect::Ripple | Effect::Forgetting => {
+                [None; 2]
+            }
+        }
+    }
+
+    /// The site with the weight as far as it is known to have changed.
+    pub(super) fn site(&self) -> Site {
+        let (ratio, _) = self.learnt.mass.weight_ratio();
+        Site { weight_n: ratio * self.site.weight_n, ..self.site }
+    }
+
+    /// Force of so much of a coefficient, N.
+    #[must_use]
+    pub fn force_n(&self, coefficient: f32) -> f32 {
+        let site = self.site();
+        coefficient * site.weight_n * site.slope.1
+    }
+
+    /// Standard deviation of the damping ratio where it is stated to be so much.
+    #[must_use]
+    pub fn damping_std(&self, stated: f32) -> f32 {
+        self.learnt.damping.std(stated)
+    }
+
+    /// Weight in use over the given one, and its relative standard deviation.
+    #[must_use]
+    pub fn weight_ratio(&self) -> (f32, f32) {
+        self.learnt.mass.weight_ratio()
+    }
+}

@@ -1,0 +1,147 @@
+//! What the highest and the lowest sample tell of a slip, for those that the samples between
+//! them hardly resolve.
+
+use crate::cycle::slip_record::{PI, SlipRecord};
+use crate::detector::Stick;
+use crate::num::math;
+use crate::sample::{ForcePoint, since};
+use crate::signal::window::Window;
+use crate::stats::line::Line;
+use crate::stats::prior::Prior;
+
+/// Loading rate, N per period, to within a factor of two, and the time of the slip.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Rough {
+    pub(crate) rate: f32,
+    /// Time of sliding and its standard deviation, periods.
+    pub(crate) slide: f32,
+    pub(crate) slide_std: f32,
+    /// Half-way down, periods from the event's origin.
+    pub(crate) middle: f32,
+    /// The last sample before that which is still high, and the first one after it which is
+    /// low: the highest and the lowest sample may lie anywhere on a slow line.
+    pub(super) edges: (f32, f32),
+}
+
+/// A slip that ended on a slack cable.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Slack {
+    /// `Fp`, N.
+    pub(super) centre_n: f32,
+    /// Part of the half turn from the largest force to the smallest up to `F = 0`.
+    pub(super) part: f32,
+}
+
+impl Rough {
+    /// The loading rate from the line, or from the rise to the highest sample; the
+    /// time of the slip from the samples in between.
+    pub(super) fn new(
+        stick: &Stick,
+        window: &Window,
+        (peak, low): (ForcePoint, ForcePoint),
+    ) -> Self {
+        let rise = |back: u64| {
+            let force_n = window.get(peak.index.checked_sub(back)?)?;
+            Some((peak.force_n - force_n) / back as f32)
+        };
+        let climb = rise(2).into_iter().chain(rise(1)).reduce(f32::max);
+        let line = stick.line.slope().filter(|_| stick.line.count >= 4);
+        let least = 1e-4 * (peak.force_n - low.force_n);
+        let rate = line.or(climb).unwrap_or(0.0).max(least);
+        // The force turns faster on the slip's side: of the two samples around each end of the
+        // slip the outer one is the highest, or the lowest, more often. Wider for slow ends of
+        // long slips.
+        let fall = since(peak.index, low.index);
+        let (slide, slide_std) = (fall - 0.4, 0.3 + 0.25 * fall);
+        // From the highest to the lowest force the slide turns by π, in all by π + 2 φ.
+        let turn = core::f32::consts::FRAC_2_PI * fall / (peak.force_n - low.force_n);
+        let longer = 1.0 + core::f32::consts::FRAC_2_PI * math::atan2(rate * turn, 1.0);
+        Self { rate, slide: slide * longer, slide_std: slide_std * longer, ..Self::default() }
+    }
+
+    /// The slip lies around its middle: as much as one sample in between can tell,
+    /// for the slips that have no more.
+    pub(crate) fn onset(&self, noise_n2: f32) -> Prior {
+        let spread = 0.3 * self.slide.max(1.0);
+        Prior { mean: self.middle - 0.5 * self.slide, weight: noise_n2 / (spread * spread) }
+    }
+}
+
+impl SlipRecord {
+    /// Loading rate, N per period, to within a factor of two.
+    pub(crate) fn rate(&self) -> f32 {
+        self.rough.rate
+    }
+
+    /// Where the fall begins and ends as the samples have it, periods.
+    pub(crate) fn fall_edges(&self) -> (f32, f32) {
+        self.rough.edges
+    }
+
+    /// What the extremes tell together with the stick line after the slip.
+    pub(crate) fn rough(&self, after: &Line) -> Rough {
+        let Some(Slack { part, .. }) = self.slack(after) else { return self.rough };
+        // From the highest sample, less than one off the onset, to the first at zero.
+        let fall = self.fall();
+        let (slide, slide_std) = ((fall - 0.5) / part, (0.6 + 0.15 * fall) / part);
+        Rough { slide, slide_std, ..self.rough }
+    }
+
+    /// Periods from the highest sample to the lowest.
+    pub(super) fn fall(&self) -> f32 {
+        since(self.peak.index, self.low.index)
+    }
+
+    /// The slip ended on a slack cable if the stick line after it, continued back to
+    /// the lowest sample, is below zero there by `x`: the block slid on and the winch
+    /// took that up. The work of friction is `Fp (Fs + x) = Fs² / 2`, but for the
+    /// winch's own.
+    pub(super) fn slack(&self, after: &Line) -> Option<Slack> {
+        let slope = after.slope()?;
+        let below_n = -after.at(since(self.origin, self.low.index), slope);
+        if below_n <= 0.0 {
+            return None;
+        }
+        let peak_n = self.peak.force_n;
+        let centre_n = 0.5 * peak_n * peak_n / (peak_n + below_n);
+        let part = 1.0 - math::acos(centre_n / (peak_n - centre_n)) / PI;
+        Some(Slack { centre_n, part })
+    }
+
+    /// Part of the drop that begins and ends the fall: beyond what the noise does.
+    pub(crate) fn edge_part(&self) -> f32 {
+        let drop_n = self.peak.force_n - self.low.force_n;
+        (0.1 + 3.0 * math::sqrt(self.noise_n2) / drop_n).min(0.3)
+    }
+
+    pub(super) fn edges(&self) -> (f32, f32) {
+        let part_n = self.edge_part() * (self.peak.force_n - self.low.force_n);
+        let (high_n, low_n) = (self.peak.force_n - part_n, self.low.force_n + part_n);
+        let times = (since(self.origin, self.peak.index), since(self.origin, self.low.index));
+        let record = self.samples();
+        let before = record.good().filter(|&(time, force_n)| {
+            time > times.0 && time < self.rough.middle && force_n > high_n
+        });
+        let mut after = record.good().filter(|&(time, force_n)| {
+            time > self.rough.middle && time < times.1 && force_n < low_n
+        });
+        let from = before.last().map_or(times.0, |(time, _)| time);
+        (from, after.next().map_or(times.1, |(time, _)| time))
+    }
+
+    /// Time at which the samples fall through half the drop.
+    pub(super) fn crossing(&self) -> f32 {
+        let half_n = 0.5 * (self.peak.force_n + self.low.force_n);
+        let peak_time = since(self.origin, self.peak.index);
+        let mut before = None;
+        for (time, force_n) in self.samples().good() {
+            match before {
+                Some((earlier, from_n)) if time > peak_time && force_n < half_n => {
+                    return time - (time - earlier) * (half_n - force_n) / (from_n - force_n);
+                }
+                _ => before = Some((time, force_n)),
+            }
+        }
+        0.5 * (peak_time + since(self.origin, self.low.index))
+    }
+}

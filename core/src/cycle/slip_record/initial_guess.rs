@@ -1,0 +1,78 @@
+//! Where the fit of a slip begins: at the first answer, or at a guess from the extremes.
+
+use crate::cycle::slip_record::{PI, SlipRecord};
+use crate::fit::{Data, Fitting};
+use crate::model::CycleParams;
+use crate::num::math;
+use crate::sample::since;
+
+impl SlipRecord {
+    /// Begins a fit where an earlier one ended, else at a guess.
+    pub(crate) fn begin(&self, data: &Data<'_>, known_swing: bool) -> Fitting {
+        // Without the line after it a slip on a slack cable is hardly determined.
+        let early = self.early.filter(|_| self.slack(data.after).is_none());
+        early.map_or_else(|| self.guess(data, known_swing), |early| Fitting::new(&early))
+    }
+
+    /// Begins at a guess: the lines' level and slope, half-way down in time, and the
+    /// slip's length that fits best of a few.
+    fn guess(&self, data: &Data<'_>, known_swing: bool) -> Fitting {
+        let (peak_n, low_n) = (self.peak.force_n, self.low.force_n);
+        let slack = self.slack(data.after);
+        let centre_n = slack.map_or(0.5 * (peak_n + low_n), |slack| slack.centre_n);
+        let half_drop_n = peak_n - centre_n;
+        let rate = data.rate.mean;
+        let with_swing = |inverse_omega: f32| {
+            let phase = math::atan2(rate * inverse_omega, half_drop_n);
+            let amplitude_n = half_drop_n / math::sin_cos(phase).1;
+            let half_way = phase + math::acos((0.5 * (peak_n + low_n) - centre_n) / amplitude_n);
+            let onset = self.rough.middle - half_way * inverse_omega;
+            let static_n =
+                if self.before.count >= 3 { self.before.at(onset, rate) } else { peak_n };
+            CycleParams {
+                onset,
+                rate,
+                static_n,
+                half_drop_n,
+                omega: 1.0 / inverse_omega,
+                rate_change: 0.0,
+            }
+        };
+        if known_swing {
+            return Fitting::new(&self.through_samples(with_swing(data.inverse_omega.mean)));
+        }
+        let fall = self.fall() / slack.map_or(1.0, |slack| slack.part);
+        let with_part = |part: f32| {
+            let slide = (part * fall).max(0.5);
+            let phase = math::atan2(rate * slide, PI * half_drop_n);
+            with_swing(slide / (PI + 2.0 * phase))
+        };
+        Fitting::among([1.0, 0.6, 0.8, 1.25, 1.6].map(with_part))
+    }
+
+    /// Moves the onset, along the stick line, and the drop of a guess so that it goes through
+    /// the lowest sample and the one nearest to half-way down.
+    fn through_samples(&self, mut cycle: CycleParams) -> CycleParams {
+        let shape = cycle.shape();
+        let low = since(self.origin, self.low.index);
+        let middle = libm::floorf(self.rough.middle + 0.5);
+        let middle_n = self.forces_n.get((middle - self.start) as usize);
+        // What a sample lies above the guess, and what onset and drop add to that.
+        let seen = |time: f32, force_n: f32| {
+            let (guess_n, [by_onset, _, by_static, by_drop, ..]) = shape.force(time);
+            (force_n - guess_n, by_onset + cycle.rate * by_static, by_drop)
+        };
+        let (low_n, low_by_onset, low_by_drop) = seen(low, self.low.force_n);
+        let (above_n, by_onset, by_drop) = seen(middle, *middle_n.unwrap_or(&f32::NAN));
+        let determinant = by_onset * low_by_drop - low_by_onset * by_drop;
+        let later = (above_n * low_by_drop - low_n * by_drop) / determinant;
+        let drop_n = (low_n * by_onset - above_n * low_by_onset) / determinant;
+        // Also not for NaN.
+        if later.abs() < 0.5 && drop_n.abs() < 0.5 * cycle.half_drop_n && self.before.count >= 3 {
+            cycle.onset += later;
+            cycle.static_n += cycle.rate * later;
+            cycle.half_drop_n += drop_n;
+        }
+        cycle
+    }
+}

@@ -1,0 +1,194 @@
+//! A slip between two stick lines, gathered sample by sample.
+
+mod extremes;
+mod initial_guess;
+
+use crate::cycle::slip_record::extremes::Rough;
+use crate::detector::Stick;
+use crate::event::Reason;
+use crate::fit::Samples;
+use crate::model::CycleParams;
+use crate::noise::ripple::ColoredNoise;
+use crate::sample::{ForcePoint, since};
+use crate::signal::window::Window;
+use crate::stats::line::Line;
+
+const PI: f32 = core::f32::consts::PI;
+
+/// Most sampling periods between the two stick lines.
+const CORE: usize = 96;
+
+/// What is not known, periods, of onset and stop before the last fit of a slip that is hardly
+/// resolved.
+pub(crate) const UNSURE: f32 = 0.25;
+
+/// A slip whose stick line after it is still growing.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct SlipRecord {
+    /// Index at time zero of the samples and of `before`.
+    pub(crate) origin: u64,
+    pub(crate) before: Line,
+    /// The samples between the lines; NaN: missing.
+    forces_n: [f32; CORE],
+    /// Time of the first of them, and how many there are.
+    start: f32,
+    length: usize,
+    pub(crate) peak: ForcePoint,
+    pub(crate) low: ForcePoint,
+    /// What the extremes alone tell, for a slip that the samples hardly resolve.
+    rough: Rough,
+    /// Rough variance of the noise, from the detector, N².
+    pub(crate) noise_n2: f32,
+    /// How far the force wanders about its stick lines.
+    pub(crate) wander: ColoredNoise,
+    /// Weight of the samples after the stop, and from when on they have it.
+    pub(crate) rest_weight: f32,
+    rest_from: f32,
+    /// The rate of the rest before it broke off.
+    pub(crate) broken: bool,
+    /// A saturated sample, or too many missing ones, between the lines.
+    pub(crate) hidden: bool,
+    /// The cycle as far as it was known before the stick line after it.
+    pub(crate) early: Option<CycleParams>,
+    /// Where the event ends at the latest, periods: the next slip's highest sample.
+    pub(crate) limit: f32,
+    /// Why it is not even fitted.
+    pub(crate) refused: Option<Reason>,
+}
+
+impl SlipRecord {
+    pub(crate) fn new(
+        stick: &Stick,
+        start: u64,
+        window: &Window,
+        now: u64,
+        (peak, low): (ForcePoint, ForcePoint),
+        noise_n: f32,
+    ) -> Self {
+        let first = stick.next;
+        let mut pending = Self {
+            origin: first,
+            before: stick.line_from(first),
+            forces_n: [f32::NAN; CORE],
+            start: since(first, start),
+            length: 0,
+            peak,
+            low,
+            rough: Rough::new(stick, window, (peak, low)),
+            noise_n2: noise_n * noise_n,
+            wander: ColoredNoise::NONE,
+            rest_weight: 1.0,
+            rest_from: since(first, low.index),
+            broken: stick.broken,
+            hidden: false,
+            early: None,
+            limit: f32::MAX,
+            refused: None,
+        };
+        pending.take(window, start, now);
+        pending.rough.middle = pending.crossing();
+        pending.rough.edges = pending.edges();
+        let missing = (first..=now).filter(|&index| window.get(index).is_none()).count();
+        pending.hidden = missing > 3 || pending.length == CORE;
+        pending
+    }
+
+    /// Takes the cycle of the first answer.
+    pub(crate) fn know(&mut self, cycle: CycleParams) {
+        if self.rest_weight < 1.0 {
+            self.rest_from = cycle.shape().stop() - UNSURE;
+        }
+        self.early = Some(cycle);
+    }
+
+    /// Takes the samples `from`, right after those that were taken, to `to`, as many as fit.
+    fn take(&mut self, window: &Window, from: u64, to: u64) {
+        for index in from..=to {
+            let Some(entry) = self.forces_n.get_mut(self.length) else { return };
+            *entry = window.get(index).unwrap_or(f32::NAN);
+            self.length += 1;
+        }
+    }
+
+    /// The samples between the lines.
+    pub(crate) fn samples(&self) -> Samples<'_> {
+        let forces_n = self.forces_n.get(..self.length).unwrap_or_default();
+        let (rest_weight, rest_from) = (self.rest_weight, self.rest_from);
+        let extremes = || (since(self.origin, self.peak.index), since(self.origin, self.low.index));
+        let slip = self.early.map_or_else(extremes, |cycle| (cycle.onset, cycle.shape().stop()));
+        Samples { rest_weight, rest_from, slip, ..Samples::new(self.start, forces_n) }
+    }
+
+    /// Ends the event before the next one's slip begins, a little before its highest
+    /// sample; a stick too brief for a line gives its samples one by one.
+    pub(crate) fn end_before(&mut self, stick: &Stick, window: &Window, next_peak: u64) {
+        let periods = |time: f32| time as i64;
+        if stick.first_from(stick.origin).count == 0 {
+            let next = self.origin.saturating_add_signed(periods(self.start)) + self.length as u64;
+            self.take(window, next, next_peak.saturating_sub(1));
+        }
+        let peak_time = self.early.map_or(0.0, |cycle| cycle.peak_time());
+        self.limit = since(self.origin, next_peak);
+        let end = self.limit - peak_time - self.start;
+        self.length = self.length.min(libm::ceilf(end).max(0.0) as usize);
+    }
+
+    /// The stick line after the slip, up to the last index before the next onset: the
+    /// detector's stays behind.
+    pub(crate) fn line_after(&self, stick: &Stick, window: &Window, last: Option<u64>) -> Line {
+        let mut line = stick.first_from(self.origin);
+        // Of slips on a slack cable the first answers are rough.
+        let is_straight = self.has_straight(stick, &line) && self.slack(&line).is_none();
+        if let Some(last) = last.filter(|_| is_straight) {
+            for index in window.first_from(stick.next)..=last {
+                if let Some(force_n) = window.get(index) {
+                    line.add(since(self.origin, index), force_n, 1.0, 1.0);
+                }
+            }
+        }
+        line
+    }
+
+    /// Begins the stick line before the slip with the samples from the stop of the slip before
+    /// up to the re-stick, which the detector sees later. Where the cable flops, or was
+    /// slack, they are not on the line.
+    pub(crate) fn lengthen_line(&mut self, previous: &Self, stick: &Stick) {
+        let was_slack = previous.slack(&stick.first_from(previous.origin)).is_some();
+        let is_steady = self.rest_weight >= 1.0 && self.has_straight(stick, &self.before);
+        let Some(early) = previous.early.filter(|_| is_steady && !was_slack) else { return };
+        let (stop, end) = (early.shape().stop() + UNSURE, since(previous.origin, stick.origin));
+        let later = since(self.origin, previous.origin);
+        for (time, force_n) in previous.samples().good() {
+            if time > stop && time < end {
+                self.before.add(time + later, force_n, 1.0, 1.0);
+            }
+        }
+    }
+
+    /// Is there a line, of samples that differ from it by noise alone?
+    fn has_straight(&self, stick: &Stick, line: &Line) -> bool {
+        stick.straight && line.count > 0 && self.wander.level <= 0.0
+    }
+
+    /// The noise's part of the mean square of all residuals: only the line's contain what
+    /// the force wanders.
+    pub(crate) fn white_share(&self) -> f32 {
+        let line = self.before.count as f32;
+        let part = line / (line + self.length as f32);
+        1.0 - part * (1.0 - self.wander.white_share)
+    }
+
+    /// Is a fitted cycle the slip that the samples show? Its ends lie within half the
+    /// drop and the rise of two periods of the highest and the lowest sample, and within
+    /// two periods and half the fall of where that begins and ends.
+    pub(crate) fn holds(&self, cycle: &CycleParams) -> bool {
+        let (peak_n, low_n) = (self.peak.force_n, self.low.force_n);
+        let far_n = 0.5 * (peak_n - low_n) + 2.0 * cycle.rate;
+        let is_near = |a: f32, b: f32| (a - b).abs() < far_n;
+        let (from, to) = self.rough.edges;
+        let most = 2.0 + 0.5 * (to - from);
+        let begins = (cycle.onset - from).abs() < most;
+        let ends = !cycle.is_taut() || (cycle.shape().stop() - to).abs() < most;
+        begins && ends && is_near(cycle.static_n, peak_n) && is_near(cycle.restick_n(), low_n)
+    }
+}

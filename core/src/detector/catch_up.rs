@@ -1,0 +1,54 @@
+//! Looking at samples later than they came: while there was no slip, and the noise turns out
+//! to be far less than was thought, the whole window is looked at again, a few samples a step.
+
+use crate::detector::{Detector, Transition};
+use crate::noise::ripple::Ripple;
+use crate::num::math::larger;
+use crate::sample::{ForcePoint, Phase};
+
+/// Samples looked at in a step, while catching up.
+pub(super) const CATCH_UP: u32 = 3;
+/// Part of the noise thought of that makes it worth looking at all samples again.
+const LESS_NOISE: f32 = 0.4;
+
+impl Detector {
+    /// Looks at samples that were taken and not yet looked at, as many as given, up
+    /// to the first transition. At the end of a test: until it returns `None`.
+    pub fn catch_up(&mut self, most: u32) -> Option<Transition> {
+        for _ in 0..most {
+            if self.is_up_to_date() {
+                return None;
+            }
+            let index = self.window.first_from(self.next);
+            self.next = index + 1;
+            if let Some(force_n) = self.window.get(index) {
+                let transition = self.look(ForcePoint { index, force_n });
+                if transition.is_some() {
+                    return transition;
+                }
+            }
+        }
+        None
+    }
+
+    /// Has it looked at all that it was given?
+    #[must_use]
+    pub fn is_up_to_date(&self) -> bool {
+        self.next > self.newest
+    }
+
+    /// Without any slip so far, and with far less noise than was thought: looks at
+    /// all samples in the window again.
+    pub(super) fn judge_again(&mut self) {
+        let undecided = self.usual_drop_n <= 0.0 && self.phase != Phase::Slip;
+        let Some(std) = self.std_n.filter(|_| undecided) else { return };
+        if std < LESS_NOISE * self.judged_with_n {
+            self.judged_with_n = std;
+            self.ripple = Ripple::default();
+            self.next = 0;
+            self.phase = Phase::Unknown;
+        } else {
+            self.judged_with_n = larger(self.judged_with_n, std);
+        }
+    }
+}

@@ -1,0 +1,42 @@
+//! The innovation: how far a sample lies from the stick line's forecast, and how sure that is.
+
+use crate::detector::Detector;
+use crate::detector::stick_line::LINE_POINTS;
+use crate::num::math;
+use crate::sample::{ForcePoint, since};
+
+/// The line describes the force while its innovations scatter by less than this, in standard
+/// deviations of the noise from sample to sample. Tuned: a lower one distrusts lines that a
+/// ripple bends, a higher one trusts the lines of a block that never rests.
+const LINE_FITS: f32 = 2.5;
+
+impl Detector {
+    /// Sample minus the line's forecast, N. `None` with fewer than four samples on the line.
+    pub(super) fn off_line_n(&self, now: ForcePoint) -> Option<f32> {
+        let stick = &self.stick;
+        let slope = stick.line.slope().filter(|_| stick.line.count >= LINE_POINTS)?;
+        let time = since(stick.line_origin, now.index);
+        Some(now.force_n - stick.line.at(time, slope))
+    }
+
+    /// Standard deviation of that in units of a late sample's noise, one or more; the
+    /// sample's own variance as from [`Self::variance`].
+    pub(super) fn spread(&self, now: ForcePoint, variance: f32) -> f32 {
+        let time = since(self.stick.line_origin, now.index);
+        math::rough_sqrt(variance + self.stick.line.leverage(time))
+    }
+
+    /// Variance of a resting block's sample over that of a late one.
+    pub(super) fn variance(&self, index: u64) -> f32 {
+        self.profile.variance(since(self.stick.origin, index))
+    }
+
+    /// Does the stick line describe the force, or does the block never rest long
+    /// enough?
+    pub(super) fn line_fits(&self) -> bool {
+        match (self.line_std_n, self.std_n) {
+            (Some(line), Some(std)) => line < LINE_FITS * std,
+            _ => true,
+        }
+    }
+}

@@ -1,0 +1,123 @@
+//! The samples of a resting block, taken into its stick line: some way behind the newest
+//! one, weighted by the flop's profile, and left out where they are off the line.
+
+use crate::detector::onset::OFF_LINE;
+use crate::detector::stick_line::Stick;
+use crate::detector::{Detector, slack_wait};
+use crate::effect::Effect;
+use crate::noise::forgetting::Forgetting;
+use crate::noise::ripple::Ripple;
+use crate::sample::{ForcePoint, since};
+use crate::signal::window::WINDOW;
+
+/// After this many samples in a row off the line, all on one side, the line starts anew;
+/// after twice as many on both sides as well. Tuned: two happen by a spike and its neighbour,
+/// four find a new line later.
+const NEW_LINE: u32 = 3;
+/// Samples of a longer stick that the profile looks at.
+pub(super) const PROFILE: u64 = WINDOW as u64 * 3 / 4;
+
+/// How far a stick line stays behind, for a usual fall and a time of creep in periods.
+pub(super) fn line_delay(usual_fall: f32, creep_periods: f32) -> u64 {
+    (2 + (0.3 * usual_fall + creep_periods) as u64).min(WINDOW as u64 / 4)
+}
+
+impl Detector {
+    /// Takes samples into the line, far enough behind the newest one that a slip
+    /// which has just begun, unseen, does not bend it, nor creep before it.
+    pub(super) fn extend_line(&mut self, newest: u64) {
+        while self.stick.next + self.line_delay <= newest {
+            let index = self.stick.next;
+            self.stick.next += 1;
+            if self.stick.next == self.stick.origin + PROFILE {
+                self.learn_profile();
+            }
+            if let Some(force_n) = self.window.get(index) {
+                self.take_into_line(ForcePoint { index, force_n });
+            }
+        }
+    }
+
+    fn take_into_line(&mut self, sample: ForcePoint) {
+        let time = since(self.stick.line_origin, sample.index);
+        let variance = self.variance(sample.index);
+        let weight = 1.0 / variance;
+        if let Some(innovation) = self.off_line_n(sample) {
+            let relative = innovation / self.spread(sample, variance);
+            let std = self.line_std_n;
+            self.noise.add(relative);
+            if std.is_some_and(|std| relative.abs() > OFF_LINE * std) {
+                return self.strike(sample.index, relative);
+            }
+            if self.effects.has(Effect::Ripple) {
+                self.ripple.add(relative, weight);
+            }
+            let forgets = self.effects.has(Effect::Forgetting);
+            if let Some(slope) = self.stick.trial.slope().filter(|_| forgets) {
+                let trial = sample.force_n - self.stick.trial.at(time, slope);
+                self.memory.compare(weight * innovation, weight * trial);
+                if self.usual_drop_n <= 0.0 && self.memory.has_won() {
+                    // Without slips no line would ever end.
+                    self.memory.decide();
+                    self.stick.take_trial();
+                }
+            }
+        }
+        self.stick.strikes = 0;
+        self.stick.take(sample.index, sample.force_n, &self.memory, weight);
+    }
+
+    /// A sample off the line is left out; several on one side start a new line.
+    #[inline(never)]
+    fn strike(&mut self, index: u64, innovation: f32) {
+        let stick = &mut self.stick;
+        stick.strikes += 1;
+        let same = stick.strikes > 1 && innovation * stick.strike_sign > 0.0;
+        stick.same_side = if same { stick.same_side + 1 } else { 1 };
+        stick.strike_sign = innovation;
+        if stick.same_side < NEW_LINE && stick.strikes < 2 * NEW_LINE {
+            return;
+        }
+        // The samples that are on it are taken once more.
+        let start = (index + 1).saturating_sub(u64::from(NEW_LINE));
+        stick.next = start;
+        stick.start_line(start);
+        // A cable that flops leaves the line as well.
+        stick.broken = self.profile.is_flat();
+        // What was higher before, a spike perhaps, is not of this line.
+        stick.highest = ForcePoint { index: start, force_n: f32::NEG_INFINITY };
+        for past in start..=self.last.index {
+            let Some(force_n) = self.window.get(past) else { continue };
+            if force_n > stick.highest.force_n {
+                stick.highest = ForcePoint { index: past, force_n };
+            }
+        }
+    }
+
+    /// Does the cable still hang slack? Where its force has risen the line starts.
+    pub(super) fn hangs(&mut self, now: ForcePoint) -> bool {
+        let Some(wait) = &mut self.slack_wait else { return false };
+        let Some(risen_n) = wait.risen_n(now.force_n) else { return true };
+        self.slack_wait = None;
+        let since =
+            self.ended.line.slope().map_or(0, |rate| slack_wait::periods_above(risen_n, rate));
+        let origin = self.stick.origin.max(now.index.saturating_sub(since));
+        self.stick = Stick::new(origin, self.stick.highest, self.stick.straight);
+        false
+    }
+
+    /// Takes the stick line so far into the profile.
+    pub(super) fn learn_profile(&mut self) {
+        let (Stick { origin, next, .. }, window) = (self.stick, &self.window);
+        let was_flat = self.profile.is_flat();
+        let looks = self.effects.has(Effect::Flop);
+        if !looks || window.first_from(origin) != origin || !self.profile.is_due() {
+            return;
+        }
+        self.profile.learn((origin..next).map(|index| window.get(index)));
+        if was_flat && !self.profile.is_flat() {
+            // What the innovations told had the swing in it.
+            (self.memory, self.ripple) = (Forgetting::new(), Ripple::default());
+        }
+    }
+}

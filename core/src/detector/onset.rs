@@ -1,0 +1,104 @@
+//! Does a slip begin? The limits of an onset: multiples of the noise, and parts of the drops
+//! seen so far.
+
+use crate::detector::Detector;
+use crate::detector::stick_line::LINE_POINTS;
+use crate::num::math::{self, larger};
+use crate::sample::{ForcePoint, Phase};
+
+/// Samples whose innovation exceeds this many standard deviations are not on the line: of
+/// normal noise one in 5e8, and the noise is known to about 10 %.
+pub(super) const OFF_LINE: f32 = 6.0;
+/// Least drop of the first slip, standard deviations of the noise: more than later, since no
+/// usual drop stands beside it yet.
+const FIRST_DROP: f32 = 8.0;
+/// Least drop of a slip when the usual drop is known, or when there is no line.
+const LEAST_DROP: f32 = 6.0;
+/// Least drop of a slip that starts in the upper half of the usual range, parts of
+/// the usual drop: a part of the contact may slip. Flop of the cable starts in the
+/// lower half. Tuned: a higher one misses partial slips, a lower one takes ripple for them.
+const LEAST_PART: f32 = 0.05;
+/// Such a slip without a line, where one sample too high would feign a drop.
+const LEAST_PART_BRIEF: f32 = 0.35;
+/// Least drop of a slip that starts in the lower half, usual drops. Tuned: a lower one takes
+/// flop for slips.
+const LEAST_PART_LOW: f32 = 0.5;
+/// A larger fall in one sample, usual drops, is not taken for a slip beforehand: it is more
+/// likely a spike. Only the phase that is shown depends on it.
+const LARGEST_DROP: f32 = 1.1;
+
+impl Detector {
+    /// Has the force left the stick line downwards, by more than noise and flop do?
+    pub(super) fn slips(&self, now: ForcePoint) -> bool {
+        let Some(std) = self.std_n else { return false };
+        let drop = self.stick.highest.force_n - now.force_n;
+        // No slip drops by less: most samples are told at once.
+        drop >= LEAST_DROP * std && drop > 0.0 && self.leaves_line(now, drop, std)
+    }
+
+    #[inline(never)]
+    fn leaves_line(&self, now: ForcePoint, drop: f32, std: f32) -> bool {
+        drop >= self.least_drop(std)
+            && self.stick.highest.force_n > self.ceiling_n
+            // Rests too briefly for a line: the drop alone decides.
+            && self.depth(now).is_none_or(|depth| depth > OFF_LINE * std)
+    }
+
+    /// Least drop of a slip, N.
+    fn least_drop(&self, std: f32) -> f32 {
+        let (stick, usual) = (&self.stick, self.usual_drop_n);
+        let has_line = stick.line.count >= LINE_POINTS;
+        if usual <= 0.0 {
+            // A record may begin in the middle of a slip: that one is not told.
+            return match self.line_fits() {
+                true if has_line => FIRST_DROP * std,
+                false if stick.highest.index > stick.origin => LEAST_DROP * std,
+                _ => f32::INFINITY,
+            };
+        }
+        let part = match stick.highest.force_n > self.middle_n {
+            true if has_line => LEAST_PART,
+            true => LEAST_PART_BRIEF,
+            false => LEAST_PART_LOW,
+        };
+        larger(LEAST_DROP * std, part * usual)
+    }
+
+    /// How far a sample lies below the stick line, N, as sure as a single sample of
+    /// that depth. `None` with fewer than four samples on the line.
+    ///
+    /// A rising line goes on above its mean, however little is known of its slope.
+    fn depth(&self, now: ForcePoint) -> Option<f32> {
+        let off_n = self.off_line_n(now)?;
+        let (line, variance) = (&self.stick.line, self.variance(now.index));
+        let below_mean =
+            (line.level_n - now.force_n) / math::rough_sqrt(variance + 1.0 / line.weight);
+        let rises = line.slope().is_some_and(|slope| slope > 0.0);
+        let below_line = -off_n / self.spread(now, variance);
+        Some(if rises { larger(below_line, below_mean) } else { below_line })
+    }
+
+    /// Is the sample far above all before and above the stick line: more than one
+    /// spike in a row?
+    pub(super) fn jumps(&self, now: ForcePoint) -> bool {
+        let Some(std) = self.std_n else { return false };
+        let far = OFF_LINE * std;
+        // A forecast is never surer than a sample: most are judged without its spread.
+        let spread = || self.spread(now, self.variance(now.index));
+        let is_above = |off_n| off_n > far && off_n > far * spread();
+        now.force_n > self.stick.highest.force_n + far && self.off_line_n(now).is_some_and(is_above)
+    }
+
+    /// Would this sample begin a slip, if it came next and is no spike? Tells before
+    /// the sample is judged; nothing is changed. A fall much larger than usual is more
+    /// likely a spike.
+    #[must_use]
+    pub fn foresees_slip(&self, next: ForcePoint) -> bool {
+        let drop = self.stick.highest.force_n - next.force_n;
+        drop > 0.0
+            && self.phase == Phase::Stick
+            && self.is_up_to_date()
+            && drop < LARGEST_DROP * self.usual_drop_n
+            && self.slips(next)
+    }
+}

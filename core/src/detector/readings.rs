@@ -1,0 +1,105 @@
+//! What others may know of the detector, and what they let it know.
+
+use crate::detector::line_following::line_delay;
+use crate::detector::{Detector, Stick};
+use crate::effect::Effect;
+use crate::noise::ripple::ColoredNoise;
+use crate::sample::{ForcePoint, Phase, since};
+use crate::signal::window::Window;
+
+impl Detector {
+    /// What the block is doing.
+    #[must_use]
+    pub fn phase(&self) -> Phase {
+        self.phase
+    }
+
+    /// Highest sample before the slip and lowest one so far.
+    #[must_use]
+    pub fn extremes(&self) -> (ForcePoint, ForcePoint) {
+        (self.stick.highest, self.lowest)
+    }
+
+    /// The newest sample looked at.
+    #[must_use]
+    pub fn last(&self) -> ForcePoint {
+        self.last
+    }
+
+    /// The last samples.
+    #[must_use]
+    pub fn window(&self) -> &Window {
+        &self.window
+    }
+
+    /// The stick line since the last re-stick.
+    #[must_use]
+    pub fn stick(&self) -> &Stick {
+        &self.stick
+    }
+
+    /// The stick line before the last slip, or before the last long gap.
+    #[must_use]
+    pub fn ended(&self) -> &Stick {
+        &self.ended
+    }
+
+    /// Standard deviation of the noise, N, to about 10 %.
+    #[must_use]
+    pub fn noise_n(&self) -> Option<f32> {
+        self.std_n
+    }
+
+    /// How the force strays from a straight stick line, beside the noise.
+    #[must_use]
+    pub fn wander(&self) -> ColoredNoise {
+        self.ripple.wander()
+    }
+
+    /// Weight of the samples between the lowest one and the newest, all of them together.
+    #[must_use]
+    pub fn rest_weight(&self) -> f32 {
+        self.profile.weight(-0.5 * since(self.lowest.index, self.last.index))
+    }
+
+    /// Usual drop of a slip, N; zero before the first.
+    #[must_use]
+    pub fn usual_drop_n(&self) -> f32 {
+        self.usual_drop_n
+    }
+
+    /// Do the rests of late show an effect of the noise?
+    #[must_use]
+    pub fn shows(&self, effect: Effect) -> bool {
+        match effect {
+            Effect::Flop => !self.profile.is_flat(),
+            Effect::Ripple => self.wander().level > 0.0,
+            Effect::Forgetting => !self.memory.is_endless(),
+            Effect::Corner
+            | Effect::Sag
+            | Effect::Stiffening
+            | Effect::Mass
+            | Effect::Level
+            | Effect::Drift
+            | Effect::Damping => false,
+        }
+    }
+
+    /// Takes the noise that the fits of the events leave, N.
+    pub fn fitted_noise(&mut self, noise_n: f32) {
+        self.noise.fitted(noise_n);
+    }
+
+    /// So many periods before the onset creep bends the line: they are not taken into it.
+    pub fn creeps(&mut self, periods: f32) {
+        // They are kept one by one, as the slip is.
+        const ROOM: f32 = 48.0;
+        self.creep_periods = periods.min(ROOM - self.usual_fall).max(0.0);
+        self.line_delay = line_delay(self.usual_fall, self.creep_periods);
+    }
+
+    /// Where the force is constant nothing slips before it has risen above this, N.
+    pub fn stays_below(&mut self, ceiling_n: Option<f32>) {
+        self.ceiling_n = ceiling_n.unwrap_or(f32::NEG_INFINITY);
+    }
+}

@@ -1,0 +1,94 @@
+//! Is the slip over? Where the force has turned, it was a slip if the force stays below the
+//! old stick line.
+
+use crate::detector::Detector;
+use crate::detector::line_following::line_delay;
+use crate::num::math::{larger, smaller};
+use crate::sample::{ForcePoint, Phase};
+
+/// Rise that ends a slip at once, parts of its drop. Tuned: a lower one lets noise and flop end
+/// long slips early, a higher one waits for the half of a slip's length.
+const CLEAR_RISE: f32 = 0.12;
+/// A slip leaves the force lower by at least this part of its drop; a spike does not. Tuned: a
+/// slip that is cut short by flop needs a low one, two spikes in a row a high one.
+const LEAST_SHIFT: f32 = 0.4;
+/// Without a line: below the sample before the highest one. Tuned like the other.
+const LEAST_SHIFT_BRIEF: f32 = 0.1;
+
+/// Part of a slip's difference from the usual one that the usual one follows. Tuned: a larger
+/// part follows each slip, a smaller one takes longer than a few slips to another block.
+const USUAL_GAIN: f32 = 0.25;
+
+impl Detector {
+    /// Would the slip be over if this sample, the next one, is no spike?
+    #[must_use]
+    pub fn turns_with(&self, next: ForcePoint) -> bool {
+        self.phase == Phase::Slip
+            && self.is_up_to_date()
+            && next.force_n > self.lowest.force_n
+            && self.turns(next)
+    }
+
+    /// Has the force stopped falling?
+    pub(super) fn turns(&self, now: ForcePoint) -> bool {
+        let std = self.std_n.unwrap_or(0.0);
+        let drop = self.stick.highest.force_n - self.lowest.force_n;
+        let fall = self.lowest.index - self.stick.highest.index;
+        let rise = now.force_n - self.lowest.force_n;
+        let rises = rise > larger(smaller(4.0 * std, 0.5 * drop), CLEAR_RISE * drop);
+        rises || now.index - self.lowest.index >= fall.div_ceil(2).max(2)
+    }
+
+    /// Is the force back on the old stick line, as after a spike?
+    pub(super) fn is_back(&self, now: ForcePoint, drop: f32) -> bool {
+        let off_n = self.off_line_n(now).filter(|_| self.line_fits());
+        match (off_n, self.before_peak_n()) {
+            (Some(off_n), _) => off_n > -LEAST_SHIFT * drop,
+            (None, Some(before_n)) => self.lowest.force_n > before_n - LEAST_SHIFT_BRIEF * drop,
+            (None, None) => false,
+        }
+    }
+
+    /// The sample before the highest one, of the same stick line.
+    fn before_peak_n(&self) -> Option<f32> {
+        let index = self.stick.highest.index.checked_sub(1)?;
+        self.window.get(index).filter(|_| index >= self.stick.origin)
+    }
+
+    /// The first sample after the peak that is as low as the lowest one, but for noise:
+    /// on a slack cable all are at zero.
+    pub(super) fn first_low(&self, peak: u64) -> ForcePoint {
+        let limit_n = self.lowest.force_n + 3.0 * self.std_n.unwrap_or(0.0);
+        let sample = |index| Some(ForcePoint { index, force_n: self.window.get(index)? });
+        let low = (peak + 1..self.lowest.index).filter_map(sample).find(|s| s.force_n < limit_n);
+        low.unwrap_or(self.lowest)
+    }
+
+    /// Takes a slip's drop, N, and fall, periods, into the usual ones.
+    pub(super) fn update_usual(&mut self, drop: f32, fall: f32) {
+        if self.usual_drop_n > 0.0 {
+            // Not `clamp`, which panics at a limit that is no number.
+            let change = (drop - self.usual_drop_n).max(-0.5 * self.usual_drop_n).min(drop);
+            self.usual_drop_n = (self.usual_drop_n + USUAL_GAIN * change).max(0.5 * drop);
+            self.usual_fall += USUAL_GAIN * (fall - self.usual_fall);
+        } else {
+            self.usual_drop_n = drop;
+            self.usual_fall = fall;
+        }
+        self.line_delay = line_delay(self.usual_fall, self.creep_periods);
+    }
+
+    /// Takes the samples since the slip's lowest one, seen before the re-stick was: the highest
+    /// of them, and whether the cable has become taut already.
+    pub(super) fn look_back(&mut self, low: u64, now: u64) {
+        for index in low..=now {
+            let Some(force_n) = self.window.get(index) else { continue };
+            if force_n > self.stick.highest.force_n {
+                self.stick.highest = ForcePoint { index, force_n };
+            }
+            if self.slack_wait.as_mut().is_some_and(|wait| wait.risen_n(force_n).is_some()) {
+                self.slack_wait = None;
+            }
+        }
+    }
+}

@@ -1,0 +1,83 @@
+//! Swings of events and what they say of the mass: `M'/M = (s'/s)²`, `s = 1/ω`.
+
+use crate::stats::prior::Prior;
+
+/// Standard deviations by which the swing of one event has to be off.
+const FAR: f32 = 6.0;
+/// A smaller change of the mass is not claimed: sag and wear change the stiffness
+/// like that.
+pub(super) const LEAST: f32 = 0.05;
+
+/// What an event tells.
+#[derive(Clone, Copy, Debug)]
+pub struct Told {
+    /// Its swing and the variance of that, periods, with nothing from other events.
+    pub inverse_omega: Option<(f32, f32)>,
+    /// `Fp`, N.
+    pub dynamic_n: f32,
+    /// The loading rate is what it was: so are cable and winch.
+    pub same_cable: bool,
+    /// The model, with what is known of the swing, is far from the samples.
+    pub strained: bool,
+}
+
+/// The weight in use over the one that was given.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Ratio {
+    pub(super) value: f32,
+    /// Relative variance.
+    pub(super) variance: f32,
+}
+
+/// Weighted mean of the swings since the last change.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Swings {
+    pub(super) count: u32,
+    pub(super) mean: f32,
+    pub(super) weight: f32,
+    /// Mean `Fp`, N.
+    pub(super) dynamic_n: f32,
+}
+
+impl Swings {
+    pub(super) fn add(&mut self, (value, variance): (f32, f32), dynamic_n: f32) {
+        let weight = 1.0 / variance;
+        self.weight += weight;
+        self.mean += weight / self.weight * (value - self.mean);
+        self.count += 1;
+        self.dynamic_n += (dynamic_n - self.dynamic_n) / self.count as f32;
+    }
+}
+
+impl Told {
+    /// Is the swing off by more than its noise, and by more than a cable may vary?
+    pub(super) fn is_off(&self, expected: Prior) -> bool {
+        let Some((inverse_omega, variance)) = self.inverse_omega.filter(|_| expected.weight > 0.0)
+        else {
+            return false;
+        };
+        let off = inverse_omega - expected.mean;
+        off * off > FAR * FAR * (variance + 1.0 / expected.weight)
+            && (self.mass_ratio(expected) - 1.0).abs() > LEAST
+    }
+
+    /// Has the mass changed: with the same cable, and the force with it?
+    pub(super) fn explains(&self, before: Prior, dynamic_before_n: f32) -> bool {
+        let forces = self.dynamic_n / dynamic_before_n;
+        self.inverse_omega.is_some()
+            && self.same_cable
+            && is_nearer(forces, self.mass_ratio(before))
+    }
+
+    /// Mass over that of the expected swing.
+    fn mass_ratio(&self, expected: Prior) -> f32 {
+        let ratio =
+            self.inverse_omega.map_or(1.0, |(inverse_omega, _)| inverse_omega / expected.mean);
+        ratio * ratio
+    }
+}
+
+/// Is a ratio of the masses nearer than one to that of the forces?
+pub(super) fn is_nearer(forces: f32, masses: f32) -> bool {
+    (forces - masses).abs() < (forces - 1.0).abs()
+}

@@ -1,0 +1,138 @@
+//! What all samples so far say: the report, what each effect showed, and what is systematic.
+
+use crate::budget::{Known, overshoot_n};
+use crate::coefficient::{Coefficient, Estimate};
+use crate::effect::{Effect, Finding};
+use crate::effects::level_shift::{Cause, Change};
+use crate::num::math;
+use crate::pipeline::Pipeline;
+use crate::report::Report;
+use crate::stats::quantity::Quantity;
+
+/// Standard gravity, m/s²: turns a weight into a mass.
+const GRAVITY: f32 = crate::units::STANDARD_GRAVITY_M_PER_S2 as f32;
+
+impl Pipeline {
+    /// The result so far.
+    #[must_use]
+    pub fn report(&self) -> Report {
+        let (loading_rate, omega) = self.cycles.shared();
+        let known = Known {
+            weight_ratio: (self.cycles.weight_ratio().0, self.weight_std),
+            drift_n: self.cycles.force_n(self.drift.mean_std()),
+            ..self.known()
+        };
+        let (mu_s, mu) = self.estimates(&known);
+        Report {
+            counters: self.counters,
+            events: self.events,
+            mu_s,
+            mu,
+            noise_n: self.noise_n().map(|noise_n| noise_n * self.block_root),
+            loading_rate_n_per_s: loading_rate,
+            omega_rad_per_s: omega,
+            stiffness_n_per_m: self.stiffness(loading_rate, omega),
+            recurrence_s: self.recurrence_s(),
+            zero_n: self.zero_n(),
+            zero_std_n: known.zero_n,
+            zero_drift_n: known.drift_n,
+            damping_std: known.damping_std,
+            weight_ratio: known.weight_ratio.0,
+            weight_ratio_std: known.weight_ratio.1,
+            change: self.change.map(|change| {
+                let (weight_ratio, relative) = self.cycles.weight_ratio();
+                Change { weight_ratio, weight_ratio_std: relative * weight_ratio, ..change }
+            }),
+        }
+    }
+
+    /// What the test says of each effect, in the order of [`Effect::ALL`].
+    #[must_use]
+    pub fn findings(&self) -> [Finding; Effect::ALL.len()] {
+        Effect::ALL.map(|effect| {
+            let enabled = self.config.effects.has(effect);
+            let parameters = self.cycles.parameters(effect);
+            let found = match effect {
+                Effect::Level => self.change.is_some_and(|change| change.cause != Cause::Mass),
+                Effect::Drift => self.zero_n().is_some(),
+                Effect::Flop | Effect::Ripple | Effect::Forgetting => self.detector.shows(effect),
+                Effect::Corner
+                | Effect::Sag
+                | Effect::Stiffening
+                | Effect::Mass
+                | Effect::Damping => parameters.iter().any(Option::is_some),
+            };
+            Finding { effect, enabled, found: enabled && found, parameters }
+        })
+    }
+
+    /// The means with what is systematic about them.
+    fn estimates(&self, known: &Known<'_>) -> (Option<Estimate>, Option<Estimate>) {
+        let (mut mu_s, mut mu) = (self.mu_s.estimate(), self.mu.estimate());
+        let means = [mu_s.or(mu), mu.or(mu_s)].map(|it| it.map_or(0.0, |it| it.mean));
+        for (estimate, std) in [&mut mu_s, &mut mu].into_iter().zip(known.std(means)) {
+            if let Some(it) = estimate {
+                it.systematic_std = math::hypotenuse(it.common_std, std);
+            }
+        }
+        (mu_s, mu)
+    }
+
+    /// What is systematic about the coefficients of an event.
+    pub(super) fn add_systematic(
+        &self,
+        mu_s: Option<&mut Coefficient>,
+        mu: Option<&mut Coefficient>,
+    ) {
+        let value = |it: &Option<&mut Coefficient>| it.as_ref().map(|it| it.value);
+        let (a, b) = (value(&mu_s), value(&mu));
+        let values = [a.or(b), b.or(a)].map(Option::unwrap_or_default);
+        let stds = self.known().std(values);
+        for (coefficient, std) in [mu_s, mu].into_iter().zip(stds) {
+            if let Some(it) = coefficient {
+                it.systematic_std = std;
+            }
+        }
+    }
+
+    /// The inputs as they are known now.
+    fn known(&self) -> Known<'_> {
+        let (loading_rate, omega) = self.cycles.shared();
+        Known {
+            config: &self.config,
+            weight_ratio: self.cycles.weight_ratio(),
+            zero_n: self.config.std.zero_n(self.largest_n),
+            drift_n: self.cycles.force_n(self.drift.std()),
+            damping_std: self.cycles.damping_std(self.config.std.damping),
+            overshoot_n: overshoot_n(loading_rate, omega),
+        }
+    }
+
+    /// `k` from `F' = k w` where the winch speed is known, else from `ω² = k / M`.
+    fn stiffness(&self, rate: Option<Quantity>, omega: Option<Quantity>) -> Option<f32> {
+        let (ratio, _) = self.cycles.weight_ratio();
+        let mass_kg = ratio * self.config.weight_n / GRAVITY;
+        match self.config.winch_m_per_s {
+            Some(winch) => rate.map(|rate| rate.value / winch),
+            None => omega.map(|omega| omega.value * omega.value * mass_kg),
+        }
+    }
+
+    /// Noise of a block, N: of the fits so far, else the detector's.
+    fn noise_n(&self) -> Option<f32> {
+        self.cycles.noise_n().or(self.detector.noise_n())
+    }
+
+    /// Force of the zero's drift, if it is more than the noise.
+    fn zero_n(&self) -> Option<f32> {
+        let zero_n = self.cycles.force_n(self.drift.std());
+        self.noise_n().filter(|&noise_n| zero_n > noise_n).map(|_| zero_n)
+    }
+
+    fn recurrence_s(&self) -> Option<f32> {
+        let (first, last) = self.onsets?;
+        let periods = last.periods_since(first);
+        let intervals = self.events.saturating_sub(1);
+        (intervals > 0).then(|| periods / (intervals as f32 * self.config.rate_hz))
+    }
+}

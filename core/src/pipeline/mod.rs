@@ -1,0 +1,339 @@
+//! The one entry point: a sample in, what is known out.
+//!
+//! A sample takes one way: received (calibrated, counted), judged (is it a spike?), looked at by
+//! the detector, followed by the cycles; an event that comes out of that is counted (`tally`),
+//! and what all of it says is the report (`findings`).
+
+mod findings;
+mod tally;
+
+use crate::coefficient::Site;
+use crate::config::{Config, ConfigError};
+use crate::cycle::CycleTracker;
+use crate::detector::{Detector, Transition};
+use crate::effects::level_shift::Change;
+use crate::effects::zero_drift::Drift;
+use crate::estimator::Estimator;
+use crate::event::{Event, Provisional};
+use crate::num::math;
+use crate::report::Counters;
+use crate::sample::{ForcePoint, ForceSample, Phase, RawSample, SampleFlag, SampleTime};
+use crate::signal::calibrate::Calibrator;
+use crate::signal::decimate::Decimator;
+use crate::signal::derivative::{Central, Rate};
+use crate::signal::spike::{Judged, SpikeFilter, Usual};
+use crate::stretch::{Stretch, Stretches};
+
+/// Indices beyond this one are refused as duplicates: it takes a billion years.
+const LAST_INDEX: u64 = u64::MAX / 2;
+
+/// What one sample led to.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Step {
+    /// The sample after calibration. It may still be declared a spike by the
+    /// next one, see [`Step::spike`].
+    pub sample: ForceSample,
+    /// Index of an earlier sample that is now known to be a spike.
+    pub spike: Option<u64>,
+    /// Rate of the force, by the paper's central difference; two samples late.
+    pub rate: Option<Rate>,
+    /// What the block is doing. An onset is told by the first sample that is clearly
+    /// below the stick line; if that turns out to be a spike, for this sample only.
+    pub phase: Phase,
+    /// A first answer on the slip that is going on or has just ended.
+    pub provisional: Option<Provisional>,
+    /// An event that is now complete.
+    pub event: Option<Event>,
+    /// A change of the block or of its friction that the event told.
+    pub change: Option<Change>,
+    /// A stretch without events that is now complete.
+    pub stretch: Option<Stretch>,
+}
+
+impl Step {
+    /// Of a sample that led to nothing.
+    #[must_use]
+    pub fn of(sample: ForceSample) -> Self {
+        Self {
+            sample,
+            spike: None,
+            rate: None,
+            phase: Phase::Unknown,
+            provisional: None,
+            event: None,
+            change: None,
+            stretch: None,
+        }
+    }
+}
+
+/// The whole computation for one test.
+#[derive(Clone, Debug)]
+pub struct Pipeline {
+    config: Config,
+    calibrator: Calibrator,
+    counters: Counters,
+    /// Next index, once there was one.
+    next: Option<u64>,
+    /// Block of the newest saturated sample.
+    last_hidden: Option<u64>,
+    spikes: SpikeFilter,
+    decimator: Decimator,
+    /// Noise of a sample over that of a block.
+    block_root: f32,
+    derivative: Central,
+    detector: Detector,
+    cycles: CycleTracker,
+    mu_s: Estimator,
+    mu: Estimator,
+    /// What the zero may have moved by.
+    drift: Drift,
+    /// Largest force of the events, N.
+    largest_n: f32,
+    /// Relative standard deviation of the weight by changes of the block: mean over events.
+    weight_std: f32,
+    events: u32,
+    /// The newest change, and whether a step has told it.
+    change: Option<Change>,
+    told: bool,
+    stretches: Stretches,
+    onsets: Option<(SampleTime, SampleTime)>,
+}
+
+impl Pipeline {
+    /// Starts a test.
+    ///
+    /// # Errors
+    /// A configuration value out of its range.
+    pub fn new(config: &Config) -> Result<Self, ConfigError> {
+        config.validate()?;
+        let decimator = Decimator::new(config.rate_hz);
+        let rate_hz = config.rate_hz / decimator.factor();
+        let site = Site {
+            weight_n: config.weight_n,
+            slope: math::sin_cos(config.slope_rad),
+            rate_hz,
+            effects: config.effects,
+        };
+        Ok(Self {
+            config: *config,
+            calibrator: Calibrator::new(config),
+            counters: Counters::default(),
+            next: None,
+            last_hidden: None,
+            spikes: SpikeFilter::new(),
+            decimator,
+            block_root: math::sqrt(decimator.factor()),
+            derivative: Central::new(config.rate_hz),
+            detector: Detector::new(rate_hz, config.effects),
+            cycles: CycleTracker::new(site),
+            mu_s: Estimator::default(),
+            mu: Estimator::default(),
+            drift: Drift::default(),
+            largest_n: 0.0,
+            weight_std: 0.0,
+            events: 0,
+            change: None,
+            told: true,
+            stretches: Stretches::new(rate_hz, config.weight_n, config.winch_m_per_s.is_some()),
+            onsets: None,
+        })
+    }
+
+    /// Takes one sample. Bounded in time and memory; never panics.
+    ///
+    /// Indices must increase: one that was there already is counted as a duplicate
+    /// and changes nothing else.
+    #[inline]
+    pub fn step(&mut self, raw: RawSample) -> Step {
+        let mut step = Step::of(self.receive(raw));
+        self.take(&mut step);
+        step
+    }
+
+    /// Calibrates, counts and flags.
+    fn receive(&mut self, raw: RawSample) -> ForceSample {
+        let index = raw.index;
+        let mut sample = ForceSample { index, force_n: None, flag: SampleFlag::Duplicate, gap: 0 };
+        let expected = self.next.unwrap_or(index);
+        if index < expected || index > LAST_INDEX {
+            self.counters.duplicates += 1;
+            return sample;
+        }
+        self.next = Some(index + 1);
+        self.counters.samples += 1;
+        if index > expected {
+            let missing = index - expected;
+            self.counters.missing = self.counters.missing.saturating_add(missing);
+            sample.gap = u32::try_from(missing).unwrap_or(u32::MAX);
+        }
+        match self.calibrator.force_n(raw.reading) {
+            Ok(force_n) => (sample.force_n, sample.flag) = (Some(force_n), SampleFlag::Good),
+            Err(flag) => {
+                sample.flag = flag;
+                self.refuse(index, flag);
+            }
+        }
+        sample
+    }
+
+    /// Counts a reading that is no force.
+    fn refuse(&mut self, index: u64, flag: SampleFlag) {
+        if flag == SampleFlag::Saturated {
+            self.counters.saturated += 1;
+            self.last_hidden = Some(self.decimator.block(index));
+        } else {
+            self.counters.rejected += 1;
+        }
+    }
+
+    /// Takes a received sample. A step is long: it is filled where it lies.
+    #[inline(never)]
+    fn take(&mut self, step: &mut Step) {
+        if let Some(force_n) = step.sample.force_n {
+            let newest = ForcePoint { index: step.sample.index, force_n };
+            let (detector, root) = (&self.detector, self.block_root);
+            match self.spikes.step(newest, || Usual::of(detector, root)) {
+                Judged::Nothing => {}
+                Judged::Spike(spike) => {
+                    self.counters.rejected += 1;
+                    step.spike = Some(spike.index);
+                }
+                Judged::Good(good) => {
+                    step.rate = self.derivative.step(good.index, good.force_n);
+                    self.good(good, newest, step);
+                }
+            }
+        }
+        if !self.told {
+            (step.change, self.told) = (self.change, true);
+        }
+        step.stretch = self.next_stretch();
+        if let Some(Provisional { mu_s, mu }) = &mut step.provisional {
+            self.add_systematic(Some(mu_s), mu.as_mut());
+        }
+        step.phase = self.phase(step.sample);
+    }
+
+    /// Takes a good sample on; `newest` is the one that may yet be a spike.
+    fn good(&mut self, good: ForcePoint, newest: ForcePoint, step: &mut Step) {
+        let Some(block) = self.decimator.step(good) else { return };
+        let slips = self.detector.phase() == Phase::Slip;
+        // A sample of a block is no block: there the answer comes with the block itself.
+        let is_block = self.block_root > 1.0;
+        if is_block && slips {
+            step.provisional = self.turned(block);
+        }
+        let transition = self.detect(block);
+        if transition.is_some() || !self.cycles.is_idle() {
+            step.event = self.follow(transition);
+        }
+        if !is_block && self.detector.phase() == Phase::Slip {
+            step.provisional =
+                if slips { self.turned(newest) } else { self.cycles.onset(&self.detector) };
+        }
+    }
+
+    fn detect(&mut self, sample: ForcePoint) -> Option<Transition> {
+        if self.stretches.take(sample) {
+            self.detector.stays_below(self.stretches.ceiling_n());
+        }
+        self.detector.step(sample.index, sample.force_n)
+    }
+
+    /// A first answer if the slip is over with the next sample.
+    fn turned(&mut self, next: ForcePoint) -> Option<Provisional> {
+        if self.detector.turns_with(next) { self.cycles.turned(&self.detector) } else { None }
+    }
+
+    /// Takes what the detector saw to the cycles.
+    fn follow(&mut self, transition: Option<Transition>) -> Option<Event> {
+        if transition.is_some() {
+            let (peak, _) = self.detector.extremes();
+            let is_new = self.detector.is_up_to_date();
+            self.stretches.interrupt(is_new.then(|| peak.index.saturating_sub(1)));
+        }
+        let finished = match transition {
+            None | Some(Transition::Onset | Transition::Cancelled) => self.cycles.work(),
+            Some(Transition::Restick { peak, low }) => {
+                self.cycles.restick(&self.detector, (peak, low), self.last_hidden)
+            }
+            Some(Transition::Lost) => self.cycles.lose(&self.detector),
+        };
+        finished.and_then(|finished| self.count(finished))
+    }
+
+    /// What the block is doing, with a first look at a sample that may still be a spike.
+    fn phase(&self, ForceSample { index, force_n, .. }: ForceSample) -> Phase {
+        let each = self.block_root <= 1.0;
+        match force_n.filter(|_| each) {
+            Some(force_n) if self.detector.foresees_slip(ForcePoint { index, force_n }) => {
+                Phase::Slip
+            }
+            _ => self.detector.phase(),
+        }
+    }
+
+    /// Ends the test: completes what is pending, one event a call, until `None`.
+    pub fn finish(&mut self) -> Option<Event> {
+        let held = self.spikes.finish().and_then(|held| self.decimator.step(held));
+        let event = held.and_then(|block| self.advance(block));
+        let event = event.or_else(|| self.decimator.finish().and_then(|block| self.advance(block)));
+        event.or_else(|| self.catch_up()).or_else(|| self.last_event())
+    }
+
+    /// Takes a good sample through the detector and on.
+    fn advance(&mut self, sample: ForcePoint) -> Option<Event> {
+        let transition = self.detect(sample);
+        if transition.is_none() && self.cycles.is_idle() {
+            return None;
+        }
+        self.follow(transition)
+    }
+
+    /// The next event of samples that the detector has yet to look at.
+    fn catch_up(&mut self) -> Option<Event> {
+        while let Some(transition) = self.detector.catch_up(u32::MAX) {
+            let event = self.follow(Some(transition));
+            if event.is_some() {
+                return event;
+            }
+        }
+        None
+    }
+
+    /// The next event of fits that are under way or have to be made.
+    fn last_event(&mut self) -> Option<Event> {
+        while let Some(finished) = self.cycles.finish(&self.detector) {
+            let event = self.count(finished);
+            if event.is_some() {
+                return event;
+            }
+        }
+        None
+    }
+
+    /// Ends what is left of a test whose events are all given, one stretch a call, until `None`.
+    pub fn finish_stretch(&mut self) -> Option<Stretch> {
+        self.stretches.interrupt(Some(u64::MAX));
+        self.stretches.close();
+        self.next_stretch()
+    }
+
+    /// A complete stretch, in samples.
+    fn next_stretch(&mut self) -> Option<Stretch> {
+        let stretch = self.stretches.next()?;
+        let [start, stop] = [stretch.start, stretch.stop].map(|it| self.decimator.moment(it));
+        Some(Stretch { start, stop, ..stretch })
+    }
+}
+
+impl Usual {
+    /// Of samples whose noise is so many times that of a block.
+    fn of(detector: &Detector, block_root: f32) -> Self {
+        let noise_n = detector.noise_n().map(|noise_n| noise_n * block_root);
+        Self { noise_n, drop_n: detector.usual_drop_n() }
+    }
+}
