@@ -94,7 +94,6 @@ impl Nucleo {
     }
 
     /// The program that it runs.
-    #[cfg(feature = "defmt")]
     pub fn firmware(&self) -> &Path {
         &self.firmware
     }
