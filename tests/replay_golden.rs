@@ -66,7 +66,7 @@ fn quantiles(
 
 fn summary(result: &ReplayResult) -> String {
     let mut s = Summary::default();
-    let (log, estimate, events) = (&result.log, &result.estimate, result.events.as_slice());
+    let (log, estimate, events) = (&result.log, &result.estimate, &*result.events);
     s.exact("format", &log.format);
     s.exact("rate_hz", log.rate_hz);
     s.exact("samples", log.samples);

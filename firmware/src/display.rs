@@ -1,5 +1,7 @@
 //! The field display: 128 × 64 points, readable with gloves on.
 
+use core::ops::Range;
+
 use embedded_graphics::Pixel;
 use embedded_graphics::image::GetPixel;
 use embedded_graphics::mono_font::ascii::FONT_6X10;
@@ -21,42 +23,85 @@ type Row = String<22>;
 const WIDTH: i32 = 6;
 const HEIGHT: i32 = 10;
 
-/// Draws force, state, coefficients and health; clears what was there.
-///
-/// # Errors
-/// The display's own.
-pub fn draw<D>(target: &mut D, view: &View) -> Result<(), D::Error>
-where
-    D: DrawTarget<Color = BinaryColor>,
-{
-    target.clear(BinaryColor::Off)?;
-    // Its letters leave the first line of their ten free.
-    text(target, 2, -2, &force(view))?;
-    rate(target, view.rate_n_per_s.unwrap_or(0.0))?;
-    let rows = match &view.weighed {
+/// Where a row is, how large its letters are, and the lines of a letter that are its own:
+/// the first of the ten is free in this font, and the last of the large ones, which has
+/// no comma or g, would be in the next row.
+struct Place {
+    top: i32,
+    zoom: i32,
+    lines: Range<i32>,
+}
+
+const LARGE: Place = Place { top: -2, zoom: 2, lines: 1..HEIGHT - 1 };
+const PLACES: [Place; 6] = [LARGE, small(16), small(25), small(35), small(44), small(54)];
+
+const fn small(top: i32) -> Place {
+    Place { top, zoom: 1, lines: 1..HEIGHT }
+}
+
+/// What the display shows: only what differs from that is drawn, and sent.
+#[derive(Debug, Default)]
+pub struct Picture {
+    rows: [Row; 6],
+    bar: i32,
+}
+
+impl Picture {
+    /// Draws force, state, coefficients and health over what is shown; the first picture
+    /// over nothing.
+    ///
+    /// # Errors
+    /// The display's own.
+    pub fn draw<D>(&mut self, target: &mut D, view: &View) -> Result<(), D::Error>
+    where
+        D: DrawTarget<Color = BinaryColor>,
+    {
+        let rows = rows(view);
+        for ((row, shown), place) in rows.iter().zip(&self.rows).zip(&PLACES) {
+            text(target, place, shown, row)?;
+        }
+        self.rows = rows;
+        let bar = bar(view.rate_n_per_s.unwrap_or(0.0));
+        if bar != self.bar {
+            draw_bar(target, bar)?;
+        }
+        self.bar = bar;
+        Ok(())
+    }
+}
+
+fn rows(view: &View) -> [Row; 6] {
+    let [first, second, third, fourth] = match &view.weighed {
         Some(weighed) => weighing(weighed),
         None => pulling(view),
     };
-    for (row, top) in rows.iter().zip([16, 25, 35, 44]) {
-        text(target, 1, top, row)?;
-    }
-    text(target, 1, 54, &last_row(view))
+    [force(view), first, second, third, fourth, last_row(view)]
 }
 
-/// The rate of the force: a bar up or down from the middle of the first row, at its right
-/// end, a point for each half of a decade from 10 N/s on.
-fn rate<D>(target: &mut D, rate_n_per_s: f32) -> Result<(), D::Error>
+/// The rate of the force: a point for each half of a decade from 10 N/s on, negative where
+/// it falls.
+fn bar(rate_n_per_s: f32) -> i32 {
+    const STEPS: [f32; MOST as usize] = [10.0, 30.0, 100.0, 300.0, 1000.0, 3000.0, 10_000.0];
+    let points = STEPS.iter().filter(|&&step| rate_n_per_s.abs() >= step).count() as i32;
+    if rate_n_per_s > 0.0 { points } else { -points }
+}
+
+/// Most points of the bar.
+const MOST: i32 = 7;
+
+/// Up or down from the middle of the first row, at its right end.
+fn draw_bar<D>(target: &mut D, points: i32) -> Result<(), D::Error>
 where
     D: DrawTarget<Color = BinaryColor>,
 {
-    const STEPS: [f32; 7] = [10.0, 30.0, 100.0, 300.0, 1000.0, 3000.0, 10_000.0];
     const LEFT: i32 = 123;
     const WIDE: i32 = 5;
-    const MIDDLE: i32 = 7;
-    let points = STEPS.iter().filter(|&&step| rate_n_per_s.abs() >= step).count() as i32;
-    let rows = if rate_n_per_s > 0.0 { MIDDLE - points..MIDDLE } else { MIDDLE..MIDDLE + points };
-    let lit = rows.flat_map(|y| (0..WIDE).map(move |x| Point::new(LEFT + x, y)));
-    target.draw_iter(lit.map(|point| Pixel(point, BinaryColor::On)))
+    let lit = points.min(0)..points.max(0);
+    let places = (-MOST..MOST).flat_map(|height| (0..WIDE).map(move |x| (x, height)));
+    target.draw_iter(places.map(|(x, height)| {
+        let point = Point::new(LEFT + x, MOST - 1 - height);
+        Pixel(point, BinaryColor::from(lit.contains(&height)))
+    }))
 }
 
 /// Coefficients, the newest slip, what the block does.
@@ -89,19 +134,33 @@ fn weighing(weighed: &Weighed) -> [Row; 4] {
     [weight, swing, row((weighed.duration_s as u32, " s of 64")), row("accept or abort?")]
 }
 
-/// Writes in letters so many times as large as the font's.
-fn text<D>(target: &mut D, zoom: i32, top: i32, row: &str) -> Result<(), D::Error>
+/// Writes the letters of a row that are not shown yet.
+fn text<D>(target: &mut D, place: &Place, shown: &str, row: &str) -> Result<(), D::Error>
 where
     D: DrawTarget<Color = BinaryColor>,
 {
-    for (column, letter) in (0..).zip(row.bytes()) {
-        let left = column * WIDTH * zoom;
-        let points = (0..HEIGHT * zoom).flat_map(|y| (0..WIDTH * zoom).map(move |x| (x, y)));
-        let lit = points.filter(|(x, y)| is_lit(letter, x / zoom, y / zoom));
-        let lit = lit.map(|(x, y)| Pixel(Point::new(left + x, top + y), BinaryColor::On));
-        target.draw_iter(lit)?;
+    let letters = |row: &str, column| row.as_bytes().get(column).copied().unwrap_or(b' ');
+    for column in 0..shown.len().max(row.len()) {
+        let wanted = letters(row, column);
+        if wanted != letters(shown, column) {
+            letter(target, place, column as i32, wanted)?;
+        }
     }
     Ok(())
+}
+
+fn letter<D>(target: &mut D, place: &Place, column: i32, letter: u8) -> Result<(), D::Error>
+where
+    D: DrawTarget<Color = BinaryColor>,
+{
+    let &Place { top, zoom, ref lines } = place;
+    let points = lines.clone().flat_map(|y| (0..WIDTH).map(move |x| (x, y)));
+    target.draw_iter(points.flat_map(|(x, y)| {
+        let colour = BinaryColor::from(is_lit(letter, x, y));
+        let corner = Point::new((column * WIDTH + x) * zoom, top + y * zoom);
+        let square = (0..zoom).flat_map(move |y| (0..zoom).map(move |x| Point::new(x, y)));
+        square.map(move |point| Pixel(corner + point, colour))
+    }))
 }
 
 /// Is a point of a letter lit?
@@ -238,7 +297,11 @@ mod tests {
         let mut display = MockDisplay::new();
         display.set_allow_out_of_bounds_drawing(true);
         display.set_allow_overdraw(true);
-        draw(&mut display, view).unwrap();
+        Picture::default().draw(&mut display, view).unwrap();
+        lit(&display)
+    }
+
+    fn lit(display: &MockDisplay<BinaryColor>) -> Vec<Point> {
         let points = (0..64).flat_map(|x| (0..64).map(move |y| Point::new(x, y)));
         points.filter(|&p| display.get_pixel(p) == Some(BinaryColor::On)).collect()
     }
@@ -249,11 +312,11 @@ mod tests {
         for (place, letters) in row.as_bytes().chunks(10).enumerate() {
             let letters = core::str::from_utf8(letters).unwrap();
             let (mut ours, mut fonts) = (MockDisplay::new(), MockDisplay::new());
-            text(&mut ours, 1, 10 * place as i32, letters).unwrap();
+            text(&mut ours, &small(10 * place as i32), "", letters).unwrap();
             let style = MonoTextStyle::new(&FONT_6X10, BinaryColor::On);
             let at = Point::new(0, 10 * place as i32);
             Text::with_baseline(letters, at, style, Baseline::Top).draw(&mut fonts).unwrap();
-            ours.assert_eq(&fonts);
+            assert_eq!(lit(&ours), lit(&fonts), "{letters}");
         }
     }
 
@@ -261,10 +324,13 @@ mod tests {
     fn large_digits_end_above_the_next_row() {
         let mut display = MockDisplay::new();
         display.set_allow_out_of_bounds_drawing(true);
-        text(&mut display, 2, -2, "-0.8 N").unwrap();
-        let rows = |y| (0..64).any(|x| display.get_pixel(Point::new(x, y)).is_some());
-        let lit: Vec<i32> = (0..64).filter(|&y| rows(y)).collect();
-        assert_eq!((lit.first(), lit.last()), (Some(&0), Some(&15)));
+        text(&mut display, &LARGE, "", "-0.8 N").unwrap();
+        let drawn = |y| (0..64).any(|x| display.get_pixel(Point::new(x, y)).is_some());
+        let lines: Vec<i32> = (0..64).filter(|&y| drawn(y)).collect();
+        assert_eq!((lines.first(), lines.last()), (Some(&0), Some(&15)));
+        // What its place leaves out has nothing of these letters.
+        let last_line = |letter| (0..WIDTH).any(|x| is_lit(letter, x, HEIGHT - 1));
+        assert!(!b"-0123456789. N".iter().any(|&letter| last_line(letter)));
     }
 
     #[test]

@@ -47,7 +47,7 @@ impl CardState {
             Self::ExFat => "the card is exFAT: format it as FAT32",
             Self::Fat12 => "the card is FAT12: take one of 64 MB or more, FAT32",
             Self::NotFat => "the card has no file system: format it as FAT32",
-            Self::NoRoom => "the card has no room for FLOE.LOG (64 MiB)",
+            Self::NoRoom => "the card has no room for FLOE.LOG (96 MiB)",
             Self::Making(_) => "card found; its log file is being made longer meanwhile",
             Self::Ready => "card ready",
         }

@@ -101,15 +101,6 @@ impl Route {
         flags
     }
 
-    /// As in `--arm`.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Installed => "installed",
-            Self::Rustup => "rustup",
-            Self::Debian => "debian",
-        }
-    }
-
     fn describe(self) -> &'static str {
         match self {
             Self::Installed => "the installed toolchain",

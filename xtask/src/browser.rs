@@ -5,7 +5,7 @@ use std::process::Command;
 
 use serde::Deserialize;
 
-use crate::shell::{cargo, output, root, run, say};
+use crate::shell::{self, output, root, run, say};
 use crate::{Result, apt};
 
 /// A good log, a drifting one, one without an event, one of a day: scene and length, s.
@@ -57,11 +57,11 @@ pub fn chromium() -> Result<Command> {
 /// # Errors
 /// The first report that is not as it should be.
 pub fn check() -> Result<()> {
-    run(cargo().args(["build", "--quiet", "--package", "floe"]))?;
+    let floe = shell::floe()?;
     let folder = root().join("target/browser");
     std::fs::create_dir_all(&folder).map_err(|e| format!("{}: {e}", folder.display()))?;
     for (name, scene, duration_s) in LOGS {
-        let page = report(&folder, name, scene, duration_s)?;
+        let page = report(&floe, &folder, name, scene, duration_s)?;
         for width in WIDTHS {
             console_is_silent(&page, width)?;
             let seen = look(&page, width)?;
@@ -72,14 +72,19 @@ pub fn check() -> Result<()> {
     Ok(())
 }
 
-fn report(folder: &Path, name: &str, scene: &str, duration_s: Option<&str>) -> Result<PathBuf> {
+fn report(
+    floe: &Path,
+    folder: &Path,
+    name: &str,
+    scene: &str,
+    duration_s: Option<&str>,
+) -> Result<PathBuf> {
     let (log, page) = (folder.join(format!("{name}.csv")), folder.join(format!("{name}.html")));
-    let floe = || Command::new(root().join("target/debug/floe"));
-    let mut simulate = floe();
+    let mut simulate = Command::new(floe);
     simulate.arg("simulate").arg(root().join("host-sim/scenes").join(scene)).arg("-o").arg(&log);
     simulate.args(duration_s.into_iter().flat_map(|duration| ["--duration-s", duration]));
     run(simulate.args(["--seed", "1"]))?;
-    run(floe().arg("replay").arg(log).arg("--quiet").arg("--report").arg(&page))?;
+    run(Command::new(floe).arg("replay").arg(log).arg("--quiet").arg("--report").arg(&page))?;
     Ok(page)
 }
 

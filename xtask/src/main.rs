@@ -6,7 +6,6 @@ mod arm;
 mod bench;
 mod browser;
 mod budgets;
-#[cfg(feature = "defmt")]
 mod defmt;
 mod effects;
 mod emulate;
@@ -88,7 +87,6 @@ enum Job {
     /// The files to copy onto the board's USB drive: .bin and .hex
     Image,
     /// Decode the firmware's own log of an emulated test
-    #[cfg(feature = "defmt")]
     Defmt,
     /// Flash, RAM and stack of the firmware
     Size,
@@ -112,7 +110,6 @@ fn main() -> ExitCode {
         Job::Reports => browser::check(),
         Job::Flash { log } => flash::run(cli.arm, *log),
         Job::Image => image::run(cli.arm),
-        #[cfg(feature = "defmt")]
         Job::Defmt => defmt::run(cli.arm),
         Job::Size => size::run(cli.arm),
     };

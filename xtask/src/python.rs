@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::process::Command;
 
 use crate::Result;
-use crate::shell::{self, cargo, root, run, say};
+use crate::shell::{self, root, run, say};
 
 /// Runs the examples on simulated logs.
 ///
@@ -20,9 +20,8 @@ pub fn check() -> Result<()> {
         return if ci { Err(missing.to_string()) } else { Ok(()) };
     }
     let python = environment()?;
-    run(cargo().args(["build", "--quiet", "--package", "floe"]))?;
+    let floe = shell::floe()?;
     let target = root().join("target");
-    let floe = target.join("debug/floe");
     let (logs, out) = (target.join("python-logs"), target.join("python-out"));
     simulate(&floe, &logs)?;
     if out.exists() {

@@ -18,6 +18,17 @@ pub fn cargo() -> Command {
     command
 }
 
+/// `floe`, built; with the features that this program gives what both depend on, so that
+/// nothing is built twice.
+///
+/// # Errors
+/// It does not build.
+pub fn floe() -> Result<PathBuf> {
+    let packages = ["--package", "floe", "--package", "xtask"];
+    run(cargo().args(["build", "--quiet"]).args(packages).args(["--bin", "floe"]))?;
+    Ok(root().join("target/debug/floe"))
+}
+
 /// Prints the command line, runs it, and fails if it does.
 pub fn run(command: &mut Command) -> Result<()> {
     say(&format!("$ {}", line(command)));

@@ -7,7 +7,7 @@ use crate::Result;
 use crate::arm::Route;
 use crate::shell::{self, cargo, run_within, say};
 use crate::target::Tests;
-use crate::{browser, budgets, emulate, libraries, python, qemu, size};
+use crate::{browser, budgets, defmt, emulate, libraries, python, qemu, size};
 
 /// Names of the steps that passed and of those that did not.
 struct Tally {
@@ -84,12 +84,7 @@ fn firmware(tally: &mut Tally, forced: Option<Route>) {
     tally.step("card and power cuts", || emulate::check_card(route));
     tally.step("the board's image", || emulate::check_board(route));
     tally.step("live console", || emulate::check_live(route));
-    tally.step("firmware's log", || {
-        let mut decode = cargo();
-        decode.args(["run", "--quiet", "--package", "xtask", "--features", "defmt", "--"]);
-        decode.arg("defmt");
-        shell::run(decode.env("FLOE_ARM", route.name()))
-    });
+    tally.step("firmware's log", || defmt::run(Some(route)));
     tally.step("board image", || size::run(Some(route)));
 }
 

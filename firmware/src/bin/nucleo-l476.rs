@@ -15,7 +15,7 @@ mod target {
     use floe_firmware::board::nucleo::console::Console;
     use floe_firmware::board::nucleo::{Board, Watchdog, crash};
     use floe_firmware::card::CardLog;
-    use floe_firmware::display;
+    use floe_firmware::display::Picture;
     use floe_firmware::sample::{SampleQueue, Shared};
     use floe_firmware::sampler::{Pulse, Sampler};
     use floe_firmware::text::Hex;
@@ -34,13 +34,13 @@ mod target {
 
     /// Both address pins of the converter at ground.
     const CONVERTER: u8 = 0x40;
-    /// 64 MiB: 18 hours of tests.
-    const LOG_SECTORS: u32 = 131_072;
+    /// 96 MiB: 27 hours of tests.
+    const LOG_SECTORS: u32 = 196_608;
     /// Samples between two pictures on the display.
     const PICTURE_SAMPLES: u32 = 8;
     /// Samples between two words about the stack.
     const MINUTE_SAMPLES: u32 = 960;
-    /// A picture takes 28 ms of the bus; later than this it would meet the tick.
+    /// A whole picture takes 28 ms of the bus; later than this it would meet the tick.
     const PICTURE_LATEST_US: u32 = 30_000;
     /// The log's file is made longer by so many sectors at a time, 40 ms.
     const STEP_SECTORS: u32 = 16;
@@ -72,8 +72,9 @@ mod target {
                 if minute >= MINUTE_SAMPLES {
                     minute = 0;
                     log_stack();
+                    screen.forget();
                 }
-                if samples >= PICTURE_SAMPLES && show(screen, app) {
+                if samples >= PICTURE_SAMPLES && screen.show(app) {
                     samples = 0;
                 }
             }
@@ -90,16 +91,31 @@ mod target {
         }
     }
 
-    /// Draws a picture, and sends it if the tick leaves the time for it.
-    #[inline(never)]
-    fn show(screen: &mut Screen, app: &Logger) -> bool {
-        // Without a display there is nothing to see.
-        let _ = display::draw(screen, &app.view());
-        let in_time = clock::since_tick() < PICTURE_LATEST_US;
-        if in_time {
-            let _ = screen.flush();
+    /// The display, and what it shows.
+    struct Screen {
+        display: Display,
+        picture: Picture,
+    }
+
+    impl Screen {
+        /// Draws a picture, and sends what is new if the tick leaves the time for it.
+        #[inline(never)]
+        fn show(&mut self, app: &Logger) -> bool {
+            let _ = self.picture.draw(&mut self.display, &app.view());
+            let in_time = clock::since_tick() < PICTURE_LATEST_US;
+            // Without a display there is nothing to see; with one, what did not arrive
+            // comes with the next picture.
+            if in_time && self.display.flush().is_err() {
+                self.forget();
+            }
+            in_time
         }
-        in_time
+
+        /// The next picture is drawn and sent as a whole: what the bus has garbled goes.
+        fn forget(&mut self) {
+            self.display.clear_buffer();
+            self.picture = Picture::default();
+        }
     }
 
     /// Starts the sampling when its clock is there; gives the sampler back while not.
@@ -148,11 +164,11 @@ mod target {
         let app =
             APP.init_with(|| App::new(consumer, &SHARED, pipeline, board.console, card, CLOCK_HZ));
         let screen = SCREEN.init_with(|| screen(board.bus));
-        let _ = screen.init();
+        let _ = screen.display.init();
         Parts { app, sampler, screen, watchdog: board.watchdog }
     }
 
-    type Screen = Ssd1306<
+    type Display = Ssd1306<
         ssd1306::prelude::I2CInterface<Bus>,
         DisplaySize128x64,
         ssd1306::mode::BufferedGraphicsMode<DisplaySize128x64>,
@@ -160,8 +176,8 @@ mod target {
 
     fn screen(bus: Bus) -> Screen {
         let interface = I2CDisplayInterface::new(bus);
-        let screen = Ssd1306::new(interface, DisplaySize128x64, DisplayRotation::Rotate0);
-        screen.into_buffered_graphics_mode()
+        let display = Ssd1306::new(interface, DisplaySize128x64, DisplayRotation::Rotate0);
+        Screen { display: display.into_buffered_graphics_mode(), picture: Picture::default() }
     }
 
     /// Only wakes.

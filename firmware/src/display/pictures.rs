@@ -15,7 +15,7 @@ use embedded_graphics::prelude::DrawTarget;
 use floe_core::{Cause, Change, Coefficient, Estimate, Phase, Pipeline, Provisional, Report};
 use floe_core::{Config, SampleTime};
 
-use super::draw;
+use super::Picture;
 use super::tests::nothing;
 use crate::app::View;
 use crate::line::{Health, Weighed};
@@ -142,7 +142,7 @@ fn the_pictures_of_the_documentation_are_the_displays() {
     let write = env::var("FLOE_GOLDEN").is_ok_and(|value| value == "write");
     for (name, view) in views() {
         let mut screen = Screen([[false; WIDTH]; HEIGHT]);
-        let Ok(()) = draw(&mut screen, &view);
+        let Ok(()) = Picture::default().draw(&mut screen, &view);
         let (path, picture) = (folder.join(format!("{name}.svg")), svg(&screen));
         if write {
             fs::create_dir_all(&folder).unwrap();
@@ -150,5 +150,19 @@ fn the_pictures_of_the_documentation_are_the_displays() {
         }
         let kept = fs::read_to_string(&path).unwrap_or_default();
         assert!(picture == kept, "{}: FLOE_GOLDEN=write writes it", path.display());
+    }
+}
+
+#[test]
+fn a_picture_over_another_is_as_one_over_nothing() {
+    for (_, before) in views() {
+        for (name, view) in views() {
+            let blank = || Screen([[false; WIDTH]; HEIGHT]);
+            let (mut fresh, mut drawn_over, mut picture) = (blank(), blank(), Picture::default());
+            let Ok(()) = Picture::default().draw(&mut fresh, &view);
+            let Ok(()) = picture.draw(&mut drawn_over, &before);
+            let Ok(()) = picture.draw(&mut drawn_over, &view);
+            assert!(drawn_over.0 == fresh.0, "{name}");
+        }
     }
 }

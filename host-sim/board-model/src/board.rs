@@ -11,6 +11,7 @@ use crate::gpio::{Gpio, Name};
 use crate::i2c::I2c;
 use crate::iwdg::Iwdg;
 use crate::lptim::Lptim;
+use crate::patience::Patience;
 use crate::power::{Flash, Pwr};
 use crate::rcc::{Oscillators, Rcc};
 use crate::remote::Remote;
@@ -33,6 +34,9 @@ pub trait Emulator: Memory {
     fn now_ns(&self) -> u64;
     /// An interrupt line goes up or down.
     fn set_interrupt(&mut self, number: u32, up: bool);
+    /// Time passes in which the program only asks the same again and again: up to this
+    /// time, ns, or the next thing that is due before.
+    fn skip_to(&mut self, when_ns: u64);
     /// [`Board::wake`] has to be called at that time, ns.
     fn wake_at(&mut self, when_ns: u64);
     /// The processor starts again soon, and [`Board::restarted`] is called.
@@ -62,6 +66,7 @@ pub struct Board {
     rtc: Rtc,
     remote: Option<Remote>,
     clocks: Clocks,
+    patience: Patience,
     /// What has not happened yet, the next one last.
     script: Vec<(When, Incident)>,
     /// A peripheral whose accesses fail.
@@ -108,6 +113,7 @@ impl Board {
             usart: Usart::default(),
             iwdg: Iwdg::default(),
             rtc: Rtc::default(),
+            patience: Patience::default(),
             remote: setup.port.map(Remote::new).transpose()?,
             script,
             failing: None,

@@ -117,6 +117,18 @@ impl I2c {
         (counts * prescaler * 1e9 / at.clocks.pclk_hz + SYNC_NS) as u64
     }
 
+    /// When what is on the wire will have gone, ns.
+    #[must_use]
+    pub fn next_change_ns(&self) -> Option<u64> {
+        match self.state {
+            State::Addressing(end_ns)
+            | State::Writing(_, end_ns)
+            | State::Reading(end_ns)
+            | State::Stopping(end_ns) => Some(end_ns),
+            State::Idle | State::WaitsForByte | State::WaitsForRoom | State::Complete => None,
+        }
+    }
+
     /// Lets time pass.
     pub fn advance(&mut self, wires: Wires, target: &mut dyn Target, at: &At<'_>) {
         if wires.clock_held {

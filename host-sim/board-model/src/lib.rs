@@ -17,6 +17,7 @@ pub mod gpio;
 pub mod i2c;
 pub mod iwdg;
 pub mod lptim;
+pub mod patience;
 pub mod power;
 #[cfg(unix)]
 mod qemu;

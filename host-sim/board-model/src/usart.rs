@@ -82,6 +82,12 @@ impl Usart {
         self.arrives_ns
     }
 
+    /// When the character on the wire will have gone, ns.
+    #[must_use]
+    pub fn next_change_ns(&self) -> Option<u64> {
+        self.sending.map(|(_, end_ns)| end_ns)
+    }
+
     /// Whether the interrupt line is up.
     #[must_use]
     pub fn interrupt(&self) -> bool {

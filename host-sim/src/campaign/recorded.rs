@@ -101,7 +101,12 @@ fn read(entry: &Entry, test: u32) -> Result<TestRecord, InputError> {
     let result = replay_with(&name, &mut log, &config, around, |_, _| {})?;
     let said = log.metadata();
     let untold = |measured| EventRecord { measured, true_mu_s: None, true_mu: None };
-    let events: Vec<EventRecord> = result.events.into_iter().map(untold).collect();
+    let mut events: Vec<EventRecord> = Vec::with_capacity(result.events.found());
+    let kept = result.events.for_each(|event| {
+        events.push(untold(event));
+        Ok(())
+    });
+    kept.map_err(|e| InputError::new(e.to_string()))?;
     let notes = entry.notes.clone();
     Ok(TestRecord {
         campaign: 0,

@@ -1,6 +1,7 @@
 //! `--json [FILE]`, the same in every command: bare, the result goes to standard output
 //! and nothing else does; with a file, what a person reads still goes there.
 
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
@@ -50,22 +51,31 @@ impl Json {
         result: &impl Serialize,
         text: impl FnOnce() -> String,
     ) -> Result<(), InputError> {
+        self.print_by(result, |out| out.write_all(text().as_bytes()))
+    }
+
+    /// The same with a text that is written piece by piece.
+    ///
+    /// # Errors
+    /// It cannot be written.
+    pub fn print_by(
+        &self,
+        result: &impl Serialize,
+        text: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+    ) -> Result<(), InputError> {
         match (&self.json, self.file()) {
-            (None, _) => output::print(&text()),
-            (Some(_), None) => output::print(&json(result)?),
+            (None, _) => output::print_by(text),
+            (Some(_), None) => output::print_by(|out| write(result, out)),
             (Some(_), Some(path)) => {
-                output::replace(path, &json(result)?)?;
-                output::print(&text())
+                output::stream(path, |out| write(result, out))?;
+                output::print_by(text)
             }
         }
     }
 }
 
-/// A result as text with a line end.
-///
-/// # Errors
-/// A result that JSON cannot hold.
-pub fn json(result: &impl Serialize) -> Result<String, InputError> {
-    let text = serde_json::to_string_pretty(result);
-    text.map(|text| text + "\n").map_err(|error| InputError::new(error.to_string()))
+/// A result with a line end.
+fn write(result: &impl Serialize, out: &mut dyn Write) -> io::Result<()> {
+    serde_json::to_writer_pretty(&mut *out, result)?;
+    out.write_all(b"\n")
 }

@@ -19,13 +19,35 @@ use crate::error::{InputError, printable_line, printable_text};
 /// # Errors
 /// Standard output cannot be written.
 pub fn print(text: &str) -> Result<(), InputError> {
-    let mut out = std::io::stdout().lock();
-    let written = out.write_all(printable_text(text).as_bytes()).and_then(|()| out.flush());
+    print_by(|out| out.write_all(text.as_bytes()))
+}
+
+/// The same of what is written in pieces, each of them whole letters.
+///
+/// # Errors
+/// Standard output cannot be written.
+pub fn print_by(write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<(), InputError> {
+    let mut out = Printable(BufWriter::new(std::io::stdout().lock()));
+    let written = write(&mut out).and_then(|()| out.flush());
     match written {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => {
             Err(InputError::new(format!("standard output cannot be written: {error}")))
         }
         _ => Ok(()),
+    }
+}
+
+/// Lets through only what is fit for a terminal.
+struct Printable<W>(W);
+
+impl<W: Write> Write for Printable<W> {
+    fn write(&mut self, piece: &[u8]) -> io::Result<usize> {
+        let text = String::from_utf8_lossy(piece);
+        self.0.write_all(printable_text(&text).as_bytes()).map(|()| piece.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.0.flush()
     }
 }
 

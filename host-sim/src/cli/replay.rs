@@ -1,6 +1,6 @@
 //! `floe replay`: a recorded log to `mu_s` and `mu`.
 
-use std::io::{IsTerminal, Read};
+use std::io::{IsTerminal, Read, Write};
 use std::path::{Path, PathBuf};
 
 use floe_core::{Config, Step};
@@ -215,20 +215,22 @@ fn finish(
         write_figures(folder, &report::figures(result, recorder), args)?;
     }
     if let Some(path) = &args.events {
-        output::replace(path, &events_csv(result)?)?;
+        output::stream(path, |out| events_csv(result, out))?;
     }
     if !args.quiet {
         for warning in &result.log.warnings {
             output::say(&format!("warning: {}: {warning}", result.log.path));
         }
     }
-    args.json.print(result, || {
-        let written = args.outputs().map(|path| format!("written       {}\n", path.display()));
-        match (args.quiet, args.summary) {
-            (true, _) => String::new(),
-            (false, true) => table::summary(result) + &written.collect::<String>(),
-            (false, false) => table::text(result) + &written.collect::<String>(),
+    args.json.print_by(result, |out| {
+        if args.quiet {
+            return Ok(());
         }
+        table::write(out, result, !args.summary)?;
+        let mut files = args.outputs();
+        files.try_for_each(|path| {
+            out.write_all(format!("written       {}\n", path.display()).as_bytes())
+        })
     })
 }
 
@@ -253,20 +255,17 @@ fn write_figures(
     Ok(())
 }
 
-fn events_csv(result: &ReplayResult) -> Result<String, InputError> {
-    let failed = |error: String| InputError::new(error);
-    let mut writer = csv::WriterBuilder::new().has_headers(false).from_writer(Vec::new());
-    writer.write_record(EVENT_COLUMNS).map_err(|e| failed(e.to_string()))?;
-    for event in &result.events {
-        let mut event = event.clone();
+fn events_csv(result: &ReplayResult, out: &mut impl Write) -> std::io::Result<()> {
+    let mut writer = csv::WriterBuilder::new().has_headers(false).from_writer(out);
+    writer.write_record(EVENT_COLUMNS)?;
+    result.events.for_each(|mut event| {
         // Two empty cells, not one.
         for interval in [&mut event.mu_s_ci95, &mut event.mu_ci95] {
             interval.get_or_insert([f64::NAN; 2]);
         }
-        writer.serialize(event).map_err(|e| failed(e.to_string()))?;
-    }
-    let bytes = writer.into_inner().map_err(|e| failed(e.to_string()))?;
-    String::from_utf8(bytes).map_err(|e| failed(e.to_string()))
+        Ok(writer.serialize(event)?)
+    })?;
+    writer.flush()
 }
 
 /// The fields of an event in their order, so that a file without events has a

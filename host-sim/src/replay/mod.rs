@@ -7,6 +7,7 @@ use crate::log::{Log, Sample};
 
 pub mod batches;
 pub mod budget;
+pub mod events;
 pub mod known;
 pub mod quantities;
 pub mod result;
@@ -16,6 +17,7 @@ pub mod table;
 pub mod test;
 pub mod timeline;
 
+use events::Events;
 use result::{
     ChangeSummary, CoefficientSummary, EffectSummary, EventSummary, LogSummary, ReplayResult,
     TestSummary,
@@ -24,7 +26,7 @@ use stretches::Stretches;
 use test::{Around, TestOptions};
 use timeline::Timeline;
 
-/// Runs a whole log through the core; constant memory apart from the events.
+/// Runs a whole log through the core in constant memory.
 /// The log is read on a second thread.
 ///
 /// `path` is only named in the result. `observe` sees every sample's time, in the
@@ -58,15 +60,14 @@ pub fn replay_with(
     let refused = |error: floe_core::ConfigError| InputError::new(error.to_string());
     let mut pipeline = Pipeline::new(config).map_err(refused)?;
     let mut timeline = Timeline::new(log.rate_hz());
-    let (mut events, mut changes, mut means) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut events, mut changes, mut kept) = (Events::default(), Vec::new(), Ok(()));
     let mut stretches = Stretches::default();
     let mut take = |sample: Sample| {
         timeline.push(sample.raw.index, sample.time_s);
         let step = pipeline.step(sample.raw);
         observe(sample.time_s, &step);
-        if let Some(event) = step.event {
-            events.push(summary(&event, &timeline));
-            means.push(so_far(&pipeline));
+        if let (Some(event), true) = (step.event, kept.is_ok()) {
+            kept = events.push(summary(&event, &timeline), so_far(&pipeline));
         }
         changes.extend(step.change.map(|it| ChangeSummary::new(&it, timeline.seconds(it.onset))));
         step.stretch.iter().for_each(|it| add(&mut stretches, it, &timeline));
@@ -79,18 +80,14 @@ pub fn replay_with(
         zero.take_off(&mut samples, config.calibration.counts_per_n.into());
         samples.into_iter().for_each(&mut take);
     }
-    while let Some(event) = pipeline.finish() {
-        events.push(summary(&event, &timeline));
-        means.push(so_far(&pipeline));
+    while let (Some(event), true) = (pipeline.finish(), kept.is_ok()) {
+        kept = events.push(summary(&event, &timeline), so_far(&pipeline));
     }
+    kept.map_err(|e| InputError::new(format!("events cannot be kept in a temporary file: {e}")))?;
     while let Some(stretch) = pipeline.finish_stretch() {
         add(&mut stretches, &stretch, &timeline);
     }
-    if let Some(start) = log.start() {
-        for event in &mut events {
-            event.onset_time = start.after(event.onset_s);
-        }
-    }
+    events.start = log.start();
     let report = pipeline.report();
     let log_summary = LogSummary {
         path: path.to_string(),
@@ -109,7 +106,7 @@ pub fn replay_with(
     };
     let result = ReplayResult::new(log_summary, test, (config, &report), events, changes);
     let effects = pipeline.findings().iter().map(EffectSummary::from).collect();
-    Ok(ReplayResult { means, effects, stretches, ..result })
+    Ok(ReplayResult { effects, stretches, ..result })
 }
 
 /// Both means as they are known now.

@@ -4,9 +4,10 @@
 //! every number is finite.
 
 use floe_core::{Cause, Change, Config, Counters, Estimate, Event, Finding, Report};
-use serde::{Serialize, Serializer};
+use serde::{Deserialize, Serialize, Serializer};
 
 use super::budget::{BudgetLine, lines};
+use super::events::Events;
 use super::quantities::Quantities;
 use super::stretches::Stretches;
 use super::table::digits;
@@ -45,10 +46,7 @@ pub struct ReplayResult {
     /// What was looked for beyond the linear model, and what of it the data show.
     pub effects: Vec<EffectSummary>,
     /// Every event, in order.
-    pub events: Vec<EventSummary>,
-    /// `mu_s` and `mu` as they were known with each event.
-    #[serde(skip)]
-    pub means: Vec<[CoefficientSummary; 2]>,
+    pub events: Events,
 }
 
 /// One effect.
@@ -194,7 +192,7 @@ pub struct CoefficientSummary {
 }
 
 /// One event.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct EventSummary {
     /// From 0.
     pub index: u32,
@@ -203,40 +201,40 @@ pub struct EventSummary {
     /// In the log's own time, between samples.
     pub stop_s: f64,
     /// `Fs`.
-    #[serde(serialize_with = "short")]
+    #[serde(with = "short")]
     pub static_force_n: f64,
     /// `Fp`.
-    #[serde(serialize_with = "short")]
+    #[serde(with = "short")]
     pub dynamic_force_n: f64,
     /// Largest force.
-    #[serde(serialize_with = "short")]
+    #[serde(with = "short")]
     pub peak_force_n: f64,
     /// `Fe`.
-    #[serde(serialize_with = "short")]
+    #[serde(with = "short")]
     pub restick_force_n: f64,
     /// Static coefficient.
-    #[serde(serialize_with = "short_or_null")]
+    #[serde(with = "short_or_null")]
     pub mu_s: Option<f64>,
     /// One standard deviation, the random part alone.
-    #[serde(serialize_with = "short_or_null")]
+    #[serde(with = "short_or_null")]
     pub mu_s_std: Option<f64>,
     /// Dynamic coefficient.
-    #[serde(serialize_with = "short_or_null")]
+    #[serde(with = "short_or_null")]
     pub mu: Option<f64>,
     /// One standard deviation, the random part alone.
-    #[serde(serialize_with = "short_or_null")]
+    #[serde(with = "short_or_null")]
     pub mu_std: Option<f64>,
     /// Time of rest before the onset.
-    #[serde(serialize_with = "short_or_null")]
+    #[serde(with = "short_or_null")]
     pub stick_s: Option<f64>,
     /// Time of motion.
-    #[serde(serialize_with = "short")]
+    #[serde(with = "short")]
     pub slip_s: f64,
     /// `k w`.
-    #[serde(serialize_with = "short")]
+    #[serde(with = "short")]
     pub loading_rate_n_per_s: f64,
     /// Natural frequency.
-    #[serde(serialize_with = "short_or_null")]
+    #[serde(with = "short_or_null")]
     pub omega_rad_per_s: Option<f64>,
     /// Whether the cable went slack.
     pub slack: bool,
@@ -245,28 +243,28 @@ pub struct EventSummary {
     /// Why a coefficient is missing.
     pub reason: Option<String>,
     /// The systematic part of `mu_s`: what is the same in all events.
-    #[serde(serialize_with = "short_or_null")]
+    #[serde(with = "short_or_null")]
     pub mu_s_systematic_std: Option<f64>,
     /// That of `mu`.
-    #[serde(serialize_with = "short_or_null")]
+    #[serde(with = "short_or_null")]
     pub mu_systematic_std: Option<f64>,
     /// Both parts together.
-    #[serde(serialize_with = "short_or_null")]
+    #[serde(with = "short_or_null")]
     pub mu_s_combined_std: Option<f64>,
     /// Both parts together.
-    #[serde(serialize_with = "short_or_null")]
+    #[serde(with = "short_or_null")]
     pub mu_combined_std: Option<f64>,
     /// The 95 % interval.
-    #[serde(serialize_with = "short_pair")]
+    #[serde(with = "short_pair")]
     pub mu_s_ci95: Option<[f64; 2]>,
     /// The 95 % interval.
-    #[serde(serialize_with = "short_pair")]
+    #[serde(with = "short_pair")]
     pub mu_ci95: Option<[f64; 2]>,
     /// How far the block slid, m.
-    #[serde(serialize_with = "short_or_null")]
+    #[serde(with = "short_or_null")]
     pub slip_length_m: Option<f64>,
     /// Work against the friction, J.
-    #[serde(serialize_with = "short_or_null")]
+    #[serde(with = "short_or_null")]
     pub energy_j: Option<f64>,
     /// When the slip began, ISO 8601 (UTC) to the millisecond; `null` when the log has no date.
     pub onset_time: Option<String>,
@@ -279,7 +277,7 @@ impl ReplayResult {
         log: LogSummary,
         test: TestSummary,
         (config, report): (&Config, &Report),
-        mut events: Vec<EventSummary>,
+        mut events: Events,
         mut changes: Vec<ChangeSummary>,
     ) -> Self {
         // The ratio is known better in the end than when it was told.
@@ -288,7 +286,7 @@ impl ReplayResult {
             last.weight_ratio_std = known.weight_ratio_std.into();
         }
         let quantities = Quantities::new(config, report, test.mass_kg);
-        events.iter_mut().for_each(|event| quantities.complete(event));
+        events.finish(quantities);
         Self {
             schema: SCHEMA,
             log,
@@ -306,7 +304,6 @@ impl ReplayResult {
             stretches: Stretches::default(),
             effects: Vec::new(),
             events,
-            means: Vec::new(),
         }
     }
 }
@@ -433,6 +430,14 @@ pub(super) fn known(value: Option<f32>) -> Option<f64> {
     value.filter(|value| value.is_finite()).map(f64::from)
 }
 
+impl EventSummary {
+    /// Whether there is something to remark.
+    #[must_use]
+    pub fn is_odd(&self) -> bool {
+        self.reason.is_some() || self.quality != "good"
+    }
+}
+
 fn pair(ends: Option<(f32, f32)>) -> Option<[f64; 2]> {
     let (low, high) = ends?;
     Some([known(Some(low))?, known(Some(high))?])
@@ -461,6 +466,43 @@ fn short_pair<S: Serializer>(ends: &Option<[f64; 2]>, serializer: S) -> Result<S
             serializer.serialize_some(&ends.map(end))
         }
         None => serializer.serialize_none(),
+    }
+}
+
+/// Both directions: an `f32` comes back as it was.
+mod short {
+    use serde::{Deserialize, Deserializer};
+
+    pub(super) use super::short as serialize;
+
+    pub(super) fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<f64, D::Error> {
+        f32::deserialize(from).map(f64::from)
+    }
+}
+
+/// The same of what may be unknown.
+mod short_or_null {
+    use serde::{Deserialize, Deserializer};
+
+    pub(super) use super::short_or_null as serialize;
+
+    pub(super) fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<Option<f64>, D::Error> {
+        Option::<f32>::deserialize(from).map(|value| value.map(f64::from))
+    }
+}
+
+/// The same of an interval.
+mod short_pair {
+    use serde::{Deserialize, Deserializer};
+
+    pub(super) use super::short_pair as serialize;
+
+    pub(super) fn deserialize<'de, D>(from: D) -> Result<Option<[f64; 2]>, D::Error>
+    where
+        D: Deserializer<'de>,
+    {
+        Ok(Option::<[Option<f32>; 2]>::deserialize(from)?
+            .and_then(|[low, high]| Some([f64::from(low?), f64::from(high?)])))
     }
 }
 

@@ -25,7 +25,7 @@ pub struct SteadySummary {
     pub force_over_weight: f64,
     /// One standard deviation of that mean.
     pub std: f64,
-    /// Whether the block moved; `null`: not known.
+    /// Whether the block moved; `null`: not known, as when the cable was slack.
     pub moving: Option<bool>,
 }
 
@@ -46,6 +46,9 @@ impl Stretches {
         match stretch.kind {
             StretchKind::Steady { force_over_weight, std, moving } => {
                 let [force_over_weight, std] = [force_over_weight, std].map(shortest);
+                // A winch that turns moves no block by a slack cable.
+                let slides = |moves: &bool| !(*moves && is_nothing(force_over_weight, std));
+                let moving = moving.filter(slides);
                 let steady = SteadySummary { start_s, stop_s, force_over_weight, std, moving };
                 self.steady.push(steady);
             }
@@ -143,6 +146,19 @@ mod tests {
                 .to_owned()
                 + r#""not_understood":[{"start_s":30.0,"stop_s":31.5,"reason":"the force falls evenly: the winch turned back"}]}"#
         );
+    }
+
+    #[test]
+    fn a_slack_cable_moves_no_block() {
+        let moving = |force_over_weight, moving| {
+            let steady = StretchKind::Steady { force_over_weight, std: 1e-4, moving };
+            let mut all = Stretches::default();
+            all.add(&stretch(steady), 0.0, 9.0);
+            all.steady[0].moving
+        };
+        assert_eq!(moving(2e-5, Some(true)), None);
+        assert_eq!(moving(2e-5, Some(false)), Some(false));
+        assert_eq!(moving(0.78, Some(true)), Some(true));
     }
 
     #[test]

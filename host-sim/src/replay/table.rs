@@ -1,6 +1,7 @@
 //! The result as text for a person.
 
 use std::fmt::Write;
+use std::io;
 
 use super::quantities::Quantities;
 use super::result::{
@@ -9,33 +10,46 @@ use super::result::{
 use super::stretches::Stretches;
 
 /// Events, then the result with its uncertainty, then what to know about it.
-#[must_use]
-pub fn text(result: &ReplayResult) -> String {
-    written(result, true)
+///
+/// # Errors
+/// As [`write()`].
+pub fn text(result: &ReplayResult) -> io::Result<String> {
+    let mut out = Vec::new();
+    write(&mut out, result, true)?;
+    Ok(String::from_utf8_lossy(&out).into_owned())
 }
 
-/// The same without the events.
-#[must_use]
-pub fn summary(result: &ReplayResult) -> String {
-    written(result, false)
-}
-
-fn written(result: &ReplayResult, each_event: bool) -> String {
-    let mut out = String::new();
+/// The same, event by event; or without the events.
+///
+/// # Errors
+/// `out` cannot be written, or the events not be read.
+pub fn write(out: &mut dyn io::Write, result: &ReplayResult, each_event: bool) -> io::Result<()> {
     let force = decimals(result.test.weight_n);
+    let mut head = String::new();
     // Writing to a String cannot fail.
-    let _ = header(&mut out, result, force);
-    let _ = match result.events.as_slice() {
-        [] => writeln!(out, "No events: no slip was found in this log.\n"),
-        events if each_event => event_lines(&mut out, events, force),
-        _ => Ok(()),
+    let _ = header(&mut head, result, force);
+    let listed = each_event && !result.events.is_empty();
+    let _ = match (result.events.is_empty(), listed) {
+        (true, _) => writeln!(head, "No events: no slip was found in this log.\n"),
+        (false, true) => titles(&mut head),
+        (false, false) => Ok(()),
     };
-    let _ = notices(&mut out, result);
-    let _ = coefficients(&mut out, result);
-    let _ = budget(&mut out, result);
-    let _ = quantities(&mut out, result);
-    let _ = samples(&mut out, &result.log);
-    out
+    out.write_all(head.as_bytes())?;
+    if listed {
+        result.events.for_each(|event| {
+            let mut line = String::new();
+            let _ = event_line(&mut line, &event, force);
+            out.write_all(line.as_bytes())
+        })?;
+        out.write_all(b"\n")?;
+    }
+    let mut rest = String::new();
+    let _ = notices(&mut rest, result);
+    let _ = coefficients(&mut rest, result);
+    let _ = budget(&mut rest, result);
+    let _ = quantities(&mut rest, result);
+    let _ = samples(&mut rest, &result.log);
+    out.write_all(rest.as_bytes())
 }
 
 /// Decimals that give a number of this size four digits.
@@ -106,33 +120,33 @@ fn significant(value: f64) -> String {
     text.trim_end_matches('0').trim_end_matches('.').to_string()
 }
 
-fn event_lines(out: &mut String, events: &[EventSummary], force: usize) -> std::fmt::Result {
+fn titles(out: &mut String) -> std::fmt::Result {
     let titles = [
         "event", "onset s", "stop s", "mu_s", "±", "random", "mu", "±", "random", "Fs N", "Fp N",
         "Fe N", "stick s", "slip s",
     ];
-    line(out, &titles.map(str::to_string), "quality")?;
-    for event in events {
-        let reason = event.reason.as_ref().map(|r| format!(": {r}")).unwrap_or_default();
-        let cells = [
-            event.index.to_string(),
-            cell(Some(event.onset_s), 3),
-            cell(Some(event.stop_s), 3),
-            cell(event.mu_s, 4),
-            narrow(event.mu_s_combined_std),
-            narrow(event.mu_s_std),
-            cell(event.mu, 4),
-            narrow(event.mu_combined_std),
-            narrow(event.mu_std),
-            cell(Some(event.static_force_n), force),
-            cell(Some(event.dynamic_force_n), force),
-            cell(Some(event.restick_force_n), force),
-            cell(event.stick_s, 3),
-            cell(Some(event.slip_s), 3),
-        ];
-        line(out, &cells, &format!("{}{reason}", event.quality))?;
-    }
-    writeln!(out)
+    line(out, &titles.map(str::to_string), "quality")
+}
+
+fn event_line(out: &mut String, event: &EventSummary, force: usize) -> std::fmt::Result {
+    let reason = event.reason.as_ref().map(|r| format!(": {r}")).unwrap_or_default();
+    let cells = [
+        event.index.to_string(),
+        cell(Some(event.onset_s), 3),
+        cell(Some(event.stop_s), 3),
+        cell(event.mu_s, 4),
+        narrow(event.mu_s_combined_std),
+        narrow(event.mu_s_std),
+        cell(event.mu, 4),
+        narrow(event.mu_combined_std),
+        narrow(event.mu_std),
+        cell(Some(event.static_force_n), force),
+        cell(Some(event.dynamic_force_n), force),
+        cell(Some(event.restick_force_n), force),
+        cell(event.stick_s, 3),
+        cell(Some(event.slip_s), 3),
+    ];
+    line(out, &cells, &format!("{}{reason}", event.quality))
 }
 
 fn line(out: &mut String, cells: &[String; 14], last: &str) -> std::fmt::Result {
@@ -173,7 +187,7 @@ fn coefficients(out: &mut String, result: &ReplayResult) -> std::fmt::Result {
     let estimate = &result.estimate;
     coefficient(out, "mu_s", &estimate.mu_s)?;
     coefficient(out, "mu", &estimate.mu)?;
-    let found = result.events.len();
+    let found = result.events.found();
     writeln!(
         out,
         "       ± one standard deviation, all that is known of it; {} of {found} events count\n",
@@ -297,12 +311,16 @@ fn effect(effect: &EffectSummary) -> String {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use crate::replay::budget::{BudgetLine, BudgetShare};
+    use crate::replay::events::Events;
     use crate::replay::result::{ChangeSummary, EstimateSummary, SCHEMA, TestSummary};
 
-    fn result(events: Vec<EventSummary>) -> ReplayResult {
+    fn result(listed: Vec<EventSummary>) -> ReplayResult {
+        let mut events = Events::default();
+        listed.into_iter().for_each(|it| events.push(it, Default::default()).unwrap());
+        events.finish(Quantities::default());
         let mean = |mean: f64| CoefficientSummary {
             mean: Some(mean),
             std_error: Some(0.0003),
@@ -346,7 +364,6 @@ mod tests {
                 ..Quantities::default()
             },
             budget: vec![weight],
-            means: Vec::new(),
             zero_n: None,
             changes: Vec::new(),
             stretches: Stretches::default(),
@@ -355,7 +372,7 @@ mod tests {
         }
     }
 
-    fn event() -> EventSummary {
+    pub(in crate::replay) fn event() -> EventSummary {
         EventSummary {
             index: 0,
             onset_s: 2.16345,
@@ -420,7 +437,7 @@ by the model  unknown
 samples       1920 read, 3 missing, 0 duplicates, 0 rejected, 0 saturated
 note          line 9 is odd
 ";
-        assert_eq!(text(&result(vec![event()])), expected);
+        assert_eq!(text(&result(vec![event()])).unwrap(), expected);
     }
 
     #[test]
@@ -435,7 +452,8 @@ note          line 9 is odd
         });
         let line = "\nchange at 60.27 s (event 33) the block's weight changed to 0.671 ± 0.006 of \
                     the given one, 422.7 N; the coefficients from there on use it\n\nmu_s ";
-        assert!(text(&result).contains(line), "{}", text(&result));
+        let text = text(&result).unwrap();
+        assert!(text.contains(line), "{text}");
     }
 
     #[test]
@@ -445,11 +463,12 @@ note          line 9 is odd
         let line = "\nzero   the zero of the load cell may have moved by 14 N, which is in the \
                     budget; take it before and after a test (--zero-before-n, --zero-after-n)\n\n\
                     mu_s ";
-        assert!(text(&result).contains(line), "{}", text(&result));
+        let text = text(&result).unwrap();
+        assert!(text.contains(line), "{text}");
     }
 
     #[test]
     fn no_events_is_said() {
-        assert!(text(&result(Vec::new())).contains("\nNo events: no slip was found"));
+        assert!(text(&result(Vec::new())).unwrap().contains("\nNo events: no slip was found"));
     }
 }

@@ -25,10 +25,8 @@ pub struct TestOptions {
     /// [default: `# slope_deg:` in the log, else 0]
     #[arg(long, value_name = "A", allow_negative_numbers = true)]
     pub slope_deg: Option<f64>,
-    /// What to look for beyond the linear model: auto (the data decide), none, or names with
-    /// commas between them: corner, sag, stiffening, mass, level, drift, flop, ripple, forgetting,
-    /// damping [default: auto, or what the log says]
-    #[arg(long, value_name = "auto|none|LIST", value_parser = effects)]
+    /// What to look for beyond the linear model: auto (the data decide), none, or names
+    #[arg(long, value_name = "auto|none|LIST", value_parser = effects, help = effects_help())]
     pub effects: Option<Effects>,
     /// Converter code at zero force, for --unit counts
     #[arg(long, value_name = "C", allow_negative_numbers = true)]
@@ -39,6 +37,20 @@ pub struct TestOptions {
     /// How well all this is known.
     #[command(flatten)]
     pub known: Box<KnownOptions>,
+}
+
+/// What `--help` says of them.
+fn effects_help() -> String {
+    format!(
+        "What to look for beyond the linear model: auto (the data decide), none, or names with \
+         commas between them: {} [default: auto, or what the log says]",
+        names()
+    )
+}
+
+/// Every effect there is.
+fn names() -> String {
+    Effect::ALL.map(Effect::name).join(", ")
 }
 
 /// A set of effects by their names.
@@ -53,8 +65,7 @@ fn effects(text: &str) -> Result<Effects, String> {
     }
     text.split(',').map(str::trim).try_fold(Effects::NONE, |set, name| {
         let effect = Effect::named(name).ok_or_else(|| {
-            let names = Effect::ALL.map(Effect::name).join(", ");
-            format!("no effect is called '{name}': auto, none, or some of {names}")
+            format!("no effect is called '{name}': auto, none, or some of {}", names())
         })?;
         Ok(set.with(effect, true))
     })

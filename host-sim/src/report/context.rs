@@ -1,5 +1,6 @@
 //! What all figures share, and which event they look at closely.
 
+use super::fit::neighbours;
 use super::number::Unit;
 use super::recorder::Recorder;
 use crate::replay::result::{EventSummary, ReplayResult};
@@ -79,8 +80,8 @@ impl<'a> Context<'a> {
     fn period_s(&self, position: usize) -> Option<f64> {
         let events = &self.result.events;
         let event = events.get(position)?;
-        let next = events.get(position + 1).map(|next| next.onset_s - event.onset_s);
-        let before = position.checked_sub(1).and_then(|i| events.get(i));
+        let (before, next) = neighbours(events, position);
+        let next = next.map(|next| next.onset_s - event.onset_s);
         let since = before.map(|before| event.onset_s - before.onset_s);
         let drop_n = event.static_force_n - event.restick_force_n;
         let alone = event.slip_s + drop_n / event.loading_rate_n_per_s;

@@ -7,7 +7,6 @@ use super::plot::{Axis, Layout, Plot, Spec};
 use super::running::{Measured, Running, course, measured};
 use super::scale::extent;
 use super::svg::Path;
-use crate::replay::result::ReplayResult;
 
 /// Events drawn at most; beyond it every second, third, ...
 const MOST_EVENTS: usize = 2500;
@@ -18,8 +17,8 @@ const ALL_INSIDE: usize = 100;
 
 /// The figure; none without a coefficient.
 pub(super) fn convergence(context: &Context<'_>) -> Option<Figure> {
-    let ReplayResult { events, means, .. } = context.result;
-    let mean_of = |i: usize| course(means.iter().map(|mean| &mean[i]), events);
+    let events = &context.result.events;
+    let mean_of = |i: usize| course(events.means.iter().map(|mean| &mean[i]), events);
     let panels = [
         Panel::new("static", "s", measured(events, |e| (e.mu_s, e.mu_s_std)), mean_of(0)),
         Panel::new("dynamic", "", measured(events, |e| (e.mu, e.mu_std)), mean_of(1)),
@@ -39,8 +38,13 @@ pub(super) fn convergence(context: &Context<'_>) -> Option<Figure> {
         tint_key("band-2 static", "95 % interval"),
     ];
     let outside: usize = drawn.iter().map(|panel| panel.outside()).sum();
+    // Those that are kept stand for those in between.
+    let every = events.found() as f64 / events.len() as f64;
     let note = match outside {
         0 => String::new(),
+        n if every > 1.0 => {
+            format!(" About {} values lie outside the axes.", count((n as f64 * every) as u64))
+        }
         1 => " One value lies outside the axes.".into(),
         n => format!(" {} values lie outside the axes.", count(n as u64)),
     };

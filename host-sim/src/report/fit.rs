@@ -108,13 +108,25 @@ pub(super) fn line_after(event: &EventSummary, after_s: f64) -> Vec<(f64, f64)> 
     vec![(event.stop_s, event.restick_force_n), (event.stop_s + after_s, end_n)]
 }
 
+/// The events before and after one, where they are among those that are kept.
+pub(super) fn neighbours(
+    events: &[EventSummary],
+    position: usize,
+) -> (Option<&EventSummary>, Option<&EventSummary>) {
+    let is_next = |(a, b): (&EventSummary, &EventSummary)| a.index + 1 == b.index;
+    let event = events.get(position);
+    let before = position.checked_sub(1).and_then(|i| events.get(i));
+    let after = events.get(position + 1);
+    let before = before.filter(|&before| event.is_some_and(|event| is_next((before, event))));
+    (before, after.filter(|&after| event.is_some_and(|event| is_next((event, after)))))
+}
+
 /// For how long before the onset and after the re-stick an event's fit speaks, s: half-way to
 /// its neighbours, or the time of its own rest.
 pub(super) fn reach_s(events: &[EventSummary], position: usize) -> (f64, f64) {
     let Some(event) = events.get(position) else { return (0.0, 0.0) };
-    let before = position.checked_sub(1).and_then(|i| events.get(i));
+    let (before, after) = neighbours(events, position);
     let since_s = before.map(|before| (event.onset_s - before.stop_s) / 2.0);
-    let after = events.get(position + 1);
     let until_s = after.map(|after| (after.onset_s - event.stop_s) / 2.0);
     let alone_s = rest_s(event);
     (since_s.unwrap_or(alone_s).max(0.0), until_s.unwrap_or(alone_s).max(0.0))
@@ -188,7 +200,7 @@ mod tests {
 
     #[test]
     fn a_slip_of_unknown_shape_is_a_straight_line() {
-        let mut event = SampleLog::dff8_13(30.0).result.events.remove(1);
+        let mut event = SampleLog::dff8_13(30.0).result.events.kept.remove(1);
         event.omega_rad_per_s = None;
         assert_eq!(slip_curve(&event).len(), 2);
         let middle = (event.onset_s + event.stop_s) / 2.0;

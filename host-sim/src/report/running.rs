@@ -65,7 +65,7 @@ mod tests {
     #[test]
     fn the_course_is_bounded_and_ends_in_the_result() {
         let result = SampleLog::dff8_13(1800.0).result;
-        let course = course(result.means.iter().map(|m| &m[0]), &result.events);
+        let course = course(result.events.means.iter().map(|m| &m[0]), &result.events);
         assert!((MOST / 2..=MOST + 1).contains(&course.len()));
         let last = course[course.len() - 1];
         assert_eq!(Some(last.mean), result.estimate.mu_s.mean);

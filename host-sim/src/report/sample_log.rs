@@ -4,6 +4,7 @@
 use floe_core::{ForceSample, SampleFlag, Step};
 
 use super::Recorder;
+use crate::replay::events::Events;
 use crate::replay::quantities::Quantities;
 use crate::replay::result::{
     CoefficientSummary, EstimateSummary, EventSummary, LogSummary, ReplayResult, SCHEMA,
@@ -140,7 +141,7 @@ impl SampleLog {
     /// unresolved one, a gap, saturated samples and warnings.
     pub fn troubled(duration_s: f64) -> Self {
         let mut log = Self::dff8_13(duration_s);
-        let [_, second, third, fourth, ..] = &mut log.result.events[..] else { return log };
+        let [_, second, third, fourth, ..] = &mut log.result.events.kept[..] else { return log };
         second.quality = "unresolved".into();
         second.omega_rad_per_s = None;
         third.quality = "slack".into();
@@ -172,13 +173,13 @@ impl SampleLog {
     /// Only the first `n` events (0 or 1) and what they give.
     pub fn keep_events(&mut self, n: usize) {
         let result = &mut self.result;
-        result.events.truncate(n);
+        result.events.kept.truncate(n);
         let of = |pick: fn(&EventSummary) -> Option<f64>| {
             coefficient(&result.events.iter().filter_map(pick).collect::<Vec<_>>())
         };
         result.estimate =
             EstimateSummary { mu_s: of(|e| e.mu_s), mu: of(|e| e.mu), events: n as u64 };
-        result.means.truncate(n);
+        result.events.means.truncate(n);
         (result.quantities.recurrence_s, result.zero_n) = (None, None);
         if n == 0 {
             result.quantities = Quantities::default();
@@ -197,7 +198,7 @@ impl SampleLog {
         result.noise_n = result.noise_n.map(|n| n * factor);
         let rate = &mut result.quantities.loading_rate_n_per_s;
         *rate = rate.map(|r| r * factor);
-        for e in &mut result.events {
+        for e in &mut result.events.kept {
             e.static_force_n *= factor;
             e.dynamic_force_n *= factor;
             e.peak_force_n *= factor;
@@ -230,7 +231,11 @@ fn result(events: Vec<EventSummary>, samples: u64, duration_s: f64) -> ReplayRes
     };
     let (of_mu_s, of_mu) = (values(|e| e.mu_s), values(|e| e.mu));
     let after = |n: usize| [coefficient(&of_mu_s[..n]), coefficient(&of_mu[..n])];
-    let means = (1..=events.len()).map(after).collect();
+    let mut kept = Events::default();
+    for (n, event) in events.iter().enumerate() {
+        kept.push(event.clone(), after(n + 1)).unwrap();
+    }
+    kept.finish(Quantities::default());
     ReplayResult {
         schema: SCHEMA,
         log: LogSummary {
@@ -266,11 +271,10 @@ fn result(events: Vec<EventSummary>, samples: u64, duration_s: f64) -> ReplayRes
             ..Quantities::default()
         },
         budget: Vec::new(),
-        means,
         zero_n: None,
         changes: Vec::new(),
         stretches: Default::default(),
         effects: Vec::new(),
-        events,
+        events: kept,
     }
 }

@@ -34,20 +34,24 @@ fn slips_apart(context: &Context<'_>, plot: &Plot) -> bool {
     let events = &context.result.events;
     let Some((first, last)) = events.first().zip(events.last()) else { return true };
     let spread_px = plot.x.at(last.onset_s) - plot.x.at(first.onset_s);
-    events.len() < 2 || spread_px / (events.len() - 1) as f64 >= APART_PX
+    events.found() < 2 || spread_px / (events.found() - 1) as f64 >= APART_PX
 }
 
 /// Columns whose strength is the share of time spent slipping.
 fn shade_shares(context: &Context<'_>, plot: &mut Plot, rest_from: f64) {
     let (low, high) = plot.x.domain;
     let width_px = plot.x.range.1 - plot.x.range.0;
-    let spacing_px = width_px / context.result.events.len() as f64;
+    let events = &context.result.events;
+    let spacing_px = width_px / events.found() as f64;
     let columns = (width_px / (CYCLES * spacing_px).max(COLUMN_PX)).max(1.0) as usize;
     let width = (high - low) / columns as f64;
     let mut shares = vec![0.0; columns];
-    for event in &context.result.events {
+    for event in events.iter() {
         add_share(&mut shares, event, low + context.zero_s, width);
     }
+    // Those that are kept stand for those in between.
+    let weight = events.found() as f64 / events.len() as f64;
+    shares.iter_mut().for_each(|share| *share *= weight);
     let level = |share: &f64| (share.clamp(0.0, 1.0).sqrt() * LEVELS).ceil() as usize;
     let levels: Vec<usize> = shares.iter().map(level).collect();
     let mut from = 0;

@@ -121,7 +121,7 @@ fn measured(result: &ReplayResult) -> Vec<Fact> {
     // Weight and winch speed contradict each other.
     let ratio = quantities.stiffness_ratio.zip(quantities.stiffness_ratio_std);
     let off = ratio.is_some_and(|(ratio, std)| (ratio - 1.0).abs() > 3.0 * std);
-    let (used, found) = (result.estimate.events, result.events.len() as u64);
+    let (used, found) = (result.estimate.events, result.events.found() as u64);
     let without = found.saturating_sub(used);
     let events = match without {
         0 => count(used),

@@ -3,6 +3,7 @@
 use super::context::Context;
 use super::number::{count, decimals_for, decimals_of_error, fixed, significant};
 use super::svg::escape;
+use crate::replay::events::Events;
 use crate::replay::result::EventSummary;
 
 /// Events shown from the start and from the end of a long list.
@@ -19,12 +20,12 @@ pub(super) fn table(context: &Context<'_>) -> String {
     let columns = Columns::new(context);
     let mut rows = String::new();
     let mut last = None;
-    for (position, event) in chosen(events) {
-        if last.is_some_and(|last| position > last + 1) {
+    for (_, event) in chosen(events) {
+        if last.is_some_and(|last| event.index > last + 1) {
             rows.push_str("<tr class=\"skip\"><td colspan=\"13\">⋯</td></tr>");
         }
         rows.push_str(&columns.row(event));
-        last = Some(position);
+        last = Some(event.index);
     }
     format!(
         "<section><h2>Events</h2>{}<div class=\"scroll\" tabindex=\"0\" role=\"region\" \
@@ -41,20 +42,16 @@ pub(super) fn chosen(events: &[EventSummary]) -> impl Iterator<Item = (usize, &E
     let mut troubled = 0;
     events.iter().enumerate().filter(move |(position, event)| {
         let edge = *position < EDGE || *position >= tail;
-        let shown = edge || (troubled_event(event) && troubled < MOST_TROUBLED);
+        let shown = edge || (event.is_odd() && troubled < MOST_TROUBLED);
         troubled += usize::from(shown && !edge);
         shown
     })
 }
 
-fn troubled_event(event: &EventSummary) -> bool {
-    event.reason.is_some() || event.quality != "good"
-}
-
-fn remark(events: &[EventSummary]) -> String {
-    let troubled = events.iter().filter(|e| troubled_event(e)).count() as u64;
+fn remark(events: &Events) -> String {
+    let troubled = events.odd() as u64;
     let shown = chosen(events).count();
-    let mut text = match events.len() {
+    let mut text = match events.found() {
         1 => String::from("<p>One event"),
         n => format!("<p>{} events", count(n as u64)),
     };
@@ -62,7 +59,7 @@ fn remark(events: &[EventSummary]) -> String {
         text.push_str(&format!(", {} with a remark", count(troubled)));
     }
     text.push_str(". Errors are one standard deviation.");
-    if shown < events.len() {
+    if shown < events.found() {
         text.push_str(&format!(
             " Shown are the first and the last {EDGE}, and up to {MOST_TROUBLED} with a remark \
              in between; <code>floe replay --events FILE.csv</code> writes all."
@@ -168,7 +165,7 @@ mod tests {
     fn long_lists_show_their_ends_and_the_troubled() {
         let mut events = SampleLog::dff8_13(1800.0).result.events;
         assert!(events.len() > 900);
-        events[500].quality = "unresolved".into();
+        events.kept[500].quality = "unresolved".into();
         let shown: Vec<usize> = chosen(&events).map(|(position, _)| position).collect();
         assert_eq!(shown.len(), 2 * EDGE + 1);
         assert!(shown.contains(&500) && shown.is_sorted());

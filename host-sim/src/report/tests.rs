@@ -152,8 +152,8 @@ fn text_from_outside_is_escaped() {
     log.result.log.path = format!("a/{evil}.csv");
     log.result.log.format = evil.into();
     log.result.log.warnings.push(evil.into());
-    log.result.events[5].quality = evil.into();
-    log.result.events[6].reason = Some(evil.into());
+    log.result.events.kept[5].quality = evil.into();
+    log.result.events.kept[6].reason = Some(evil.into());
     let page = log.page();
     let document = parsed(&page);
     let scripts = elements(&document, "script");
@@ -206,7 +206,7 @@ fn little_to_show_is_shown_sensibly() {
 
     let mut valueless = SampleLog::dff8_13(6.0);
     valueless.keep_events(1);
-    let event = &mut valueless.result.events[0];
+    let event = &mut valueless.result.events.kept[0];
     (event.mu_s, event.mu_s_std, event.mu, event.mu_std) = (None, None, None, None);
     event.omega_rad_per_s = None;
     event.reason = Some("too few samples around the slip".into());
@@ -228,7 +228,7 @@ fn extreme_numbers_still_give_a_page() {
         parsed(&SampleLog::troubled(40.0).scaled(factor).page());
     }
     let mut log = SampleLog::troubled(40.0);
-    for event in &mut log.result.events {
+    for event in &mut log.result.events.kept {
         event.loading_rate_n_per_s = 0.0;
         event.omega_rad_per_s = Some(1e-30);
         event.slip_s = 0.0;

@@ -17,7 +17,7 @@ use crate::{Result, apt};
 
 /// FAT32 needs 65 525 clusters of 512 bytes at least.
 const IMAGE_BYTES: u64 = 64 << 20;
-/// Room for the NUCLEO's log of 64 MiB, in clusters of 4 KiB.
+/// Room for the NUCLEO's log of 96 MiB, in clusters of 4 KiB.
 const LARGE_BYTES: u64 = 512 << 20;
 /// Where the partition begins, in sectors.
 const START: u32 = 2048;
@@ -181,35 +181,7 @@ impl Image {
 
     /// What the board wrote.
     pub fn tests(&self) -> Result<Vec<card::Test>> {
-        let file = File::open(&self.0).map_err(|e| e.to_string())?;
-        card::tests(file).map(|(tests, _)| tests).map_err(|e| e.to_string())
-    }
-
-    /// The card has every code that the converter gave in the test, and every line of
-    /// it but what only a display needs. Gives a sentence about it.
-    ///
-    /// # Errors
-    /// The first difference.
-    pub fn compare(&self, run: &Run) -> Result<String> {
-        let tests = self.tests()?;
-        let test = tests.last().ok_or("the card has no test")?;
-        let given: BTreeMap<u64, i32> = run.delivered.iter().copied().collect();
-        for sample in &test.samples {
-            let index = u64::from(sample.index.wrapping_sub(test.part.first_index));
-            if sample.reading.ok().map(|code| code.0) != given.get(&index).copied() {
-                return Err(format!("the card has {sample:?}, the converter gave another"));
-            }
-        }
-        let of_the_test = |line: &&str| line.starts_with(['E', 'C', 'R', 'Z']);
-        let said: Vec<&str> = run.shown.lines().filter(of_the_test).collect();
-        let kept: Vec<&str> = test.lines.lines().filter(of_the_test).collect();
-        if said != kept || test.missing() > 0 {
-            let (said, kept, missing) = (said.len(), kept.len(), test.missing());
-            return Err(format!(
-                "{said} lines said, {kept} on the card, {missing} samples missing"
-            ));
-        }
-        Ok(format!("{} codes and {} lines as said", test.samples.len(), kept.len()))
+        tests(&self.0)
     }
 }
 
@@ -219,6 +191,35 @@ impl Drop for Image {
     }
 }
 
+fn tests(image: &Path) -> Result<Vec<card::Test>> {
+    let file = File::open(image).map_err(|e| format!("{}: {e}", image.display()))?;
+    card::tests(file).map(|(tests, _)| tests).map_err(|e| e.to_string())
+}
+
+/// The card has every code that the converter gave in the test, and every line of
+/// it but what only a display needs. Gives a sentence about it.
+///
+/// # Errors
+/// The first difference.
+pub fn compare(image: &Path, run: &Run) -> Result<String> {
+    let tests = tests(image)?;
+    let test = tests.last().ok_or("the card has no test")?;
+    let given: BTreeMap<u64, i32> = run.delivered.iter().copied().collect();
+    for sample in &test.samples {
+        let index = u64::from(sample.index.wrapping_sub(test.part.first_index));
+        if sample.reading.ok().map(|code| code.0) != given.get(&index).copied() {
+            return Err(format!("the card has {sample:?}, the converter gave another"));
+        }
+    }
+    let of_the_test = |line: &&str| line.starts_with(['E', 'C', 'R', 'Z']);
+    let said: Vec<&str> = run.shown.lines().filter(of_the_test).collect();
+    let kept: Vec<&str> = test.lines.lines().filter(of_the_test).collect();
+    if said != kept || test.missing() > 0 {
+        let (said, kept, missing) = (said.len(), kept.len(), test.missing());
+        return Err(format!("{said} lines said, {kept} on the card, {missing} samples missing"));
+    }
+    Ok(format!("{} codes and {} lines as said", test.samples.len(), kept.len()))
+}
 fn check_file_system(image: &Path) -> Result<()> {
     let fsck = tool("fsck.fat")?;
     let bytes = fs::read(image).map_err(|e| e.to_string())?;

@@ -51,7 +51,6 @@ pub struct Run {
     /// Bytes of stack used at most.
     pub stack: u64,
     /// What the firmware logged, undecoded.
-    #[cfg_attr(not(feature = "defmt"), allow(dead_code))]
     pub logged: Vec<u8>,
     /// Time it took.
     pub wall: Duration,
@@ -59,7 +58,6 @@ pub struct Run {
 
 impl Machine {
     /// The firmware's file.
-    #[cfg(feature = "defmt")]
     pub fn firmware(&self) -> &Path {
         &self.firmware
     }

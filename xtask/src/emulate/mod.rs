@@ -143,7 +143,7 @@ fn check_nucleo(nucleo: &Nucleo) -> Result<()> {
     let outcome = outcome::decode(&run.shown)?;
     let same = outcome.compare(&record, &run.delivered)?;
     outcome.check_ticks()?;
-    let kept = image.compare(&run)?;
+    let kept = card::compare(image.path(), &run)?;
     println!("board: dff8-13.csv: {same}; card: {kept}");
     Ok(())
 }
@@ -234,16 +234,19 @@ pub fn run(args: &Args, forced: Option<Route>) -> Result<()> {
     }
     if args.live.is_none() {
         outcome.check_ticks()?;
+        if let Some(card) = &args.card {
+            say(&format!("card: {}", card::compare(card, &run)?));
+        }
     }
     for trouble in &outcome.troubles {
         say(&format!("the board says: {trouble}"));
     }
-    let result = outcome.result(&args.log, &record);
+    let result = outcome.result(&args.log, &record)?;
     let text = serde_json::to_string_pretty(&result).map_err(|e| e.to_string())? + "\n";
     let done = match args.json.as_deref() {
         Some(path) if path.as_os_str() == "-" => output::print(&text),
         Some(path) => output::replace(path, &text),
-        None => output::print(&table::text(&result)),
+        None => output::print(&table::text(&result).map_err(|e| e.to_string())?),
     };
     done.map_err(|error| error.to_string())
 }

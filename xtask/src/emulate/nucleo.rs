@@ -94,7 +94,6 @@ impl Nucleo {
     }
 
     /// The program that it runs.
-    #[cfg(feature = "defmt")]
     pub fn firmware(&self) -> &Path {
         &self.firmware
     }
@@ -152,7 +151,8 @@ impl Nucleo {
             first_index(&shown).ok_or_else(|| "no test was started".to_string() + &words())?;
         let delivered = check.outcome.delivered.iter();
         let delivered = delivered.filter_map(|&(n, code)| Some((n.checked_sub(first)?, code)));
-        // An image that logs hears a command before it has dealt with that sample.
+        // The model looks at an image that logs every 10 ms, and types then, not only with
+        // the next tick: the command is heard before that sample has been dealt with.
         let rest = REST as u64 - u64::from(self.rtt.is_some());
         if !(rest..=REST as u64 + later(setup)).contains(&first) && setup.port.is_none() {
             return Err(format!("the test began at sample {first}, not {REST}{}", words()));

@@ -3,6 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
+use floe::replay::events::Events;
 use floe::replay::result::{ChangeSummary, EventSummary, LogSummary, ReplayResult, TestSummary};
 use floe::replay::stretches::Stretches;
 use floe_core::{
@@ -134,8 +135,10 @@ impl Outcome {
     }
 
     /// As `floe replay` would give it.
-    #[must_use]
-    pub fn result(&self, path: &Path, record: &Record) -> ReplayResult {
+    ///
+    /// # Errors
+    /// There is no room for the events.
+    pub fn result(&self, path: &Path, record: &Record) -> Result<ReplayResult> {
         let span = |times: &[f64]| Some(times.last()? - times.first()?);
         let log = LogSummary {
             path: path.display().to_string(),
@@ -158,16 +161,19 @@ impl Outcome {
             let time_s = record.times_s.get(index).copied().unwrap_or(0.0);
             time_s + periods / f64::from(self.config.rate_hz)
         };
-        let events = self.events.iter();
-        let events = events.map(|e| EventSummary::new(e, seconds(e.onset), seconds(e.stop)));
+        let mut events = Events::default();
+        for e in &self.events {
+            let event = EventSummary::new(e, seconds(e.onset), seconds(e.stop));
+            events.push(event, Default::default()).map_err(|e| e.to_string())?;
+        }
         let changes = self.changes.iter().map(|c| ChangeSummary::new(c, seconds(c.onset)));
         let mut stretches = Stretches::default();
         self.stretches.iter().for_each(|it| {
             stretches.add(it, seconds(it.start), seconds(it.stop));
         });
         let inputs = (&self.config, &self.report);
-        let result = ReplayResult::new(log, test, inputs, events.collect(), changes.collect());
-        ReplayResult { stretches, ..result }
+        let result = ReplayResult::new(log, test, inputs, events, changes.collect());
+        Ok(ReplayResult { stretches, ..result })
     }
 }
 

@@ -10,7 +10,7 @@ use crate::emulate::nucleo::card;
 /// A card that comes back is written to again within, s.
 const CARD_BACK_S: f64 = 5.0;
 /// Sectors of the log's file.
-const LOG_SECTORS: f64 = 131_072.0;
+const LOG_SECTORS: f64 = 196_608.0;
 
 /// Makes a card with a name.
 type Make = fn(&str) -> Result<Image>;
