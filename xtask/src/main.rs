@@ -10,6 +10,7 @@ mod defmt;
 mod effects;
 mod emulate;
 mod flash;
+mod host_tests;
 mod image;
 mod libraries;
 mod maths;

@@ -7,7 +7,7 @@ use crate::Result;
 use crate::arm::Route;
 use crate::shell::{self, cargo, run_within, say};
 use crate::target::Tests;
-use crate::{browser, budgets, defmt, emulate, libraries, python, qemu, size};
+use crate::{browser, budgets, defmt, emulate, host_tests, libraries, python, qemu, size};
 
 /// Names of the steps that passed and of those that did not.
 struct Tally {
@@ -53,7 +53,7 @@ fn host(tally: &mut Tally) {
     tally.step("libraries", libraries::check);
     tally.step("Python examples", python::check);
     tally.step("reports in a browser", browser::check);
-    tally.step("host tests", || shell::run(cargo().args(["test", "--workspace"])));
+    tally.step("host tests", host_tests::run);
     tally.step("display", || {
         // Nothing else on a PC has the feature.
         let mut display = cargo();

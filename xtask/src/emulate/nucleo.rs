@@ -152,7 +152,8 @@ impl Nucleo {
         let delivered = check.outcome.delivered.iter();
         let delivered = delivered.filter_map(|&(n, code)| Some((n.checked_sub(first)?, code)));
         // The model looks at an image that logs every 10 ms, and types then, not only with
-        // the next tick: the command is heard before that sample has been dealt with.
+        // the next tick: a command may be heard before that sample has been dealt with. (Read off
+        // the code, not shown by a run.)
         let rest = REST as u64 - u64::from(self.rtt.is_some());
         if !(rest..=REST as u64 + later(setup)).contains(&first) && setup.port.is_none() {
             return Err(format!("the test began at sample {first}, not {REST}{}", words()));
