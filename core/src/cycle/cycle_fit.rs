@@ -16,6 +16,10 @@ use crate::stats::line::Line;
 /// Samples' worth of iterations that are still made when the next event wants to be fitted.
 const LEFT: usize = 5;
 
+/// Periods from the highest to the lowest sample that tell when a slip began and how long it took:
+/// a single sample in between could be anywhere in slips of many lengths.
+const TELLING: f32 = 3.0;
+
 /// An event being fitted.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct CycleFit {
@@ -51,6 +55,9 @@ pub(crate) struct Measured {
     pub(crate) posterior: Posterior,
     /// The forces without what other events told of the loading rate.
     pub(crate) alone: Option<Forces>,
+    /// Parts of their variances, in units of the noise's, that come from the swing and the bend
+    /// that were expected.
+    pub(crate) expected: (f32, f32),
     /// Variance of the noise, N².
     pub(crate) noise_n2: f32,
     /// Whether it is still the same block.
@@ -88,12 +95,21 @@ impl CycleFit {
         }
     }
 
-    /// Iterations a sample: as many as one has time for, two of a usual slip. With fewer,
-    /// unresolved slips in quick succession lose places of their onset, and first events their
-    /// fit.
+    /// Iterations a sample: as many as one has time for, two of a usual slip; of the places of an
+    /// onset, which are many, more. With fewer, unresolved slips in quick succession have no
+    /// place of their onset in time, and first events no fit.
     pub(crate) fn iterations(&self) -> usize {
+        match self.stage {
+            Stage::Places(..) => self.iterations_of(3, 8),
+            Stage::New | Stage::Free(_) | Stage::Expected(_) | Stage::Telling(..) => {
+                self.iterations_of(1, 4)
+            }
+        }
+    }
+
+    fn iterations_of(&self, times: usize, most: usize) -> usize {
         const TIME: usize = 52;
-        iterations_within(TIME, self.pending.samples().forces_n.len()).clamp(1, 4)
+        iterations_within(times * TIME, self.pending.samples().forces_n.len()).clamp(1, most)
     }
 
     /// Is the next step as long as all that a sample has time for?
@@ -101,11 +117,11 @@ impl CycleFit {
         matches!(self.stage, Stage::Telling(..))
     }
 
-    /// What there is when no time is left: what was measured, the places of the onset so far,
-    /// or no fit.
+    /// What there is when no time is left: what was measured, or no fit. An onset whose places
+    /// were not all looked at may be anywhere, unless samples enough lie in the slip.
     pub(crate) fn cut(&mut self, learnt: &mut Expectations) -> Outcome {
-        for _ in 0..LEFT * self.iterations() {
-            if !matches!(self.stage, Stage::New | Stage::Free(_) | Stage::Expected(_)) {
+        for _ in 0..LEFT * self.iterations_of(1, 4) {
+            if matches!(self.stage, Stage::Places(..) | Stage::Telling(..)) {
                 break;
             }
             if let ControlFlow::Break(outcome) = self.step(learnt) {
@@ -114,14 +130,18 @@ impl CycleFit {
         }
         let noise_n2 = learnt.noise_n2(&self.pending);
         let data = learnt.data(&self.pending, &self.after, noise_n2);
-        let (fit, posterior, strain) = match &self.stage {
-            Stage::Telling(fit, posterior, strain) => (fit, *posterior, *strain),
-            Stage::Places(places, fit, strain) => (fit, places.so_far(fit, noise_n2), *strain),
+        let (fit, posterior, strain) = match self.stage {
+            Stage::Telling(fit, posterior, strain) => (fit, posterior, strain),
+            Stage::Places(_, fit, strain) => {
+                let is_told = self.pending.fall() >= TELLING;
+                let at = if is_told { Posterior::at } else { Posterior::anywhere };
+                (fit, at(&fit, noise_n2), strain)
+            }
             Stage::New | Stage::Free(_) | Stage::Expected(_) => {
                 return Outcome::Failed(Reason::TooShort);
             }
         };
-        outcome(measured(learnt, &data, fit, posterior, strain, noise_n2), strain)
+        outcome(measured(learnt, &data, &fit, posterior, strain, noise_n2), strain)
     }
 
     fn start(&mut self, learnt: &mut Expectations) -> ControlFlow<Outcome> {
@@ -274,10 +294,11 @@ fn measured(
     strain: Strain,
     noise_n2: f32,
 ) -> Measured {
-    let alone = fit.forces_alone(data.rate).filter(|_| posterior.is_resolved());
+    let alone = fit.forces_alone(data).filter(|_| posterior.is_resolved());
+    let (alone, expected) = alone.unzip();
     let strained = posterior.is_resolved() && strain != Strain::None;
     let verdict = learnt.learn(data, &posterior, noise_n2, strained);
-    Measured { posterior, alone, noise_n2, verdict }
+    Measured { posterior, alone, expected: expected.unwrap_or_default(), noise_n2, verdict }
 }
 
 /// A misfit counts only as a sign of another block.

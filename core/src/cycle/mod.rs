@@ -42,13 +42,15 @@ pub struct Finished {
     pub alone: Option<(Coefficient, Coefficient)>,
     /// Part of their standard deviations that is common to all events.
     pub common: (f32, f32),
+    /// Part of them that comes from the swing and the bend that were expected.
+    pub expected: (f32, f32),
     /// A change that this event told.
     pub change: Option<Change>,
 }
 
 impl From<Event> for Finished {
     fn from(event: Event) -> Self {
-        Self { event, alone: None, common: (0.0, 0.0), change: None }
+        Self { event, alone: None, common: (0.0, 0.0), expected: (0.0, 0.0), change: None }
     }
 }
 
@@ -139,7 +141,7 @@ impl CycleTracker {
             SampleTime::after(origin, cycle.onset - self.creep_periods() - UNSURE).index
         });
         if let Some(pending) = &mut self.pending {
-            pending.end_before(stick, window, next_peak.index);
+            pending.end_before(stick, window, next_peak.index, next_onset);
             let periods = since(pending.low.index, next_peak.index);
             let refused = refusal::of_fall(pending, stick.highest.force_n, periods, self.slides);
             pending.refused = pending.refused.or(refused);

@@ -78,8 +78,7 @@ pub(crate) fn of_event(event: &Event) -> Option<Reason> {
 /// the noise unknown.
 /// At most as many samples as the record of a slip holds.
 fn is_even(slip: &SlipRecord) -> bool {
-    // Where half a cosine has lost that part.
-    let from = math::acos(1.0 - 2.0 * slip.edge_part());
+    let from = slip.edge_angle();
     let (first, last) = slip.fall_edges();
     let turn = (core::f32::consts::PI - 2.0 * from) / (last - first);
     let (mut straight, mut cosine) = (Line::default(), Line::default());
