@@ -1,6 +1,7 @@
 //! The live answer: what a person beside the winch reads before the event is complete, and what
 //! the events tell of the pull: loading rate, omega, stiffness, recurrence.
 
+use floe::bench::scenes::at_phase;
 use floe::sim::{Scene, Simulation, simulate};
 use floe_core::units::STANDARD_GRAVITY_M_PER_S2;
 use floe_core::{Coefficient, Config, Pipeline, Provisional, Report};
@@ -51,10 +52,7 @@ fn scene(name: &str) -> Scene {
 
 /// A record of the scene, with another sampling phase for every seed.
 fn record(scene: &Scene, seed: u64) -> Simulation {
-    let phase = (seed as f64 * 0.618_033_988_749_895).fract();
-    let rise_n = scene.stiffness_n_per_m * scene.winch_m_per_s / scene.rate_hz;
-    let start_force_n = scene.start_force_n + phase * rise_n;
-    simulate(&Scene { start_force_n, ..scene.clone() }, seed).expect("a record")
+    simulate(&at_phase(scene, seed), seed).expect("a record")
 }
 
 /// Every first answer of a record with the time, s, at which it was given; the result.
