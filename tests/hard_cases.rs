@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 
 use floe::sim::Scene;
 use floe_tests::aims::{self, Check};
+use floe_tests::scenes;
 use floe_tests::score::{Errors, Score, run};
 
 /// Events of a scene, at least, unless so many records have fewer.
@@ -347,8 +348,7 @@ fn a_row_that_has_moved_is_seen() {
 /// for what it is: no slips of its own, no bias, and intervals that hold.
 #[test]
 fn flop_of_any_kind_is_no_slip_and_no_bias() {
-    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../host-sim/scenes/hard/flop.toml");
-    let base = Scene::from_toml(&fs::read_to_string(file).unwrap()).unwrap();
+    let base = scenes::stored("hard/flop");
     // Amplitude, N; frequency, Hz; decay, 1/s; rate, Hz; weight, N.
     for kind in [
         [10.0, 3.3, 3.0, 16.0, 630.0],

@@ -6,7 +6,7 @@ use floe::sim::{Scene, Simulation, simulate};
 use floe_core::units::STANDARD_GRAVITY_M_PER_S2;
 use floe_core::{Coefficient, Config, Pipeline, Provisional, Report};
 use floe_tests::score::rms;
-use floe_tests::{both, feed};
+use floe_tests::{both, feed, scenes};
 
 const SEEDS: u64 = 8;
 /// Share of the 95 % intervals that hold the truth.
@@ -43,12 +43,6 @@ const NOT_YET: [(&str, &str); 3] = [
 ];
 /// Scenes in which the model holds.
 const LINEAR: [&str; 5] = ["dff8-13", "linear/fast", "linear/heavy", "linear/light", "linear/snow"];
-
-fn scene(name: &str) -> Scene {
-    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../host-sim/scenes");
-    let text = std::fs::read_to_string(path.join(name).with_extension("toml")).expect("a scene");
-    Scene::from_toml(&text).expect("a good scene")
-}
 
 /// A record of the scene, with another sampling phase for every seed.
 fn record(scene: &Scene, seed: u64) -> Simulation {
@@ -123,7 +117,7 @@ impl Live {
 #[test]
 fn the_first_answer_is_finite_and_honest() {
     for name in LINEAR {
-        let Live { mu_s, mu, events, answered } = Live::of(&scene(name));
+        let Live { mu_s, mu, events, answered } = Live::of(&scenes::stored(name));
         let (of_mu_s, of_mu) = (mu_s.coverage(), mu.coverage());
         println!(
             "{name}: {answered} of {events}; mu_s {} times, rms {:.2}, coverage {of_mu_s:.3}; \
@@ -142,7 +136,7 @@ fn the_first_answer_is_finite_and_honest() {
 fn on_hard_scenes_the_first_answer_knows_what_the_events_before_told() {
     let mut faults = Vec::new();
     for name in HARD {
-        let Live { mu_s, mu, .. } = Live::of(&scene(&format!("hard/{name}")));
+        let Live { mu_s, mu, .. } = Live::of(&scenes::stored(&format!("hard/{name}")));
         let coverage = [&mu_s, &mu].map(|it| if it.0.is_empty() { 1.0 } else { it.coverage() });
         println!("{name}: {} times, coverage {coverage:.3?}", mu_s.0.len());
         let misses = coverage.iter().any(|it| it < COVERAGE.start());
@@ -156,7 +150,7 @@ fn on_hard_scenes_the_first_answer_knows_what_the_events_before_told() {
 #[test]
 fn rate_omega_stiffness_and_recurrence_are_those_of_the_pull() {
     for name in LINEAR {
-        let scene = scene(name);
+        let scene = scenes::stored(name);
         let (k, w) = (scene.stiffness_n_per_m, scene.winch_m_per_s);
         let omega = (k * STANDARD_GRAVITY_M_PER_S2 / scene.weight_n).sqrt();
         let mut off = Vec::new();
