@@ -5,7 +5,7 @@ use floe::bench::scenes::at_phase;
 use floe::sim::{Scene, Simulation, simulate};
 use floe_core::units::STANDARD_GRAVITY_M_PER_S2;
 use floe_core::{Coefficient, Config, Pipeline, Provisional, Report};
-use floe_tests::score::rms;
+use floe_tests::score::{Errors, rms};
 use floe_tests::{both, feed, scenes};
 
 const SEEDS: u64 = 8;
@@ -62,21 +62,9 @@ fn live(config: &Config, simulation: &Simulation) -> (Vec<(f64, Provisional)>, R
     (answers, pipeline.report())
 }
 
-/// Errors in stated combined standard deviations.
-#[derive(Default)]
-struct Errors(Vec<f64>);
-
-impl Errors {
-    fn add(&mut self, got: Coefficient, truth: f64) {
-        let std = f64::from(got.combined_std());
-        assert!(got.value.is_finite() && std.is_finite() && std > 0.0, "{got:?}");
-        self.0.push((f64::from(got.value) - truth) / std);
-    }
-
-    fn coverage(&self) -> f64 {
-        let held = self.0.iter().filter(|z| z.abs() <= 1.96).count();
-        held as f64 / self.0.len() as f64
-    }
+fn assert_finite(got: Coefficient) {
+    let std = got.combined_std();
+    assert!(got.value.is_finite() && std.is_finite() && std > 0.0, "{got:?}");
 }
 
 /// What the first answers of a scene are worth.
@@ -106,10 +94,9 @@ impl Live {
             let Some(begun) = begun else { continue };
             let truth = &simulation.events[begun];
             self.answered += usize::from(last.replace(begun) != Some(begun));
-            self.mu_s.add(answer.mu_s, truth.mu_s);
-            if let Some(mu) = answer.mu {
-                self.mu.add(mu, truth.mu);
-            }
+            [Some(answer.mu_s), answer.mu].into_iter().flatten().for_each(assert_finite);
+            self.mu_s.add(Some(answer.mu_s), truth.mu_s, None);
+            self.mu.add(answer.mu, truth.mu, None);
         }
     }
 }
@@ -120,12 +107,12 @@ fn the_first_answer_is_finite_and_honest() {
         let Live { mu_s, mu, events, answered } = Live::of(&scenes::stored(name));
         let (of_mu_s, of_mu) = (mu_s.coverage(), mu.coverage());
         println!(
-            "{name}: {answered} of {events}; mu_s {} times, rms {:.2}, coverage {of_mu_s:.3}; \
-             mu {} times, rms {:.2}, coverage {of_mu:.3}",
-            mu_s.0.len(),
-            rms(&mu_s.0),
-            mu.0.len(),
-            rms(&mu.0)
+            "{name}: {answered} of {events}; mu_s {} times, rms {:.3} %, coverage {of_mu_s:.3}; \
+             mu {} times, rms {:.3} %, coverage {of_mu:.3}",
+            mu_s.count(),
+            mu_s.rms(),
+            mu.count(),
+            mu.rms()
         );
         assert!(answered * 100 >= events * 95, "{name}");
         assert!(COVERAGE.contains(&of_mu_s) && COVERAGE.contains(&of_mu), "{name}");
@@ -137,8 +124,8 @@ fn on_hard_scenes_the_first_answer_knows_what_the_events_before_told() {
     let mut faults = Vec::new();
     for name in HARD {
         let Live { mu_s, mu, .. } = Live::of(&scenes::stored(&format!("hard/{name}")));
-        let coverage = [&mu_s, &mu].map(|it| if it.0.is_empty() { 1.0 } else { it.coverage() });
-        println!("{name}: {} times, coverage {coverage:.3?}", mu_s.0.len());
+        let coverage = [&mu_s, &mu].map(|it| if it.count() == 0 { 1.0 } else { it.coverage() });
+        println!("{name}: {} times, coverage {coverage:.3?}", mu_s.count());
         let misses = coverage.iter().any(|it| it < COVERAGE.start());
         if misses != NOT_YET.iter().any(|(scene, _)| *scene == name) {
             faults.push(format!("{name}: {coverage:.3?} and on the list of NOT_YET: {}", !misses));
