@@ -1,5 +1,7 @@
 //! Looking for an effect costs nothing where there is none.
 
+use std::path::Path;
+
 use floe::sim::Scene;
 use floe_core::{Effect, Effects};
 use floe_tests::scenes;

@@ -3,7 +3,6 @@
 //! (`cargo test -p floe-tests --test paper -- --nocapture`).
 
 use std::f64::consts::{FRAC_PI_2, PI};
-use std::fs;
 
 use floe::sim::motion::Segments;
 use floe::sim::state::End;
