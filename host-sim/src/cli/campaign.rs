@@ -2,6 +2,7 @@
 
 use std::io;
 use std::path::{Path, PathBuf};
+use std::sync::mpsc::sync_channel;
 use std::time::Instant;
 
 use rayon::prelude::*;
@@ -201,7 +202,8 @@ fn without_events(test: &TestRecord) -> TestRecord {
     }
 }
 
-/// Computes in parallel, hands over in order. Gives what was left out.
+/// Computes in parallel, hands over in order, and goes on with the next tests while those
+/// before are taken. Gives what was left out.
 fn in_order(
     args: &Args,
     source: &Source,
@@ -211,21 +213,30 @@ fn in_order(
     let pool = pool.map_err(|error| InputError::new(error.to_string()))?;
     let bar = progress::bar(source.len(), "{pos} of {len} tests, {eta} left");
     let stop = args.strict || args.logs.is_none();
-    let (mut first, mut left_out) = (0, Vec::new());
-    while first < source.len() {
-        let last = (first + CHUNK as u64).min(source.len());
-        let tests: Vec<Result<TestRecord, InputError>> =
-            pool.install(|| (first..last).into_par_iter().map(|i| source.evaluate(i)).collect());
-        for test in tests {
+    let mut left_out = Vec::new();
+    std::thread::scope(|scope| {
+        let (sender, chunks) = sync_channel(1);
+        scope.spawn(move || {
+            for first in (0..source.len()).step_by(CHUNK) {
+                let numbers = first..(first + CHUNK as u64).min(source.len());
+                let tests: Vec<Result<TestRecord, InputError>> =
+                    pool.install(|| numbers.into_par_iter().map(|i| source.evaluate(i)).collect());
+                // Nobody takes them any more after an error.
+                if sender.send(tests).is_err() {
+                    return;
+                }
+            }
+        });
+        for test in chunks.into_iter().flatten() {
+            bar.inc(1);
             match test {
                 Ok(test) => take(test)?,
                 Err(problem) if stop => return Err(problem),
                 Err(problem) => left_out.push(problem),
             }
         }
-        bar.set_position(last);
-        first = last;
-    }
+        Ok(())
+    })?;
     bar.finish_and_clear();
     Ok(left_out)
 }

@@ -3,6 +3,7 @@
 //! Exit code 0: done. 2: bad usage, unreadable input or an output that cannot be
 //! written, with one line on standard error.
 
+use std::ffi::OsString;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
@@ -58,7 +59,21 @@ enum Command {
 /// Runs the command that the process was started with.
 #[must_use]
 pub fn main() -> ExitCode {
-    let result = match Cli::try_parse() {
+    match run(std::env::args_os()) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            output::say(&error.to_string());
+            ExitCode::from(2)
+        }
+    }
+}
+
+/// Runs a command; the first argument is the program's name.
+///
+/// # Errors
+/// One line for the user.
+pub fn run(arguments: impl IntoIterator<Item = OsString>) -> Result<(), InputError> {
+    match Cli::try_parse_from(arguments) {
         Ok(Cli { command: Some(Command::Replay(args)) }) => replay::run(&args),
         Ok(Cli { command: Some(Command::Completions(args)) }) => completions::run(&args),
         Ok(Cli { command: Some(Command::Inspect(args)) }) => inspect::run(&args),
@@ -73,13 +88,6 @@ pub fn main() -> ExitCode {
         Err(error) if error.use_stderr() => Err(one_line(&error)),
         // Help and version are asked for, not wrong.
         Err(help) => output::print(&help.to_string()),
-    };
-    match result {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            output::say(&error.to_string());
-            ExitCode::from(2)
-        }
     }
 }
 

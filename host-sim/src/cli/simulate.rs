@@ -110,13 +110,14 @@ fn write_log(
         write::csv_head(out, scene, args.seed, &command_line(args))?;
     }
     let bar = progress::bar(scene.sample_count(), "{pos} of {len} samples, {eta} left");
+    let force_decimals = write::force_decimals(scene);
     for sample in run {
         if sample.index % LOOK == 0 {
             bar.set_position(sample.index);
         }
         truth.push(&sample);
         match form {
-            Form::Csv => write::csv_line(out, scene, &sample)?,
+            Form::Csv => write::csv_line(out, force_decimals, &sample)?,
             Form::Cr10 => write::cr10_line(out, scene.start, &sample)?,
         }
     }

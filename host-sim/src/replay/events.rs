@@ -74,9 +74,9 @@ impl Events {
     /// # Errors
     /// The file cannot be written.
     pub fn push(&mut self, event: EventSummary, means: Means) -> io::Result<()> {
-        let mut all = self.all.lock().unwrap_or_else(PoisonError::into_inner);
-        postcard::to_io(&event, &mut *all).map_err(io::Error::other)?;
-        drop(all);
+        let mut scratch = [0; SCRATCH];
+        let bytes = postcard::to_slice(&event, &mut scratch).map_err(io::Error::other)?;
+        self.all.lock().unwrap_or_else(PoisonError::into_inner).write_all(bytes)?;
         self.last.push_back((event, means));
         if self.last.len() > ENDS {
             self.keep_oldest();
