@@ -7,7 +7,7 @@
 use std::error::Error;
 use std::ffi::{OsStr, OsString};
 use std::fs::File;
-use std::io::{BufWriter, Write};
+use std::io::{BufRead, BufReader, BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Instant;
@@ -20,6 +20,7 @@ use floe::sim::{Run, Sample, Scene, write};
 type Outcome = Result<u64, Box<dyn Error>>;
 type Method = (&'static str, fn(&Path) -> Outcome);
 
+const SCENE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/dff8-13.toml");
 const SAMPLES: u64 = 10_000_000;
 const TURNS: usize = 5;
 /// Compared with the first; each gives the number of rows it saw.
@@ -28,7 +29,7 @@ const METHODS: [Method; 10] = [
     ("csv crate, two numbers", csv_numbers),
     ("floe, reader", reader),
     ("floe, reader and core, 1 thread", reader_and_core),
-    ("floe replay LOG --json FILE", whole_replay),
+    ("floe replay LOG --summary --json FILE", whole_replay),
     ("floe, simulator", simulator),
     ("floe, simulator, CSV by `format!`", formatted_csv),
     ("floe, simulator and its CSV", simulated_csv),
@@ -258,12 +259,15 @@ fn reader_and_core(path: &Path) -> Outcome {
 
 fn whole_replay(path: &Path) -> Outcome {
     let json = path.with_extension("json");
-    command(&["replay".as_ref(), path.as_ref(), "--json".as_ref(), json.as_ref()])?;
-    let text = std::fs::read_to_string(&json)?;
-    // The samples are said near the beginning.
-    let rows = text.split("\"samples\":").nth(1).and_then(|rest| rest.split(',').next());
+    let options = ["--summary".as_ref(), "--json".as_ref(), json.as_os_str()];
+    command(&[&["replay".as_ref(), path.as_os_str()], &options[..]].concat())?;
+    let lines = BufReader::new(File::open(&json)?).lines();
+    let samples = lines.map_while(Result::ok).find_map(|line| {
+        let (_, count) = line.split_once("\"samples\": ")?;
+        count.trim_end_matches(',').parse().ok()
+    });
     std::fs::remove_file(json)?;
-    Ok(rows.ok_or("no samples")?.trim().parse()?)
+    Ok(samples.ok_or("no samples")?)
 }
 
 /// A command of `floe` in this process.
@@ -272,19 +276,19 @@ fn command(arguments: &[&OsStr]) -> Result<(), floe::error::InputError> {
     floe::cli::run(std::iter::once(&program).chain(arguments).map(OsString::from))
 }
 
-/// The bundled scene for as many samples, nothing written.
+/// Nothing is written.
 fn simulator(_: &Path) -> Outcome {
     simulate(|_| Ok(()))
 }
 
 fn simulated_csv(_: &Path) -> Outcome {
-    let (mut out, decimals) = (std::io::sink(), write::force_decimals(&Scene::default()));
+    let (mut out, decimals) = (std::io::sink(), write::force_decimals(&scene()?));
     simulate(|sample| write::csv_line(&mut out, decimals, sample))
 }
 
 /// The same bytes by way of the standard library.
 fn formatted_csv(_: &Path) -> Outcome {
-    let (mut out, decimals) = (std::io::sink(), write::force_decimals(&Scene::default()));
+    let (mut out, decimals) = (std::io::sink(), write::force_decimals(&scene()?));
     simulate(|sample| {
         let time_s = format!("{:.6}", sample.time_s);
         let time_s = time_s.trim_end_matches('0').trim_end_matches('.');
@@ -292,8 +296,12 @@ fn formatted_csv(_: &Path) -> Outcome {
     })
 }
 
+fn scene() -> Result<Scene, Box<dyn Error>> {
+    Ok(Scene::from_toml(&std::fs::read_to_string(SCENE)?)?)
+}
+
 fn simulate(mut put: impl FnMut(&Sample) -> std::io::Result<()>) -> Outcome {
-    let scene = Scene { duration_s: SAMPLES as f64 / 16.0, ..Scene::default() };
+    let scene = Scene { duration_s: SAMPLES as f64 / 16.0, ..scene()? };
     let mut rows = 0;
     for sample in Run::new(&scene, 1)? {
         put(std::hint::black_box(&sample))?;
@@ -303,13 +311,11 @@ fn simulate(mut put: impl FnMut(&Sample) -> std::io::Result<()>) -> Outcome {
 }
 
 fn simulate_command(path: &Path) -> Outcome {
-    let (scene, log) = (path.with_extension("toml"), path.with_extension("simulated.csv"));
-    std::fs::write(&scene, "")?;
+    let log = path.with_extension("simulated.csv");
     let seconds = (SAMPLES as f64 / 16.0).to_string();
-    let [scene_name, log_name] = [&scene, &log].map(|path| path.as_os_str());
-    let length = ["--duration-s".as_ref(), seconds.as_ref()];
-    command(&[&["simulate".as_ref(), scene_name, "-o".as_ref(), log_name], &length[..]].concat())?;
-    [scene, log].iter().try_for_each(std::fs::remove_file)?;
+    let options = ["-o".as_ref(), log.as_os_str(), "--duration-s".as_ref(), seconds.as_ref()];
+    command(&[&["simulate".as_ref(), SCENE.as_ref()], &options[..]].concat())?;
+    std::fs::remove_file(log)?;
     Ok(SAMPLES)
 }
 

@@ -48,8 +48,8 @@ pub struct Args {
     #[arg(long)]
     strict: bool,
     /// Threads to use [default: one for each core]; the result is the same
-    #[arg(long, value_name = "N")]
-    threads: Option<usize>,
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
     /// Write figures and tables to look at, one HTML file
     #[arg(long, value_name = "FILE.html")]
     report: Option<PathBuf>,
@@ -143,7 +143,7 @@ pub fn run(args: &Args) -> Result<(), InputError> {
         0 => String::new(),
         count => format!(", {count} left out"),
     };
-    eprintln!("{} tests, {events} events in {seconds:.2} s{left_out}", tests.len());
+    output::tell(&format!("{} tests, {events} events in {seconds:.2} s{left_out}", tests.len()));
     Ok(())
 }
 
@@ -209,7 +209,8 @@ fn in_order(
     source: &Source,
     mut take: impl FnMut(TestRecord) -> Result<(), InputError>,
 ) -> Result<Vec<InputError>, InputError> {
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(args.threads.unwrap_or(0)).build();
+    let pool =
+        rayon::ThreadPoolBuilder::new().num_threads(args.threads.map_or(0, usize::from)).build();
     let pool = pool.map_err(|error| InputError::new(error.to_string()))?;
     let bar = progress::bar(source.len(), "{pos} of {len} tests, {eta} left");
     let stop = args.strict || args.logs.is_none();

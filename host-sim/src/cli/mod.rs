@@ -93,7 +93,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> Result<(), InputErr
 
 /// A usage error without the paragraphs around it.
 fn one_line(error: &clap::Error) -> InputError {
-    if let Some(said) = not_a_number(error) {
+    if let Some(said) = in_words(error) {
         return said;
     }
     let text = error.to_string();
@@ -105,17 +105,23 @@ fn one_line(error: &clap::Error) -> InputError {
     InputError::new(format!("{} (see --help)", said.join(" ")))
 }
 
-/// A value that should have been a number, in words.
-fn not_a_number(error: &clap::Error) -> Option<InputError> {
+/// What clap does not say so that anybody understands it.
+fn in_words(error: &clap::Error) -> Option<InputError> {
     use clap::error::{ContextKind, ContextValue, ErrorKind};
     let text = |kind| match error.get(kind) {
         Some(ContextValue::String(text)) => Some(text.as_str()),
         _ => None,
     };
+    if error.kind() == ErrorKind::InvalidUtf8 {
+        let why = "an argument is no text in UTF-8; rename the file, or give it as - < FILE";
+        return Some(InputError::new(why));
+    }
     let why = std::error::Error::source(error)?.to_string();
     let kind = match why.as_str() {
-        "invalid float literal" => "a number",
-        "invalid digit found in string" => "a whole number",
+        "invalid float literal" | "cannot parse float from empty string" => "a number",
+        "invalid digit found in string" | "cannot parse integer from empty string" => {
+            "a whole number"
+        }
         _ => return None,
     };
     if error.kind() != ErrorKind::ValueValidation {
@@ -148,6 +154,8 @@ mod tests {
         assert_eq!(text, "--weight-n must be a number like 630, not 'abc'");
         let text = said(&["simulate", "x.toml", "-o", "x.csv", "--seed", "1.5"]);
         assert_eq!(text, "--seed must be a whole number like 12, not '1.5'");
+        let text = said(&["replay", "x.csv", "--weight-n", ""]);
+        assert_eq!(text, "--weight-n must be a number like 630, not ''");
         let text = said(&["replay", "x.csv", "--delimiter", "ab"]);
         assert!(text.contains("must be one character like ;"), "{text}");
     }

@@ -34,7 +34,11 @@ impl Fixed {
 
     /// The same without zeros at the end of its decimals.
     pub(super) fn trimmed(mut self) -> Self {
-        while self.decimals > 0 && self.units.is_multiple_of(10) {
+        while self.decimals > 1 && self.units.is_multiple_of(100) {
+            self.units /= 100;
+            self.decimals -= 2;
+        }
+        if self.decimals > 0 && self.units.is_multiple_of(10) {
             self.units /= 10;
             self.decimals -= 1;
         }
@@ -69,21 +73,35 @@ impl Backwards {
     pub(super) fn push_fixed(&mut self, number: Fixed) {
         let Fixed { mut units, decimals, negative } = number;
         if decimals > 0 {
-            (0..decimals).for_each(|_| self.push_last_digit(&mut units));
+            (0..decimals / 2).for_each(|_| self.push_last_two(&mut units));
+            if decimals % 2 == 1 {
+                self.push_last(&mut units);
+            }
             self.push(b'.');
         }
-        self.push_last_digit(&mut units);
-        while units > 0 {
-            self.push_last_digit(&mut units);
+        while units >= 100 {
+            self.push_last_two(&mut units);
+        }
+        self.push_last(&mut units);
+        if units > 0 {
+            self.push_last(&mut units);
         }
         if negative {
             self.push(b'-');
         }
     }
 
-    fn push_last_digit(&mut self, units: &mut u64) {
+    fn push_last(&mut self, units: &mut u64) {
         self.push(b'0' + (*units % 10) as u8);
         *units /= 10;
+    }
+
+    /// Two digits for one division of a long number.
+    fn push_last_two(&mut self, units: &mut u64) {
+        let two = (*units % 100) as u8;
+        *units /= 100;
+        self.push(b'0' + two % 10);
+        self.push(b'0' + two / 10);
     }
 
     pub(super) fn bytes(&self) -> &[u8] {
