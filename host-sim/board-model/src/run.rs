@@ -46,6 +46,8 @@ pub enum Incident {
     FailAccess(u32),
     /// The stack is used up but for so many bytes, as by functions that call each other.
     UseUpStack(u32),
+    /// It dips below the level of the brown-out reset, and the backup domain lives on.
+    Dip,
     /// The supply goes for a moment: memory, calendar and card forget.
     CutPower,
     /// The run is over.

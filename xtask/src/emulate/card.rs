@@ -88,6 +88,23 @@ fn format(image: &Path) -> Result<()> {
     partition_table(image)
 }
 
+/// The card of whoever watches a board live and names none: made once, then as the last run
+/// left it.
+pub fn of_live_runs() -> Result<PathBuf> {
+    let image = root().join("target/live-card.img");
+    if !image.exists() {
+        make_large(&image)?;
+    }
+    Ok(image)
+}
+
+/// FAT32 with room for the NUCLEO's whole log.
+fn make_large(image: &Path) -> Result<()> {
+    make(image, LARGE_BYTES)?;
+    mkfs(image, ["-F", "32", "-s", "8"], START)?;
+    partition_table(image)
+}
+
 /// All zero, and no room taken on the disk.
 fn make(image: &Path, bytes: u64) -> Result<()> {
     let made = File::create(image).and_then(|file| file.set_len(bytes));
@@ -139,8 +156,7 @@ impl Image {
     /// FAT32 with room for the board's whole log.
     pub fn large(name: &str) -> Result<Self> {
         let image = Self::new(name, LARGE_BYTES)?;
-        mkfs(&image.0, ["-F", "32", "-s", "8"], START)?;
-        partition_table(&image.0)?;
+        make_large(&image.0)?;
         Ok(image)
     }
 

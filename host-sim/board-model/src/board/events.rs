@@ -104,6 +104,10 @@ impl Board {
             }
             Incident::FailAccess(base) => self.failing = Some(base),
             Incident::UseUpStack(left) => emulator.move_stack(self.setup.stack.0 + left),
+            Incident::Dip => {
+                self.cause = Some((cause::POWER, "a dip"));
+                emulator.restart();
+            }
             Incident::CutPower => self.cut_power(emulator, now_ns),
             Incident::End => {
                 self.end(emulator, now_ns);
