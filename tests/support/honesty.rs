@@ -5,7 +5,7 @@
 
 use floe::bench::Found;
 use floe::bench::matching::{Detection, matched};
-use floe::bench::scenes::Truth;
+use floe::bench::scenes::{Truth, at_phase};
 use floe::sim::{Scene, Simulation, TrueEvent, simulate};
 use floe_core::{Coefficient, Config, Estimate, Event, InputStd, Report};
 
@@ -213,12 +213,7 @@ impl Class {
 }
 
 fn record(scene: &Scene, kind: Kind, seed: u64) -> Record {
-    let mut scene = scene.clone();
-    // The golden section spreads any number of sampling phases evenly.
-    let phase = (seed as f64 * 0.618_033_988_749_895).fract();
-    let rate = scene.stiffness_n_per_m * scene.winch_m_per_s;
-    scene.start_force_n += phase * rate / scene.rate_hz;
-    let simulation = simulate(&scene, seed).expect("a scene");
+    let simulation = simulate(&at_phase(scene, seed), seed).expect("a scene");
     let is_judged = |e: &TrueEvent| e.stop_s + AFTER_S < scene.duration_s;
     let judged = simulation.events.partition_point(is_judged);
     Record { simulation, judged: if kind == Kind::Refused { 0 } else { judged } }

@@ -236,6 +236,7 @@ pub fn compare(image: &Path, run: &Run) -> Result<String> {
     }
     Ok(format!("{} codes and {} lines as said", test.samples.len(), kept.len()))
 }
+
 fn check_file_system(image: &Path) -> Result<()> {
     let fsck = tool("fsck.fat")?;
     let bytes = fs::read(image).map_err(|e| e.to_string())?;
