@@ -71,7 +71,12 @@ fn run_as(config: &Config, scene: &Scene, seed: u64, zero_n: impl Fn(f64) -> f64
     Tried { truths, found, report, pairs, detection }
 }
 
-fn pair(truths: &[TrueEvent], found: &[Event], hz: f64) -> (Vec<(usize, usize)>, Detection) {
+/// Which true event was found as which.
+pub(crate) fn pair(
+    truths: &[TrueEvent],
+    found: &[Event],
+    hz: f64,
+) -> (Vec<(usize, usize)>, Detection) {
     let truths = truths.iter().map(|e| Truth {
         onset_s: e.onset_s,
         stop_s: e.stop_s,

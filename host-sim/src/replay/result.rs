@@ -198,7 +198,7 @@ impl ReplayResult {
             last.weight_ratio_std = known.weight_ratio_std.into();
         }
         let quantities = Quantities::new(config, report, test.mass_kg);
-        events.finish(quantities);
+        events.finish(quantities, [report.mu_s.into(), report.mu.into()]);
         Self {
             schema: SCHEMA,
             log,

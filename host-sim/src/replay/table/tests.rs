@@ -5,8 +5,8 @@ use crate::replay::result::{ChangeSummary, EstimateSummary, SCHEMA, TestSummary}
 
 fn result(listed: Vec<EventSummary>) -> ReplayResult {
     let mut events = Events::default();
-    listed.into_iter().for_each(|it| events.push(it, Default::default()).unwrap());
-    events.finish(Quantities::default());
+    listed.into_iter().for_each(|it| events.push(it, Default::default).unwrap());
+    events.finish(Quantities::default(), Default::default());
     let mean = |mean: f64| CoefficientSummary {
         mean: Some(mean),
         std_error: Some(0.0003),
