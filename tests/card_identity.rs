@@ -140,6 +140,7 @@ fn full() -> Record {
             zero_n: Some(0.5),
             span: Some(0.001),
             damping: Some(0.01),
+            winch_m_per_s: Some(0.0002),
         },
         weight_from: Some(WeightFrom::SameCell),
         zero: Zero { before_n: Some(-0.25), after_n: Some(0.125) },
@@ -172,7 +173,12 @@ fn headers_of_other_lengths_are_read() {
     let record = full();
     // A later version knows more.
     assert_eq!(Record::decode(&with_header(&record, 200)).as_ref(), Ok(&record));
-    // An earlier one knew no notes.
+    // An earlier one did not know how well the speed of the winch is known.
+    let stds = Stds { winch_m_per_s: None, ..record.settings.stds };
+    let settings = Settings { stds, ..record.settings.clone() };
+    let before = Record { settings, ..record.clone() };
+    assert_eq!(Record::decode(&with_header(&record, 176)).as_ref(), Ok(&before));
+    // An earlier one still knew no notes.
     let earlier = Record::decode(&with_header(&record, 124)).expect("sound");
     assert_eq!(earlier.part, record.part);
     assert_eq!(
@@ -236,6 +242,7 @@ fn what_no_logger_writes_is_refused() {
         (128, f32::INFINITY),
         (152, -3.0),
         (144, f32::NEG_INFINITY),
+        (176, -1e-9),
     ] {
         assert_eq!(broken(at, &number.to_le_bytes()), unsound, "{number} at {at}");
     }

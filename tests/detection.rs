@@ -4,6 +4,7 @@
 use floe::bench::matching::Detection;
 use floe::sim::terms::Sag;
 use floe::sim::{Measurement, Scene};
+use floe_tests::scenes;
 use floe_tests::score::run;
 
 /// What was found in records with these seeds.
@@ -39,8 +40,7 @@ fn coarse_steps_invent_nothing() {
 
 #[test]
 fn a_record_begins_without_false_slips() {
-    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../host-sim/scenes/hard/all.toml");
-    let scene = Scene::from_toml(&std::fs::read_to_string(file).unwrap()).unwrap();
+    let scene = scenes::stored("hard/all");
     assert_eq!(found(&scene, [129, 379, 433, 472]).false_alarms, 0);
 }
 

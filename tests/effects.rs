@@ -4,6 +4,7 @@ use std::path::Path;
 
 use floe::sim::Scene;
 use floe_core::{Effect, Effects};
+use floe_tests::scenes;
 use floe_tests::score::{self, rms};
 
 const RECORDS: u64 = 6;
@@ -13,14 +14,9 @@ const RECORDS: u64 = 6;
 const MOST: f64 = 0.01;
 /// Scenes that miss this today, and why: the list shrinks.
 const NOT_YET: [(&str, &str); 2] = [
-    ("linear/heavy.toml", "a corner that is only possible widens the median by 8 %: few events"),
-    ("linear/snow.toml", "one record in six takes noise for a corner, at .09 of a stated std"),
+    ("linear/heavy", "a corner that is only possible widens the median by 8 %: few events"),
+    ("linear/snow", "one record in six takes noise for a corner, at .09 of a stated std"),
 ];
-
-fn scene(name: &str) -> Scene {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../host-sim/scenes").join(name);
-    Scene::from_toml(&std::fs::read_to_string(path).expect("a scene")).expect("a good scene")
-}
 
 /// Differences of both coefficients in stated standard deviations, and the ratio of the
 /// median standard deviations.
@@ -50,14 +46,8 @@ fn differences(scene: &Scene, effects: Effects) -> ([f64; 2], [f64; 2], usize) {
 #[test]
 fn on_linear_scenes_auto_is_none() {
     let mut faults = Vec::new();
-    for name in [
-        "dff8-13.toml",
-        "linear/heavy.toml",
-        "linear/fast.toml",
-        "linear/snow.toml",
-        "linear/light.toml",
-    ] {
-        let (apart, ratios, lost) = differences(&scene(name), Effects::NONE);
+    for name in ["dff8-13", "linear/heavy", "linear/fast", "linear/snow", "linear/light"] {
+        let (apart, ratios, lost) = differences(&scenes::stored(name), Effects::NONE);
         println!("{name}: rms {apart:.4?} stated std, median std {ratios:.4?}, {lost} events lost");
         let far =
             apart.iter().any(|it| *it > MOST) || ratios.iter().any(|it| (it - 1.0).abs() > MOST);
@@ -75,7 +65,7 @@ fn on_linear_scenes_auto_is_none() {
 
 #[test]
 fn one_effect_left_out_changes_no_linear_scene() {
-    let scene = scene("dff8-13.toml");
+    let scene = scenes::stored("dff8-13");
     for effect in Effect::ALL {
         let others = Effect::ALL.into_iter().filter(|other| *other != effect);
         let set = others.fold(Effects::NONE, |set, other| set.with(other, true));

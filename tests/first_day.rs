@@ -68,7 +68,7 @@ fn day() -> Vec<f64> {
     forces_n
 }
 
-const DAY: [(u64, &str); 20] = [
+const DAY: [(u64, &str); 21] = [
     (1, "clock 2027-03-02T10:15:00Z\n"),
     (2, "self-test\n"),
     (110, "tare\n"),
@@ -83,6 +83,7 @@ const DAY: [(u64, &str); 20] = [
     (955, "set track fresh\n"),
     (956, "set cable 15\n"),
     (957, "set name first pull\n"),
+    (958, "set winch-std 0.0002\n"),
     (1030, "start\n"),
     (1500, "note wind from the side\n"),
     (1990, "stop\n"),
@@ -178,6 +179,8 @@ fn board_display_and_card_agree() {
     // The error budget too: of what the board says, and of the replay.
     let said = lines(&last_settings(&board).core_config(), &report);
     assert!(said.len() > 5 && said == result.budget, "{said:?}\n{:?}", result.budget);
+    let winch = said.iter().find(|line| line.input == "winch_m_per_s").expect("the winch");
+    assert!((winch.std.expect("a std") - 0.0002).abs() < 1e-9, "{winch:?}");
     // To the millisecond of the crystal; `Y` says the sample before.
     let onset = board.events()[0].onset;
     let first =

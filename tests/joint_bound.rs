@@ -10,6 +10,7 @@ use floe::sim::bound::ForceBound;
 use floe::sim::joint::Joint;
 use floe::sim::{Scene, TrueEvent};
 use floe_core::{Event, Quality};
+use floe_tests::scenes;
 use floe_tests::score::{rms, run};
 
 /// Records of a scene, and events of each: room for one that is not judged.
@@ -26,11 +27,9 @@ const SCATTER: f64 = 0.11;
 
 const SCENES: [&str; 5] = ["dff8-13", "linear/heavy", "linear/fast", "linear/snow", "linear/light"];
 
+/// Long enough for the events.
 fn scene(name: &str) -> Scene {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../host-sim/scenes");
-    let text = fs::read_to_string(folder.join(name).with_extension("toml")).unwrap();
-    let mut scene = Scene::from_toml(&text).unwrap();
-    // Long enough for the events.
+    let mut scene = scenes::stored(name);
     let first = &run(&scene, 1).truths[1];
     scene.duration_s = (EVENTS as f64 + 1.0) * (first.stick_s + first.slip_s);
     scene

@@ -1,11 +1,12 @@
 //! The live answer: what a person beside the winch reads before the event is complete, and what
 //! the events tell of the pull: loading rate, omega, stiffness, recurrence.
 
+use floe::bench::scenes::at_phase;
 use floe::sim::{Scene, Simulation, simulate};
 use floe_core::units::STANDARD_GRAVITY_M_PER_S2;
 use floe_core::{Coefficient, Config, Pipeline, Provisional, Report};
-use floe_tests::score::rms;
-use floe_tests::{both, feed};
+use floe_tests::score::{Errors, rms};
+use floe_tests::{both, feed, scenes};
 
 const SEEDS: u64 = 8;
 /// Share of the 95 % intervals that hold the truth.
@@ -43,18 +44,9 @@ const NOT_YET: [(&str, &str); 3] = [
 /// Scenes in which the model holds.
 const LINEAR: [&str; 5] = ["dff8-13", "linear/fast", "linear/heavy", "linear/light", "linear/snow"];
 
-fn scene(name: &str) -> Scene {
-    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../host-sim/scenes");
-    let text = std::fs::read_to_string(path.join(name).with_extension("toml")).expect("a scene");
-    Scene::from_toml(&text).expect("a good scene")
-}
-
 /// A record of the scene, with another sampling phase for every seed.
 fn record(scene: &Scene, seed: u64) -> Simulation {
-    let phase = (seed as f64 * 0.618_033_988_749_895).fract();
-    let rise_n = scene.stiffness_n_per_m * scene.winch_m_per_s / scene.rate_hz;
-    let start_force_n = scene.start_force_n + phase * rise_n;
-    simulate(&Scene { start_force_n, ..scene.clone() }, seed).expect("a record")
+    simulate(&at_phase(scene, seed), seed).expect("a record")
 }
 
 /// Every first answer of a record with the time, s, at which it was given; the result.
@@ -70,21 +62,9 @@ fn live(config: &Config, simulation: &Simulation) -> (Vec<(f64, Provisional)>, R
     (answers, pipeline.report())
 }
 
-/// Errors in stated combined standard deviations.
-#[derive(Default)]
-struct Errors(Vec<f64>);
-
-impl Errors {
-    fn add(&mut self, got: Coefficient, truth: f64) {
-        let std = f64::from(got.combined_std());
-        assert!(got.value.is_finite() && std.is_finite() && std > 0.0, "{got:?}");
-        self.0.push((f64::from(got.value) - truth) / std);
-    }
-
-    fn coverage(&self) -> f64 {
-        let held = self.0.iter().filter(|z| z.abs() <= 1.96).count();
-        held as f64 / self.0.len() as f64
-    }
+fn assert_finite(got: Coefficient) {
+    let std = got.combined_std();
+    assert!(got.value.is_finite() && std.is_finite() && std > 0.0, "{got:?}");
 }
 
 /// What the first answers of a scene are worth.
@@ -114,10 +94,9 @@ impl Live {
             let Some(begun) = begun else { continue };
             let truth = &simulation.events[begun];
             self.answered += usize::from(last.replace(begun) != Some(begun));
-            self.mu_s.add(answer.mu_s, truth.mu_s);
-            if let Some(mu) = answer.mu {
-                self.mu.add(mu, truth.mu);
-            }
+            [Some(answer.mu_s), answer.mu].into_iter().flatten().for_each(assert_finite);
+            self.mu_s.add(Some(answer.mu_s), truth.mu_s, None);
+            self.mu.add(answer.mu, truth.mu, None);
         }
     }
 }
@@ -125,15 +104,15 @@ impl Live {
 #[test]
 fn the_first_answer_is_finite_and_honest() {
     for name in LINEAR {
-        let Live { mu_s, mu, events, answered } = Live::of(&scene(name));
+        let Live { mu_s, mu, events, answered } = Live::of(&scenes::stored(name));
         let (of_mu_s, of_mu) = (mu_s.coverage(), mu.coverage());
         println!(
-            "{name}: {answered} of {events}; mu_s {} times, rms {:.2}, coverage {of_mu_s:.3}; \
-             mu {} times, rms {:.2}, coverage {of_mu:.3}",
-            mu_s.0.len(),
-            rms(&mu_s.0),
-            mu.0.len(),
-            rms(&mu.0)
+            "{name}: {answered} of {events}; mu_s {} times, rms {:.3} %, coverage {of_mu_s:.3}; \
+             mu {} times, rms {:.3} %, coverage {of_mu:.3}",
+            mu_s.count(),
+            mu_s.rms(),
+            mu.count(),
+            mu.rms()
         );
         assert!(answered * 100 >= events * 95, "{name}");
         assert!(COVERAGE.contains(&of_mu_s) && COVERAGE.contains(&of_mu), "{name}");
@@ -144,9 +123,9 @@ fn the_first_answer_is_finite_and_honest() {
 fn on_hard_scenes_the_first_answer_knows_what_the_events_before_told() {
     let mut faults = Vec::new();
     for name in HARD {
-        let Live { mu_s, mu, .. } = Live::of(&scene(&format!("hard/{name}")));
-        let coverage = [&mu_s, &mu].map(|it| if it.0.is_empty() { 1.0 } else { it.coverage() });
-        println!("{name}: {} times, coverage {coverage:.3?}", mu_s.0.len());
+        let Live { mu_s, mu, .. } = Live::of(&scenes::stored(&format!("hard/{name}")));
+        let coverage = [&mu_s, &mu].map(|it| if it.count() == 0 { 1.0 } else { it.coverage() });
+        println!("{name}: {} times, coverage {coverage:.3?}", mu_s.count());
         let misses = coverage.iter().any(|it| it < COVERAGE.start());
         if misses != NOT_YET.iter().any(|(scene, _)| *scene == name) {
             faults.push(format!("{name}: {coverage:.3?} and on the list of NOT_YET: {}", !misses));
@@ -158,7 +137,7 @@ fn on_hard_scenes_the_first_answer_knows_what_the_events_before_told() {
 #[test]
 fn rate_omega_stiffness_and_recurrence_are_those_of_the_pull() {
     for name in LINEAR {
-        let scene = scene(name);
+        let scene = scenes::stored(name);
         let (k, w) = (scene.stiffness_n_per_m, scene.winch_m_per_s);
         let omega = (k * STANDARD_GRAVITY_M_PER_S2 / scene.weight_n).sqrt();
         let mut off = Vec::new();

@@ -9,19 +9,8 @@ use floe::log::{Log, LogOptions};
 use floe_core::{Config, Counts, Event, Pipeline, RawSample, Reading};
 use floe_firmware::line::{Line, LineError};
 use floe_firmware::record::SECTOR_LEN;
+use floe_tests::records::stick_slip;
 use floe_tests::scripted::{Card, Session, run};
-
-/// A block of 630 N that sticks and slips every two seconds, 5000 codes per N.
-fn stick_slip() -> Vec<i32> {
-    let force = |i: i32| match i % 32 {
-        phase @ 0..28 => 200 + 22 * phase,
-        28 => 700,
-        29 => 480,
-        30 => 260,
-        _ => 205,
-    };
-    (0..960).map(|i| 5000 * force(i) + (i * 7919) % 8192).collect()
-}
 
 fn cell(codes: &[i32]) -> LoadCell {
     LoadCell::from_codes(codes, 16.0).with_noise(12.0, 5)
@@ -30,7 +19,7 @@ fn cell(codes: &[i32]) -> LoadCell {
 const BEGIN: &str = "set weight 630\r\nset span 5000\r\nset name T-1\r\nlive off\r\nstart\r\n";
 
 fn one_test(card: &Card) -> Session {
-    run(cell(&stick_slip()), Schedule::default(), card, &[(0, BEGIN), (961, "stop\n")])
+    run(cell(&stick_slip(960)), Schedule::default(), card, &[(0, BEGIN), (961, "stop\n")])
 }
 
 fn config() -> Config {
@@ -131,7 +120,7 @@ fn any_line_end_will_do() {
     for end in ["\r", "\n", "\r\n", "\n\r\n"] {
         let typed = BEGIN.replace("\r\n", end);
         let board = run(
-            cell(&stick_slip()),
+            cell(&stick_slip(960)),
             Schedule::default(),
             &Card::default(),
             &[(0, &typed), (9, "")],
@@ -193,7 +182,7 @@ fn tare_and_calibration_survive_the_power() {
 fn what_the_core_looks_for_can_be_set() {
     let card = Card::default();
     let script = [(0, "set weight 630\nset effects none\n"), (1, "start\n"), (970, "stop\n")];
-    let board = run(cell(&stick_slip()), Schedule::default(), &card, &script);
+    let board = run(cell(&stick_slip(960)), Schedule::default(), &card, &script);
     let again = run(cell(&[0]), Schedule::default(), &card, &[(0, "status\n")]);
     let said = |board: &Session| {
         let effects = |line| {
@@ -219,14 +208,14 @@ fn runs_are_numbered_across_the_power() {
 #[test]
 fn self_test() {
     let script = [(1, "self-test\n"), (120, "")];
-    let good = run(cell(&stick_slip()), Schedule::default(), &Card::default(), &script);
+    let good = run(cell(&stick_slip(960)), Schedule::default(), &Card::default(), &script);
     assert!(good.says("self test passed"), "{}", good.screen);
-    let broken = cell(&stick_slip()).disconnected();
+    let broken = cell(&stick_slip(960)).disconnected();
     let broken = run(broken, Schedule::default(), &Card::default(), &script);
     assert!(broken.says("a wire to the load cell is broken"), "{}", broken.screen);
     assert!(broken.says("self test FAILED"), "{}", broken.screen);
     let silent = Schedule::default().with(0, u64::MAX, Trouble::Silent);
-    let silent = run(cell(&stick_slip()), silent, &Card::default(), &script);
+    let silent = run(cell(&stick_slip(960)), silent, &Card::default(), &script);
     assert!(silent.says("does not answer"), "{}", silent.screen);
 }
 

@@ -1,6 +1,7 @@
 //! Records in which the force does not do what slips do: nothing is invented, what was
 //! there instead is said, and events come in order.
 
+use floe::bench::scenes::phase;
 use floe::sim::{Scene, simulate};
 use floe_core::{Config, Event, Pipeline, Reason, SampleTime, Stretch, StretchKind};
 use floe_tests::feed;
@@ -71,11 +72,6 @@ fn noisy(seed: u64, seconds: f64, force_n: impl Fn(f64) -> f64) -> Vec<f64> {
 /// Periods from one moment to another.
 fn since(from: SampleTime, to: SampleTime) -> f64 {
     (to.index - from.index) as f64 + f64::from(to.fraction - from.fraction)
-}
-
-/// Between 0 and 1, another one for each seed.
-fn phase(seed: u64) -> f64 {
-    (seed as f64 * 0.618_033_988_749_895).fract()
 }
 
 /// For every seed.

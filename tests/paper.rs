@@ -3,19 +3,16 @@
 //! (`cargo test -p floe-tests --test paper -- --nocapture`).
 
 use std::f64::consts::{FRAC_PI_2, PI};
-use std::fs;
-use std::path::Path;
 
 use floe::sim::motion::Segments;
 use floe::sim::state::End;
 use floe::sim::{Method, Phase, Sample, Scene, Simulation, TrueEvent, paper, simulate};
 use floe::stiffness::{Measured, Pull, stiffness};
 use floe_core::units::STANDARD_GRAVITY_M_PER_S2 as GRAVITY;
+use floe_tests::scenes;
 
 fn scene(name: &str) -> Scene {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../host-sim/scenes/paper");
-    Scene::from_toml(&fs::read_to_string(folder.join(name).with_extension("toml")).unwrap())
-        .unwrap()
+    scenes::stored(&format!("paper/{name}"))
 }
 
 fn run(name: &str) -> (Scene, Simulation) {
@@ -71,9 +68,7 @@ fn figs_6_and_7_dff8_13_is_reproduced() {
 /// What Figs 6 and 7 show together, and what of it the log has.
 #[test]
 fn figs_6_and_7_fit_together() {
-    let scenes = Path::new(env!("CARGO_MANIFEST_DIR")).join("../host-sim/scenes");
-    let scene = fs::read_to_string(scenes.join("fig6-7.toml")).unwrap();
-    let scene = Scene::from_toml(&scene).unwrap();
+    let scene = scenes::stored("fig6-7");
     let Simulation { samples, events } = simulate(&scene, 39).unwrap();
     let forces: Vec<f64> = samples.iter().map(|s| s.force_n).collect();
     let loading_n_per_s = scene.stiffness_n_per_m * scene.winch_m_per_s;

@@ -9,14 +9,10 @@ use floe_core::estimator::Estimator;
 use floe_core::{Calibration, Coefficient, Config, Event};
 use floe_tests::both::{self, Both, Differences, periods};
 use floe_tests::normal::Normal;
+use floe_tests::scenes;
 
 /// Largest root-mean-square difference, in stated standard deviations of an event.
 const LIMIT: f64 = 0.02;
-
-fn scene(name: &str) -> Scene {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../host-sim/scenes").join(name);
-    Scene::from_toml(&fs::read_to_string(path.with_extension("toml")).unwrap()).unwrap()
-}
 
 /// All scenes with noise.
 fn names() -> Vec<String> {
@@ -65,7 +61,7 @@ const TABLE: &str =
 fn rounding_is_small_against_the_error_on_every_scene() {
     println!("{TABLE}");
     for name in names() {
-        let scene = scene(&name);
+        let scene = scenes::stored(&name);
         let mut differences = Differences::default();
         for seed in 1..=10 {
             let mut both = Both::new(&both::config(&scene));
@@ -84,7 +80,7 @@ fn rounding_is_small_against_the_error_on_every_scene() {
 #[test]
 fn a_large_tare_costs_nothing() {
     const COUNTS_PER_N: f32 = 416.67;
-    let scene = Scene { duration_s: 600.0, ..scene("hard/tare") };
+    let scene = Scene { duration_s: 600.0, ..scenes::stored("hard/tare") };
     let code = |force_n: f64| (force_n * f64::from(COUNTS_PER_N)).round() as i32;
     let tare_counts = code(10_000.0);
     let calibration =
@@ -118,7 +114,7 @@ fn quiet_cells() {
     for (noise_n, limit) in [(2.0, LIMIT), (0.2, LIMIT), (0.02, LIMIT), (0.006, 0.1)] {
         let mut differences = Differences::default();
         for seed in 1..=10 {
-            let mut scene = scene("dff8-13");
+            let mut scene = scenes::stored("dff8-13");
             scene.measurement.white_n = noise_n;
             let mut both = Both::new(&both::config(&scene));
             Run::new(&scene, seed).unwrap().for_each(|s| both.force(s.index, s.force_n));
@@ -169,7 +165,7 @@ impl Errors {
 /// Days of DFF8-13 without a break that end at the end of a month.
 fn days(days: u64) {
     const MONTH: u64 = 30 * 86_400 * 16;
-    let scene = Scene { duration_s: 86_400.0 * days as f64, ..scene("dff8-13") };
+    let scene = Scene { duration_s: 86_400.0 * days as f64, ..scenes::stored("dff8-13") };
     let first_index = MONTH - days * 86_400 * 16;
     let mut both = Both::new(&both::config(&scene));
     let mut run = Run::new(&scene, 1).unwrap();
@@ -274,7 +270,7 @@ fn pauses(stops_s: &[f64]) {
 /// learnt, the others do.
 #[test]
 fn a_change_of_speed_is_followed() {
-    let slow = Scene { duration_s: 900.0, ..scene("dff8-13") };
+    let slow = Scene { duration_s: 900.0, ..scenes::stored("dff8-13") };
     for factor in [0.5, 0.95, 1.05, 2.0] {
         let winch_m_per_s = factor * slow.winch_m_per_s;
         let fast = Scene { winch_m_per_s, start_force_n: 201.6, ..slow.clone() };

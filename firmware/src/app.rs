@@ -16,7 +16,7 @@ use crate::self_test::{SelfTest, part_of_range};
 use crate::settings::{Effects, Settings};
 use crate::store::{CardState, Store};
 use crate::text::{Fixed, text};
-use crate::wall_clock::WallClock;
+use crate::wall_clock::{WallClock, periods};
 
 mod around;
 
@@ -44,6 +44,10 @@ pub struct App<'q, P, S> {
     period: PeriodMeter,
     force_n: Option<f32>,
     clock: WallClock,
+    /// Whether it has been set and the board's calendar has not.
+    is_new_time: bool,
+    /// When the last sample on the card of a test that goes on was taken, ms since 1970.
+    left_ms: Option<u64>,
     /// Number of the newest sample.
     newest: u32,
     /// Whether a test has ended since the zero was taken.
@@ -137,6 +141,8 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
             period: PeriodMeter::default(),
             force_n: None,
             clock: WallClock::default(),
+            is_new_time: false,
+            left_ms: None,
             newest: 0,
             pulled: false,
             card: None,
@@ -215,6 +221,7 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
         if self.is_set {
             return false;
         }
+        self.left_ms = last.last_ms();
         self.settings = last.settings;
         self.is_set = true;
         last.running
@@ -256,7 +263,6 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
             return;
         }
         self.part.number = self.part.number.saturating_add(1);
-        // No clock has run meanwhile.
         self.part.gap = None;
         self.begin();
         self.info("the test goes on: stop ends it");
@@ -374,6 +380,9 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
         if begins {
             self.part.first_index = sample.index;
             self.part.start_ms = self.clock.at(sample.index);
+            if self.part.number > 0 {
+                self.part.gap = lost_between(self.left_ms, self.part.start_ms);
+            }
             self.journal.begin(self.part, &self.settings);
         }
         let first_index = *test.first_index.get_or_insert(sample.index);
@@ -384,7 +393,7 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
         test.note(&step);
         self.force_n = step.sample.force_n;
         if begins {
-            self.sync(sample.index);
+            self.date(sample.index);
         }
         // Their number in 32 bits: eight years.
         if (step.sample.index as u32).is_multiple_of(CLIMATE_PERIODS) {
@@ -488,9 +497,6 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
     fn begin(&mut self) {
         self.journal.begin(self.part, &self.settings);
         self.say_settings();
-        if self.clock.at(self.newest).is_none() {
-            self.info("the clock is not set: this test has no date");
-        }
         let (phase, about, rate_n_per_s) = (Phase::Unknown, None, None);
         self.job = Job::Test(Test { first_index: None, phase, about, rate_n_per_s });
         if let Some(words) = self.warning {
@@ -632,6 +638,12 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
             self.journal.line(&text);
         }
     }
+}
+
+/// Sampling periods between the last sample on the card and the first of the next part, if a
+/// clock has run all the time.
+fn lost_between(left_ms: Option<u64>, start_ms: Option<u64>) -> Option<u32> {
+    periods(start_ms?.checked_sub(left_ms?)?).checked_sub(1)
 }
 
 fn config_error(error: floe_core::ConfigError) -> &'static str {

@@ -46,6 +46,8 @@ pub enum Setting {
     SpanStd(f32),
     /// `set damping-std D`: of the cable's damping, a part of the critical one.
     DampingStd(f32),
+    /// `set winch-std M/S`: of the winch's speed.
+    WinchStd(f32),
     /// `set weight-from same_cell|other`: what weighed the block.
     WeightFrom(WeightFrom),
     /// `set effects auto|none|NAME,NAME`: what the core looks for beyond the linear model.
@@ -84,7 +86,7 @@ pub enum Command {
 /// One line of help.
 pub const HELP: &str = "clock [TIME]; self-test; tare; calibrate N; weigh; accept; abort; \
 set weight|slope|winch|range|span|tare|name|snow|kind|size|track|cable X; \
-set weight|slope|zero|span|damping-std X; set weight-from same_cell|other; set effects auto|none|NAMES; note TEXT; start; \
+set weight|slope|zero|span|damping|winch-std X; set weight-from same_cell|other; set effects auto|none|NAMES; note TEXT; start; \
 stop; status; live on|off";
 
 const MISSING: &str = "a number like 12.5 is missing";
@@ -167,6 +169,7 @@ impl Setting {
             "zero-std" => Self::ZeroStd(number(value)?),
             "span-std" => Self::SpanStd(0.01 * number(value)?),
             "damping-std" => Self::DampingStd(number(value)?),
+            "winch-std" => Self::WinchStd(number(value)?),
             "weight-from" => Self::WeightFrom(
                 from_word(WeightFrom::ALL, value).ok_or("weight-from same_cell, or other")?,
             ),
@@ -294,6 +297,8 @@ mod tests {
         assert_eq!(note, Ok(Command::Note(String::try_from("wind, 3 *  m/s").unwrap())));
         let set = |setting| Ok(Command::Set(setting));
         assert_eq!(Command::parse("set size 1.2 1 .3"), set(Setting::Size([1.2, 1.0, 0.3])));
+        let std = Setting::WinchStd(0.0002);
+        assert_eq!(Command::parse("set winch-std 0.0002"), set(std));
         assert_eq!(Command::parse("set cable 15"), set(Setting::Cable(15.0, None)));
         let cable = Setting::Cable(15.0, Some(345_000.0));
         assert_eq!(Command::parse("set cable 15 345000"), set(cable));

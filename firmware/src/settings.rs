@@ -69,10 +69,13 @@ pub struct Stds {
     pub span: Option<f32>,
     /// Of the damping ratio of the swing.
     pub damping: Option<f32>,
+    /// Of the winch's speed, m/s.
+    pub winch_m_per_s: Option<f32>,
 }
 
 impl Stds {
-    pub(crate) fn all(&self) -> [Option<f32>; 5] {
+    /// The winch's came with a later version of lines and sectors, and stands at their end.
+    pub(crate) fn first(&self) -> [Option<f32>; 5] {
         [self.weight_n, self.slope_rad, self.zero_n, self.span, self.damping]
     }
 }
@@ -124,9 +127,10 @@ impl Settings {
     /// wrong cancels where the block was weighed with the same cell.
     #[must_use]
     pub fn core_config(&self) -> Config {
-        let Stds { weight_n, slope_rad, zero_n, span, damping } = self.stds;
+        let Stds { weight_n, slope_rad, zero_n, span, damping, winch_m_per_s } = self.stds;
         let usual = InputStd::default();
         let cancels = self.weight_from == Some(WeightFrom::SameCell);
+        let winch = winch_m_per_s.zip(self.config.winch_m_per_s).map(|(std, speed)| std / speed);
         let weight = weight_n.map_or(usual.weight, |std| std / self.config.weight_n);
         let std = InputStd {
             weight: if weight.is_finite() { weight } else { usual.weight },
@@ -134,7 +138,7 @@ impl Settings {
             zero_n: zero_n.or(usual.zero_n),
             span: if cancels { 0.0 } else { span.unwrap_or(usual.span) },
             damping: damping.unwrap_or(usual.damping),
-            winch: usual.winch,
+            winch: winch.unwrap_or(usual.winch),
         };
         Config { std, effects: self.effects.in_use(), ..self.config }
     }
@@ -177,6 +181,7 @@ impl Settings {
             Setting::ZeroStd(std) => changed.stds.zero_n = Some(std),
             Setting::SpanStd(std) => changed.stds.span = Some(std),
             Setting::DampingStd(std) => changed.stds.damping = Some(std),
+            Setting::WinchStd(std) => changed.stds.winch_m_per_s = Some(std),
             Setting::WeightFrom(from) => changed.weight_from = Some(from),
             Setting::Effects(effects) => changed.effects = Effects::of(effects),
         }
@@ -202,7 +207,8 @@ impl Settings {
         let zeros = [self.zero.before_n, self.zero.after_n];
         self.check().is_ok()
             && self.name.bytes().all(fits_name)
-            && self.stds.all().iter().flatten().all(not_negative)
+            && self.stds.first().iter().flatten().all(not_negative)
+            && self.stds.winch_m_per_s.iter().all(not_negative)
             && self.notes.lengths().iter().flatten().all(not_negative)
             && zeros.iter().flatten().all(|x| x.is_finite())
     }

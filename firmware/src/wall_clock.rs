@@ -36,6 +36,14 @@ impl WallClock {
     }
 }
 
+/// Whole sampling periods in a time, the nearest number; 2³² - 1 at most.
+#[must_use]
+pub fn periods(ms: u64) -> u32 {
+    // In 32 bits as far as that goes, which is 49 days: divisions of 64 are long.
+    u32::try_from(ms)
+        .map_or(u32::MAX, |ms| (ms / 125).saturating_mul(2) + (ms % 125 * 4 + 125) / 250)
+}
+
 /// A moment, ms since 1970 (UTC), as text: `2027-03-02T10:15:00.000Z`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Moment(pub u64);
@@ -66,6 +74,28 @@ impl Moment {
             [b'.', digits @ .., b'Z'] => thousandths(digits)?,
             _ => return None,
         };
+        let moment = Self::of([year, month, day], [hour, minute, second])?;
+        Some(Self(moment.0 + u64::from(ms)))
+    }
+}
+
+impl Moment {
+    /// Of a calendar's two registers, as microcontrollers have them: decimal digits of four
+    /// bits, year of the century, month and day; hour, minute and second.
+    #[must_use]
+    pub fn of_calendar(date: u32, time: u32) -> Option<Self> {
+        let two = |register: u32, shift: u32, most: u32| {
+            let digits = register >> shift & most;
+            10 * (digits >> 4) + (digits & 0xF)
+        };
+        let [year, month, day] = [(16, 0xFF), (8, 0x1F), (0, 0x3F)].map(|(s, m)| two(date, s, m));
+        let of_the_day = [(16, 0x3F), (8, 0x7F), (0, 0x7F)].map(|(s, m)| two(time, s, m));
+        Self::of([2000 + year, month, day], of_the_day)
+    }
+
+    /// Of year, month and day; hour, minute and second.
+    #[inline(never)]
+    fn of([year, month, day]: [u32; 3], [hour, minute, second]: [u32; 3]) -> Option<Self> {
         let leap = u32::from(year.is_multiple_of(4));
         let days = DAYS_BEFORE.get(month.checked_sub(1)? as usize)?;
         let last = DAYS_BEFORE.get(month as usize).copied().unwrap_or(365) - days;
@@ -78,7 +108,7 @@ impl Moment {
         let extra = years.div_ceil(4) + if month > 2 { leap } else { 0 };
         let days = DAYS_TO_2000 + 365 * years + extra + days + day - 1;
         let seconds = 3600 * hour + 60 * minute + second;
-        Some(Self(u64::from(days) * DAY_MS + u64::from(seconds) * 1000 + u64::from(ms)))
+        Some(Self(u64::from(days) * DAY_MS + u64::from(seconds) * 1000))
     }
 }
 
@@ -194,6 +224,17 @@ mod tests {
     }
 
     #[test]
+    fn a_calendars_registers_are_a_moment() {
+        // A Friday, in the afternoon by a clock of twelve hours: neither matters.
+        let moment = Moment::of_calendar(0x27_B2_31, 0x40_0000 | 0x23_59_58);
+        assert_eq!(moment, Moment::parse("2027-12-31T23:59:58Z"));
+        // As it is when it has never been set.
+        assert_eq!(Moment::of_calendar(0x2101, 0), Moment::parse("2000-01-01T00:00:00Z"));
+        assert_eq!(Moment::of_calendar(0x2100, 0), None);
+        assert_eq!(Moment::of_calendar(0x2101, 0x0000_007A), None);
+    }
+
+    #[test]
     fn what_is_no_moment_is_refused() {
         for wrong in [
             "",
@@ -217,6 +258,15 @@ mod tests {
         ] {
             assert_eq!(Moment::parse(wrong), None, "{wrong}");
         }
+    }
+
+    #[test]
+    fn periods_are_the_nearest_number() {
+        for (ms, number) in [(0, 0), (31, 0), (32, 1), (62, 1), (63, 1), (94, 2), (125, 2)] {
+            assert_eq!(periods(ms), number, "{ms} ms");
+        }
+        assert_eq!(periods(86_400_000), 16 * 86_400);
+        assert_eq!(periods(u64::MAX), u32::MAX);
     }
 
     #[test]

@@ -5,8 +5,9 @@
 //! a process of its own, the methods take turns, and a ratio is taken within one turn.
 
 use std::error::Error;
+use std::ffi::{OsStr, OsString};
 use std::fs::File;
-use std::io::{BufWriter, Write};
+use std::io::{BufRead, BufReader, BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Instant;
@@ -14,23 +15,26 @@ use std::time::Instant;
 use floe::campaign::programme;
 use floe::log::{Log, LogOptions};
 use floe::replay::{self, test::TestOptions};
-use floe::sim::{Run, Scene, write};
+use floe::sim::{Run, Sample, Scene, write};
 
 type Outcome = Result<u64, Box<dyn Error>>;
 type Method = (&'static str, fn(&Path) -> Outcome);
 
+const SCENE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/dff8-13.toml");
 const SAMPLES: u64 = 10_000_000;
 const TURNS: usize = 5;
 /// Compared with the first; each gives the number of rows it saw.
-const METHODS: [Method; 8] = [
+const METHODS: [Method; 10] = [
     ("csv crate, records", csv_records),
     ("csv crate, two numbers", csv_numbers),
     ("floe, reader", reader),
     ("floe, reader and core, 1 thread", reader_and_core),
-    ("floe, whole replay", whole_replay),
+    ("floe replay LOG --summary --json FILE", whole_replay),
     ("floe, simulator", simulator),
+    ("floe, simulator, CSV by `format!`", formatted_csv),
     ("floe, simulator and its CSV", simulated_csv),
-    ("floe, campaign of 1000 tests, 1 thread", campaign),
+    ("floe simulate SCENE -o FILE.csv", simulate_command),
+    ("floe campaign --repeat 1000 --parquet FILE", campaign),
 ];
 /// The same file with others, if the interpreter has them.
 const PYTHON: [(&str, &str); 3] = [
@@ -101,7 +105,8 @@ fn cost(name: &str, python: Option<&str>, path: &Path) -> Option<Cost> {
     };
     let output = command.arg(path).output().ok()?;
     let said = String::from_utf8_lossy(&output.stdout).into_owned();
-    let mut parts = said.split_whitespace();
+    // A command has said its own before.
+    let mut parts = said.lines().last()?.split_whitespace();
     Some(Cost {
         rows: parts.next()?.parse().ok()?,
         wall_s: parts.next()?.parse().ok()?,
@@ -253,41 +258,75 @@ fn reader_and_core(path: &Path) -> Outcome {
 }
 
 fn whole_replay(path: &Path) -> Outcome {
-    let mut log = open(path)?;
-    let config = replay::test::configure(&log, &TestOptions::default())?;
-    Ok(replay::replay("speed.csv", &mut log, &config, |_, _| {})?.log.samples)
+    let json = path.with_extension("json");
+    let options = ["--summary".as_ref(), "--json".as_ref(), json.as_os_str()];
+    command(&[&["replay".as_ref(), path.as_os_str()], &options[..]].concat())?;
+    let lines = BufReader::new(File::open(&json)?).lines();
+    let samples = lines.map_while(Result::ok).find_map(|line| {
+        let (_, count) = line.split_once("\"samples\": ")?;
+        count.trim_end_matches(',').parse().ok()
+    });
+    std::fs::remove_file(json)?;
+    Ok(samples.ok_or("no samples")?)
 }
 
-/// The bundled scene for as many samples, nothing written.
+/// A command of `floe` in this process.
+fn command(arguments: &[&OsStr]) -> Result<(), floe::error::InputError> {
+    let program = OsStr::new("floe");
+    floe::cli::run(std::iter::once(&program).chain(arguments).map(OsString::from))
+}
+
+/// Nothing is written.
 fn simulator(_: &Path) -> Outcome {
-    simulate(|_, _| Ok(()))
+    simulate(|_| Ok(()))
 }
 
 fn simulated_csv(_: &Path) -> Outcome {
-    let mut out = std::io::sink();
-    simulate(|scene, sample| Ok(write::csv_line(&mut out, scene, sample)?))
+    let (mut out, decimals) = (std::io::sink(), write::force_decimals(&scene()?));
+    simulate(|sample| write::csv_line(&mut out, decimals, sample))
 }
 
-fn simulate(
-    mut put: impl FnMut(&Scene, &floe::sim::Sample) -> Result<(), Box<dyn Error>>,
-) -> Outcome {
-    let scene = Scene { duration_s: SAMPLES as f64 / 16.0, ..Scene::default() };
+/// The same bytes by way of the standard library.
+fn formatted_csv(_: &Path) -> Outcome {
+    let (mut out, decimals) = (std::io::sink(), write::force_decimals(&scene()?));
+    simulate(|sample| {
+        let time_s = format!("{:.6}", sample.time_s);
+        let time_s = time_s.trim_end_matches('0').trim_end_matches('.');
+        writeln!(out, "{time_s},{:.decimals$}", sample.force_n)
+    })
+}
+
+fn scene() -> Result<Scene, Box<dyn Error>> {
+    Ok(Scene::from_toml(&std::fs::read_to_string(SCENE)?)?)
+}
+
+fn simulate(mut put: impl FnMut(&Sample) -> std::io::Result<()>) -> Outcome {
+    let scene = Scene { duration_s: SAMPLES as f64 / 16.0, ..scene()? };
     let mut rows = 0;
     for sample in Run::new(&scene, 1)? {
-        put(&scene, std::hint::black_box(&sample))?;
+        put(std::hint::black_box(&sample))?;
         rows += 1;
     }
     Ok(rows)
 }
 
-/// Rows are events.
-fn campaign(_: &Path) -> Outcome {
-    let mut events = 0;
-    for test in 0..1000 {
-        let (campaign, number) = (test / programme::TESTS, test % programme::TESTS);
-        events += programme::evaluate(1, campaign, number)?.events.len() as u64;
-    }
-    Ok(events)
+fn simulate_command(path: &Path) -> Outcome {
+    let log = path.with_extension("simulated.csv");
+    let seconds = (SAMPLES as f64 / 16.0).to_string();
+    let options = ["-o".as_ref(), log.as_os_str(), "--duration-s".as_ref(), seconds.as_ref()];
+    command(&[&["simulate".as_ref(), SCENE.as_ref()], &options[..]].concat())?;
+    std::fs::remove_file(log)?;
+    Ok(SAMPLES)
+}
+
+/// Rows are tests.
+fn campaign(path: &Path) -> Outcome {
+    const PROGRAMMES: u32 = 1000;
+    let (repeat, parquet) = (PROGRAMMES.to_string(), path.with_extension("parquet"));
+    let options = ["--repeat".as_ref(), repeat.as_ref(), "--parquet".as_ref(), parquet.as_ref()];
+    command(&[&["campaign".as_ref()], &options[..]].concat())?;
+    std::fs::remove_file(parquet)?;
+    Ok((PROGRAMMES * programme::TESTS).into())
 }
 
 /// Time of processors that this process has used, s, to a hundredth (Linux).

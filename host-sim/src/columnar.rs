@@ -3,8 +3,25 @@
 use std::sync::Arc;
 
 use parquet::basic::Compression;
+use parquet::data_type::ByteArray;
 use parquet::file::metadata::KeyValue;
-use parquet::file::properties::{WriterProperties, WriterPropertiesPtr};
+use parquet::file::properties::{EnabledStatistics, WriterProperties, WriterPropertiesPtr};
+
+/// Bytes of a dictionary, at most: a column with more values than this holds has hardly one
+/// twice, and to look for them takes most of the time of writing.
+const DICTIONARY: usize = 1 << 16;
+
+/// Texts as values of a column; one that stands again and again is copied once.
+pub(crate) fn texts<'a>(texts: impl Iterator<Item = &'a str>) -> Vec<ByteArray> {
+    let mut last = ByteArray::from("");
+    let value = |text: &'a str| {
+        if last.data() != text.as_bytes() {
+            last = ByteArray::from(text);
+        }
+        last.clone()
+    };
+    texts.map(value).collect()
+}
 
 /// Compressed, with who wrote it and what it is about: keys are `floe.schema` and the like.
 pub(crate) fn properties(about: &[(&str, String)]) -> WriterPropertiesPtr {
@@ -15,6 +32,8 @@ pub(crate) fn properties(about: &[(&str, String)]) -> WriterPropertiesPtr {
     let properties = WriterProperties::builder()
         .set_created_by(format!("floe {VERSION}"))
         .set_compression(Compression::SNAPPY)
+        .set_dictionary_page_size_limit(DICTIONARY)
+        .set_statistics_enabled(EnabledStatistics::Chunk)
         .set_key_value_metadata(Some(about.chain([version]).collect()));
     Arc::new(properties.build())
 }

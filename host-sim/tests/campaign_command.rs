@@ -2,7 +2,7 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::{Command, Output, Stdio};
 
 fn folder(name: &str) -> PathBuf {
     let folder = std::env::temp_dir().join(format!("floe-campaign-{}-{name}", std::process::id()));
@@ -86,7 +86,9 @@ fn bad_input_is_one_clear_line() {
         (&["campaign", "empty"], "no logs"),
         (&["campaign", "list"], "missing.csv"),
         (&["campaign", "."], "weight"),
+        (&["campaign", "no-weight.csv"], "a log itself goes to floe replay"),
         (&["campaign", "--repeat", "0"], "--repeat"),
+        (&["campaign", "--threads", "99999"], "--threads"),
         (&["campaign", "list", "--seed", "3"], "--seed"),
         (&["campaign", "--parquet", "nowhere/c.parquet"], "nowhere"),
         (&["stiffness", "nowhere.csv"], "nowhere.csv"),
@@ -105,5 +107,20 @@ fn bad_input_is_one_clear_line() {
     }
     assert_eq!(fs::read_to_string(folder.join("scene.toml")).unwrap(), "weight_n = 1\n");
     assert!(!folder.join("x.csv").exists());
+    fs::remove_dir_all(folder).unwrap();
+}
+
+/// Nobody reads standard error any more: no reason to panic.
+#[test]
+fn what_nobody_reads_is_no_panic() {
+    let folder = folder("unread");
+    for arguments in [&["campaign"][..], &["replay", "nowhere.csv"]] {
+        let (reader, writer) = std::io::pipe().unwrap();
+        drop(reader);
+        let mut command = Command::new(env!("CARGO_BIN_EXE_floe"));
+        let command = command.current_dir(&folder).args(arguments);
+        let status = command.stdout(Stdio::null()).stderr(writer).status().unwrap();
+        assert!(matches!(status.code(), Some(0 | 2)), "{arguments:?}: {status}");
+    }
     fs::remove_dir_all(folder).unwrap();
 }

@@ -272,6 +272,11 @@ fn force_forms() -> Vec<Form> {
             scaled("time_s,Force [mV/V]\n", 1.0),
             Refused(&["'mV/V'", "--unit"]),
         ),
+        form(
+            "force_mN",
+            table("time_s,force_mN\n", |t, f| format!("{t},{}", f * 1e3)),
+            Refused(&["'force_mN' is 'mN'", "--unit"]),
+        ),
         form("no unit", scaled("time_s,Force\n", 1.0), Noted("taken as N")),
         form("no unit, --unit", scaled("time_s,Force\n", 1e-3), Same)
             .with(|o| o.unit = Some(Unit::Kilonewton)),
@@ -370,6 +375,12 @@ fn whole_forms() -> Vec<Form> {
             said("# rate_hz: 10\n"),
             Refused(&["line 2", "rate_hz: 10", "line 4", "16.000 times a second"]),
         ),
+        form(
+            "--rate-hz against the times",
+            plain(),
+            Refused(&["--rate-hz says 8", "16.000 times a second"]),
+        )
+        .with(|o| o.rate_hz = Some(8.0)),
         form("TOA5", toa5("\"TS\",\"kN\""), Same),
         form("TOA5, short units row", toa5("\"TS\""), Refused(&["2 names, but 1 units"])),
     ]

@@ -54,9 +54,12 @@ fn replayed(samples: u64) -> u64 {
 fn more_events_take_no_more_memory() {
     let asked = std::env::var("FLOE_SAMPLES").ok().and_then(|n| n.parse::<f64>().ok());
     let samples = asked.unwrap_or(1e6) as u64;
-    let few_kb = replayed(400_000);
+    // Of 4·10⁵ the figures' share of the events is full once; it is thinned out again and again
+    // after that, which leaves gaps in the memory that are filled only later.
+    let few = (samples / 10).max(400_000);
+    let few_kb = replayed(few);
     let many_kb = replayed(samples);
-    println!("400000 samples: {few_kb} kB; {samples}: {many_kb} kB");
+    println!("{few} samples: {few_kb} kB; {samples}: {many_kb} kB");
     assert!(few_kb > 0 && many_kb < few_kb + 8192, "{few_kb} kB became {many_kb} kB");
     assert!(many_kb < 150_000, "{many_kb} kB");
 }

@@ -3,14 +3,13 @@
 //! (a) with exact inputs, (b) with weight, slope, zero and span drawn for each record from
 //! the standard deviations that are stated for them.
 
-use floe::bench::Found;
-use floe::bench::matching::{Detection, matched};
-use floe::bench::scenes::Truth;
+use floe::bench::matching::Detection;
+use floe::bench::scenes::at_phase;
 use floe::sim::{Scene, Simulation, TrueEvent, simulate};
 use floe_core::{Coefficient, Config, Estimate, Event, InputStd, Report};
 
 use crate::normal::Normal;
-use crate::score::{quantile, rms};
+use crate::score::{pair, quantile, rms};
 use crate::{both, feed};
 
 /// Time after a stop that an event needs to be judged, s: some of the line after it.
@@ -213,12 +212,7 @@ impl Class {
 }
 
 fn record(scene: &Scene, kind: Kind, seed: u64) -> Record {
-    let mut scene = scene.clone();
-    // The golden section spreads any number of sampling phases evenly.
-    let phase = (seed as f64 * 0.618_033_988_749_895).fract();
-    let rate = scene.stiffness_n_per_m * scene.winch_m_per_s;
-    scene.start_force_n += phase * rate / scene.rate_hz;
-    let simulation = simulate(&scene, seed).expect("a scene");
+    let simulation = simulate(&at_phase(scene, seed), seed).expect("a scene");
     let is_judged = |e: &TrueEvent| e.stop_s + AFTER_S < scene.duration_s;
     let judged = simulation.events.partition_point(is_judged);
     Record { simulation, judged: if kind == Kind::Refused { 0 } else { judged } }
@@ -271,17 +265,4 @@ fn read(scene: &Scene, record: &Record, errors: [f64; 4], std: InputStd) -> (Vec
     let samples = samples.map(|s| feed::force(s.index, seen(s.index, s.force_n)));
     let outcome = feed::replay(&config, samples);
     (outcome.events, outcome.report)
-}
-
-fn pair(truths: &[TrueEvent], found: &[Event], hz: f64) -> (Vec<(usize, usize)>, Detection) {
-    let truths = truths.iter().map(|e| Truth {
-        onset_s: e.onset_s,
-        stop_s: e.stop_s,
-        mu_s: e.mu_s,
-        mu: e.mu,
-        bound: None,
-    });
-    let onset_s = |e: &Event| both::periods(e) / hz;
-    let found = found.iter().map(|e| Found { onset_s: onset_s(e), mu_s: None, mu: None });
-    matched(&truths.collect::<Vec<_>>(), &found.collect::<Vec<_>>(), hz)
 }

@@ -11,6 +11,7 @@ pub mod honesty;
 pub mod maths;
 pub mod normal;
 pub mod parallel;
+pub mod random;
 pub mod records;
 pub mod scenes;
 pub mod score;

@@ -10,7 +10,7 @@ use floe_firmware::settings::Settings;
 /// Header of version 1.
 const FIRST_LEN: usize = 84;
 /// Header of version 2.
-const HEADER_LEN: usize = 176;
+const HEADER_LEN: usize = 180;
 const CRC_AT: usize = SECTOR_LEN - 4;
 
 /// A block of 630 N that sticks and slips every two seconds, 5000 codes per N.

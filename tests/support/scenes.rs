@@ -1,4 +1,6 @@
-//! The blocks that several tests pull.
+//! The blocks that several tests pull, and the scenes in files.
+
+use std::path::Path;
 
 use floe::sim::Scene;
 use floe_core::{Config, InputStd};
@@ -36,6 +38,18 @@ pub fn snow() -> Pull {
 #[must_use]
 pub fn light() -> Pull {
     Pull { weight_n: 300.0, mu_s: 0.9, mu: 0.56, ..dff8_13() }
+}
+
+/// A scene of `host-sim/scenes`: `hard/flop` is that in `hard/flop.toml`.
+///
+/// # Panics
+/// There is none of this name, or it cannot be read.
+#[must_use]
+pub fn stored(name: &str) -> Scene {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../host-sim/scenes");
+    let file = folder.join(format!("{name}.toml"));
+    let text = std::fs::read_to_string(&file).unwrap_or_else(|e| panic!("{name}: {e}"));
+    Scene::from_toml(&text).unwrap_or_else(|e| panic!("{name}: {e}"))
 }
 
 /// What the core is told about a pull.

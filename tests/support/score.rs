@@ -2,7 +2,7 @@
 
 use floe::bench::Found;
 use floe::bench::matching::{Detection, matched};
-use floe::bench::scenes::Truth;
+use floe::bench::scenes::{Truth, at_phase};
 use floe::sim::{Scene, Simulation, TrueEvent, bound, simulate};
 use floe_core::{Coefficient, Config, Effects, Event, Fault, RawSample, Reading, Report};
 
@@ -26,8 +26,7 @@ pub struct Tried {
     pub detection: Detection,
 }
 
-/// Simulates a scene and reads it. Every seed has a sampling phase of its own; the
-/// golden section spreads them evenly.
+/// Simulates a scene and reads it. Every seed has a sampling phase of its own.
 ///
 /// # Panics
 /// The scene cannot be simulated.
@@ -55,10 +54,7 @@ pub fn run_looking_for(effects: Effects, scene: &Scene, seed: u64) -> Tried {
 }
 
 fn run_as(config: &Config, scene: &Scene, seed: u64, zero_n: impl Fn(f64) -> f64) -> Tried {
-    let mut scene = scene.clone();
-    let phase = (seed as f64 * 0.618_033_988_749_895).fract();
-    let rate = scene.stiffness_n_per_m * scene.winch_m_per_s;
-    scene.start_force_n += phase * rate / scene.rate_hz;
+    let scene = at_phase(scene, seed);
     let Simulation { samples, events: mut truths } = simulate(&scene, seed).expect("a scene");
     bound::set_bounds(&scene, &mut truths);
     truths.pop();
@@ -75,7 +71,12 @@ fn run_as(config: &Config, scene: &Scene, seed: u64, zero_n: impl Fn(f64) -> f64
     Tried { truths, found, report, pairs, detection }
 }
 
-fn pair(truths: &[TrueEvent], found: &[Event], hz: f64) -> (Vec<(usize, usize)>, Detection) {
+/// Which true event was found as which.
+pub(crate) fn pair(
+    truths: &[TrueEvent],
+    found: &[Event],
+    hz: f64,
+) -> (Vec<(usize, usize)>, Detection) {
     let truths = truths.iter().map(|e| Truth {
         onset_s: e.onset_s,
         stop_s: e.stop_s,

@@ -6,8 +6,9 @@ use std::process::Stdio;
 
 use crate::Result;
 use crate::arm::Route;
-use crate::emulate::machine::{Machine, Setup};
+use crate::emulate::machine::{Machine, Run, Setup};
 use crate::emulate::nucleo::Nucleo;
+use crate::emulate::outcome;
 use crate::emulate::record::Record;
 use crate::shell::{cargo, root};
 
@@ -22,12 +23,23 @@ pub fn run(forced: Option<Route>) -> Result<()> {
         *code = None;
     }
     let machine = Machine::with_features(forced, "mps2-an386,defmt")?;
-    let run = machine.run(&record, Setup::default())?;
+    let setup = Setup { samples: record.has_gaps(), ..Setup::default() };
+    let run = machine.run(&record, setup)?;
+    same("mps2-an386", &record, &run)?;
     check("mps2-an386", &decode(machine.firmware(), &run.logged)?, &[])?;
     let nucleo = Nucleo::with_features(forced, "nucleo-l476,defmt")?;
-    let run = nucleo.run(&record, Setup::default())?;
+    let run = nucleo.run(&record, setup)?;
+    same("nucleo-l476", &record, &run)?;
     let own = ["tick by the crystal", "card: ", "stack: "];
     check("nucleo-l476", &decode(nucleo.firmware(), &run.logged)?, &own)
+}
+
+/// An image that logs computes what this PC does, too.
+fn same(board: &str, record: &Record, run: &Run) -> Result<()> {
+    let outcome = outcome::decode(&run.shown)?;
+    let same = outcome.compare(record, &run.delivered).map_err(|e| format!("{board}: {e}"))?;
+    println!("defmt: {board}: {same}");
+    outcome.check_ticks()
 }
 
 /// Cause of the start, start and end of the test, each event, the silence, and what only

@@ -106,21 +106,48 @@ impl<P: Read + ReadReady + Write, S: Store> App<'_, P, S> {
     /// Sets the clock, or says what it shows.
     #[inline(never)]
     pub(super) fn set_clock(&mut self, moment: Option<Moment>) -> Result<(), &'static str> {
+        // Before the first sample there is no period to be in.
+        let since_ms = if self.health.samples == 0 { 0 } else { HALF_A_PERIOD_MS };
         if let Some(Moment(unix_ms)) = moment {
             // A test has one time from its beginning to its end.
             if !self.testing() || self.clock.at(self.newest).is_none() {
                 let next = self.newest.wrapping_add(1);
-                self.clock.set(unix_ms.saturating_sub(HALF_A_PERIOD_MS), next);
+                self.clock.set(unix_ms.saturating_sub(since_ms), next);
+                self.is_new_time = true;
                 self.sync(next);
             }
         }
-        match self.clock.at(self.newest.wrapping_add(1)) {
-            Some(next_ms) => {
-                self.info(&text(("clock ", Moment(next_ms.saturating_add(HALF_A_PERIOD_MS)))));
-            }
+        let next_ms = self.clock.at(self.newest.wrapping_add(1));
+        self.say_clock(next_ms.map(|ms| ms.saturating_add(since_ms)));
+        Ok(())
+    }
+
+    fn say_clock(&mut self, unix_ms: Option<u64>) {
+        match unix_ms {
+            Some(unix_ms) => self.info(&text(("clock ", Moment(unix_ms)))),
             None => self.info("the clock is not set: clock 2027-03-02T10:15:00Z"),
         }
-        Ok(())
+    }
+
+    /// The sampling begins now. `unix_ms`: what time it is, ms since 1970 (UTC), by a calendar
+    /// that has outlived the reset, or by somebody who was quicker.
+    #[inline(never)]
+    pub fn begin_at(&mut self, unix_ms: Option<u64>) {
+        if let Some(unix_ms) = unix_ms {
+            // The first conversion begins a period later.
+            self.clock.set(unix_ms.saturating_add(2 * HALF_A_PERIOD_MS), 0);
+        }
+        self.say_clock(unix_ms);
+    }
+
+    /// Once after the clock has been set, for the board's calendar: when the newest tick came,
+    /// ms since 1970 (UTC).
+    pub fn new_time(&mut self) -> Option<u64> {
+        if self.has_samples() || !core::mem::take(&mut self.is_new_time) {
+            return None;
+        }
+        // That tick has begun the sample after the newest.
+        self.clock.at(self.newest.wrapping_add(1))
     }
 
     /// How cold the converter is and what feeds it, if it can tell.
@@ -130,6 +157,14 @@ impl<P: Read + ReadReady + Write, S: Store> App<'_, P, S> {
         let supply_v = supply_mv.map(|supply_mv| supply_mv as f32 / 1000.0);
         if temperature_c.is_some() || supply_v.is_some() {
             self.tell(&Line::Climate { index, temperature_c, supply_v });
+        }
+    }
+
+    /// Says when a test's first sample was taken, or that nobody knows.
+    pub(super) fn date(&mut self, index: u32) {
+        match self.clock.at(index) {
+            Some(_) => self.sync(index),
+            None => self.info("the clock is not set: this test has no date"),
         }
     }
 

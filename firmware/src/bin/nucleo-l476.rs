@@ -10,6 +10,7 @@ mod target {
     use floe_firmware::ads122::{Ads122, I2cBus};
     use floe_firmware::app::App;
     use floe_firmware::board::nucleo::bus::Bus;
+    use floe_firmware::board::nucleo::calendar;
     use floe_firmware::board::nucleo::card::CardSlot;
     use floe_firmware::board::nucleo::clock::{self, CLOCK_HZ, Delay};
     use floe_firmware::board::nucleo::console::Console;
@@ -18,7 +19,6 @@ mod target {
     use floe_firmware::display::Picture;
     use floe_firmware::sample::{SampleQueue, Shared};
     use floe_firmware::sampler::{Pulse, Sampler};
-    use floe_firmware::text::Hex;
     use ssd1306::mode::DisplayConfig;
     use ssd1306::prelude::{DisplayRotation, DisplaySize128x64};
     use ssd1306::{I2CDisplayInterface, Ssd1306};
@@ -57,16 +57,27 @@ mod target {
         watchdog.unleash();
         app.power_up(words.as_deref());
         let mut waiting = Some(sampler);
+        // What the time is ahead of the board's own, ms, if it was set before the crystal ran.
+        let mut early = None;
         let (mut samples, mut minute, mut pulse) = (0, 0, Pulse::default());
         loop {
             if let Some(sampler) = waiting.take() {
-                waiting = begin(app, sampler);
+                waiting = begin(app, sampler, early);
             }
             // A board that does not sample is as bad as one that hangs.
             if waiting.is_some() || pulse.beats(&SHARED) {
                 watchdog.pet();
             }
-            if app.turn() {
+            let before_ms = clock::clock() / 1000;
+            let any = app.turn();
+            if let Some(unix_ms) = app.new_time() {
+                if waiting.is_some() {
+                    early = Some(unix_ms.wrapping_sub(before_ms.into()));
+                } else {
+                    calendar::set(unix_ms.wrapping_add((clock::since_tick() / 1000).into()));
+                }
+            }
+            if any {
                 samples += 1;
                 minute += 1;
                 if minute >= MINUTE_SAMPLES {
@@ -122,16 +133,23 @@ mod target {
     fn begin(
         app: &mut Logger,
         sampler: &'static mut Sampler<'static, Adc>,
+        early: Option<u64>,
     ) -> Option<&'static mut Sampler<'static, Adc>> {
+        let said_ms = early.map(|ahead_ms| ahead_ms.wrapping_add((clock::clock() / 1000).into()));
         if clock::crystal_runs() {
             #[cfg(feature = "defmt")]
             defmt::info!("tick by the crystal, 16 MHz in step with it");
             clock::start_tick(sampler, clock::Source::Crystal);
+            if let Some(unix_ms) = said_ms {
+                calendar::set(unix_ms);
+            }
+            app.begin_at(calendar::now());
         } else if clock::clock() > CRYSTAL_US {
             #[cfg(feature = "defmt")]
             defmt::warn!("tick by the internal oscillator: the crystal does not start");
             app.warn(NO_CRYSTAL);
             clock::start_tick(sampler, clock::Source::Internal);
+            app.begin_at(said_ms);
         } else {
             return Some(sampler);
         }
@@ -184,10 +202,22 @@ mod target {
     #[cortex_m_rt::exception]
     fn SysTick() {}
 
-    #[cortex_m_rt::exception]
-    #[allow(unsafe_code)] // SAFETY: it never returns and touches nothing.
-    unsafe fn HardFault(frame: &cortex_m_rt::ExceptionFrame) -> ! {
-        crash::die(&("a fault at 0x", Hex(frame.pc(), 8)))
+    /// What `cortex-m-rt` has in the table of vectors. Where the stack has run over there is no
+    /// room for anything more, and one fault more would be the last: the stack begins anew.
+    // SAFETY: it never returns; nothing below the stack's beginning is needed any more but
+    // what the processor has put there last, which is handed on.
+    #[allow(unsafe_code)]
+    #[unsafe(no_mangle)]
+    #[unsafe(naked)]
+    unsafe extern "C" fn HardFault() -> ! {
+        core::arch::naked_asm!(
+            "mrs r0, msp",
+            "movw r1, #:lower16:_stack_start",
+            "movt r1, #:upper16:_stack_start",
+            "msr msp, r1",
+            "b {died}",
+            died = sym crash::fault,
+        )
     }
 
     #[panic_handler]

@@ -34,6 +34,15 @@ pub fn guard(mpu: &MPU) {
     cortex_m::asm::isb();
 }
 
+/// Whether there is room below a place in the stack for what an exception and a function's
+/// beginning put there at most.
+#[must_use]
+pub fn has_room_below(place: *const u32) -> bool {
+    /// With the floating-point registers, and those that a function keeps.
+    const MOST: usize = 104 + 100;
+    place as usize >= &raw const _stack_end as usize + MOST
+}
+
 /// Bytes of the stack that were ever used, and its size: the reset code has painted
 /// it.
 #[must_use]

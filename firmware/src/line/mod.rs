@@ -395,6 +395,7 @@ mod tests {
                 zero_n: Some(LONG),
                 span: Some(LONG),
                 damping: Some(LONG),
+                winch_m_per_s: Some(LONG),
             },
             weight_from: Some(WeightFrom::SameCell),
             zero: Zero { before_n: Some(LONG), after_n: Some(LONG) },

@@ -71,7 +71,7 @@ fn settings(from: &mut Reader<'_>) -> Result<Settings, LineError> {
         // See `Settings::core_config`.
         std: InputStd::default(),
     };
-    Ok(Settings {
+    let mut settings = Settings {
         config,
         name,
         weight_from: from.take_late_word()?,
@@ -81,6 +81,7 @@ fn settings(from: &mut Reader<'_>) -> Result<Settings, LineError> {
             zero_n: from.take_late()?,
             span: from.take_late()?,
             damping: from.take_late()?,
+            winch_m_per_s: None,
         },
         zero: Zero { before_n: from.take_late()?, after_n: from.take_late()? },
         notes: Notes {
@@ -94,7 +95,9 @@ fn settings(from: &mut Reader<'_>) -> Result<Settings, LineError> {
             cable_ae_n: from.take_late()?,
         },
         effects: Effects { enabled: from.take_late()?, compiled: from.take_late()? },
-    })
+    };
+    settings.stds.winch_m_per_s = from.take_late()?;
+    Ok(settings)
 }
 
 fn live_sample(from: &mut Reader<'_>) -> Result<LiveSample, LineError> {

@@ -103,7 +103,7 @@ fn start(out: &mut Writer<'_>, run: u32, settings: &Settings) {
 fn around(out: &mut Writer<'_>, settings: &Settings) {
     let Settings { effects, stds, weight_from, zero, notes, .. } = settings;
     out.put_some_word(*weight_from);
-    stds.all().iter().for_each(|&std| out.put_some_f32(std));
+    stds.first().iter().for_each(|&std| out.put_some_f32(std));
     out.put_some_f32(zero.before_n);
     out.put_some_f32(zero.after_n);
     out.put_some_word(notes.kind);
@@ -111,6 +111,7 @@ fn around(out: &mut Writer<'_>, settings: &Settings) {
     notes.lengths().iter().for_each(|&length| out.put_some_f32(length));
     out.put_some(effects.enabled);
     out.put_some(effects.compiled);
+    out.put_some_f32(stds.winch_m_per_s);
 }
 
 fn live_sample(out: &mut Writer<'_>, sample: &LiveSample) {

@@ -65,10 +65,11 @@ pub(super) fn put_second(out: &mut Writer<'_>, record: &Record) {
     out.put_some_u32(part.gap);
     out.put_some_u32(effects.enabled);
     out.put_some_u32(effects.compiled);
-    stds.all().iter().for_each(|&std| out.put_some_f32(std));
+    stds.first().iter().for_each(|&std| out.put_some_f32(std));
     out.put_some_f32(zero.before_n);
     out.put_some_f32(zero.after_n);
     notes.lengths().iter().for_each(|&length| out.put_some_f32(length));
+    out.put_some_f32(stds.winch_m_per_s);
 }
 
 pub(super) fn take_second(from: &mut Reader<'_>, record: &mut Record) {
@@ -91,6 +92,7 @@ pub(super) fn take_second(from: &mut Reader<'_>, record: &mut Record) {
         zero_n: from.some_f32(),
         span: from.some_f32(),
         damping: from.some_f32(),
+        winch_m_per_s: None,
     };
     settings.weight_from = weight_from;
     settings.zero = Zero { before_n: from.some_f32(), after_n: from.some_f32() };
@@ -104,6 +106,7 @@ pub(super) fn take_second(from: &mut Reader<'_>, record: &mut Record) {
         cable_length_m: from.some_f32(),
         cable_ae_n: from.some_f32(),
     };
+    settings.stds.winch_m_per_s = from.some_f32();
 }
 
 /// The winch's speed and the cell's range have always been zero when unknown.

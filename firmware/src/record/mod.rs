@@ -20,8 +20,9 @@
 //! | 124 | standard deviations: weight, slope, zero, span, damping (f32) |
 //! | 144 | zero before and after, N (f32) |
 //! | 152 | snow mm; block's length, width, height m; cable's length m, its AE N (f32) |
-//! | 176 | samples: index, stamp (u32), code (i24), state (u8) |
-//! | 272 | text |
+//! | 176 | standard deviation of the winch's speed, m/s (f32) |
+//! | 180 | samples: index, stamp (u32), code (i24), state (u8) |
+//! | 276 | text |
 //! | 508 | CRC-32 (ISO-HDLC) |
 //!
 //! Samples begin where the header ends, and the text 96 bytes later. All ones is
@@ -38,6 +39,7 @@ use heapless::{String, Vec};
 
 use crate::sample::Sample;
 use crate::settings::Settings;
+use crate::wall_clock::WallClock;
 use bytes::{Reader, Writer};
 
 /// Bytes in a sector of any card.
@@ -56,7 +58,7 @@ pub const MAGIC: [u8; 4] = *b"FLOE";
 
 /// The header of version 1.
 const FIRST_LEN: usize = 84;
-const HEADER_LEN: usize = 176;
+const HEADER_LEN: usize = 180;
 const SAMPLES_LEN: usize = 12 * SECTOR_SAMPLES;
 const CRC_AT: usize = SECTOR_LEN - 4;
 
@@ -186,6 +188,14 @@ impl Record {
         };
         from.end = header_len;
         Self::read(from, samples, text_len).ok_or(RecordError::Unsound)
+    }
+
+    /// When its last sample was taken, ms since 1970 (UTC), if the board knew.
+    #[must_use]
+    pub fn last_ms(&self) -> Option<u64> {
+        let mut clock = WallClock::default();
+        clock.set(self.part.start_ms?, self.part.first_index);
+        clock.at(self.samples.last()?.index)
     }
 
     fn read(mut from: Reader<'_>, samples: u8, text_len: usize) -> Option<Self> {

@@ -39,6 +39,8 @@ pub trait Emulator: Memory {
     fn skip_to(&mut self, when_ns: u64);
     /// [`Board::wake`] has to be called at that time, ns.
     fn wake_at(&mut self, when_ns: u64);
+    /// The processor's stack pointer is here from now on.
+    fn move_stack(&mut self, to: u32);
     /// The processor starts again soon, and [`Board::restarted`] is called.
     fn restart(&mut self);
     /// The run is over.

@@ -108,6 +108,7 @@ functions! {
     qemu_clock_deadline_ns_all: fn(c_int, c_int) -> i64;
     qemu_get_cpu: fn(c_int) -> Pointer;
     cpu_exit: fn(Pointer);
+    arm_cpu_gdb_write_register: fn(Pointer, *const u8, c_int) -> c_int;
     icount_get: fn() -> i64;
     cpus_get_accel: fn() -> *mut Pointer;
     timer_init_full: fn(Pointer, Pointer, c_int, c_int, c_int, extern "C" fn(Pointer), Pointer);
@@ -211,6 +212,16 @@ impl Emulator for Machine {
     fn wake_at(&mut self, when_ns: u64) {
         // SAFETY: the timer was initialised at the start.
         unsafe { (self.qemu.timer_mod)(self.timer, when_ns as i64) };
+    }
+
+    fn move_stack(&mut self, to: u32) {
+        const STACK_POINTER: c_int = 13;
+        let bytes = to.to_le_bytes();
+        // SAFETY: four bytes are read; the processor stands still while a timer's time has come.
+        unsafe {
+            let cpu = (self.qemu.qemu_get_cpu)(0);
+            (self.qemu.arm_cpu_gdb_write_register)(cpu, bytes.as_ptr(), STACK_POINTER);
+        }
     }
 
     fn restart(&mut self) {

@@ -20,7 +20,8 @@ pub const OUTCOME_FILE: &str = "outcome.json";
 pub enum When {
     /// Seconds since the power came.
     Seconds(f64),
-    /// This sample of the load cell.
+    /// When this sample of the load cell is over: halfway from the tick that converts it to
+    /// the next.
     Sample(u64),
 }
 
@@ -43,6 +44,10 @@ pub enum Incident {
     StopClock,
     /// Every access to this peripheral fails.
     FailAccess(u32),
+    /// The stack is used up but for so many bytes, as by functions that call each other.
+    UseUpStack(u32),
+    /// It dips below the level of the brown-out reset, and the backup domain lives on.
+    Dip,
     /// The supply goes for a moment: memory, calendar and card forget.
     CutPower,
     /// The run is over.

@@ -128,6 +128,21 @@ pub struct Plan {
     effort: Effort,
 }
 
+/// Sampling phase of a record, 0 to 1: the golden section spreads those of any number of
+/// seeds evenly.
+#[must_use]
+pub fn phase(seed: u64) -> f64 {
+    (seed as f64 * 0.618_033_988_749_895).fract()
+}
+
+/// The scene with the sampling phase of this seed: part of a period's force at its start.
+#[must_use]
+pub fn at_phase(scene: &Scene, seed: u64) -> Scene {
+    let rate = scene.stiffness_n_per_m * scene.winch_m_per_s;
+    let start_force_n = scene.start_force_n + phase(seed) * rate / scene.rate_hz;
+    Scene { start_force_n, ..scene.clone() }
+}
+
 /// All scenes, in the order of the table.
 ///
 /// # Errors
@@ -207,12 +222,7 @@ impl Plan {
     }
 
     fn record(&self, seed: u64) -> Result<Record, SceneError> {
-        // The golden section spreads any number of sampling phases evenly.
-        let phase = (seed as f64 * 0.618_033_988_749_895).fract();
-        let rate = self.scene.stiffness_n_per_m * self.scene.winch_m_per_s;
-        let mut scene = self.scene.clone();
-        scene.start_force_n += phase * rate / scene.rate_hz;
-        let simulation = simulate(&scene, seed)?;
+        let simulation = simulate(&at_phase(&self.scene, seed), seed)?;
         let sample = |s: &crate::sim::Sample| Sample { index: s.index, force_n: s.force_n as f32 };
         let samples: Vec<Sample> = simulation.samples.iter().map(sample).collect();
         let events = self.truths(&samples, &simulation.events);

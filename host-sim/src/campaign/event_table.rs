@@ -5,7 +5,7 @@ use std::io::Write;
 use std::sync::Arc;
 
 use parquet::basic::{LogicalType, Repetition, Type as Physical};
-use parquet::data_type::{BoolType, ByteArray, ByteArrayType, DoubleType, Int32Type};
+use parquet::data_type::{BoolType, ByteArrayType, DoubleType, Int32Type};
 use parquet::errors::Result;
 use parquet::file::writer::{SerializedColumnWriter, SerializedFileWriter};
 use parquet::schema::types::{Type, TypePtr};
@@ -191,12 +191,12 @@ fn write_column(
             out.typed::<BoolType>().write_batch(&values, None, None)
         }
         Text(of) => {
-            let values: Vec<ByteArray> = rows.map(|r| of(r).into()).collect();
+            let values = columnar::texts(rows.map(of));
             out.typed::<ByteArrayType>().write_batch(&values, None, None)
         }
         MaybeText(of) => {
             let levels: Vec<i16> = rows.clone().map(|r| i16::from(of(r).is_some())).collect();
-            let values: Vec<ByteArray> = rows.filter_map(of).map(ByteArray::from).collect();
+            let values = columnar::texts(rows.filter_map(of));
             out.typed::<ByteArrayType>().write_batch(&values, Some(&levels), None)
         }
     }

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use floe_firmware::line::{Line, LineError};
 
-use crate::error::InputError;
+use crate::error::{InputError, excerpt};
 use crate::log::Log;
 use crate::replay::replay_with;
 use crate::replay::test::configure;
@@ -63,7 +63,17 @@ fn listed(path: &Path) -> Result<Vec<Entry>, InputError> {
         return manifest::read(&list, folder);
     }
     let names = list.lines().map(str::trim).filter(|l| !l.is_empty() && !l.starts_with('#'));
-    Ok(names.map(|name| Entry { path: folder.join(name), ..Entry::default() }).collect())
+    let entry = |name| Entry { path: folder.join(name), ..Entry::default() };
+    let entries: Vec<Entry> = names.clone().map(entry).collect();
+    if let (Some(first), false) = (names.clone().next(), entries.iter().any(|it| it.path.is_file()))
+    {
+        let first = excerpt(first.as_bytes());
+        return Err(InputError::new(format!(
+            "no line of it names a file, such as {first}; a list names one log a line, and a log \
+             itself goes to floe replay"
+        )));
+    }
+    Ok(entries)
 }
 
 fn is_log(path: &Path) -> bool {

@@ -134,6 +134,7 @@ fn put_around(text: &mut String, settings: &Settings) {
         ("zero_std_n", stds.zero_n),
         ("span_std_percent", stds.span.map(|part| 100.0 * part)),
         ("damping_std", stds.damping),
+        ("winch_std_m_per_s", stds.winch_m_per_s),
         ("zero_before_n", zero.before_n),
         ("zero_after_n", zero.after_n),
         ("snow_mm", notes.snow_mm),

@@ -88,6 +88,13 @@ impl Device {
         self.first_start_ns.map_or(0, |first| self.load_cell.sample_at(now_ns - first))
     }
 
+    /// When the load cell goes on to the sample after this one: half a period before that is
+    /// converted. `None` before the first conversion.
+    #[must_use]
+    pub fn sample_end_ns(&self, sample: u64) -> Option<u64> {
+        Some(self.first_start_ns?.saturating_add(self.load_cell.end_ns(sample)))
+    }
+
     /// Number of samples of the load cell.
     #[must_use]
     pub fn samples(&self) -> u64 {

@@ -52,6 +52,11 @@ impl LoadCell {
         (since_ns + self.period_ns / 2) / self.period_ns
     }
 
+    /// Time since the first conversion at which that is over for a sample.
+    pub(super) fn end_ns(&self, sample: u64) -> u64 {
+        sample.saturating_add(1).saturating_mul(self.period_ns) - self.period_ns / 2
+    }
+
     /// The last sample stays when the record is over.
     pub(super) fn ratio(&self, since_ns: u64, burn_out: bool) -> f64 {
         if !self.connected {

@@ -2,6 +2,7 @@
 
 use std::io;
 use std::path::{Path, PathBuf};
+use std::sync::mpsc::sync_channel;
 use std::time::Instant;
 
 use rayon::prelude::*;
@@ -47,8 +48,8 @@ pub struct Args {
     #[arg(long)]
     strict: bool,
     /// Threads to use [default: one for each core]; the result is the same
-    #[arg(long, value_name = "N")]
-    threads: Option<usize>,
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
     /// Write figures and tables to look at, one HTML file
     #[arg(long, value_name = "FILE.html")]
     report: Option<PathBuf>,
@@ -142,7 +143,7 @@ pub fn run(args: &Args) -> Result<(), InputError> {
         0 => String::new(),
         count => format!(", {count} left out"),
     };
-    eprintln!("{} tests, {events} events in {seconds:.2} s{left_out}", tests.len());
+    output::tell(&format!("{} tests, {events} events in {seconds:.2} s{left_out}", tests.len()));
     Ok(())
 }
 
@@ -201,31 +202,42 @@ fn without_events(test: &TestRecord) -> TestRecord {
     }
 }
 
-/// Computes in parallel, hands over in order. Gives what was left out.
+/// Computes in parallel, hands over in order, and goes on with the next tests while those
+/// before are taken. Gives what was left out.
 fn in_order(
     args: &Args,
     source: &Source,
     mut take: impl FnMut(TestRecord) -> Result<(), InputError>,
 ) -> Result<Vec<InputError>, InputError> {
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(args.threads.unwrap_or(0)).build();
+    let pool =
+        rayon::ThreadPoolBuilder::new().num_threads(args.threads.map_or(0, usize::from)).build();
     let pool = pool.map_err(|error| InputError::new(error.to_string()))?;
     let bar = progress::bar(source.len(), "{pos} of {len} tests, {eta} left");
     let stop = args.strict || args.logs.is_none();
-    let (mut first, mut left_out) = (0, Vec::new());
-    while first < source.len() {
-        let last = (first + CHUNK as u64).min(source.len());
-        let tests: Vec<Result<TestRecord, InputError>> =
-            pool.install(|| (first..last).into_par_iter().map(|i| source.evaluate(i)).collect());
-        for test in tests {
+    let mut left_out = Vec::new();
+    std::thread::scope(|scope| {
+        let (sender, chunks) = sync_channel(1);
+        scope.spawn(move || {
+            for first in (0..source.len()).step_by(CHUNK) {
+                let numbers = first..(first + CHUNK as u64).min(source.len());
+                let tests: Vec<Result<TestRecord, InputError>> =
+                    pool.install(|| numbers.into_par_iter().map(|i| source.evaluate(i)).collect());
+                // Nobody takes them any more after an error.
+                if sender.send(tests).is_err() {
+                    return;
+                }
+            }
+        });
+        for test in chunks.into_iter().flatten() {
+            bar.inc(1);
             match test {
                 Ok(test) => take(test)?,
                 Err(problem) if stop => return Err(problem),
                 Err(problem) => left_out.push(problem),
             }
         }
-        bar.set_position(last);
-        first = last;
-    }
+        Ok(())
+    })?;
     bar.finish_and_clear();
     Ok(left_out)
 }

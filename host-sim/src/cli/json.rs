@@ -1,7 +1,7 @@
 //! `--json [FILE]`, the same in every command: bare, the result goes to standard output
 //! and nothing else does; with a file, what a person reads still goes there.
 
-use std::io::{self, Write};
+use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
@@ -76,6 +76,8 @@ impl Json {
 
 /// A result with a line end.
 fn write(result: &impl Serialize, out: &mut dyn Write) -> io::Result<()> {
-    serde_json::to_writer_pretty(&mut *out, result)?;
-    out.write_all(b"\n")
+    let mut out = BufWriter::new(out);
+    serde_json::to_writer_pretty(&mut out, result)?;
+    out.write_all(b"\n")?;
+    out.flush()
 }

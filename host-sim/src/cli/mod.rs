@@ -3,6 +3,7 @@
 //! Exit code 0: done. 2: bad usage, unreadable input or an output that cannot be
 //! written, with one line on standard error.
 
+use std::ffi::OsString;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
@@ -58,7 +59,21 @@ enum Command {
 /// Runs the command that the process was started with.
 #[must_use]
 pub fn main() -> ExitCode {
-    let result = match Cli::try_parse() {
+    match run(std::env::args_os()) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            output::say(&error.to_string());
+            ExitCode::from(2)
+        }
+    }
+}
+
+/// Runs a command; the first argument is the program's name.
+///
+/// # Errors
+/// One line for the user.
+pub fn run(arguments: impl IntoIterator<Item = OsString>) -> Result<(), InputError> {
+    match Cli::try_parse_from(arguments) {
         Ok(Cli { command: Some(Command::Replay(args)) }) => replay::run(&args),
         Ok(Cli { command: Some(Command::Completions(args)) }) => completions::run(&args),
         Ok(Cli { command: Some(Command::Inspect(args)) }) => inspect::run(&args),
@@ -73,19 +88,12 @@ pub fn main() -> ExitCode {
         Err(error) if error.use_stderr() => Err(one_line(&error)),
         // Help and version are asked for, not wrong.
         Err(help) => output::print(&help.to_string()),
-    };
-    match result {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            output::say(&error.to_string());
-            ExitCode::from(2)
-        }
     }
 }
 
 /// A usage error without the paragraphs around it.
 fn one_line(error: &clap::Error) -> InputError {
-    if let Some(said) = not_a_number(error) {
+    if let Some(said) = in_words(error) {
         return said;
     }
     let text = error.to_string();
@@ -97,17 +105,23 @@ fn one_line(error: &clap::Error) -> InputError {
     InputError::new(format!("{} (see --help)", said.join(" ")))
 }
 
-/// A value that should have been a number, in words.
-fn not_a_number(error: &clap::Error) -> Option<InputError> {
+/// What clap does not say so that anybody understands it.
+fn in_words(error: &clap::Error) -> Option<InputError> {
     use clap::error::{ContextKind, ContextValue, ErrorKind};
     let text = |kind| match error.get(kind) {
         Some(ContextValue::String(text)) => Some(text.as_str()),
         _ => None,
     };
+    if error.kind() == ErrorKind::InvalidUtf8 {
+        let why = "an argument is no text in UTF-8; rename the file, or give it as - < FILE";
+        return Some(InputError::new(why));
+    }
     let why = std::error::Error::source(error)?.to_string();
     let kind = match why.as_str() {
-        "invalid float literal" => "a number",
-        "invalid digit found in string" => "a whole number",
+        "invalid float literal" | "cannot parse float from empty string" => "a number",
+        "invalid digit found in string" | "cannot parse integer from empty string" => {
+            "a whole number"
+        }
         _ => return None,
     };
     if error.kind() != ErrorKind::ValueValidation {
@@ -140,6 +154,8 @@ mod tests {
         assert_eq!(text, "--weight-n must be a number like 630, not 'abc'");
         let text = said(&["simulate", "x.toml", "-o", "x.csv", "--seed", "1.5"]);
         assert_eq!(text, "--seed must be a whole number like 12, not '1.5'");
+        let text = said(&["replay", "x.csv", "--weight-n", ""]);
+        assert_eq!(text, "--weight-n must be a number like 630, not ''");
         let text = said(&["replay", "x.csv", "--delimiter", "ab"]);
         assert!(text.contains("must be one character like ;"), "{text}");
     }

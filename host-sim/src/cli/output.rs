@@ -13,6 +13,9 @@ use std::sync::{Mutex, Once};
 
 use crate::error::{InputError, printable_line, printable_text};
 
+/// Bytes that are written to a file at once.
+const BUFFER: usize = 1 << 16;
+
 /// Writes to standard output, fit for a terminal. A reader that has gone away
 /// (`| head`) is no error.
 ///
@@ -27,7 +30,8 @@ pub fn print(text: &str) -> Result<(), InputError> {
 /// # Errors
 /// Standard output cannot be written.
 pub fn print_by(write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<(), InputError> {
-    let mut out = Printable(BufWriter::new(std::io::stdout().lock()));
+    // The buffer hands on whole pieces.
+    let mut out = BufWriter::new(Printable(std::io::stdout().lock()));
     let written = write(&mut out).and_then(|()| out.flush());
     match written {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => {
@@ -53,7 +57,12 @@ impl<W: Write> Write for Printable<W> {
 
 /// Says a line on standard error, fit for a terminal.
 pub fn say(line: &str) {
-    eprintln!("floe: {}", printable_line(line));
+    tell(&format!("floe: {}", printable_line(line)));
+}
+
+/// Puts a line on standard error; if nobody can read it there, there is nobody to tell.
+pub fn tell(line: &str) {
+    let _ = writeln!(io::stderr(), "{line}");
 }
 
 /// Outputs that were there before.
@@ -153,7 +162,7 @@ pub fn stream(
     let written = match fs::metadata(&target) {
         // A device or a pipe is written to, not replaced.
         Ok(old) if !old.is_file() => File::options().write(true).open(&target).and_then(|file| {
-            let mut out = BufWriter::new(file);
+            let mut out = BufWriter::with_capacity(BUFFER, file);
             write(&mut out).and_then(|()| out.flush())
         }),
         Ok(old) => replace_whole(&target, Some(&old), write),
@@ -169,7 +178,7 @@ fn replace_whole(
 ) -> io::Result<()> {
     let new = Unfinished::beside(path);
     let fill = |file: File| {
-        let mut out = BufWriter::new(file);
+        let mut out = BufWriter::with_capacity(BUFFER, file);
         write(&mut out).and_then(|()| out.flush())?;
         if let Some(old) = old {
             out.get_ref().set_permissions(old.permissions())?;

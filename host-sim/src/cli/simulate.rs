@@ -5,7 +5,7 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use crate::error::InputError;
-use crate::sim::truth_file::{Truth, TruthBuilder};
+use crate::sim::truth_file::TruthBuilder;
 use crate::sim::{Method, Run, Scene, write};
 
 use super::{output, progress};
@@ -29,10 +29,10 @@ pub struct Args {
     #[arg(long, value_name = "TRUTH.json")]
     pub truth: Option<PathBuf>,
     /// Seed of everything random
-    #[arg(long, value_name = "N", default_value_t = 1)]
+    #[arg(long, value_name = "N", default_value_t = 1, allow_negative_numbers = true)]
     pub seed: u64,
     /// Length of the record instead of the scene's, s
-    #[arg(long, value_name = "T")]
+    #[arg(long, value_name = "T", allow_negative_numbers = true)]
     pub duration_s: Option<f64>,
 }
 
@@ -64,13 +64,13 @@ pub fn run(args: &Args) -> Result<(), InputError> {
     if let Some(failure) = run.failure() {
         return Err(in_scene(&failure));
     }
-    let truth = truth.finish(&scene, args.seed, &run);
     if let Some(path) = &args.truth {
+        let truth = truth.finish(&scene, args.seed, &run);
         let json = serde_json::to_string_pretty(&truth).map_err(|e| in_scene(&e))?;
         output::replace(path, &(json + "\n"))?;
     }
     older.tell();
-    output::print(&summary(args, &scene, &truth))
+    output::print(&summary(args, &scene, run.events().len()))
 }
 
 fn form(path: &Path) -> Result<Form, InputError> {
@@ -110,13 +110,14 @@ fn write_log(
         write::csv_head(out, scene, args.seed, &command_line(args))?;
     }
     let bar = progress::bar(scene.sample_count(), "{pos} of {len} samples, {eta} left");
+    let force_decimals = write::force_decimals(scene);
     for sample in run {
         if sample.index % LOOK == 0 {
             bar.set_position(sample.index);
         }
         truth.push(&sample);
         match form {
-            Form::Csv => write::csv_line(out, scene, &sample)?,
+            Form::Csv => write::csv_line(out, force_decimals, &sample)?,
             Form::Cr10 => write::cr10_line(out, scene.start, &sample)?,
         }
     }
@@ -130,14 +131,14 @@ fn command_line(args: &Args) -> String {
     format!("floe simulate {scene} -o {output} --seed {}{duration}", args.seed)
 }
 
-fn summary(args: &Args, scene: &Scene, truth: &Truth) -> String {
-    let terms = if truth.terms.is_empty() { "none".to_owned() } else { truth.terms.join(", ") };
+fn summary(args: &Args, scene: &Scene, events: usize) -> String {
+    let terms = scene.terms();
+    let terms = if terms.is_empty() { "none".to_owned() } else { terms.join(", ") };
     format!(
-        "{}: {} samples at {} Hz, {} events, seed {}\nmethod: {}\nterms: {terms}\n",
+        "{}: {} samples at {} Hz, {events} events, seed {}\nmethod: {}\nterms: {terms}\n",
         args.output.display(),
         scene.sample_count(),
         scene.rate_hz,
-        truth.events.len(),
         args.seed,
         Method::for_scene(scene),
     )

@@ -36,6 +36,19 @@ pub fn utf8(input: Box<dyn Read + Send>, mark: &[u8]) -> Box<dyn Read + Send> {
     input
 }
 
+/// How files begin that hold a log in another form, and the way out.
+const BINARY: [(&[u8], &str); 9] = [
+    (b"PK\x03\x04", "is a spreadsheet, or another zip archive; save its table as CSV"),
+    (b"\xD0\xCF\x11\xE0", "is an old spreadsheet; save its table as CSV"),
+    (b"\x1F\x8B", "is compressed; unpack it, or gunzip -c FILE | floe replay -"),
+    (b"\xFD7zXZ", "is compressed; unpack it, or xz -dc FILE | floe replay -"),
+    (b"\x28\xB5\x2F\xFD", "is compressed; unpack it, or zstd -dc FILE | floe replay -"),
+    (b"PAR1", "is a Parquet file; write its table as CSV"),
+    (b"\x89HDF", "is an HDF5 file; write its columns as CSV"),
+    (b"MATLAB", "is a MATLAB file; write its columns as CSV"),
+    (b"TDSm", "is a LabVIEW measurement (TDMS); export it as text"),
+];
+
 /// Refuses what is certainly no text log of ours, with the way out.
 ///
 /// # Errors
@@ -56,7 +69,10 @@ pub fn refuse_binary(head: &[u8]) -> Result<(), InputError> {
     }
     let first = text.split(|&byte| byte == b'\n').next().unwrap_or_default();
     if first.contains(&0) || control_share(head) > 0.02 {
-        return refuse("is a binary file, not a csv, toa5 or cr10 log");
+        let known = BINARY.iter().find(|(start, _)| head.starts_with(start));
+        return refuse(
+            known.map_or("is a binary file, not a csv, toa5 or cr10 log", |known| known.1),
+        );
     }
     Ok(())
 }
@@ -164,4 +180,20 @@ fn header_line(lines: &mut Lines, metadata: &mut Metadata) -> Result<(Vec<u8>, u
         }
     }
     Err(InputError::new("ends before its header does"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_holds_a_log_in_another_form_is_named_with_the_way_out() {
+        for (start, why) in BINARY {
+            let rest = (0..=255_u8).cycle().take(1000);
+            let head: Vec<u8> = start.iter().copied().chain(rest).collect();
+            assert_eq!(refuse_binary(&head), Err(InputError::new(why)));
+        }
+        assert_eq!(refuse_binary(b"PK\x03\x04"[..2].as_ref()), Ok(()));
+        assert_eq!(refuse_binary(b"MATLAB 1.2\nt,F\n0,1\n"), Ok(()));
+    }
 }

@@ -12,10 +12,10 @@ pub struct BudgetLine {
     /// `weight_ratio` or `shared`.
     pub input: &'static str,
     /// Its value; `None` where it has none or is not known.
-    #[serde(serialize_with = "short_or_null")]
+    #[serde(with = "short_or_null")]
     pub value: Option<f64>,
     /// Its standard deviation, in its own unit.
-    #[serde(serialize_with = "short_or_null")]
+    #[serde(with = "short_or_null")]
     pub std: Option<f64>,
     /// What it does to `mu_s`.
     pub mu_s: BudgetShare,
@@ -27,10 +27,10 @@ pub struct BudgetLine {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct BudgetShare {
     /// Change of the coefficient with the input.
-    #[serde(serialize_with = "short_or_null")]
+    #[serde(with = "short_or_null")]
     pub sensitivity: Option<f64>,
     /// One standard deviation of the coefficient because of it.
-    #[serde(serialize_with = "short_or_null")]
+    #[serde(with = "short_or_null")]
     pub contribution: Option<f64>,
 }
 

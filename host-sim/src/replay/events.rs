@@ -33,6 +33,7 @@ pub type Means = [CoefficientSummary; 2];
 #[derive(Clone, Debug)]
 pub struct Events {
     pub(crate) kept: Vec<EventSummary>,
+    /// Of the last ones of a long log some are empty.
     pub(crate) means: Vec<Means>,
     last: VecDeque<(EventSummary, Means)>,
     /// One row of so many is kept.
@@ -69,14 +70,15 @@ impl Deref for Events {
 }
 
 impl Events {
-    /// Takes the next one.
+    /// Takes the next one; `means` are asked where they are kept.
     ///
     /// # Errors
     /// The file cannot be written.
-    pub fn push(&mut self, event: EventSummary, means: Means) -> io::Result<()> {
-        let mut all = self.all.lock().unwrap_or_else(PoisonError::into_inner);
-        postcard::to_io(&event, &mut *all).map_err(io::Error::other)?;
-        drop(all);
+    pub fn push(&mut self, event: EventSummary, means: impl FnOnce() -> Means) -> io::Result<()> {
+        let mut scratch = [0; SCRATCH];
+        let bytes = postcard::to_slice(&event, &mut scratch).map_err(io::Error::other)?;
+        self.all.lock().unwrap_or_else(PoisonError::into_inner).write_all(bytes)?;
+        let means = if is_wanted(&event, self.stride) { means() } else { Means::default() };
         self.last.push_back((event, means));
         if self.last.len() > ENDS {
             self.keep_oldest();
@@ -116,11 +118,13 @@ impl Events {
         }
     }
 
-    /// That was the last. `quantities` give every event what only the whole test tells.
-    pub fn finish(&mut self, quantities: Quantities) {
+    /// That was the last, with these means. `quantities` give every event what only the whole
+    /// test tells.
+    pub fn finish(&mut self, quantities: Quantities, last: Means) {
         let (events, means): (Vec<_>, Vec<_>) = std::mem::take(&mut self.last).into_iter().unzip();
         self.kept.extend(events);
         self.means.extend(means);
+        self.means.last_mut().into_iter().for_each(|means| *means = last);
         self.quantities = quantities;
         let mut kept = std::mem::take(&mut self.kept);
         kept.iter_mut().for_each(|event| self.complete(event));
@@ -201,9 +205,9 @@ mod tests {
     fn events(count: u32) -> Events {
         let mut events = Events::default();
         for index in 0..count {
-            events.push(EventSummary { index, ..event() }, Means::default()).unwrap();
+            events.push(EventSummary { index, ..event() }, Means::default).unwrap();
         }
-        events.finish(Quantities::default());
+        events.finish(Quantities::default(), Means::default());
         events
     }
 

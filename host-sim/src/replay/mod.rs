@@ -67,7 +67,7 @@ pub fn replay_with(
         let step = pipeline.step(sample.raw);
         observe(sample.time_s, &step);
         if let (Some(event), true) = (step.event, kept.is_ok()) {
-            kept = events.push(summary(&event, &timeline), so_far(&pipeline));
+            kept = events.push(summary(&event, &timeline), || so_far(&pipeline));
         }
         changes.extend(step.change.map(|it| ChangeSummary::new(&it, timeline.seconds(it.onset))));
         step.stretch.iter().for_each(|it| add(&mut stretches, it, &timeline));
@@ -81,9 +81,13 @@ pub fn replay_with(
         samples.into_iter().for_each(&mut take);
     }
     while let (Some(event), true) = (pipeline.finish(), kept.is_ok()) {
-        kept = events.push(summary(&event, &timeline), so_far(&pipeline));
+        kept = events.push(summary(&event, &timeline), || so_far(&pipeline));
     }
-    kept.map_err(|e| InputError::new(format!("events cannot be kept in a temporary file: {e}")))?;
+    kept.map_err(|e| {
+        InputError::new(format!(
+            "events cannot be kept in a temporary file: {e}; name a folder with room in TMPDIR"
+        ))
+    })?;
     while let Some(stretch) = pipeline.finish_stretch() {
         add(&mut stretches, &stretch, &timeline);
     }

@@ -10,43 +10,43 @@ use crate::log::STANDARD_GRAVITY;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Quantities {
     /// Mean rate of the force at rest.
-    #[serde(serialize_with = "short_or_null")]
+    #[serde(with = "short_or_null")]
     pub loading_rate_n_per_s: Option<f64>,
     /// Natural frequency while sliding.
-    #[serde(serialize_with = "short_or_null")]
+    #[serde(with = "short_or_null")]
     pub omega_rad_per_s: Option<f64>,
     /// Stiffness of the cable: from the winch speed if it is known, else from omega.
-    #[serde(serialize_with = "short_or_null")]
+    #[serde(with = "short_or_null")]
     pub stiffness_n_per_m: Option<f64>,
     /// Mean time from onset to onset.
-    #[serde(serialize_with = "short_or_null")]
+    #[serde(with = "short_or_null")]
     pub recurrence_s: Option<f64>,
     /// One standard deviation.
-    #[serde(serialize_with = "short_or_null")]
+    #[serde(with = "short_or_null")]
     pub loading_rate_n_per_s_std: Option<f64>,
     /// One standard deviation.
-    #[serde(serialize_with = "short_or_null")]
+    #[serde(with = "short_or_null")]
     pub omega_rad_per_s_std: Option<f64>,
     /// `k = F'/w`, from the winch speed.
-    #[serde(serialize_with = "short_or_null")]
+    #[serde(with = "short_or_null")]
     pub stiffness_from_rate_n_per_m: Option<f64>,
     /// One standard deviation.
-    #[serde(serialize_with = "short_or_null")]
+    #[serde(with = "short_or_null")]
     pub stiffness_from_rate_n_per_m_std: Option<f64>,
     /// `k = ω² M`, from the weight.
-    #[serde(serialize_with = "short_or_null")]
+    #[serde(with = "short_or_null")]
     pub stiffness_from_omega_n_per_m: Option<f64>,
     /// One standard deviation.
-    #[serde(serialize_with = "short_or_null")]
+    #[serde(with = "short_or_null")]
     pub stiffness_from_omega_n_per_m_std: Option<f64>,
     /// The first over the second: 1 if weight and winch speed are right.
-    #[serde(serialize_with = "short_or_null")]
+    #[serde(with = "short_or_null")]
     pub stiffness_ratio: Option<f64>,
     /// One standard deviation.
-    #[serde(serialize_with = "short_or_null")]
+    #[serde(with = "short_or_null")]
     pub stiffness_ratio_std: Option<f64>,
     /// What the recurrence should be by (22) to (25); `None` on a cable that goes slack.
-    #[serde(serialize_with = "short_or_null")]
+    #[serde(with = "short_or_null")]
     pub recurrence_predicted_s: Option<f64>,
     /// The winch speed, for [`Quantities::complete`].
     #[serde(skip)]

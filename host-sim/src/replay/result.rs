@@ -3,14 +3,22 @@
 //! Forces in N, times in s, angles in rad. What is unknown is `None` (`null`);
 //! every number is finite.
 
-use floe_core::{Cause, Change, Config, Counters, Estimate, Event, Finding, Report};
-use serde::{Deserialize, Serialize, Serializer};
+use floe_core::{Config, Counters, Estimate, Finding, Report};
+use serde::Serialize;
+
+mod change;
+mod event;
+mod numbers;
 
 use super::budget::{BudgetLine, lines};
 use super::events::Events;
 use super::quantities::Quantities;
 use super::stretches::Stretches;
 use super::table::digits;
+pub use change::ChangeSummary;
+pub use event::EventSummary;
+use numbers::short;
+pub(super) use numbers::{short_or_null, short_pair};
 
 /// Name and version of this format; changes when a meaning changes.
 pub const SCHEMA: &str = "floe-replay/2";
@@ -29,14 +37,14 @@ pub struct ReplayResult {
     /// What is systematic about the means, input by input; empty without events.
     pub budget: Vec<BudgetLine>,
     /// Standard deviation of the noise on the force.
-    #[serde(serialize_with = "short_or_null")]
+    #[serde(with = "short_or_null")]
     pub noise_n: Option<f64>,
     /// What follows from the test beside the coefficients.
     #[serde(flatten)]
     pub quantities: Quantities,
     /// How far the zero of the load cell may have moved, one standard deviation; `None`
     /// where nothing of it is seen.
-    #[serde(serialize_with = "short_or_null")]
+    #[serde(with = "short_or_null")]
     pub zero_n: Option<f64>,
     /// Where the block or its friction changed, in order.
     pub changes: Vec<ChangeSummary>,
@@ -68,10 +76,10 @@ pub struct ParameterSummary {
     /// What it is, with its unit.
     pub name: &'static str,
     /// Its value.
-    #[serde(serialize_with = "short")]
+    #[serde(with = "short")]
     pub value: f64,
     /// One standard deviation.
-    #[serde(serialize_with = "short")]
+    #[serde(with = "short")]
     pub std: f64,
 }
 
@@ -91,23 +99,6 @@ impl From<&Finding> for EffectSummary {
             parameters: parameters.collect(),
         }
     }
-}
-
-/// A change of the block or of its friction.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct ChangeSummary {
-    /// Index of the first event after it.
-    pub event: u32,
-    /// Onset of that event, in the log's own time.
-    pub onset_s: f64,
-    /// `mass`, `friction` or `unknown`.
-    pub cause: &'static str,
-    /// Weight that the coefficients from there on are computed with, over the given one.
-    #[serde(serialize_with = "short")]
-    pub weight_ratio: f64,
-    /// One standard deviation; it is in the coefficients' own.
-    #[serde(serialize_with = "short")]
-    pub weight_ratio_std: f64,
 }
 
 /// The log and what happened to its samples.
@@ -145,13 +136,13 @@ pub struct TestSummary {
     /// Name of the test, if the log gives one.
     pub test_id: Option<String>,
     /// Weight of the block, or the normal force under the ice.
-    #[serde(serialize_with = "short")]
+    #[serde(with = "short")]
     pub weight_n: f64,
     /// Slope of the ice, uphill positive.
-    #[serde(serialize_with = "short")]
+    #[serde(with = "short")]
     pub slope_rad: f64,
     /// Mass of the block where that is not its weight over gravity: under the ice.
-    #[serde(serialize_with = "short_or_null")]
+    #[serde(with = "short_or_null")]
     pub mass_kg: Option<f64>,
 }
 
@@ -170,104 +161,25 @@ pub struct EstimateSummary {
 #[derive(Clone, Copy, Debug, Default, Serialize)]
 pub struct CoefficientSummary {
     /// Mean over the events.
-    #[serde(serialize_with = "short_or_null")]
+    #[serde(with = "short_or_null")]
     pub mean: Option<f64>,
     /// Its standard error: the random part, with the variation between events in it.
-    #[serde(serialize_with = "short_or_null")]
+    #[serde(with = "short_or_null")]
     pub std_error: Option<f64>,
     /// Standard deviation between events, noise removed.
-    #[serde(serialize_with = "short_or_null")]
+    #[serde(with = "short_or_null")]
     pub spread: Option<f64>,
     /// The systematic part: what is the same in all events.
-    #[serde(serialize_with = "short_or_null")]
+    #[serde(with = "short_or_null")]
     pub systematic_std: Option<f64>,
     /// Both together.
-    #[serde(serialize_with = "short_or_null")]
+    #[serde(with = "short_or_null")]
     pub combined_std: Option<f64>,
     /// The 95 % interval.
-    #[serde(serialize_with = "short_pair")]
+    #[serde(with = "short_pair")]
     pub ci95: Option<[f64; 2]>,
     /// Why there is no mean, or no uncertainty of it.
     pub reason: Option<&'static str>,
-}
-
-/// One event.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct EventSummary {
-    /// From 0.
-    pub index: u32,
-    /// In the log's own time, between samples.
-    pub onset_s: f64,
-    /// In the log's own time, between samples.
-    pub stop_s: f64,
-    /// `Fs`.
-    #[serde(with = "short")]
-    pub static_force_n: f64,
-    /// `Fp`.
-    #[serde(with = "short")]
-    pub dynamic_force_n: f64,
-    /// Largest force.
-    #[serde(with = "short")]
-    pub peak_force_n: f64,
-    /// `Fe`.
-    #[serde(with = "short")]
-    pub restick_force_n: f64,
-    /// Static coefficient.
-    #[serde(with = "short_or_null")]
-    pub mu_s: Option<f64>,
-    /// One standard deviation, the random part alone.
-    #[serde(with = "short_or_null")]
-    pub mu_s_std: Option<f64>,
-    /// Dynamic coefficient.
-    #[serde(with = "short_or_null")]
-    pub mu: Option<f64>,
-    /// One standard deviation, the random part alone.
-    #[serde(with = "short_or_null")]
-    pub mu_std: Option<f64>,
-    /// Time of rest before the onset.
-    #[serde(with = "short_or_null")]
-    pub stick_s: Option<f64>,
-    /// Time of motion.
-    #[serde(with = "short")]
-    pub slip_s: f64,
-    /// `k w`.
-    #[serde(with = "short")]
-    pub loading_rate_n_per_s: f64,
-    /// Natural frequency.
-    #[serde(with = "short_or_null")]
-    pub omega_rad_per_s: Option<f64>,
-    /// Whether the cable went slack.
-    pub slack: bool,
-    /// `good`, `unresolved`, `slack` or `clipped`.
-    pub quality: String,
-    /// Why a coefficient is missing.
-    pub reason: Option<String>,
-    /// The systematic part of `mu_s`: what is the same in all events.
-    #[serde(with = "short_or_null")]
-    pub mu_s_systematic_std: Option<f64>,
-    /// That of `mu`.
-    #[serde(with = "short_or_null")]
-    pub mu_systematic_std: Option<f64>,
-    /// Both parts together.
-    #[serde(with = "short_or_null")]
-    pub mu_s_combined_std: Option<f64>,
-    /// Both parts together.
-    #[serde(with = "short_or_null")]
-    pub mu_combined_std: Option<f64>,
-    /// The 95 % interval.
-    #[serde(with = "short_pair")]
-    pub mu_s_ci95: Option<[f64; 2]>,
-    /// The 95 % interval.
-    #[serde(with = "short_pair")]
-    pub mu_ci95: Option<[f64; 2]>,
-    /// How far the block slid, m.
-    #[serde(with = "short_or_null")]
-    pub slip_length_m: Option<f64>,
-    /// Work against the friction, J.
-    #[serde(with = "short_or_null")]
-    pub energy_j: Option<f64>,
-    /// When the slip began, ISO 8601 (UTC) to the millisecond; `null` when the log has no date.
-    pub onset_time: Option<String>,
 }
 
 impl ReplayResult {
@@ -286,7 +198,7 @@ impl ReplayResult {
             last.weight_ratio_std = known.weight_ratio_std.into();
         }
         let quantities = Quantities::new(config, report, test.mass_kg);
-        events.finish(quantities);
+        events.finish(quantities, [report.mu_s.into(), report.mu.into()]);
         Self {
             schema: SCHEMA,
             log,
@@ -351,159 +263,14 @@ impl From<Option<Estimate>> for CoefficientSummary {
     }
 }
 
-impl ChangeSummary {
-    /// A change with its time in the log's seconds.
-    #[must_use]
-    pub fn new(change: &Change, onset_s: f64) -> Self {
-        Self {
-            event: change.event,
-            onset_s,
-            cause: match change.cause {
-                Cause::Mass => "mass",
-                Cause::Friction => "friction",
-                Cause::Unknown => "unknown",
-            },
-            weight_ratio: change.weight_ratio.into(),
-            weight_ratio_std: change.weight_ratio_std.into(),
-        }
-    }
-
-    /// One sentence for a person; the weight is the given one.
-    #[must_use]
-    pub fn sentence(&self, weight_n: f64) -> String {
-        let weight = weight_n * self.weight_ratio;
-        let (onset_s, event) = (self.onset_s, self.event);
-        let what = match self.cause {
-            "mass" => format!(
-                "the block's weight changed to {:.3} ± {:.3} of the given one, {weight:.1} N; \
-                 the coefficients from there on use it",
-                self.weight_ratio, self.weight_ratio_std
-            ),
-            "friction" => "the friction changed; the block's weight did not".to_string(),
-            _ => format!(
-                "the forces or the cable changed; if the block did, weigh it: the coefficients \
-                 from there on use {weight:.1} N"
-            ),
-        };
-        format!("at {onset_s:.2} s (event {event}) {what}")
-    }
-}
-
-impl EventSummary {
-    /// An event with its times in the log's seconds.
-    #[must_use]
-    pub fn new(event: &Event, onset_s: f64, stop_s: f64) -> Self {
-        Self {
-            index: event.index,
-            onset_s,
-            stop_s,
-            static_force_n: f64::from(event.static_force_n),
-            dynamic_force_n: f64::from(event.dynamic_force_n),
-            peak_force_n: f64::from(event.peak_force_n),
-            restick_force_n: f64::from(event.restick_force_n),
-            mu_s: known(event.mu_s.map(|c| c.value)),
-            mu_s_std: known(event.mu_s.map(|c| c.std)),
-            mu: known(event.mu.map(|c| c.value)),
-            mu_std: known(event.mu.map(|c| c.std)),
-            stick_s: known(event.stick_s),
-            slip_s: f64::from(event.slip_s),
-            loading_rate_n_per_s: f64::from(event.loading_rate_n_per_s),
-            omega_rad_per_s: known(event.omega_rad_per_s),
-            slack: event.slack,
-            quality: event.quality.to_string(),
-            reason: event.reason.map(|reason| reason.to_string()),
-            mu_s_systematic_std: known(event.mu_s.map(|c| c.systematic_std)),
-            mu_systematic_std: known(event.mu.map(|c| c.systematic_std)),
-            mu_s_combined_std: known(event.mu_s.map(|c| c.combined_std())),
-            mu_combined_std: known(event.mu.map(|c| c.combined_std())),
-            mu_s_ci95: pair(event.mu_s.map(|c| c.ci95())),
-            mu_ci95: pair(event.mu.map(|c| c.ci95())),
-            slip_length_m: None,
-            energy_j: None,
-            onset_time: None,
-        }
-    }
-}
-
 /// A number that is known, which a NaN or an infinity is not.
 pub(super) fn known(value: Option<f32>) -> Option<f64> {
     value.filter(|value| value.is_finite()).map(f64::from)
 }
 
-impl EventSummary {
-    /// Whether there is something to remark.
-    #[must_use]
-    pub fn is_odd(&self) -> bool {
-        self.reason.is_some() || self.quality != "good"
-    }
-}
-
 fn pair(ends: Option<(f32, f32)>) -> Option<[f64; 2]> {
     let (low, high) = ends?;
     Some([known(Some(low))?, known(Some(high))?])
-}
-
-/// Writes a number that came from the core with the digits that an `f32` has:
-/// 0.78, which reads back as the same `f32`, and not 0.7799999713897705.
-fn short<S: Serializer>(value: &f64, serializer: S) -> Result<S::Ok, S::Error> {
-    serializer.serialize_f32(*value as f32)
-}
-
-pub(super) fn short_or_null<S: Serializer>(
-    value: &Option<f64>,
-    serializer: S,
-) -> Result<S::Ok, S::Error> {
-    match value {
-        Some(value) => serializer.serialize_some(&(*value as f32)),
-        None => serializer.serialize_none(),
-    }
-}
-
-fn short_pair<S: Serializer>(ends: &Option<[f64; 2]>, serializer: S) -> Result<S::Ok, S::Error> {
-    match ends {
-        Some(ends) => {
-            let end = |end: f64| Some(end as f32).filter(|end| end.is_finite());
-            serializer.serialize_some(&ends.map(end))
-        }
-        None => serializer.serialize_none(),
-    }
-}
-
-/// Both directions: an `f32` comes back as it was.
-mod short {
-    use serde::{Deserialize, Deserializer};
-
-    pub(super) use super::short as serialize;
-
-    pub(super) fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<f64, D::Error> {
-        f32::deserialize(from).map(f64::from)
-    }
-}
-
-/// The same of what may be unknown.
-mod short_or_null {
-    use serde::{Deserialize, Deserializer};
-
-    pub(super) use super::short_or_null as serialize;
-
-    pub(super) fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<Option<f64>, D::Error> {
-        Option::<f32>::deserialize(from).map(|value| value.map(f64::from))
-    }
-}
-
-/// The same of an interval.
-mod short_pair {
-    use serde::{Deserialize, Deserializer};
-
-    pub(super) use super::short_pair as serialize;
-
-    pub(super) fn deserialize<'de, D>(from: D) -> Result<Option<[f64; 2]>, D::Error>
-    where
-        D: Deserializer<'de>,
-    {
-        Ok(Option::<[Option<f32>; 2]>::deserialize(from)?
-            .and_then(|[low, high]| Some([f64::from(low?), f64::from(high?)])))
-    }
 }
 
 #[cfg(test)]

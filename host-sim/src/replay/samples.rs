@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use floe_core::{Phase, SampleFlag, Step};
 use parquet::basic::{LogicalType, Repetition, Type as Physical};
-use parquet::data_type::{ByteArray, ByteArrayType, DoubleType, FloatType, Int64Type};
+use parquet::data_type::{ByteArrayType, DoubleType, FloatType, Int64Type};
 use parquet::errors::Result as ParquetResult;
 use parquet::file::writer::{SerializedFileWriter, SerializedRowGroupWriter};
 use parquet::schema::types::Type;
@@ -232,7 +232,7 @@ fn words<W: Write + Send>(
     rows: &[SampleRow],
     of: fn(&SampleRow) -> &'static str,
 ) -> ParquetResult<()> {
-    let values: Vec<ByteArray> = rows.iter().map(|row| of(row).into()).collect();
+    let values = columnar::texts(rows.iter().map(of));
     let Some(mut column) = group.next_column()? else { return Ok(()) };
     column.typed::<ByteArrayType>().write_batch(&values, None, None)?;
     column.close()

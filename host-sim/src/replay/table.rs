@@ -5,7 +5,8 @@ use std::io;
 
 use super::quantities::Quantities;
 use super::result::{
-    CoefficientSummary, EffectSummary, EventSummary, LogSummary, ReplayResult, zero_sentence,
+    CoefficientSummary, EffectSummary, EventSummary, LogSummary, ParameterSummary, ReplayResult,
+    zero_sentence,
 };
 use super::stretches::Stretches;
 
@@ -303,172 +304,14 @@ fn samples(out: &mut String, log: &LogSummary) -> std::fmt::Result {
     log.warnings.iter().try_for_each(|warning| writeln!(out, "note          {warning}"))
 }
 
-/// An effect that the data show, with its numbers.
-fn effect(effect: &EffectSummary) -> String {
-    let numbers = effect.parameters.iter();
-    let numbers = numbers.map(|it| format!(" {} {:.3e} ± {:.1e}", it.name, it.value, it.std));
-    format!("{}{}", effect.name, numbers.collect::<String>())
+/// An effect with its numbers: `corner missing_n 20.70 ± 0.58`.
+pub(crate) fn effect(effect: &EffectSummary) -> String {
+    let number = |it: &ParameterSummary| match digits(it.std) {
+        decimals @ 0..=5 => format!(" {} {:.decimals$} ± {:.decimals$}", it.name, it.value, it.std),
+        _ => format!(" {} {:.3e} ± {:.1e}", it.name, it.value, it.std),
+    };
+    effect.name.to_string() + &effect.parameters.iter().map(number).collect::<String>()
 }
 
 #[cfg(test)]
-pub(super) mod tests {
-    use super::*;
-    use crate::replay::budget::{BudgetLine, BudgetShare};
-    use crate::replay::events::Events;
-    use crate::replay::result::{ChangeSummary, EstimateSummary, SCHEMA, TestSummary};
-
-    fn result(listed: Vec<EventSummary>) -> ReplayResult {
-        let mut events = Events::default();
-        listed.into_iter().for_each(|it| events.push(it, Default::default()).unwrap());
-        events.finish(Quantities::default());
-        let mean = |mean: f64| CoefficientSummary {
-            mean: Some(mean),
-            std_error: Some(0.0003),
-            spread: Some(0.0008),
-            systematic_std: Some(0.0004),
-            combined_std: Some(0.0005),
-            ci95: Some([mean - 0.001, mean + 0.001]),
-            reason: None,
-        };
-        let share =
-            |by: f64| BudgetShare { sensitivity: Some(by), contribution: Some((0.2 * by).abs()) };
-        let weight = BudgetLine {
-            input: "weight_n",
-            value: Some(630.0),
-            std: Some(0.2),
-            mu_s: share(-0.001_968),
-            mu: share(-0.001_238),
-        };
-        ReplayResult {
-            schema: SCHEMA,
-            log: LogSummary {
-                path: "x.csv".to_string(),
-                format: "csv".to_string(),
-                rate_hz: 16.0,
-                samples: 1920,
-                duration_s: 119.9375,
-                missing: 3,
-                warnings: vec!["line 9 is odd".to_string()],
-                ..LogSummary::default()
-            },
-            test: TestSummary { test_id: None, weight_n: 630.0, slope_rad: 0.0, mass_kg: None },
-            estimate: EstimateSummary { mu_s: mean(1.2401), mu: mean(0.78), events: 1 },
-            noise_n: Some(1.98765),
-            quantities: Quantities {
-                loading_rate_n_per_s: Some(361.1234),
-                loading_rate_n_per_s_std: Some(0.2),
-                omega_rad_per_s: Some(18.91),
-                omega_rad_per_s_std: Some(0.02),
-                stiffness_from_omega_n_per_m: Some(23_012.3),
-                stiffness_from_omega_n_per_m_std: Some(73.0),
-                ..Quantities::default()
-            },
-            budget: vec![weight],
-            zero_n: None,
-            changes: Vec::new(),
-            stretches: Stretches::default(),
-            effects: Vec::new(),
-            events,
-        }
-    }
-
-    pub(in crate::replay) fn event() -> EventSummary {
-        EventSummary {
-            index: 0,
-            onset_s: 2.16345,
-            stop_s: 2.3364,
-            static_force_n: 781.23,
-            dynamic_force_n: 491.4,
-            peak_force_n: 781.8,
-            restick_force_n: 201.6,
-            mu_s: None,
-            mu_s_std: None,
-            mu: Some(0.78),
-            mu_std: Some(0.0005),
-            stick_s: None,
-            slip_s: 0.173,
-            loading_rate_n_per_s: 361.1,
-            omega_rad_per_s: Some(18.9),
-            slack: false,
-            quality: "clipped".to_string(),
-            reason: Some("a gap".to_string()),
-            mu_s_systematic_std: None,
-            mu_systematic_std: Some(0.0012),
-            mu_s_combined_std: None,
-            mu_combined_std: Some(0.0013),
-            mu_s_ci95: None,
-            mu_ci95: Some([0.7774, 0.7826]),
-            slip_length_m: None,
-            energy_j: None,
-            onset_time: None,
-        }
-    }
-
-    #[test]
-    fn the_whole_text() {
-        let expected = "\
-log    x.csv (csv), 1920 samples at 16 Hz, 119.94 s
-test   weight 630.0 N, slope 0.00°
-
- event    onset s     stop s     mu_s       ±  random       mu       ±  random     Fs N     Fp N     \
-Fe N  stick s  slip s  quality
-     0      2.163      2.336        -       -       -   0.7800  0.0013  0.0005    781.2    491.4    \
-201.6        -   0.173  clipped: a gap
-
-mu_s   1.24010 ± 0.00050   random 0.00030, systematic 0.00040; 95 % 1.23910 to 1.24110; spread \
-between events 0.00080
-mu     0.78000 ± 0.00050   random 0.00030, systematic 0.00040; 95 % 0.77900 to 0.78100; spread \
-between events 0.00080
-       ± one standard deviation, all that is known of it; 1 of 1 events count
-
-budget             value       std     mu_s by 1     mu_s ±  share       mu by 1       mu ±  share
-weight_n           630.0    0.2000      -0.00197    0.00039  62.0%      -0.00124    0.00025  24.5%
-random                                              0.00030  36.0%                  0.00030  36.0%
-
-noise         1.988 N
-loading rate  361.12 ± 0.20 N/s
-omega         18.910 ± 0.020 rad/s
-stiffness     unknown from the winch speed
-stiffness     23012 ± 73 N/m from omega and the weight
-ratio         unknown
-recurrence    unknown
-by the model  unknown
-
-samples       1920 read, 3 missing, 0 duplicates, 0 rejected, 0 saturated
-note          line 9 is odd
-";
-        assert_eq!(text(&result(vec![event()])).unwrap(), expected);
-    }
-
-    #[test]
-    fn a_change_is_said() {
-        let mut result = result(vec![event()]);
-        result.changes.push(ChangeSummary {
-            event: 33,
-            onset_s: 60.271,
-            cause: "mass",
-            weight_ratio: 0.671,
-            weight_ratio_std: 0.006,
-        });
-        let line = "\nchange at 60.27 s (event 33) the block's weight changed to 0.671 ± 0.006 of \
-                    the given one, 422.7 N; the coefficients from there on use it\n\nmu_s ";
-        let text = text(&result).unwrap();
-        assert!(text.contains(line), "{text}");
-    }
-
-    #[test]
-    fn a_zero_that_may_have_moved_is_said() {
-        let mut result = result(vec![event()]);
-        result.zero_n = Some(14.2);
-        let line = "\nzero   the zero of the load cell may have moved by 14 N, which is in the \
-                    budget; take it before and after a test (--zero-before-n, --zero-after-n)\n\n\
-                    mu_s ";
-        let text = text(&result).unwrap();
-        assert!(text.contains(line), "{text}");
-    }
-
-    #[test]
-    fn no_events_is_said() {
-        assert!(text(&result(Vec::new())).unwrap().contains("\nNo events: no slip was found"));
-    }
-}
+pub(super) mod tests;

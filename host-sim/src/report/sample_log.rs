@@ -233,9 +233,9 @@ fn result(events: Vec<EventSummary>, samples: u64, duration_s: f64) -> ReplayRes
     let after = |n: usize| [coefficient(&of_mu_s[..n]), coefficient(&of_mu[..n])];
     let mut kept = Events::default();
     for (n, event) in events.iter().enumerate() {
-        kept.push(event.clone(), after(n + 1)).unwrap();
+        kept.push(event.clone(), || after(n + 1)).unwrap();
     }
-    kept.finish(Quantities::default());
+    kept.finish(Quantities::default(), after(events.len()));
     ReplayResult {
         schema: SCHEMA,
         log: LogSummary {

@@ -6,48 +6,107 @@ const MOST: usize = 12;
 const POWERS: [f64; MOST + 1] =
     [1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12];
 
-/// Appends `value` with `decimals` decimals.
-pub fn push_fixed(text: &mut Vec<u8>, value: f64, decimals: usize) {
-    let Some(units) = units(value, decimals) else {
-        text.extend_from_slice(format!("{value:.decimals$}").as_bytes());
-        return;
-    };
-    if value.is_sign_negative() {
-        text.push(b'-');
-    }
-    push_units(text, units, decimals);
+/// A number in units of its last decimal.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Fixed {
+    units: u64,
+    decimals: usize,
+    negative: bool,
 }
 
-/// `value` in units of its last decimal; `None` where it is too large or so near to a half
-/// that the product's own rounding could decide.
-fn units(value: f64, decimals: usize) -> Option<u64> {
-    // Up to here the product is wrong by less than half of what is unclear.
-    const LARGEST: f64 = 4e12;
-    const UNCLEAR: f64 = 1e-3;
-    let scaled = value.abs() * POWERS.get(decimals)?;
-    let whole = scaled as u64;
-    let above = scaled - whole as f64;
-    let clear = (above - 0.5).abs() > UNCLEAR;
-    (clear && scaled < LARGEST).then(|| whole + u64::from(above > 0.5))
+impl Fixed {
+    /// `None` where the value is too large, or so near to a half of the last decimal that the
+    /// product's own rounding could decide.
+    pub(super) fn new(value: f64, decimals: usize) -> Option<Self> {
+        // Up to here the product is wrong by less than half of what is unclear.
+        const LARGEST: f64 = 4e12;
+        const UNCLEAR: f64 = 1e-3;
+        let scaled = value.abs() * POWERS.get(decimals)?;
+        if scaled.is_nan() || scaled >= LARGEST {
+            return None;
+        }
+        let whole = scaled as i64;
+        let above = scaled - whole as f64;
+        let clear = (above - 0.5).abs() > UNCLEAR;
+        let units = whole as u64 + u64::from(above > 0.5);
+        clear.then_some(Self { units, decimals, negative: value.is_sign_negative() })
+    }
+
+    /// The same without zeros at the end of its decimals.
+    pub(super) fn trimmed(mut self) -> Self {
+        while self.decimals > 1 && self.units.is_multiple_of(100) {
+            self.units /= 100;
+            self.decimals -= 2;
+        }
+        if self.decimals > 0 && self.units.is_multiple_of(10) {
+            self.units /= 10;
+            self.decimals -= 1;
+        }
+        self
+    }
 }
 
-/// From the last digit on: the decimals, the point, at least one digit before it.
-fn push_units(text: &mut Vec<u8>, mut units: u64, decimals: usize) {
-    let mut bytes = [b'.'; 32];
-    let point = if decimals > 0 { decimals } else { usize::MAX };
-    let least = decimals + usize::from(decimals > 0);
-    let mut length = 0;
-    for byte in bytes.iter_mut().rev() {
-        if length > least && units == 0 {
-            break;
-        }
-        if length != point {
-            *byte = b'0' + (units % 10) as u8;
-            units /= 10;
-        }
-        length += 1;
+/// More than two numbers take.
+const ROOM: usize = 64;
+
+/// Text that is written from its end.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Backwards {
+    bytes: [u8; ROOM],
+    start: usize,
+}
+
+impl Backwards {
+    pub(super) fn new() -> Self {
+        Self { bytes: [0; ROOM], start: ROOM }
     }
-    text.extend_from_slice(bytes.get(bytes.len() - length..).unwrap_or_default());
+
+    /// Writes a byte before the others.
+    pub(super) fn push(&mut self, byte: u8) {
+        self.start -= 1;
+        if let Some(place) = self.bytes.get_mut(self.start) {
+            *place = byte;
+        }
+    }
+
+    /// Writes a number before the others, at least one digit before its point.
+    pub(super) fn push_fixed(&mut self, number: Fixed) {
+        let Fixed { mut units, decimals, negative } = number;
+        if decimals > 0 {
+            (0..decimals / 2).for_each(|_| self.push_last_two(&mut units));
+            if decimals % 2 == 1 {
+                self.push_last(&mut units);
+            }
+            self.push(b'.');
+        }
+        while units >= 100 {
+            self.push_last_two(&mut units);
+        }
+        self.push_last(&mut units);
+        if units > 0 {
+            self.push_last(&mut units);
+        }
+        if negative {
+            self.push(b'-');
+        }
+    }
+
+    fn push_last(&mut self, units: &mut u64) {
+        self.push(b'0' + (*units % 10) as u8);
+        *units /= 10;
+    }
+
+    /// Two digits for one division of a long number.
+    fn push_last_two(&mut self, units: &mut u64) {
+        let two = (*units % 100) as u8;
+        *units /= 100;
+        self.push(b'0' + two % 10);
+        self.push(b'0' + two / 10);
+    }
+
+    pub(super) fn bytes(&self) -> &[u8] {
+        self.bytes.get(self.start..).unwrap_or_default()
+    }
 }
 
 #[cfg(test)]
@@ -57,9 +116,12 @@ mod tests {
     use super::*;
 
     fn fixed(value: f64, decimals: usize) -> String {
-        let mut text = Vec::new();
-        push_fixed(&mut text, value, decimals);
-        String::from_utf8(text).unwrap()
+        let Some(number) = Fixed::new(value, decimals) else {
+            return format!("{value:.decimals$}");
+        };
+        let mut text = Backwards::new();
+        text.push_fixed(number);
+        String::from_utf8(text.bytes().to_vec()).unwrap()
     }
 
     #[test]
@@ -70,6 +132,22 @@ mod tests {
             for decimals in [0, 1, 2, 4, 6, 12, 15] {
                 assert_eq!(fixed(value, decimals), format!("{value:.decimals$}"));
             }
+        }
+    }
+
+    #[test]
+    fn nearly_all_go_the_quick_way() {
+        let quick = |value: &f64| Fixed::new(*value, 4).is_some();
+        let values = (0..10_000).map(|i| f64::from(i).sqrt());
+        assert!(values.filter(quick).count() > 9900);
+    }
+
+    #[test]
+    fn zeros_at_the_end_go() {
+        for (value, text) in [(0.0, "0"), (10.0, "10"), (0.0625, "0.0625"), (100.5, "100.5")] {
+            let mut line = Backwards::new();
+            line.push_fixed(Fixed::new(value, 6).unwrap().trimmed());
+            assert_eq!(line.bytes(), text.as_bytes());
         }
     }
 

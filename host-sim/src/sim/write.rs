@@ -2,7 +2,7 @@
 
 use std::io::{self, Write};
 
-use super::decimal::push_fixed;
+use super::decimal::{Backwards, Fixed};
 use super::run::Sample;
 use super::scene::{Scene, Start};
 
@@ -36,21 +36,29 @@ pub fn csv_head(out: &mut impl Write, scene: &Scene, seed: u64, command: &str) -
     writeln!(out, "time_s,force_n")
 }
 
-/// Writes one sample as a CSV line. Forces are rounded to a millionth of the
-/// weight or finer, times to a microsecond.
+/// Decimals of the forces in a CSV log: a millionth of the weight or finer.
+#[must_use]
+pub fn force_decimals(scene: &Scene) -> usize {
+    (6.0 - scene.weight_n.log10()).ceil().clamp(0.0, 12.0) as usize
+}
+
+/// Writes one sample as a CSV line, its force with so many decimals, its time to a
+/// microsecond.
 ///
 /// # Errors
 /// Of the writer.
-pub fn csv_line(out: &mut impl Write, scene: &Scene, sample: &Sample) -> io::Result<()> {
-    let decimals = (6.0 - scene.weight_n.log10()).ceil().clamp(0.0, 12.0) as usize;
-    let mut line = Vec::with_capacity(48);
-    push_fixed(&mut line, sample.time_s, 6);
-    while line.pop_if(|last| *last == b'0').is_some() {}
-    line.pop_if(|last| *last == b'.');
-    line.push(b',');
-    push_fixed(&mut line, sample.force_n, decimals);
+pub fn csv_line(out: &mut impl Write, force_decimals: usize, sample: &Sample) -> io::Result<()> {
+    let Sample { time_s, force_n, .. } = *sample;
+    let Some((time, force)) = Fixed::new(time_s, 6).zip(Fixed::new(force_n, force_decimals)) else {
+        let time = format!("{time_s:.6}");
+        return writeln!(out, "{},{force_n:.force_decimals$}", trim(&time));
+    };
+    let mut line = Backwards::new();
     line.push(b'\n');
-    out.write_all(&line)
+    line.push_fixed(force);
+    line.push(b',');
+    line.push_fixed(time.trimmed());
+    out.write_all(line.bytes())
 }
 
 /// Writes one sample as a mixed array: ID, year, day of the year, hhmm,

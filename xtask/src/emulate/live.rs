@@ -8,8 +8,8 @@ use std::time::{Duration, Instant};
 use floe_firmware::line::Line;
 
 use super::machine::{Machine, Setup};
-use super::outcome;
 use super::record::Record;
+use super::{card, outcome};
 use crate::Result;
 use crate::arm::Route;
 
@@ -35,12 +35,18 @@ pub fn check_live(route: Route) -> Result<()> {
     record.times_s.truncate(SAMPLES);
     let visitor =
         thread::spawn(move || (0..VISITS).map(|_| visit(port)).collect::<Result<Vec<_>>>());
+    let image = card::Image::large("live")?;
+    let card = Some(image.path());
     let run =
-        machine.run(&record, Setup { samples: true, port: Some(port), ..Setup::default() })?;
+        machine.run(&record, Setup { samples: true, port: Some(port), card, cut_at: None })?;
     let answers = visitor.join().map_err(|_| "the visitor failed")??;
     let slowest = answers.into_iter().max().unwrap_or_default().as_millis();
     let same = outcome::decode(&run.shown)?.compare(&record, &run.delivered)?;
-    println!("live: attached {VISITS} times, answered within {slowest} ms; {same}");
+    // What the visitors asked for is not on the card.
+    let kept = card::codes_as_given(image.path(), &run)?.samples.len();
+    println!(
+        "live: attached {VISITS} times, answered within {slowest} ms; {same}; card: {kept} codes"
+    );
     Ok(())
 }
 

@@ -88,7 +88,7 @@ pub struct Args {
     /// Write the result as JSON to FILE, or to standard output and nothing else there
     #[arg(long, value_name = "FILE", num_args = 0..=1, default_missing_value = "-")]
     pub json: Option<PathBuf>,
-    /// Log on this image of an SD card
+    /// Log on this image of an SD card [default: none; with --live target/live-card.img]
     #[arg(long, value_name = "IMAGE")]
     pub card: Option<PathBuf>,
     /// Run in real time, the board's UART on this TCP port
@@ -210,11 +210,15 @@ pub fn run(args: &Args, forced: Option<Route>) -> Result<()> {
     let record = Record::read(&args.log, &args.log_options(), &args.test)?;
     let machine = Ready::new(args.board, forced)?;
     let samples = args.live.is_some() || record.has_gaps();
-    let setup = Setup { samples, port: args.live, card: args.card.as_deref(), cut_at: None };
+    let card = match &args.card {
+        None if args.live.is_some() => Some(card::of_live_runs()?),
+        named => named.clone(),
+    };
+    let setup = Setup { samples, port: args.live, card: card.as_deref(), cut_at: None };
     let run = machine.run(&record, setup)?;
     let mut outcome = outcome::decode(&run.shown)?;
     // Without an image there is no card, and no need to say so.
-    outcome.troubles.retain(|t| args.card.is_some() || !t.starts_with("no card"));
+    outcome.troubles.retain(|t| card.is_some() || !t.starts_with("no card"));
     // The question whether one was.
     outcome.troubles.retain(|t| t != "no test is running");
     let health = &outcome.health;
@@ -234,9 +238,11 @@ pub fn run(args: &Args, forced: Option<Route>) -> Result<()> {
     }
     if args.live.is_none() {
         outcome.check_ticks()?;
-        if let Some(card) = &args.card {
+        if let Some(card) = &card {
             say(&format!("card: {}", card::compare(card, &run)?));
         }
+    } else if let Some(card) = &card {
+        say(&format!("the card: floe recover {} -o tests", card.display()));
     }
     for trouble in &outcome.troubles {
         say(&format!("the board says: {trouble}"));

@@ -151,11 +151,8 @@ impl Nucleo {
             first_index(&shown).ok_or_else(|| "no test was started".to_string() + &words())?;
         let delivered = check.outcome.delivered.iter();
         let delivered = delivered.filter_map(|&(n, code)| Some((n.checked_sub(first)?, code)));
-        // The model looks at an image that logs every 10 ms, and types then, not only with
-        // the next tick: a command may be heard before that sample has been dealt with. (Read off
-        // the code, not shown by a run.)
-        let rest = REST as u64 - u64::from(self.rtt.is_some());
-        if !(rest..=REST as u64 + later(setup)).contains(&first) && setup.port.is_none() {
+        let rest = REST as u64;
+        if !(rest..=rest + later(setup)).contains(&first) && setup.port.is_none() {
             return Err(format!("the test began at sample {first}, not {REST}{}", words()));
         }
         Ok(Run {

@@ -164,7 +164,7 @@ impl Outcome {
         let mut events = Events::default();
         for e in &self.events {
             let event = EventSummary::new(e, seconds(e.onset), seconds(e.stop));
-            events.push(event, Default::default()).map_err(|e| e.to_string())?;
+            events.push(event, Default::default).map_err(|e| e.to_string())?;
         }
         let changes = self.changes.iter().map(|c| ChangeSummary::new(c, seconds(c.onset)));
         let mut stretches = Stretches::default();

@@ -167,8 +167,9 @@ fn simulated(path: &Path) -> Result<Vec<u8>> {
     let mut text = Vec::new();
     let command = format!("floe simulate {} --seed {SEED}", path.display());
     write::csv_head(&mut text, &scene, SEED, &command).map_err(|e| failed(&e))?;
+    let force_decimals = write::force_decimals(&scene);
     for sample in &mut run {
-        write::csv_line(&mut text, &scene, &sample).map_err(|e| failed(&e))?;
+        write::csv_line(&mut text, force_decimals, &sample).map_err(|e| failed(&e))?;
     }
     run.failure().map_or(Ok(text), |why| Err(failed(&why)))
 }

@@ -2,10 +2,12 @@
 
 use core::mem::MaybeUninit;
 
+use cortex_m_rt::ExceptionFrame;
 use embassy_stm32::pac;
 use heapless::String;
 
-use crate::text::{Out, Show};
+use super::stack;
+use crate::text::{Hex, Out, Show};
 
 /// The first of a panic's words.
 pub type Words = String<96>;
@@ -30,6 +32,16 @@ pub fn die(reason: &dyn Show) -> ! {
     // SAFETY: interrupts are off and nobody else runs: this is the only access.
     unsafe { (&raw mut CRASH).write(MaybeUninit::new(Crash { valid: VALID, words })) };
     cortex_m::peripheral::SCB::sys_reset()
+}
+
+/// Leaves word of a fault: of its place, or that the stack has run over. `frame` is what the
+/// processor has put on the stack, or would have if there had been room.
+pub extern "C" fn fault(frame: *const ExceptionFrame) -> ! {
+    if !stack::has_room_below(frame.cast()) {
+        die(&"the stack ran over");
+    }
+    // SAFETY: it is in the stack.
+    die(&("a fault at 0x", Hex(unsafe { (*frame).pc() }, 8)))
 }
 
 /// Why the board started, if not by power; asked once.

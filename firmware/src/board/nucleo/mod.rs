@@ -4,12 +4,14 @@
 //! |---|---|---|
 //! | sampling tick | LPTIM1 on the 32 768 Hz crystal | - |
 //! | clock, 1 MHz | TIM2 | - |
+//! | time of day through resets | RTC, on the same crystal | - |
 //! | converter, display | I2C1, 400 kHz | PB8 SCL (D15), PB9 SDA (D14) |
 //! | SD card | SPI2 | PB13 SCK, PB14 MISO, PB15 MOSI, PB12 CS |
 //! | console | USART2, 115 200 baud, the ST-LINK's USB | PA2, PA3 |
 //! | watchdog | IWDG, 10 s | - |
 
 pub mod bus;
+pub mod calendar;
 pub mod card;
 pub mod clock;
 pub mod console;

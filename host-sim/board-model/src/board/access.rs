@@ -164,7 +164,8 @@ impl Board {
             GPIOA => self.port_a.write(offset, value),
             _ => self.write_port_b(offset, value, now_ns),
         }
-        if matches!(base, USART2 | LPTIM1 | RCC | IWDG) {
+        // The converter's first sample is what moments of the script count from.
+        if matches!(base, USART2 | LPTIM1 | RCC | IWDG | I2C1) {
             self.settle(emulator, now_ns);
         }
         true
@@ -264,6 +265,7 @@ mod tests {
             self.now_ns = when_ns.clamp(self.now_ns, DUE_NS);
         }
         fn wake_at(&mut self, _: u64) {}
+        fn move_stack(&mut self, _: u32) {}
         fn restart(&mut self) {}
         fn finish(&mut self) {}
     }

@@ -59,27 +59,31 @@ impl Board {
         self.lines_up = lines_up;
         let often = self.remote.is_some() || self.setup.rtt.is_some();
         let heartbeat = now_ns + if often { BUSY_HEARTBEAT_NS } else { HEARTBEAT_NS };
-        let script = self.script.iter().filter_map(|(when, _)| match when {
-            When::Seconds(s) => Some((s * 1e9) as u64),
-            When::Sample(_) => None,
-        });
+        let script = self.script.iter().filter_map(|(when, _)| self.due_ns(when));
+        let script = script.min();
         let at = At { now_ns, clocks: self.clocks, rules: &mut self.rules };
         let due = [self.lptim.deadline_ns(&at), self.usart.deadline_ns(), self.iwdg.deadline_ns()];
-        let next = due.into_iter().flatten().chain(script).min().unwrap_or(heartbeat);
+        let next = due.into_iter().chain([script]).flatten().min().unwrap_or(heartbeat);
         emulator.wake_at(next.clamp(now_ns + 1, heartbeat));
+    }
+
+    /// The moment of something in the script, if it is known yet.
+    fn due_ns(&self, when: &When) -> Option<u64> {
+        match *when {
+            When::Seconds(s) => Some((s * 1e9) as u64),
+            When::Sample(number) => self.wires.converter.sample_end_ns(number),
+        }
     }
 
     /// Whatever is due.
     fn play(&mut self, emulator: &mut dyn Emulator, now_ns: u64) {
-        let sample = self.wires.converter.sample_at(now_ns);
-        let is_due = |when: &When| match *when {
-            When::Seconds(s) => (s * 1e9) as u64 <= now_ns,
-            When::Sample(number) => number <= sample,
-        };
-        let mut due: Vec<Incident> =
-            self.script.extract_if(.., |(when, _)| is_due(when)).map(|(_, what)| what).collect();
+        let script = std::mem::take(&mut self.script);
+        let is_due = |when: &When| self.due_ns(when).is_some_and(|due_ns| due_ns <= now_ns);
+        let (mut due, waits): (Vec<_>, Vec<_>) =
+            script.into_iter().partition(|(when, _)| is_due(when));
+        self.script = waits;
         // The next one is last.
-        while let Some(incident) = due.pop() {
+        while let Some((_, incident)) = due.pop() {
             self.happen(emulator, now_ns, incident);
         }
     }
@@ -99,6 +103,11 @@ impl Board {
                 self.tim2.dead = true;
             }
             Incident::FailAccess(base) => self.failing = Some(base),
+            Incident::UseUpStack(left) => emulator.move_stack(self.setup.stack.0 + left),
+            Incident::Dip => {
+                self.cause = Some((cause::POWER, "a dip"));
+                emulator.restart();
+            }
             Incident::CutPower => self.cut_power(emulator, now_ns),
             Incident::End => {
                 self.end(emulator, now_ns);
@@ -186,5 +195,69 @@ impl Board {
         emulator.read(lower, &mut bytes);
         let painted = bytes.chunks(4).take_while(|word| *word == PAINT.to_le_bytes()).count();
         upper - lower - 4 * painted as u32
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rtt::Memory;
+    use crate::run::Setup;
+
+    const PERIOD_NS: u64 = 62_500_000;
+
+    /// Wakes the board when it wants it.
+    #[derive(Default)]
+    struct Clock {
+        now_ns: u64,
+        wanted_ns: u64,
+    }
+
+    impl Memory for Clock {
+        fn read(&mut self, _: u32, _: &mut [u8]) {}
+        fn write(&mut self, _: u32, _: &[u8]) {}
+    }
+
+    impl Emulator for Clock {
+        fn now_ns(&self) -> u64 {
+            self.now_ns
+        }
+        fn set_interrupt(&mut self, _: u32, _: bool) {}
+        fn skip_to(&mut self, _: u64) {}
+        fn wake_at(&mut self, when_ns: u64) {
+            self.wanted_ns = when_ns;
+        }
+        fn move_stack(&mut self, _: u32) {}
+        fn restart(&mut self) {}
+        fn finish(&mut self) {}
+    }
+
+    /// When somebody begins to type who waits for a sample.
+    fn typed_ns(setup: Setup, sample: u64, first_ns: u64) -> u64 {
+        let script = vec![(When::Sample(sample), Incident::Type("x".into()))];
+        let mut board = Board::new(Setup { script, ..setup }).unwrap();
+        let mut clock = Clock { now_ns: first_ns, ..Clock::default() };
+        const START: u8 = 0x08;
+        board.wires.converter.command(first_ns, START);
+        while board.usart.deadline_ns().is_none() {
+            board.wake(&mut clock);
+            assert!(clock.now_ns < 10_000_000_000, "nobody ever types");
+            if board.usart.deadline_ns().is_none() {
+                clock.now_ns = clock.wanted_ns;
+            }
+        }
+        clock.now_ns
+    }
+
+    /// Not when the board happens to be looked at: an image that logs is looked at more
+    /// often than one that does not, and both have to hear the same.
+    #[test]
+    fn a_moment_of_a_sample_is_the_same_whoever_is_looked_at() {
+        for (sample, first_ns) in [(0, 1000), (3, 1000), (32, 7_777_777)] {
+            let due_ns = first_ns + sample * PERIOD_NS + PERIOD_NS / 2;
+            assert_eq!(typed_ns(Setup::quiet(), sample, first_ns), due_ns);
+            let logging = Setup { rtt: Some(0x2000_0000), ..Setup::quiet() };
+            assert_eq!(typed_ns(logging, sample, first_ns), due_ns);
+        }
     }
 }

@@ -1,19 +1,13 @@
-//! What can happen to the board, the converter and the display.
+//! What can happen to the converter, the display and the crystal.
 
 use floe::chip::{Schedule, Trouble};
 use floe_board_model::run::{Incident, Setup};
 
-use super::{Bench, Row, at, events, expect, health, last_said, row, said, test, troubles, typed};
+use super::{Bench, Row, at, events, expect, health, row, said, test, typed};
 use crate::Result;
-use crate::emulate::card::Image;
-use crate::emulate::nucleo::card;
-
-const SPI2: u32 = 0x4000_3800;
 /// A converter's trouble, in samples of the load cell.
 const FROM: u64 = 160;
 const LENGTH: u64 = 20;
-/// A test goes on within, s after the first tick.
-const GOES_ON_S: f64 = 1.0;
 
 pub(super) fn no_crystal(bench: &Bench<'_>) -> Result<Row> {
     let script = vec![
@@ -96,47 +90,6 @@ pub(super) fn no_display(bench: &Bench<'_>) -> Result<Row> {
     let health = health(&bench.play_well(&setup)?)?;
     expect(health.adc_faults == 0 && health.overruns == 0, format!("{health:?}"))?;
     Ok(row("it is dark", "nothing", "at the next start with a display"))
-}
-
-/// The reset that an incident at second 6 leads to: what the board says about it, and
-/// the test goes on.
-fn restarts(bench: &Bench<'_>, incident: Incident, cause: &str, words: &str) -> Result<Row> {
-    let image = Image::large("restart")?;
-    let mut script = test();
-    script.push(at(6.0, incident));
-    let setup = Setup { card: Some(card(image.path())?), ..bench.setup(20.0, script) };
-    let played = bench.play(&setup)?;
-    let resets = &played.outcome.resets;
-    let [(reset_s, why)] = &resets[..] else { return Err(format!("resets: {resets:?}")) };
-    expect(why == cause, format!("reset by {why}"))?;
-    let after = |words: &str| {
-        let said = last_said(&played, words).filter(|s| s > reset_s);
-        said.ok_or_else(|| format!("never said '{words}': {:?}", troubles(&played.shown)))
-    };
-    let said = after(words)? - reset_s;
-    let goes_on = after("the test goes on")? - reset_s;
-    let tick = played.outcome.first_ticks_s.get(1).ok_or("never sampled again")? - reset_s;
-    expect(goes_on <= tick + GOES_ON_S, format!("goes on after {goes_on:.1} s"))?;
-    let tests = image.tests()?;
-    let [.., before, again] = &tests[..] else { return Err("the card has no two parts".into()) };
-    let same = again.part.id == before.part.id && again.part.number == before.part.number + 1;
-    expect(same && again.samples.len() >= 32, format!("went on as {:?}", again.part))?;
-    let waited = reset_s - 6.0;
-    let noticed = format!("reset after {waited:.1} s, said {said:.2} s later");
-    let lost = "the half second that was not on the card yet, and the time without samples";
-    Ok(row(noticed, lost, format!("the test goes on, samples {tick:.1} s after the reset")))
-}
-
-pub(super) fn hung(bench: &Bench<'_>) -> Result<Row> {
-    restarts(bench, Incident::StopClock, "the watchdog", "restarted after: the watchdog")
-}
-
-pub(super) fn fault(bench: &Bench<'_>) -> Result<Row> {
-    restarts(bench, Incident::FailAccess(SPI2), "the program", "restarted after: a fault at 0x")
-}
-
-pub(super) fn brown_out(bench: &Bench<'_>) -> Result<Row> {
-    restarts(bench, Incident::CutPower, "the power", "floe, help lists the commands")
 }
 
 pub(super) fn typed_fast(bench: &Bench<'_>) -> Result<Row> {

@@ -3,6 +3,7 @@
 
 mod board;
 mod cards;
+mod resets;
 
 use floe_board_model::run::{Incident, Setup, When};
 use floe_firmware::line::{Health, Line};
@@ -42,7 +43,7 @@ struct Bench<'a> {
 pub fn check_faults(nucleo: &Nucleo) -> Result<()> {
     let (codes, _) = Record::stick_slip().played();
     let bench = Bench { nucleo, codes };
-    let cases: [(&str, Case); 16] = [
+    let cases: [(&str, Case); 18] = [
         ("no card", cards::none),
         ("card pulled for 10 s in a test", cards::pulled),
         ("new card put in during a test", cards::late),
@@ -55,9 +56,11 @@ pub fn check_faults(nucleo: &Nucleo) -> Result<()> {
         ("data line held for 2 s", board::bus_held),
         ("data line held by a chip that waits for 1 to 9 clocks", board::bus_stuck),
         ("no display", board::no_display),
-        ("main loop hangs in a test", board::hung),
-        ("fault of the processor in a test", board::fault),
-        ("supply fails for a moment in a test", board::brown_out),
+        ("main loop hangs in a test", resets::hung),
+        ("fault of the processor in a test", resets::fault),
+        ("stack that runs over in a test", resets::overflow),
+        ("supply dips below the brown-out level in a test", resets::dip),
+        ("supply fails for a moment in a test", resets::brown_out),
         ("40 lines typed without pauses", board::typed_fast),
     ];
     let results = parallel::each(&cases, |(_, case)| case(&bench));

@@ -9,105 +9,16 @@ use std::path::{Path, PathBuf};
 
 use floe::sim::Scene;
 use floe_tests::aims::{self, Check};
+use floe_tests::scenes;
 use floe_tests::score::{Errors, Score, run};
+
+mod limits;
+
+use limits::limits;
 
 /// Events of a scene, at least, unless so many records have fewer.
 const EVENTS: usize = 1500;
 const RECORDS: u64 = 200;
-
-/// What a scene is held to; pairs are of `mu_s` and `mu`.
-struct Limits {
-    /// Harmonic mean of precision and recall, least.
-    f1: f64,
-    /// Size of the mean error, percent of the truth.
-    bias: [f64; 2],
-    /// Size that 95 % of the errors do not exceed, percent of the truth.
-    p95: [f64; 2],
-    /// Share of the 95 % intervals that hold the truth.
-    coverage: [(f64, f64); 2],
-    /// Root-mean-square error over the Cramér-Rao bound of the event alone.
-    over_bound: Option<[f64; 2]>,
-    /// Why it is not the aim.
-    why: &'static str,
-}
-
-const AIM: Limits = Limits {
-    f1: 0.99,
-    bias: [0.5; 2],
-    p95: [1.5; 2],
-    coverage: [HARD; 2],
-    over_bound: None,
-    why: "",
-};
-/// Coverage of a hard and of a linear scene.
-const HARD: (f64, f64) = (0.90, 0.99);
-const EXACT: (f64, f64) = (0.93, 0.97);
-/// Where an error that looks like noise makes the interval too wide.
-const WIDE: (f64, f64) = (0.90, 1.0);
-const LINEAR: Limits = Limits { coverage: [EXACT; 2], over_bound: Some([0.8, 1.0]), ..AIM };
-
-/// `Fs` and `Fp` of most hard scenes, N.
-const FORCES_N: [f64; 2] = [781.2, 491.4];
-
-/// So many newtons in percent of the two forces, and what noise adds to it.
-fn newtons(force_n: f64, noise: f64) -> [f64; 2] {
-    FORCES_N.map(|whole_n| 100.0 * force_n / whole_n + noise)
-}
-
-fn limits(name: &str) -> Limits {
-    // 95 % of the errors by white noise of 2 N stay below this, percent.
-    const NOISE: f64 = 0.13;
-    match name {
-        "dff8-13" | "fast" | "heavy" | "snow" | "light" => LINEAR,
-        "all" => Limits {
-            bias: [0.7, 1.6],
-            p95: [1.5, 3.2],
-            why: "drift and creep, which flop hides, with sag and ripple: as measured, and a quarter",
-            ..AIM
-        },
-        "breaking" => Limits {
-            p95: [2.0; 2],
-            why: "the new weight is known from omega only; the interval says so",
-            ..AIM
-        },
-        "aperture" | "creep" => Limits {
-            // Learnt from the first events, which are wrong by more: a few hundredths here.
-            bias: [0.1; 2],
-            p95: [0.3; 2],
-            ..AIM
-        },
-        "drift" => Limits {
-            // Root mean square and largest value of the zero's sine.
-            bias: newtons(20.0 / std::f64::consts::SQRT_2, 0.0),
-            p95: newtons(20.0, NOISE),
-            why: "an error of the zero, 20 N, cannot be told from friction: it is in the interval",
-            ..AIM
-        },
-        "flop" => Limits { bias: [0.1; 2], p95: [0.3; 2], ..AIM },
-        "noisy" => Limits {
-            // 1.3 bounds of 0.32 and 0.14 x 5 %, at 1.96 standard deviations.
-            p95: [1.3 * 1.96 * 1.6 / 1.24, 1.3 * 1.96 * 0.7 / 0.78],
-            over_bound: Some([1.3; 2]),
-            why: "noise of 5 %: own bound",
-            ..AIM
-        },
-        "ripple" => Limits {
-            bias: [0.1; 2],
-            p95: [0.7, 1.2],
-            coverage: [WIDE; 2],
-            why: "what a ripple of 12 N does during the slip itself looks like friction: the interval allows for it, and for more",
-            ..AIM
-        },
-        // Without the cable's stiffening `mu` would be 0.06 % low.
-        "shortening" => Limits { bias: [0.06, 0.03], p95: [0.25, 0.2], ..AIM },
-        "sag_flop" => Limits {
-            p95: [1.5, 3.5],
-            why: "mu is up to 3.4 % high until a dozen rests told how soft the cable is; the interval says so",
-            ..AIM
-        },
-        _ => AIM,
-    }
-}
 
 /// A scene with its score.
 struct Row {
@@ -240,7 +151,7 @@ fn reference_std(scene: &str, coefficient: &str) -> f64 {
     let line = REFERENCE.lines().find(|line| line.starts_with(&row)).expect("a row");
     line.rsplit(',').next().unwrap().parse().unwrap()
 }
-const REFERENCE: &str = include_str!("golden/hard-cases-7d0c2b2.csv");
+const REFERENCE: &str = include_str!("../golden/hard-cases-7d0c2b2.csv");
 
 const HEAD: &str = "\
 # The hard cases
@@ -254,7 +165,7 @@ and says so when the page is no longer true.
 The aim of a row: F1 of detection at least 0.99, bias under 0.5 %, 95 % of the errors under 1.5 %, the 95 %
 interval true in 90 to 99 % of the events (linear scenes: 93 to 97 %, and root-mean-square error within 0.8
 of the bound for mu_s and 1.0 for mu), and no event invented. The last column says why a case is held to something else; the limits
-are in `tests/hard_cases.rs`, the figures that miss theirs in `tests/golden/hard-cases-not-yet.csv`. What commit
+are in `tests/hard_cases/limits.rs`, the figures that miss theirs in `tests/golden/hard-cases-not-yet.csv`. What commit
 7d0c2b2 reached is kept in `tests/golden/hard-cases-7d0c2b2.csv`: on linear scenes the median standard deviation
 from event 3 on may exceed that by 3 %. *bound*: root-mean-square error over the Cramér-Rao bound of the event by itself,
 for the white noise alone; `-`: the model does not hold. *read*: share of the true events that got both
@@ -347,8 +258,7 @@ fn a_row_that_has_moved_is_seen() {
 /// for what it is: no slips of its own, no bias, and intervals that hold.
 #[test]
 fn flop_of_any_kind_is_no_slip_and_no_bias() {
-    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../host-sim/scenes/hard/flop.toml");
-    let base = Scene::from_toml(&fs::read_to_string(file).unwrap()).unwrap();
+    let base = scenes::stored("hard/flop");
     // Amplitude, N; frequency, Hz; decay, 1/s; rate, Hz; weight, N.
     for kind in [
         [10.0, 3.3, 3.0, 16.0, 630.0],

@@ -1,0 +1,96 @@
+//! What every scene is held to.
+
+/// What a scene is held to; pairs are of `mu_s` and `mu`.
+pub struct Limits {
+    /// Harmonic mean of precision and recall, least.
+    pub f1: f64,
+    /// Size of the mean error, percent of the truth.
+    pub bias: [f64; 2],
+    /// Size that 95 % of the errors do not exceed, percent of the truth.
+    pub p95: [f64; 2],
+    /// Share of the 95 % intervals that hold the truth.
+    pub coverage: [(f64, f64); 2],
+    /// Root-mean-square error over the Cramér-Rao bound of the event alone.
+    pub over_bound: Option<[f64; 2]>,
+    /// Why it is not the aim.
+    pub why: &'static str,
+}
+
+const AIM: Limits = Limits {
+    f1: 0.99,
+    bias: [0.5; 2],
+    p95: [1.5; 2],
+    coverage: [HARD; 2],
+    over_bound: None,
+    why: "",
+};
+/// Coverage of a hard and of a linear scene.
+const HARD: (f64, f64) = (0.90, 0.99);
+const EXACT: (f64, f64) = (0.93, 0.97);
+/// Where an error that looks like noise makes the interval too wide.
+const WIDE: (f64, f64) = (0.90, 1.0);
+const LINEAR: Limits = Limits { coverage: [EXACT; 2], over_bound: Some([0.8, 1.0]), ..AIM };
+
+/// `Fs` and `Fp` of most hard scenes, N.
+const FORCES_N: [f64; 2] = [781.2, 491.4];
+
+/// So many newtons in percent of the two forces, and what noise adds to it.
+fn newtons(force_n: f64, noise: f64) -> [f64; 2] {
+    FORCES_N.map(|whole_n| 100.0 * force_n / whole_n + noise)
+}
+
+/// Those of a scene.
+pub fn limits(name: &str) -> Limits {
+    // 95 % of the errors by white noise of 2 N stay below this, percent.
+    const NOISE: f64 = 0.13;
+    match name {
+        "dff8-13" | "fast" | "heavy" | "snow" | "light" => LINEAR,
+        "all" => Limits {
+            bias: [0.7, 1.6],
+            p95: [1.5, 3.2],
+            why: "drift and creep, which flop hides, with sag and ripple: as measured, and a quarter",
+            ..AIM
+        },
+        "breaking" => Limits {
+            p95: [2.0; 2],
+            why: "the new weight is known from omega only; the interval says so",
+            ..AIM
+        },
+        "aperture" | "creep" => Limits {
+            // Learnt from the first events, which are wrong by more: a few hundredths here.
+            bias: [0.1; 2],
+            p95: [0.3; 2],
+            ..AIM
+        },
+        "drift" => Limits {
+            // Root mean square and largest value of the zero's sine.
+            bias: newtons(20.0 / std::f64::consts::SQRT_2, 0.0),
+            p95: newtons(20.0, NOISE),
+            why: "an error of the zero, 20 N, cannot be told from friction: it is in the interval",
+            ..AIM
+        },
+        "flop" => Limits { bias: [0.1; 2], p95: [0.3; 2], ..AIM },
+        "noisy" => Limits {
+            // 1.3 bounds of 0.32 and 0.14 x 5 %, at 1.96 standard deviations.
+            p95: [1.3 * 1.96 * 1.6 / 1.24, 1.3 * 1.96 * 0.7 / 0.78],
+            over_bound: Some([1.3; 2]),
+            why: "noise of 5 %: own bound",
+            ..AIM
+        },
+        "ripple" => Limits {
+            bias: [0.1; 2],
+            p95: [0.7, 1.2],
+            coverage: [WIDE; 2],
+            why: "what a ripple of 12 N does during the slip itself looks like friction: the interval allows for it, and for more",
+            ..AIM
+        },
+        // Without the cable's stiffening `mu` would be 0.06 % low.
+        "shortening" => Limits { bias: [0.06, 0.03], p95: [0.25, 0.2], ..AIM },
+        "sag_flop" => Limits {
+            p95: [1.5, 3.5],
+            why: "mu is up to 3.4 % high until a dozen rests told how soft the cable is; the interval says so",
+            ..AIM
+        },
+        _ => AIM,
+    }
+}
