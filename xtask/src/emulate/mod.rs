@@ -13,6 +13,7 @@
 mod card;
 mod directory;
 mod faults;
+mod first_day;
 pub mod link;
 mod live;
 pub mod machine;
@@ -155,6 +156,7 @@ fn check_nucleo(nucleo: &Nucleo) -> Result<()> {
 pub fn check_board(route: Route) -> Result<()> {
     let nucleo = Nucleo::prepare(Some(route))?;
     check_nucleo(&nucleo)?;
+    first_day::check_first_day(&nucleo)?;
     check_faults(&nucleo)
 }
 
