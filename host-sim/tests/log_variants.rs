@@ -272,6 +272,11 @@ fn force_forms() -> Vec<Form> {
             scaled("time_s,Force [mV/V]\n", 1.0),
             Refused(&["'mV/V'", "--unit"]),
         ),
+        form(
+            "force_mN",
+            table("time_s,force_mN\n", |t, f| format!("{t},{}", f * 1e3)),
+            Refused(&["'force_mN' is 'mN'", "--unit"]),
+        ),
         form("no unit", scaled("time_s,Force\n", 1.0), Noted("taken as N")),
         form("no unit, --unit", scaled("time_s,Force\n", 1e-3), Same)
             .with(|o| o.unit = Some(Unit::Kilonewton)),

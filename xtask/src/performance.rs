@@ -23,7 +23,9 @@ processor time are what to look at.
   in as many threads as they like; `floe` reads on one thread, computes on another, and keeps the events only.
 - A number of at most fifteen digits is read as a whole number over a power of ten, one division that rounds
   correctly; any other goes through `fast-float2` (`host-sim/src/log/plain.rs`). Tests compare both bit for bit.
-- Rows of the simulator are samples written, of the campaign events found.
+- *CSV by `format!`* is what the simulator's log cost when the standard library wrote its numbers.
+- A command is whole, with the files it writes: the replay's JSON has every event. Rows of the simulator are samples,
+  those of the campaign tests.
 ";
 
 /// Measures and writes the page.

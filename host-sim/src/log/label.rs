@@ -65,7 +65,8 @@ impl Label {
         if is_unit(name) && !name.eq_ignore_ascii_case("n") {
             return label("", name);
         }
-        match name.rsplit_once(['_', ' ', '/']).filter(|(_, unit)| is_unit(unit)) {
+        let says = |unit| is_unit(unit) || is_foreign(unit);
+        match name.rsplit_once(['_', ' ', '/']).filter(|(_, unit)| says(unit)) {
             Some((quantity, unit)) => label(quantity.trim_end_matches(" in"), unit),
             None => label(name, ""),
         }
@@ -99,6 +100,14 @@ impl Label {
 
 fn is_unit(text: &str) -> bool {
     TimeUnit::from_label(text).is_some() || Unit::from_label(text).is_some()
+}
+
+/// Units of a force, or of what a load cell gives, that no log is read in: better named than
+/// taken for newtons.
+fn is_foreign(text: &str) -> bool {
+    const FOREIGN: [&str; 12] =
+        ["mn", "cn", "dn", "dan", "g", "gf", "tf", "kip", "kips", "ozf", "v", "mv"];
+    FOREIGN.contains(&text.to_lowercase().as_str())
 }
 
 /// Whether a cell of a units row could be one: empty, in brackets, or a unit's name.
@@ -144,6 +153,8 @@ mod tests {
             ("n", "n", ""),
             ("Load cell 1", "load cell 1", ""),
             ("Force [mV/V]", "force", "mV/V"),
+            ("force_mN", "force", "mN"),
+            ("Kraft daN", "kraft", "daN"),
             ("time_stamp", "time_stamp", ""),
         ];
         for (name, quantity, unit) in table {

@@ -232,7 +232,10 @@ impl Layout {
         }
         let width = *self.width.get_or_insert(cells.len());
         if cells.len() != width {
-            return Err(InputError::new(format!("{} cells instead of {width}", cells.len())));
+            let cells = cells.len();
+            return Err(InputError::new(format!(
+                "{cells} cells instead of {width}; correct the line or take it out"
+            )));
         }
         let force = cells.get(line, self.force).unwrap_or_default();
         if !ended && force.is_empty() {
@@ -280,7 +283,13 @@ impl Layout {
         };
         // Times further out leave no room for a fraction of a second.
         let time = time.filter(|time_s| time_s.abs() <= LATEST_S);
-        time.ok_or_else(|| InputError::new(format!("no time can be read from {}", excerpt(text))))
+        let remedy = if text.contains(&b':') {
+            "; write 2012-02-29 12:00:00 or 29.02.2012 12:00:00"
+        } else {
+            ""
+        };
+        let text = excerpt(text);
+        time.ok_or_else(|| InputError::new(format!("no time can be read from {text}{remedy}")))
     }
 }
 

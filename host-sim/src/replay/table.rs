@@ -5,7 +5,8 @@ use std::io;
 
 use super::quantities::Quantities;
 use super::result::{
-    CoefficientSummary, EffectSummary, EventSummary, LogSummary, ReplayResult, zero_sentence,
+    CoefficientSummary, EffectSummary, EventSummary, LogSummary, ParameterSummary, ReplayResult,
+    zero_sentence,
 };
 use super::stretches::Stretches;
 
@@ -303,11 +304,13 @@ fn samples(out: &mut String, log: &LogSummary) -> std::fmt::Result {
     log.warnings.iter().try_for_each(|warning| writeln!(out, "note          {warning}"))
 }
 
-/// An effect that the data show, with its numbers.
-fn effect(effect: &EffectSummary) -> String {
-    let numbers = effect.parameters.iter();
-    let numbers = numbers.map(|it| format!(" {} {:.3e} ± {:.1e}", it.name, it.value, it.std));
-    format!("{}{}", effect.name, numbers.collect::<String>())
+/// An effect with its numbers: `corner missing_n 20.70 ± 0.58`.
+pub(crate) fn effect(effect: &EffectSummary) -> String {
+    let number = |it: &ParameterSummary| match digits(it.std) {
+        decimals @ 0..=5 => format!(" {} {:.decimals$} ± {:.decimals$}", it.name, it.value, it.std),
+        _ => format!(" {} {:.3e} ± {:.1e}", it.name, it.value, it.std),
+    };
+    effect.name.to_string() + &effect.parameters.iter().map(number).collect::<String>()
 }
 
 #[cfg(test)]

@@ -1,6 +1,8 @@
 //! Where a report comes from: enough to make it again.
 
 use super::svg::escape;
+use crate::replay::result::EffectSummary;
+use crate::replay::table::effect;
 
 /// What a reviewer needs to make the same report.
 #[derive(Clone, Debug, Default)]
@@ -16,20 +18,45 @@ pub struct Provenance {
 }
 
 impl Provenance {
-    /// The lines of the page's foot.
-    pub(super) fn html(&self) -> String {
+    /// The lines of the page's foot, with what was looked for and found beyond the linear model.
+    pub(super) fn html(&self, effects: &[EffectSummary]) -> String {
         let line = |name: &str, value: Option<&str>| {
             let value = value.filter(|value| !value.is_empty());
             value.map_or_else(String::new, |value| {
                 format!("<div><dt>{name}</dt><dd class=\"path\">{}</dd></div>", escape(value))
             })
         };
+        let listed = |which: fn(&&EffectSummary) -> bool, text: fn(&EffectSummary) -> String| {
+            let all: Vec<String> = effects.iter().filter(which).map(text).collect();
+            if all.is_empty() { "none".to_string() } else { all.join(", ") }
+        };
+        let sought = listed(|it| it.enabled, |it| it.name.to_string());
+        let found = listed(|it| it.found, effect);
         let lines = [
             line("Command", Some(&self.command)),
+            line("Effects looked for", Some(&sought)),
+            line("Effects found", Some(&found)),
             line("Commit", self.commit),
             line("SHA-256 of the log", self.sha256.as_deref()),
             line("Made at", self.made_at.as_deref()),
         ];
         format!("<dl class=\"provenance\">{}</dl>", lines.concat())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::replay::result::ParameterSummary;
+
+    #[test]
+    fn what_was_looked_for_and_found_is_said() {
+        let effect = |name, found| EffectSummary { name, enabled: true, found, parameters: vec![] };
+        let missing = ParameterSummary { name: "missing_n", value: 20.696, std: 0.578 };
+        let corner = EffectSummary { parameters: vec![missing], ..effect("corner", true) };
+        let html = Provenance::default().html(&[corner, effect("sag", false)]);
+        assert!(html.contains("<dt>Effects looked for</dt><dd class=\"path\">corner, sag</dd>"));
+        assert!(html.contains("<dd class=\"path\">corner missing_n 20.70 ± 0.58</dd>"), "{html}");
+        assert!(Provenance::default().html(&[]).contains(">none</dd>"));
     }
 }
