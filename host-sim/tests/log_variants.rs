@@ -375,6 +375,12 @@ fn whole_forms() -> Vec<Form> {
             said("# rate_hz: 10\n"),
             Refused(&["line 2", "rate_hz: 10", "line 4", "16.000 times a second"]),
         ),
+        form(
+            "--rate-hz against the times",
+            plain(),
+            Refused(&["--rate-hz says 8", "16.000 times a second"]),
+        )
+        .with(|o| o.rate_hz = Some(8.0)),
         form("TOA5", toa5("\"TS\",\"kN\""), Same),
         form("TOA5, short units row", toa5("\"TS\""), Refused(&["2 names, but 1 units"])),
     ]

@@ -275,8 +275,9 @@ impl Log {
         if let Some(wrong) = rate_hz.filter(|rate| !timing::RATES_HZ.contains(rate)) {
             return Err(InputError::new(format!("a rate of {wrong} Hz is not within 1 to 2000")));
         }
-        if options.rate_hz.is_none() {
-            agrees_with_stamps(&head, &rows)?;
+        match options.rate_hz {
+            Some(given) => keeps_up(given, &head, &rows)?,
+            None => agrees_with_stamps(&head, &rows)?,
         }
         let timing = timing::find(&head, rate_hz, rows.layout().resolution_s)?;
         let origin_s = if rows.layout().time.is_calendar() { timing.start_s } else { 0.0 };
@@ -293,9 +294,25 @@ impl Log {
     }
 }
 
+/// Rows that show a rate.
+const ENOUGH: usize = 32;
+
+/// Refuses a given rate with which many samples would be taken for duplicates.
+fn keeps_up(given: f64, head: &[Row], rows: &Rows) -> Result<(), InputError> {
+    const SURELY: f64 = 1.5;
+    let Ok(found) = timing::find(head, None, rows.layout().resolution_s) else { return Ok(()) };
+    let found_hz = found.rate_hz;
+    if found.shared.is_some() || head.len() < ENOUGH || found_hz < SURELY * given {
+        return Ok(());
+    }
+    Err(InputError::new(format!(
+        "--rate-hz says {given}, and the samples come {found_hz:.3} times a second: those in between \
+         would be lost; leave --rate-hz out"
+    )))
+}
+
 /// Refuses a rate in the log's metadata that its stamps contradict.
 fn agrees_with_stamps(head: &[Row], rows: &Rows) -> Result<(), InputError> {
-    const ENOUGH: usize = 32;
     const NEAR: f64 = 0.02;
     let metadata = &rows.metadata;
     let (Some(said), Some(line)) = (metadata.rate_hz, metadata.line("rate_hz")) else {

@@ -83,7 +83,11 @@ pub fn replay_with(
     while let (Some(event), true) = (pipeline.finish(), kept.is_ok()) {
         kept = events.push(summary(&event, &timeline), || so_far(&pipeline));
     }
-    kept.map_err(|e| InputError::new(format!("events cannot be kept in a temporary file: {e}")))?;
+    kept.map_err(|e| {
+        InputError::new(format!(
+            "events cannot be kept in a temporary file: {e}; name a folder with room in TMPDIR"
+        ))
+    })?;
     while let Some(stretch) = pipeline.finish_stretch() {
         add(&mut stretches, &stretch, &timeline);
     }
