@@ -14,83 +14,17 @@ use floe::log::{Log, LogOptions};
 use floe::replay::budget::lines;
 use floe::replay::replay;
 use floe::replay::test::{TestOptions, configure};
-use floe::sim::terms::Weighing;
-use floe::sim::{Measurement, Scene, simulate};
 use floe_core::Report;
 use floe_firmware::line::Line;
 use floe_firmware::notebook::{Kind, WeightFrom};
 use floe_firmware::settings::Settings;
 use floe_firmware::wall_clock::Moment;
+use floe_tests::day::{DAY, MOVED_N, NOISE, SPAN, codes, day, swinging};
 use floe_tests::scripted::{Card, Session, run};
 
-/// Codes per newton and code of the empty hook; 12 codes of noise are the converter's.
-const SPAN: f64 = 429.5;
-const ZERO: f64 = 12_345.0;
-/// By how much the zero has moved after the pull, N.
-const MOVED_N: f64 = 0.9;
-
-/// Ticks at which the day's parts begin, 16 a second.
-const HANGING: u64 = 260;
-const PULLED: u64 = 1040;
-const SLACK: u64 = 2000;
-
-/// The block on the tripod: 630 N, 5 degrees, 2 s, 2 N of noise.
-fn swinging(seconds: f64) -> Vec<f64> {
-    let length_m = 9.80665 / std::f64::consts::PI.powi(2);
-    let weighing = Some(Weighing { swing_deg: 5.0, length_m, damping_per_s: 0.0 });
-    forces(&Scene { weighing, ..pull(seconds) }, 3)
-}
-
-/// Test DFF8-13.
-fn pull(duration_s: f64) -> Scene {
-    let measurement = Measurement { white_n: 2.0, ..Measurement::default() };
-    Scene { duration_s, measurement, ..Scene::default() }
-}
-
-fn forces(scene: &Scene, seed: u64) -> Vec<f64> {
-    let simulation = simulate(scene, seed).expect("a valid scene");
-    simulation.samples.iter().map(|sample| sample.force_n).collect()
-}
-
 fn cell(forces_n: impl IntoIterator<Item = f64>, span: f64) -> LoadCell {
-    let codes = forces_n.into_iter().map(|force_n| (ZERO + span * force_n).round() as i32);
-    LoadCell::from_codes(&codes.collect::<Vec<_>>(), 16.0).with_noise(12.0, 5)
+    LoadCell::from_codes(&codes(forces_n, span), 16.0).with_noise(NOISE.0, NOISE.1)
 }
-
-/// What the cell feels all day.
-fn day() -> Vec<f64> {
-    let mut forces_n = vec![0.0; HANGING as usize];
-    forces_n.extend(swinging(44.0));
-    forces_n.resize(PULLED as usize, 0.0);
-    forces_n.extend(forces(&pull(60.0), 1));
-    forces_n.truncate(SLACK as usize);
-    forces_n.resize(2400, MOVED_N);
-    forces_n
-}
-
-const DAY: [(u64, &str); 21] = [
-    (1, "clock 2027-03-02T10:15:00Z\n"),
-    (2, "self-test\n"),
-    (110, "tare\n"),
-    (255, "accept\n"),
-    (270, "weigh\n"),
-    (930, "accept\n"),
-    (950, "set range 5000\n"),
-    (951, "set winch 0.0157\n"),
-    (952, "set kind sliding\n"),
-    (953, "set snow 10\n"),
-    (954, "set size 1.2 1 0.3\n"),
-    (955, "set track fresh\n"),
-    (956, "set cable 15\n"),
-    (957, "set name first pull\n"),
-    (958, "set winch-std 0.0002\n"),
-    (1030, "start\n"),
-    (1500, "note wind from the side\n"),
-    (1990, "stop\n"),
-    (2010, "tare\n"),
-    (2160, "accept\n"),
-    (2161, "status\n"),
-];
 
 /// What was typed and what was said, without samples and first answers.
 fn transcript(board: &Session) -> String {

@@ -13,6 +13,7 @@
 mod card;
 mod directory;
 mod faults;
+mod first_day;
 pub mod link;
 mod live;
 pub mod machine;
@@ -154,7 +155,8 @@ fn check_nucleo(nucleo: &Nucleo) -> Result<()> {
 /// What did not go as it has to.
 pub fn check_board(route: Route) -> Result<()> {
     let nucleo = Nucleo::prepare(Some(route))?;
-    check_nucleo(&nucleo)?;
+    let long: [fn(&Nucleo) -> Result<()>; 2] = [check_nucleo, first_day::check_first_day];
+    parallel::each(&long, |check| check(&nucleo)).into_iter().collect::<Result<()>>()?;
     check_faults(&nucleo)
 }
 

@@ -1,0 +1,88 @@
+//! A first day on the ice, typed into the console of the image that is flashed: what is said,
+//! what the card keeps, and what a PC makes of that card.
+
+use std::fs;
+
+use floe::campaign::recorded;
+use floe::card::{self as files, Test};
+use floe_board_model::run::{Incident, Setup, When};
+use floe_core::Pipeline;
+use floe_firmware::line::Line;
+use floe_tests::day::{DAY, NOISE, SPAN, codes, day};
+
+use super::card::Image;
+use super::nucleo::{Nucleo, card};
+use super::record::RATE_HZ;
+use crate::Result;
+use crate::shell::root;
+
+/// The block on the tripod, N.
+const WEIGHT_N: f32 = 630.0;
+/// Samples in the pull of 60 s.
+const PULLED: usize = 960;
+
+/// Clock, self-test, tare, weigh, notes, a pull of 60 s, the zero again; then the card is read.
+///
+/// # Errors
+/// What was not as it has to be.
+pub fn check_first_day(nucleo: &Nucleo) -> Result<()> {
+    let image = Image::large("day")?;
+    let typed = DAY.map(|(tick, line)| (When::Sample(tick), Incident::Type(line.into())));
+    let last = DAY.iter().map(|&(tick, _)| tick).max().unwrap_or(0);
+    let end = (When::Sample(last + 16), Incident::End);
+    let script = typed.into_iter().chain([end]).collect();
+    let card = Some(card(image.path())?);
+    let codes = codes(day(), SPAN);
+    let setup = Setup { codes, rate_hz: RATE_HZ, noise: NOISE, script, card, ..Setup::quiet() };
+    let played = nucleo.play(&setup)?;
+    played.check()?;
+    for words in ["self test passed", "N,wind from the side", "Z,1"] {
+        played.said_at(words).ok_or_else(|| format!("first day: never said '{words}'"))?;
+    }
+    let tests = image.tests()?;
+    let pull = tests.iter().find(|test| test.samples.len() > PULLED / 2);
+    let pull = pull.ok_or("first day: the pull is not on the card")?;
+    let said = check_pull(pull, &played.shown)?;
+    println!("board: first day: {said}");
+    Ok(())
+}
+
+/// The weight is right; the card's samples make the events that were said, bit for bit; what
+/// `recover` writes of them is read by `campaign`.
+fn check_pull(pull: &Test, shown: &str) -> Result<String> {
+    let (weight_n, std_n) = (pull.settings.config.weight_n, pull.settings.stds.weight_n);
+    let std_n = std_n.ok_or("first day: a weight without a standard deviation")?;
+    if (weight_n - WEIGHT_N).abs() > 4.0 * std_n || std_n > 0.2 {
+        return Err(format!("first day: the block weighs {weight_n} +- {std_n} N"));
+    }
+    let mut pipeline = Pipeline::new(&pull.settings.core_config()).map_err(|e| e.to_string())?;
+    let raw = pull.samples.iter().map(|sample| sample.raw(pull.part.first_index));
+    let mut events: Vec<_> = raw.filter_map(|raw| pipeline.step(raw).event).collect();
+    events.extend(std::iter::from_fn(|| pipeline.finish()));
+    let lines = events.into_iter().filter_map(|event| Line::Event(event).to_text().ok());
+    let here: Vec<String> = lines.map(|line| line.to_string()).collect();
+    let said = |text: &str| -> Vec<String> {
+        text.lines().filter(|line| line.starts_with("E,")).map(String::from).collect()
+    };
+    if here.len() < 25 || here != said(shown) || here != said(&pull.lines) {
+        let (there, kept) = (said(shown).len(), said(&pull.lines).len());
+        return Err(format!("first day: {} events, {there} said, {kept} kept", here.len()));
+    }
+    let folder = root().join("target/first-day");
+    fs::create_dir_all(&folder).map_err(|e| e.to_string())?;
+    let file = folder.join(format!("{}.csv", pull.stem));
+    fs::write(&file, files::csv(pull)).map_err(|e| format!("{}: {e}", file.display()))?;
+    let logs = recorded::logs(&folder).map_err(|e| e.to_string())?;
+    let log = logs.first().ok_or("first day: the campaign has no log")?;
+    let record = recorded::evaluate(log, 0).map_err(|e| e.to_string())?;
+    let mu_s = record.mu_s.mean.ok_or("first day: the campaign has no mu_s")?;
+    let dated = record.start_time.is_some_and(|time| time.starts_with("2027-03-02T10:16:"));
+    if record.test_id != "first pull" || !dated || pull.settings.zero.after_n.is_none() {
+        return Err(format!("first day: the campaign reads {}", record.test_id));
+    }
+    Ok(format!(
+        "{} events said, kept and computed on this PC bit for bit; {weight_n:.2} +- {std_n:.2} N; \
+         campaign: {mu_s:.4}",
+        here.len()
+    ))
+}
