@@ -34,7 +34,7 @@ impl CycleTracker {
             // The guess of how long a slip is, is the same for all of them.
             common = (site.std(posterior.static_n2), site.std(posterior.dynamic_n2));
         }
-        Finished { event, alone, common, expected: (0.0, 0.0), change }
+        Finished { event, alone, common, change }
     }
 
     /// What an event tells of a change.

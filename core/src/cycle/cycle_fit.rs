@@ -55,9 +55,6 @@ pub(crate) struct Measured {
     pub(crate) posterior: Posterior,
     /// The forces without what other events told of the loading rate.
     pub(crate) alone: Option<Forces>,
-    /// Parts of their variances, in units of the noise's, that come from the swing and the bend
-    /// that were expected.
-    pub(crate) expected: (f32, f32),
     /// Variance of the noise, N².
     pub(crate) noise_n2: f32,
     /// Whether it is still the same block.
@@ -294,11 +291,10 @@ fn measured(
     strain: Strain,
     noise_n2: f32,
 ) -> Measured {
-    let alone = fit.forces_alone(data).filter(|_| posterior.is_resolved());
-    let (alone, expected) = alone.unzip();
+    let alone = fit.forces_alone(data.rate).filter(|_| posterior.is_resolved());
     let strained = posterior.is_resolved() && strain != Strain::None;
     let verdict = learnt.learn(data, &posterior, noise_n2, strained);
-    Measured { posterior, alone, expected: expected.unwrap_or_default(), noise_n2, verdict }
+    Measured { posterior, alone, noise_n2, verdict }
 }
 
 /// A misfit counts only as a sign of another block.

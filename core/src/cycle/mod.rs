@@ -42,15 +42,13 @@ pub struct Finished {
     pub alone: Option<(Coefficient, Coefficient)>,
     /// Part of their standard deviations that is common to all events.
     pub common: (f32, f32),
-    /// Part of them that comes from the swing and the bend that were expected.
-    pub expected: (f32, f32),
     /// A change that this event told.
     pub change: Option<Change>,
 }
 
 impl From<Event> for Finished {
     fn from(event: Event) -> Self {
-        Self { event, alone: None, common: (0.0, 0.0), expected: (0.0, 0.0), change: None }
+        Self { event, alone: None, common: (0.0, 0.0), change: None }
     }
 }
 

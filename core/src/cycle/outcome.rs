@@ -41,8 +41,7 @@ impl CycleTracker {
     /// The event of a fit, and when its cable began to load.
     fn fitted(&mut self, finishing: &CycleFit, measured: &Measured) -> (Finished, SampleTime) {
         let (pending, site) = (&finishing.pending, self.site());
-        let Measured { posterior, alone, expected, noise_n2, verdict } = measured;
-        let std = |variance| site.std(noise_n2 * variance);
+        let Measured { posterior, alone, noise_n2, verdict } = measured;
         let alone = alone.map(|forces| {
             let mu_s = site.coefficient(forces.static_n, noise_n2 * forces.static_variance);
             let (shift_n, _) = self.shift(pending, &posterior.cycle);
@@ -55,7 +54,6 @@ impl CycleTracker {
         let shift = self.shift(pending, &posterior.cycle);
         let event = self.measured(pending, posterior, &shape, shift);
         let mut finished = self.judged(event, alone, posterior, shift, *verdict);
-        finished.expected = (std(expected.0), std(expected.1));
         if event.slack && !finishing.shows(loads) {
             // How far the block slid on a slack cable was not seen.
             (finished.event.mu, finished.alone) = (None, None);

@@ -50,21 +50,14 @@ impl Detector {
     }
 
     /// A slip that was seen late, as that after a brief rest is, may have samples on the line:
-    /// those from the onset on are taken back, as long as all of them are still there.
+    /// then the last samples before its onset count, one by one.
     pub(super) fn shorten_line(&mut self) {
-        let Stick { origin, highest, straight, broken, next, line_origin, .. } = self.stick;
+        let Stick { origin, highest, next, .. } = self.stick;
         let end = highest.index.saturating_sub(whole(self.usual_rise).into()).max(origin);
-        if next <= end || line_origin != origin || self.window.first_from(origin) != origin {
-            return;
+        if next > end {
+            self.stick.forget_line();
+            self.stick.next = self.stick.next.min(end);
         }
-        self.stick = Stick::new(origin, highest, straight);
-        self.stick.broken = broken;
-        for index in origin..end {
-            if let Some(force_n) = self.window.get(index) {
-                self.stick.take(index, force_n, &self.memory, 1.0 / self.variance(index));
-            }
-        }
-        self.stick.next = end;
     }
 
     fn take_into_line(&mut self, sample: ForcePoint) {

@@ -131,26 +131,21 @@ impl Fit {
     }
 
     /// The forces as the event would give them without what was expected of its
-    /// loading rate: the expectation is taken out of the normal equations again. And what of their
-    /// variances comes from what was expected of swing and bend.
+    /// loading rate: the expectation is taken out of the normal equations again.
     ///
     /// `None` when the event alone does not determine them.
     #[must_use]
-    pub fn forces_alone(&self, data: &Data<'_>) -> Option<(Forces, (f32, f32))> {
+    pub fn forces_alone(&self, rate: Prior) -> Option<Forces> {
         let (normal, right) =
-            without((self.normal, Gradient::default()), [(1, (data.rate, self.cycle.rate))]);
+            without((self.normal, Gradient::default()), [(1, (rate, self.cycle.rate))]);
         let factor = normal.factor(0.0)?;
         let [_, _, by_static, by_drop, ..] = factor.solve(&right);
         let mut cycle = self.cycle;
         cycle.static_n += by_static;
         cycle.half_drop_n += by_drop;
-        let expected = |combination: &Gradient| {
-            let [_, _, _, _, swing, bend] = factor.solve(combination);
-            data.inverse_omega.weight * swing * swing + data.rate_change.weight * bend * bend
-        };
         let mut forces = Forces::new(&cycle, &factor);
         forces.widen(self.wider);
-        Some((forces, (expected(&STATIC.0), expected(&DYNAMIC.0))))
+        Some(forces)
     }
 
     /// What the event tells without what is expected of all but the bend, the last unknown.

@@ -17,7 +17,7 @@ impl Pipeline {
         }
         self.stretches.end_before(finished.event.onset);
         let onset = self.stretches.onset(&finished.event);
-        let Finished { mut event, alone, common, expected, change } = finished;
+        let Finished { mut event, alone, common, change } = finished;
         event.onset = self.decimator.moment(onset);
         event.stop = self.decimator.moment(event.stop);
         if let Some(noise_n) = self.cycles.noise_n() {
@@ -36,14 +36,10 @@ impl Pipeline {
             self.drift.take(mu_s, mu);
         }
         if let Some(mu_s) = mu_s {
-            let expected = beyond_share(expected.0, mu_s, self.mu_s.count());
-            let common = math::hypotenuse(common.0, expected);
-            self.mu_s.add_with_common(mu_s, in_common(event.quality, mu_s, common));
+            self.mu_s.add_with_common(mu_s, in_common(event.quality, mu_s, common.0));
         }
         if let Some(mu) = mu {
-            let expected = beyond_share(expected.1, mu, self.mu.count());
-            let common = math::hypotenuse(common.1, expected);
-            self.mu.add_with_common(mu, in_common(event.quality, mu, common));
+            self.mu.add_with_common(mu, in_common(event.quality, mu, common.1));
         }
         self.largest_n = math::larger(self.largest_n, event.peak_force_n.abs());
         if mu_s.or(mu).is_some() {
@@ -67,13 +63,4 @@ fn in_common(quality: Quality, event: Coefficient, common_std: f32) -> f32 {
             math::hypotenuse(common_std, TAKEN_FOR_GRANTED * event.std)
         }
     }
-}
-
-/// What was expected of the swing gets sharper as fast as the mean does, and is hardly seen in it.
-/// It counts as common where it is several times an event's share of the mean: after rests too
-/// brief to tell the force alone. Tuned: fewer shares widen the means of ordinary tests.
-fn beyond_share(expected_std: f32, event: Coefficient, events: u32) -> f32 {
-    const SHARES: f32 = 2.0;
-    let share = event.std * event.std / (events + 1) as f32;
-    if expected_std * expected_std > SHARES * share { expected_std } else { 0.0 }
 }
