@@ -28,9 +28,8 @@ fn scene(
 
 /// Share of the events with both coefficients.
 fn read(tried: &Tried) -> f64 {
-    let both = |&&(_, f): &&(usize, usize)| {
-        tried.found[f].mu_s.is_some() && tried.found[f].mu.is_some()
-    };
+    let both =
+        |&&(_, f): &&(usize, usize)| tried.found[f].mu_s.is_some() && tried.found[f].mu.is_some();
     tried.pairs.iter().filter(both).count() as f64 / tried.truths.len() as f64
 }
 

@@ -96,6 +96,11 @@ impl CycleTracker {
         }
     }
 
+    /// The last event is none: it takes no number.
+    pub fn withdraw(&mut self) {
+        self.count = self.count.saturating_sub(1);
+    }
+
     /// The block rests again: the event before has its lines, and this one is pending.
     ///
     /// `last_hidden` is the newest saturated index. Gives the event before that one if

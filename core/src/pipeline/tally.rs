@@ -16,10 +16,14 @@ impl Pipeline {
             return None;
         }
         self.stretches.end_before(finished.event.onset);
-        let onset = self.stretches.onset(&finished.event);
+        let Some((onset, stop)) = self.stretches.outside(&finished.event) else {
+            // Found late, in a force that was told as it is.
+            self.cycles.withdraw();
+            return None;
+        };
         let Finished { mut event, alone, common, change } = finished;
         event.onset = self.decimator.moment(onset);
-        event.stop = self.decimator.moment(event.stop);
+        event.stop = self.decimator.moment(stop);
         if let Some(noise_n) = self.cycles.noise_n() {
             self.detector.fitted_noise(noise_n);
             self.detector.creeps(self.cycles.creep_periods());
@@ -47,7 +51,8 @@ impl Pipeline {
             self.weight_std += (self.cycles.weight_ratio().1 - self.weight_std) / events;
         }
         self.add_systematic(event.mu_s.as_mut(), event.mu.as_mut());
-        self.onsets = Some((self.onsets.map_or(event.onset, |(first, _)| first), event.onset));
+        let first = *self.first_onset.get_or_insert(event.onset);
+        self.between_onsets = event.onset.periods_since(first);
         Some(event)
     }
 }
