@@ -130,9 +130,11 @@ impl CycleFit {
         let (fit, posterior, strain) = match self.stage {
             Stage::Telling(fit, posterior, strain) => (fit, posterior, strain),
             Stage::Places(_, fit, strain) => {
-                let is_told = self.pending.fall() >= TELLING;
-                let at = if is_told { Posterior::at } else { Posterior::anywhere };
-                (fit, at(&fit, noise_n2), strain)
+                let mut at = Posterior::at(&fit, noise_n2);
+                if self.pending.fall() < TELLING {
+                    at.begin_anywhere();
+                }
+                (fit, at, strain)
             }
             Stage::New | Stage::Free(_) | Stage::Expected(_) => {
                 return Outcome::Failed(Reason::TooShort);

@@ -87,18 +87,16 @@ impl Posterior {
         self.common_n2 = (effect.static_n2, effect.dynamic_n2);
     }
 
-    /// At the best fit of a slip that began anywhere within a period before and after, and may have
-    /// any length that goes with it: `Fs` is as unsure as the onset, `Fp` by half as much.
-    #[must_use]
-    pub(crate) fn anywhere(fit: &Fit, noise_n2: f32) -> Self {
+    /// The slip began anywhere within a period before and after, and may have any length that
+    /// goes with it: `Fs` is as unsure as the onset, `Fp` by half as much.
+    pub(crate) fn begin_anywhere(&mut self) {
         const UNIFORM: f32 = 1.0 / 3.0;
-        let mut at = Self::at(fit, noise_n2);
-        let onset_n2 = UNIFORM * fit.cycle.rate * fit.cycle.rate;
-        at.static_n2 += onset_n2;
-        at.dynamic_n2 += 0.25 * onset_n2;
-        at.unknowns[0] += UNIFORM;
-        at.unknowns[4] += fit.cycle.inverse_omega() * fit.cycle.inverse_omega();
-        at
+        let CycleParams { rate, omega, .. } = self.cycle;
+        let onset_n2 = UNIFORM * rate * rate;
+        self.static_n2 += onset_n2;
+        self.dynamic_n2 += 0.25 * onset_n2;
+        self.unknowns[0] += UNIFORM;
+        self.unknowns[4] += 1.0 / (omega * omega);
     }
 
     /// With no variance less than another's.

@@ -100,8 +100,8 @@ pub struct Pipeline {
     told: bool,
     stretches: Stretches,
     /// Onset of the first event, and periods from there to the newest one.
-    first_onset: Option<SampleTime>,
-    between_onsets: f32,
+    first_onset: SampleTime,
+    since_first: f32,
 }
 
 impl Pipeline {
@@ -140,8 +140,8 @@ impl Pipeline {
             change: None,
             told: true,
             stretches: Stretches::new(rate_hz, config.weight_n, config.winch_m_per_s.is_some()),
-            first_onset: None,
-            between_onsets: 0.0,
+            first_onset: SampleTime::ZERO,
+            since_first: 0.0,
         })
     }
 

@@ -28,6 +28,10 @@ impl Pipeline {
             self.detector.fitted_noise(noise_n);
             self.detector.creeps(self.cycles.creep_periods());
         }
+        if self.events == 0 {
+            self.first_onset = event.onset;
+        }
+        self.since_first = event.onset.periods_since(self.first_onset);
         self.events = self.events.saturating_add(1);
         if let Some(change) = change {
             let onset = self.decimator.moment(change.onset);
@@ -51,8 +55,6 @@ impl Pipeline {
             self.weight_std += (self.cycles.weight_ratio().1 - self.weight_std) / events;
         }
         self.add_systematic(event.mu_s.as_mut(), event.mu.as_mut());
-        let first = *self.first_onset.get_or_insert(event.onset);
-        self.between_onsets = event.onset.periods_since(first);
         Some(event)
     }
 }
