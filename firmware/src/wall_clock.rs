@@ -77,9 +77,7 @@ impl Moment {
         let moment = Self::of([year, month, day], [hour, minute, second])?;
         Some(Self(moment.0 + u64::from(ms)))
     }
-}
 
-impl Moment {
     /// Of a calendar's two registers, as microcontrollers have them: decimal digits of four
     /// bits, year of the century, month and day; hour, minute and second.
     #[must_use]
