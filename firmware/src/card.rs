@@ -21,8 +21,9 @@ const CALLS: u32 = 16;
 
 /// The card.
 #[expect(missing_debug_implementations, reason = "the volume manager has none")]
+// The small fields first, as in `App`.
+#[repr(C)]
 pub struct CardLog<D: BlockDevice> {
-    volumes: VolumeManager<Media<D>, NoClock>,
     open: Option<Open>,
     state: CardState,
     /// Sectors of the whole file, of those that are there, of a step.
@@ -31,6 +32,7 @@ pub struct CardLog<D: BlockDevice> {
     step: u32,
     next: u32,
     calls: u32,
+    volumes: VolumeManager<Media<D>, NoClock>,
 }
 
 struct Open {

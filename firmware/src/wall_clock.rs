@@ -66,7 +66,7 @@ impl Moment {
         let mut fields = [0; 6];
         for (field, (from, to, marks)) in fields.iter_mut().zip(FIELDS) {
             *field = number(bytes.get(from..to)?)?;
-            bytes.get(to).filter(|mark| marks.contains(mark))?;
+            bytes.get(to).filter(|&mark| marks.iter().any(|other| other == mark))?;
         }
         let [year, month, day, hour, minute, second] = fields;
         let ms = match bytes.get(19..)? {
@@ -77,9 +77,7 @@ impl Moment {
         let moment = Self::of([year, month, day], [hour, minute, second])?;
         Some(Self(moment.0 + u64::from(ms)))
     }
-}
 
-impl Moment {
     /// Of a calendar's two registers, as microcontrollers have them: decimal digits of four
     /// bits, year of the century, month and day; hour, minute and second.
     #[must_use]

@@ -1,6 +1,8 @@
 //! The whole board: who answers at an address, and what happens in between.
 
 mod access;
+#[cfg(test)]
+mod clock;
 mod events;
 
 use std::fs::OpenOptions;

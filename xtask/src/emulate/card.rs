@@ -19,6 +19,8 @@ use crate::{Result, apt};
 const IMAGE_BYTES: u64 = 64 << 20;
 /// Room for the NUCLEO's log of 96 MiB, in clusters of 4 KiB.
 const LARGE_BYTES: u64 = 512 << 20;
+/// FAT32 with clusters that fit the size of such a card.
+const LARGE: [&str; 4] = ["-F", "32", "-s", "8"];
 /// Where the partition begins, in sectors.
 const START: u32 = 2048;
 /// Samples after which the power fails: in the first second, in the middle of a
@@ -84,8 +86,7 @@ fn pull_battery(machine: &Machine, image: &Path) -> Result<()> {
 /// An image with a partition table and an empty FAT32 file system.
 fn format(image: &Path) -> Result<()> {
     make(image, IMAGE_BYTES)?;
-    mkfs(image, ["-F", "32", "-s", "1"], START)?;
-    partition_table(image)
+    with_partition(image, ["-F", "32", "-s", "1"])
 }
 
 /// The card of whoever watches a board live and names none: made once, then as the last run
@@ -93,16 +94,13 @@ fn format(image: &Path) -> Result<()> {
 pub fn of_live_runs() -> Result<PathBuf> {
     let image = root().join("target/live-card.img");
     if !image.exists() {
-        make_large(&image)?;
+        // Under another name until it is whole.
+        let part = image.with_extension("part");
+        make(&part, LARGE_BYTES)?;
+        with_partition(&part, LARGE)?;
+        fs::rename(&part, &image).map_err(|e| format!("{}: {e}", image.display()))?;
     }
     Ok(image)
-}
-
-/// FAT32 with room for the NUCLEO's whole log.
-fn make_large(image: &Path) -> Result<()> {
-    make(image, LARGE_BYTES)?;
-    mkfs(image, ["-F", "32", "-s", "8"], START)?;
-    partition_table(image)
 }
 
 /// All zero, and no room taken on the disk.
@@ -111,8 +109,14 @@ fn make(image: &Path, bytes: u64) -> Result<()> {
     made.map_err(|e| format!("{}: {e}", image.display()))
 }
 
+/// One partition with a file system in it.
+fn with_partition(image: &Path, options: [&str; 4]) -> Result<()> {
+    mkfs(image, options, START)?;
+    partition_table(image)
+}
+
 /// A file system from a sector on to the end.
-fn mkfs<const N: usize>(image: &Path, options: [&str; N], start: u32) -> Result<()> {
+fn mkfs(image: &Path, options: [&str; 4], start: u32) -> Result<()> {
     let bytes = fs::metadata(image).map_err(|e| e.to_string())?.len();
     let sectors = (bytes / 512) as u32 - start;
     let mut command = Command::new(tool("mkfs.fat")?);
@@ -156,22 +160,21 @@ impl Image {
     /// FAT32 with room for the board's whole log.
     pub fn large(name: &str) -> Result<Self> {
         let image = Self::new(name, LARGE_BYTES)?;
-        make_large(&image.0)?;
+        with_partition(&image.0, LARGE)?;
         Ok(image)
     }
 
     /// The same from the first sector on.
     pub fn without_table(name: &str) -> Result<Self> {
         let image = Self::new(name, LARGE_BYTES)?;
-        mkfs(&image.0, ["-F", "32", "-s", "8"], 0)?;
+        mkfs(&image.0, LARGE, 0)?;
         Ok(image)
     }
 
     /// As small cards are sold.
     pub fn fat12(name: &str) -> Result<Self> {
         let image = Self::new(name, 8 << 20)?;
-        mkfs(&image.0, ["-F", "12", "-s", "8"], START)?;
-        partition_table(&image.0)?;
+        with_partition(&image.0, ["-F", "12", "-s", "8"])?;
         Ok(image)
     }
 

@@ -6,12 +6,12 @@ use std::fs;
 use floe::campaign::recorded;
 use floe::card::{self as files, Test};
 use floe_board_model::run::{Incident, Setup, When};
-use floe_core::Pipeline;
 use floe_firmware::line::Line;
 use floe_tests::day::{DAY, NOISE, SPAN, codes, day};
 
 use super::card::Image;
 use super::nucleo::{Nucleo, card};
+use super::outcome;
 use super::record::RATE_HZ;
 use crate::Result;
 use crate::shell::root;
@@ -55,10 +55,8 @@ fn check_pull(pull: &Test, shown: &str) -> Result<String> {
     if (weight_n - WEIGHT_N).abs() > 4.0 * std_n || std_n > 0.2 {
         return Err(format!("first day: the block weighs {weight_n} +- {std_n} N"));
     }
-    let mut pipeline = Pipeline::new(&pull.settings.core_config()).map_err(|e| e.to_string())?;
     let raw = pull.samples.iter().map(|sample| sample.raw(pull.part.first_index));
-    let mut events: Vec<_> = raw.filter_map(|raw| pipeline.step(raw).event).collect();
-    events.extend(std::iter::from_fn(|| pipeline.finish()));
+    let (events, _) = outcome::host(&pull.settings.core_config(), raw)?;
     let lines = events.into_iter().filter_map(|event| Line::Event(event).to_text().ok());
     let here: Vec<String> = lines.map(|line| line.to_string()).collect();
     let said = |text: &str| -> Vec<String> {

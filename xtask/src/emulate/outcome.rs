@@ -177,7 +177,11 @@ impl Outcome {
     }
 }
 
-fn host(config: &Config, samples: impl Iterator<Item = RawSample>) -> Result<(Vec<Event>, Report)> {
+/// What this PC computes of samples.
+pub fn host(
+    config: &Config,
+    samples: impl Iterator<Item = RawSample>,
+) -> Result<(Vec<Event>, Report)> {
     let mut pipeline = Pipeline::new(config).map_err(|e| e.to_string())?;
     let mut events: Vec<Event> = samples.filter_map(|s| pipeline.step(s).event).collect();
     while let Some(event) = pipeline.finish() {

@@ -240,35 +240,11 @@ impl Board {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::rtt::Memory;
+    use crate::board::clock::Clock;
     use crate::run::Setup;
 
     /// Nothing is due before this, ns.
     const DUE_NS: u64 = 50_000_000;
-
-    #[derive(Default)]
-    struct Clock {
-        now_ns: u64,
-    }
-
-    impl Memory for Clock {
-        fn read(&mut self, _: u32, _: &mut [u8]) {}
-        fn write(&mut self, _: u32, _: &[u8]) {}
-    }
-
-    impl Emulator for Clock {
-        fn now_ns(&self) -> u64 {
-            self.now_ns
-        }
-        fn set_interrupt(&mut self, _: u32, _: bool) {}
-        fn skip_to(&mut self, when_ns: u64) {
-            self.now_ns = when_ns.clamp(self.now_ns, DUE_NS);
-        }
-        fn wake_at(&mut self, _: u64) {}
-        fn move_stack(&mut self, _: u32) {}
-        fn restart(&mut self) {}
-        fn finish(&mut self) {}
-    }
 
     const ISR: u32 = 0x1C;
     const TC: u32 = 1 << 6;
@@ -277,7 +253,7 @@ mod tests {
     /// A character is on the wire.
     fn sending() -> (Board, Clock) {
         let mut board = Board::new(Setup::quiet()).unwrap();
-        let mut clock = Clock { now_ns: 1000 };
+        let mut clock = Clock { now_ns: 1000, due_ns: DUE_NS, ..Clock::default() };
         let writes = [(RCC, 0x58, 1 << 17), (USART2, 0x0C, 35), (USART2, 0, 9), (USART2, 0x28, 65)];
         for (base, offset, value) in writes {
             assert!(board.write(&mut clock, base, offset, (4, value)));

@@ -201,36 +201,10 @@ impl Board {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::rtt::Memory;
+    use crate::board::clock::Clock;
     use crate::run::Setup;
 
     const PERIOD_NS: u64 = 62_500_000;
-
-    /// Wakes the board when it wants it.
-    #[derive(Default)]
-    struct Clock {
-        now_ns: u64,
-        wanted_ns: u64,
-    }
-
-    impl Memory for Clock {
-        fn read(&mut self, _: u32, _: &mut [u8]) {}
-        fn write(&mut self, _: u32, _: &[u8]) {}
-    }
-
-    impl Emulator for Clock {
-        fn now_ns(&self) -> u64 {
-            self.now_ns
-        }
-        fn set_interrupt(&mut self, _: u32, _: bool) {}
-        fn skip_to(&mut self, _: u64) {}
-        fn wake_at(&mut self, when_ns: u64) {
-            self.wanted_ns = when_ns;
-        }
-        fn move_stack(&mut self, _: u32) {}
-        fn restart(&mut self) {}
-        fn finish(&mut self) {}
-    }
 
     /// When somebody begins to type who waits for a sample.
     fn typed_ns(setup: Setup, sample: u64, first_ns: u64) -> u64 {
