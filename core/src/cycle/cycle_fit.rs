@@ -11,10 +11,13 @@ use crate::event::Reason;
 use crate::fit::posterior::{OverOnset, Posterior};
 use crate::fit::residuals::excess_ratio;
 use crate::fit::{Data, Fit, Fitting, Forces, Variances};
+use crate::num::math;
 use crate::stats::line::Line;
 
 /// Samples' worth of iterations that are still made when the next event wants to be fitted.
 const LEFT: usize = 5;
+/// Standard deviations of the noise that are no chance.
+const SURE: f32 = 4.0;
 
 /// Periods from the highest to the lowest sample that tell when a slip began and how long it took:
 /// a single sample in between could be anywhere in slips of many lengths.
@@ -75,10 +78,11 @@ impl CycleFit {
         Self { pending, after, stage: Stage::New, fitted_n2: 0.0 }
     }
 
-    /// Does enough of the stick line that starts at a time show to tell when it did? A
+    /// Does the last sample show the stick line that starts at a time, clearly above its start? A
     /// fit without it ends where the last samples would begin to contradict.
     pub(crate) fn shows(&self, start: f32) -> bool {
-        self.after.count > 0 || self.pending.samples().end() > start + 2.0
+        let risen_n = self.pending.rate() * (self.pending.samples().end() - start);
+        self.after.count > 0 || risen_n > SURE * math::sqrt(self.pending.noise_n2)
     }
 
     /// One iteration.
