@@ -1,8 +1,10 @@
 //! The error budget as a table.
 
-use super::number::{decimals_for, fixed, significant};
+use super::number::{fixed, significant};
+use super::svg::escape;
 use crate::replay::budget::BudgetShare;
 use crate::replay::result::{CoefficientSummary, ReplayResult};
+use crate::rounding::{own_digits, part_of};
 
 /// Input, value, standard deviation, and what it does to both coefficients; nothing before
 /// the first event.
@@ -43,10 +45,11 @@ pub(super) fn budget(result: &ReplayResult) -> String {
 fn cells(share: &BudgetShare, mean: &CoefficientSummary) -> String {
     let part = share.contribution.zip(mean.combined_std).filter(|(_, all)| *all > 0.0);
     let part = part.map_or("–".into(), |(own, all)| fixed(100.0 * (own / all).powi(2), 1) + " %");
-    // What is less than this is nothing beside any other.
-    const LEAST: f64 = 1e-7;
-    let own = share.contribution.map(|own| if own < LEAST { 0.0 } else { own });
-    let own = own.map_or("–".into(), |own| fixed(own, decimals_for(own, 2)));
+    let own = match (share.contribution, mean.combined_std) {
+        (Some(own), Some(whole)) => escape(&part_of(own, whole)),
+        (Some(own), None) => own_digits(own),
+        (None, _) => "–".into(),
+    };
     format!("<td>{}</td><td>{own}</td><td>{part}</td>", number(share.sensitivity))
 }
 
