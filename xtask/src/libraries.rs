@@ -1,7 +1,7 @@
 //! The crates as others would take them: documentation, features, examples, package.
 
 use crate::Result;
-use crate::shell::{cargo, run};
+use crate::shell::{cargo, run, run_quoted, say};
 
 /// What can be published, in its order.
 const PACKAGES: [&str; 3] = ["floe-core", "floe-firmware", "floe"];
@@ -27,12 +27,19 @@ pub fn check() -> Result<()> {
         command.args(["run", "--quiet", "--package", "floe-core", "--features", "serde"]);
         run(command.args(["--example", example]))?;
     }
-    // Each is built from its package, with the others' packages; what is not committed yet too.
-    // What they depend on is built already, and without debugging information.
+    package(&["--offline"]).or_else(|reason| {
+        say(&format!("{reason}\nagain, with what the registry has"));
+        package(&[])
+    })
+}
+
+/// Each is built from its package, with the others' packages; what is not committed yet too.
+/// What they depend on is built already, and without debugging information.
+fn package(options: &[&str]) -> Result<()> {
     let mut package = cargo();
     package.env("CARGO_PROFILE_DEV_DEBUG", "false");
-    package.args(["package", "--allow-dirty", "--offline"]);
-    run(package.args(PACKAGES.iter().flat_map(|name| ["--package", name])))
+    package.args(["package", "--allow-dirty"]).args(options);
+    run_quoted(package.args(PACKAGES.iter().flat_map(|name| ["--package", name])))
 }
 
 fn document() -> Result<()> {

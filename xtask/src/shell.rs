@@ -1,10 +1,15 @@
 //! Running other programs, saying which.
 
+use std::collections::VecDeque;
+use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
 use crate::Result;
+
+/// Lines of a program that failed.
+const QUOTED: usize = 20;
 
 /// The top of the workspace.
 pub fn root() -> PathBuf {
@@ -34,6 +39,31 @@ pub fn run(command: &mut Command) -> Result<()> {
     say(&format!("$ {}", line(command)));
     let status = command.status().map_err(|e| format!("cannot start {}: {e}", line(command)))?;
     if status.success() { Ok(()) } else { Err(format!("failed ({status}): {}", line(command))) }
+}
+
+/// Like [`run`]; a failure quotes the last that the program said, since a log's end is what is
+/// looked at first.
+pub fn run_quoted(command: &mut Command) -> Result<()> {
+    let line = line(command);
+    say(&format!("$ {line}"));
+    let started = command.stderr(Stdio::piped()).spawn();
+    let mut child = started.map_err(|e| format!("cannot start {line}: {e}"))?;
+    let mut last = VecDeque::new();
+    for text in child
+        .stderr
+        .take()
+        .into_iter()
+        .flat_map(|it| BufReader::new(it).lines().map_while(std::result::Result::ok))
+    {
+        eprintln!("{text}");
+        last.push_back(text);
+        if last.len() > QUOTED {
+            last.pop_front();
+        }
+    }
+    let status = child.wait().map_err(|e| e.to_string())?;
+    let quoted = || last.iter().map(|text| format!("\n    {text}")).collect::<String>();
+    if status.success() { Ok(()) } else { Err(format!("failed ({status}): {line}{}", quoted())) }
 }
 
 /// Like [`run`], but gives up after `limit` and keeps quiet unless it fails.
