@@ -107,8 +107,8 @@ fn are_seconds(cell: Option<&[u8]>) -> bool {
 }
 
 fn choose(arrays: &BTreeMap<u32, Array>, wanted: Option<u32>) -> Result<u32, InputError> {
-    if arrays.is_empty() {
-        let none = "no line begins with the number of an array, as those of a cr10 log do: leave \
+    if arrays.values().all(|array| array.width <= SECONDS) {
+        let none = "no line is one of a cr10 log (number of the array, year, day, hhmm, values): leave \
                     --format out";
         return Err(InputError::new(none));
     }

@@ -245,7 +245,7 @@ fn budget(out: &mut String, result: &ReplayResult) -> std::fmt::Result {
     )?;
     let estimate = &result.estimate;
     for line in &result.budget {
-        write!(out, "{:<14}{:>10}{:>10}", line.input, number(line.value), number(line.std))?;
+        write!(out, "{:<14}{:>10}{:>10}", line.input, number(line.value), part(line.std))?;
         for (share, mean) in [(&line.mu_s, &estimate.mu_s), (&line.mu, &estimate.mu)] {
             let percent =
                 share.contribution.zip(mean.combined_std).map(|(a, b)| 100.0 * (a / b).powi(2));

@@ -1,6 +1,6 @@
 //! The error budget as a table.
 
-use super::number::{fixed, significant};
+use super::number::{decimals_for, fixed, significant};
 use super::svg::escape;
 use crate::replay::budget::BudgetShare;
 use crate::replay::result::{CoefficientSummary, ReplayResult};
@@ -18,26 +18,28 @@ pub(super) fn budget(result: &ReplayResult) -> String {
         let shares = [&line.mu_s, &line.mu].into_iter().zip(means);
         let shares: String = shares.map(|(share, mean)| cells(share, mean)).collect();
         rows.push_str(&format!(
-            "<tr><th scope=\"row\">{}</th><td>{}</td><td>{}</td>{shares}</tr>\n",
+            "<tr><th scope=\"row\">{}</th><td class=\"more\">{}</td><td class=\"more\">{}</td>\
+             {shares}</tr>\n",
             name(line.input),
             number(line.value),
-            number(line.std),
+            line.std.map_or("–".into(), |std| fixed(std, decimals_for(std, 2))),
         ));
     }
     let random: String = means
         .iter()
         .map(|mean| cells(&BudgetShare { sensitivity: None, contribution: mean.std_error }, mean))
         .collect();
-    let head =
-        "<th scope=\"col\">per unit</th><th scope=\"col\">±</th><th scope=\"col\">share</th>";
+    let head = "<th scope=\"col\" class=\"more\">per unit</th><th scope=\"col\">±</th><th scope=\"col\">share</th>";
     format!(
         "<h2>What limits the result</h2><div class=\"scroll budget\" tabindex=\"0\" role=\"region\" \
-         aria-label=\"Error budget\"><table><thead><tr><th scope=\"col\">input</th>\
-         <th scope=\"col\">value</th><th scope=\"col\">± of it</th>{head}{head}</tr></thead>\
+         aria-label=\"Error budget\"><table><thead><tr class=\"of\"><th></th><th class=\"more\"></th>\
+         <th class=\"more\"></th><th class=\"more\"></th><th colspan=\"2\">in <i>μ</i><sub>s</sub></th>\
+         <th class=\"more\"></th><th colspan=\"2\">in <i>μ</i></th></tr>\
+         <tr><th scope=\"col\">input</th><th scope=\"col\" class=\"more\">value</th>\
+         <th scope=\"col\" class=\"more\">± of it</th>{head}{head}</tr></thead>\
          <tbody>\n{rows}<tr><th scope=\"row\">random: noise and variation between events</th>\
-         <td>–</td><td>–</td>{random}</tr></tbody></table></div><p>Left of each pair of columns \
-         <i>μ</i><sub>s</sub>, right <i>μ</i>. All are one standard deviation; only the random \
-         part gets smaller with more events.</p>"
+         <td class=\"more\">–</td><td class=\"more\">–</td>{random}</tr></tbody></table></div><p>All are \
+         one standard deviation; only the random part gets smaller with more events.</p>"
     )
 }
 
@@ -50,7 +52,7 @@ fn cells(share: &BudgetShare, mean: &CoefficientSummary) -> String {
         (Some(own), None) => own_digits(own),
         (None, _) => "–".into(),
     };
-    format!("<td>{}</td><td>{own}</td><td>{part}</td>", number(share.sensitivity))
+    format!("<td class=\"more\">{}</td><td>{own}</td><td>{part}</td>", number(share.sensitivity))
 }
 
 fn number(value: Option<f64>) -> String {
