@@ -24,36 +24,39 @@ mod around;
 const CLIMATE_PERIODS: u32 = 960;
 
 /// Everything but the sampling interrupt and the board.
+// The small fields first: their distance from the beginning is a part of every instruction
+// that uses them, and a small one makes it a short one.
 #[expect(missing_debug_implementations, reason = "the queue has none")]
+#[repr(C)]
 pub struct App<'q, P, S> {
-    queue: SampleConsumer<'q>,
-    shared: &'q Shared,
-    console: Console<P>,
-    journal: Journal<S>,
     pipeline: &'q mut Option<Pipeline>,
-    clock_hz: u32,
-    settings: Settings,
+    shared: &'q Shared,
+    queue: SampleConsumer<'q>,
     /// Whether the settings are somebody's, typed or those of a card.
     is_set: bool,
-    part: Part,
-    /// Stirred by every reading: what makes the identity of the next test.
-    dice: u64,
     live: bool,
-    job: Job,
-    health: Health,
-    period: PeriodMeter,
-    force_n: Option<f32>,
-    clock: WallClock,
-    /// Whether it has been set and the board's calendar has not.
+    /// Whether the clock has been set and the board's calendar has not.
     is_new_time: bool,
-    /// When the last sample on the card of a test that goes on was taken, ms since 1970.
-    left_ms: Option<u64>,
-    /// Number of the newest sample.
-    newest: u32,
     /// Whether a test has ended since the zero was taken.
     pulled: bool,
+    clock_hz: u32,
+    /// Number of the newest sample.
+    newest: u32,
     card: Option<CardState>,
+    force_n: Option<f32>,
     warning: Option<&'static str>,
+    /// Stirred by every reading: what makes the identity of the next test.
+    dice: u64,
+    /// When the last sample on the card of a test that goes on was taken, ms since 1970.
+    left_ms: Option<u64>,
+    part: Part,
+    period: PeriodMeter,
+    clock: WallClock,
+    health: Health,
+    settings: Settings,
+    console: Console<P>,
+    job: Job,
+    journal: Journal<S>,
 }
 
 /// What the samples are used for.
@@ -355,6 +358,7 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
 
     /// A step of a multiplicative hash: the noise of the readings and the moments
     /// at which somebody typed make it different everywhere.
+    #[inline(never)]
     fn stir(&mut self, what: u64) {
         const ODD: u64 = 0x9E37_79B9_7F4A_7C15;
         self.dice = (self.dice ^ what).wrapping_mul(ODD).rotate_left(29);

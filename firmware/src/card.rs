@@ -22,7 +22,6 @@ const CALLS: u32 = 16;
 /// The card.
 #[expect(missing_debug_implementations, reason = "the volume manager has none")]
 pub struct CardLog<D: BlockDevice> {
-    volumes: VolumeManager<Media<D>, NoClock>,
     open: Option<Open>,
     state: CardState,
     /// Sectors of the whole file, of those that are there, of a step.
@@ -31,6 +30,7 @@ pub struct CardLog<D: BlockDevice> {
     step: u32,
     next: u32,
     calls: u32,
+    volumes: VolumeManager<Media<D>, NoClock>,
 }
 
 struct Open {

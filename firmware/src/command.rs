@@ -12,22 +12,12 @@ use crate::wall_clock::Moment;
 /// A value that can be set.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Setting {
-    /// `set weight N`: weight of the block, N.
-    Weight(f32),
-    /// `set slope DEG`: slope of the ice, uphill positive; here in rad.
-    Slope(f32),
-    /// `set winch M/S`, or 0 if unknown.
-    Winch(f32),
-    /// `set range N`: largest force of the load cell, or 0 if unknown.
-    Range(f32),
-    /// `set span C`: codes per newton.
-    Span(f32),
+    /// `set WHAT X`: one number.
+    Number(Quantity, f32),
     /// `set tare C`: code at zero force.
     Tare(i32),
     /// `set name WORDS`: name of the test.
     Name(String<NAME_LEN>),
-    /// `set snow MM`: its depth.
-    Snow(f32),
     /// `set kind WORD`: how the block is pulled.
     Kind(Kind),
     /// `set track WORD`: the ice under it.
@@ -36,22 +26,67 @@ pub enum Setting {
     Size([f32; 3]),
     /// `set cable L [AE]`: its length, m, and its stiffness times that, N.
     Cable(f32, Option<f32>),
-    /// `set weight-std N`: one standard deviation of the weight, N; 0: exactly known.
-    WeightStd(f32),
-    /// `set slope-std DEG`: of the slope; here in rad.
-    SlopeStd(f32),
-    /// `set zero-std N`: of the load cell's zero, N.
-    ZeroStd(f32),
-    /// `set span-std PERCENT`: of its span; here as a part of it.
-    SpanStd(f32),
-    /// `set damping-std D`: of the cable's damping, a part of the critical one.
-    DampingStd(f32),
-    /// `set winch-std M/S`: of the winch's speed.
-    WinchStd(f32),
     /// `set weight-from same_cell|other`: what weighed the block.
     WeightFrom(WeightFrom),
     /// `set effects auto|none|NAME,NAME`: what the core looks for beyond the linear model.
     Effects(Effects),
+}
+
+/// What is set as one number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Quantity {
+    /// Weight of the block, N.
+    Weight,
+    /// Slope of the ice, uphill positive; degrees, in a [`Setting`] rad.
+    Slope,
+    /// The winch's speed, m/s, or 0 if unknown.
+    Winch,
+    /// Largest force of the load cell, N, or 0 if unknown.
+    Range,
+    /// Codes per newton.
+    Span,
+    /// Depth of the snow, mm.
+    Snow,
+    /// One standard deviation of the weight, N; 0: exactly known.
+    WeightStd,
+    /// Of the slope; degrees, in a [`Setting`] rad.
+    SlopeStd,
+    /// Of the load cell's zero, N.
+    ZeroStd,
+    /// Of its span; percent, in a [`Setting`] a part of it.
+    SpanStd,
+    /// Of the cable's damping, a part of the critical one.
+    DampingStd,
+    /// Of the winch's speed, m/s.
+    WinchStd,
+}
+
+impl Quantity {
+    const ALL: &[(Self, &str)] = &[
+        (Self::Weight, "weight"),
+        (Self::Slope, "slope"),
+        (Self::Winch, "winch"),
+        (Self::Range, "range"),
+        (Self::Span, "span"),
+        (Self::Snow, "snow"),
+        (Self::WeightStd, "weight-std"),
+        (Self::SlopeStd, "slope-std"),
+        (Self::ZeroStd, "zero-std"),
+        (Self::SpanStd, "span-std"),
+        (Self::DampingStd, "damping-std"),
+        (Self::WinchStd, "winch-std"),
+    ];
+
+    /// As it is computed with, of what somebody types.
+    fn of(self, typed: f32) -> Result<f32, &'static str> {
+        match self {
+            Self::Slope | Self::SlopeStd => Ok(typed.to_radians()),
+            Self::SpanStd => Ok(0.01 * typed),
+            Self::Snow if typed < 0.0 => Err(NEGATIVE),
+            Self::Weight | Self::Winch | Self::Range | Self::Span | Self::Snow => Ok(typed),
+            Self::WeightStd | Self::ZeroStd | Self::DampingStd | Self::WinchStd => Ok(typed),
+        }
+    }
 }
 
 /// A line from the console.
@@ -90,6 +125,7 @@ set weight|slope|zero|span|damping|winch-std X; set weight-from same_cell|other;
 stop; status; live on|off";
 
 const MISSING: &str = "a number like 12.5 is missing";
+const NEGATIVE: &str = "not below zero";
 
 impl Command {
     /// Reads a line; words are separated by spaces.
@@ -137,24 +173,29 @@ impl Command {
 
 /// The first word and all behind it.
 fn first_word(text: &str) -> (&str, &str) {
-    let text = text.trim_ascii();
-    let end = text.bytes().position(|byte| byte == b' ').unwrap_or(text.len());
-    let (word, rest) = text.split_at_checked(end).unwrap_or((text, ""));
-    (word, rest.trim_ascii())
+    let (word, rest) = cut(text.trim_ascii(), b' ');
+    (word, rest.unwrap_or("").trim_ascii())
+}
+
+/// What is before the first mark, and what is behind it if there is one. The standard
+/// library's search is a faster one, and larger.
+fn cut(text: &str, mark: u8) -> (&str, Option<&str>) {
+    let end = text.bytes().position(|byte| byte == mark).unwrap_or(text.len());
+    let (before, rest) = text.split_at_checked(end).unwrap_or((text, ""));
+    (before, rest.get(1..))
 }
 
 impl Setting {
     fn parse(text: &str) -> Result<Self, &'static str> {
         let (what, value) = first_word(text);
+        if let Some(quantity) = from_word(Quantity::ALL, what) {
+            return number(value)
+                .and_then(|typed| quantity.of(typed))
+                .map(|x| Self::Number(quantity, x));
+        }
         Ok(match what {
-            "weight" => Self::Weight(number(value)?),
-            "slope" => Self::Slope(number(value)?.to_radians()),
-            "winch" => Self::Winch(number(value)?),
-            "range" => Self::Range(number(value)?),
-            "span" => Self::Span(number(value)?),
             "tare" => Self::Tare(code(value)?),
             "name" => Self::Name(name(value)?),
-            "snow" => Self::Snow(size(value)?),
             "kind" => {
                 Self::Kind(from_word(Kind::ALL, value).ok_or("sliding, rafting or over-riding")?)
             }
@@ -164,12 +205,6 @@ impl Setting {
                 (length, "") => Self::Cable(size(length)?, None),
                 (length, stiffness) => Self::Cable(size(length)?, Some(size(stiffness)?)),
             },
-            "weight-std" => Self::WeightStd(number(value)?),
-            "slope-std" => Self::SlopeStd(number(value)?.to_radians()),
-            "zero-std" => Self::ZeroStd(number(value)?),
-            "span-std" => Self::SpanStd(0.01 * number(value)?),
-            "damping-std" => Self::DampingStd(number(value)?),
-            "winch-std" => Self::WinchStd(number(value)?),
             "weight-from" => Self::WeightFrom(
                 from_word(WeightFrom::ALL, value).ok_or("weight-from same_cell, or other")?,
             ),
@@ -181,18 +216,23 @@ impl Setting {
 
 /// All that this program has, none, or those that are named.
 fn effects(text: &str) -> Result<Effects, &'static str> {
-    let named = |set: Effects, name: &str| {
-        let effect = Effect::named(name).filter(|effect| Effects::COMPILED.has(*effect))?;
-        Some(set.with(effect, true))
-    };
     match text {
         "auto" => Ok(Effects::COMPILED),
         "none" => Ok(Effects::NONE),
-        names => names
-            .split(',')
-            .try_fold(Effects::NONE, named)
-            .ok_or("auto, none, or names like sag,flop of effects in this program"),
+        names => {
+            named(names).ok_or("auto, none, or names like sag,flop of effects in this program")
+        }
     }
+}
+
+fn named(names: &str) -> Option<Effects> {
+    let (mut set, mut rest) = (Effects::NONE, Some(names));
+    while let Some(names) = rest {
+        let (name, others) = cut(names, b',');
+        let effect = Effect::named(name).filter(|effect| Effects::COMPILED.has(*effect))?;
+        (set, rest) = (set.with(effect, true), others);
+    }
+    Some(set)
 }
 
 /// Length, width and height.
@@ -204,7 +244,7 @@ fn sizes(text: &str) -> Result<[f32; 3], &'static str> {
 
 /// A number that is not below zero.
 fn size(text: &str) -> Result<f32, &'static str> {
-    number(text).and_then(|size| if size >= 0.0 { Ok(size) } else { Err("not below zero") })
+    number(text).and_then(|size| if size >= 0.0 { Ok(size) } else { Err(NEGATIVE) })
 }
 
 /// A decimal number without an exponent, of at most 15 digits: the standard
@@ -278,6 +318,7 @@ fn name(text: &str) -> Result<String<NAME_LEN>, &'static str> {
 #[allow(clippy::float_cmp)] // exact by construction
 mod tests {
     use super::*;
+    use core::f32::consts::{FRAC_PI_2, PI};
 
     #[test]
     fn words() {
@@ -285,7 +326,13 @@ mod tests {
         assert_eq!(Command::parse("  start  test "), Ok(Command::Start));
         assert_eq!(Command::parse("stop test"), Ok(Command::Stop));
         assert_eq!(Command::parse("live on"), Ok(Command::Live(true)));
-        assert_eq!(Command::parse("set weight 630"), Ok(Command::Set(Setting::Weight(630.0))));
+        let number = |what, x| Ok(Command::Set(Setting::Number(what, x)));
+        assert_eq!(Command::parse("set weight 630"), number(Quantity::Weight, 630.0));
+        assert_eq!(Command::parse("set slope -90"), number(Quantity::Slope, -FRAC_PI_2));
+        assert_eq!(Command::parse("set slope-std 180"), number(Quantity::SlopeStd, PI));
+        assert_eq!(Command::parse("set span-std 50"), number(Quantity::SpanStd, 0.5));
+        assert_eq!(Command::parse("set snow 20"), number(Quantity::Snow, 20.0));
+        assert_eq!(Command::parse("set winch-std 0.0002"), number(Quantity::WinchStd, 0.0002));
         assert_eq!(Command::parse("set tare -12345"), Ok(Command::Set(Setting::Tare(-12345))));
         let measure = |task| Ok(Command::Measure(task));
         assert_eq!(Command::parse("calibrate 49.05"), measure(Task::Calibrate(49.05)));
@@ -297,8 +344,6 @@ mod tests {
         assert_eq!(note, Ok(Command::Note(String::try_from("wind, 3 *  m/s").unwrap())));
         let set = |setting| Ok(Command::Set(setting));
         assert_eq!(Command::parse("set size 1.2 1 .3"), set(Setting::Size([1.2, 1.0, 0.3])));
-        let std = Setting::WinchStd(0.0002);
-        assert_eq!(Command::parse("set winch-std 0.0002"), set(std));
         assert_eq!(Command::parse("set cable 15"), set(Setting::Cable(15.0, None)));
         let cable = Setting::Cable(15.0, Some(345_000.0));
         assert_eq!(Command::parse("set cable 15 345000"), set(cable));
@@ -312,7 +357,9 @@ mod tests {
             assert_eq!(Command::parse(&line), set(Setting::Effects(effects)));
         }
         assert!(Command::parse("set effects gravity").unwrap_err().contains("auto, none"));
-        assert!(Command::parse("set effects").is_err());
+        for wrong in ["", " sag,", " ,sag", " sag flop"] {
+            assert!(Command::parse(&format!("set effects{wrong}")).is_err(), "{wrong}");
+        }
         assert_eq!(Command::parse("clock"), Ok(Command::Clock(None)));
         let moment = Moment::parse("2027-03-02T10:15:00Z");
         assert_eq!(Command::parse("clock 2027-03-02T10:15:00Z"), Ok(Command::Clock(moment)));

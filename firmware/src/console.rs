@@ -55,7 +55,7 @@ impl<P: Read + ReadReady + Write> Console<P> {
                 self.input.clear();
                 return Some(Typed::TooLong);
             }
-            b'\r' | b'\n' if self.input.trim_ascii().is_empty() => self.input.clear(),
+            b'\r' | b'\n' if self.input.bytes().all(|byte| byte == b' ') => self.input.clear(),
             b'\r' | b'\n' => return Some(Typed::Line(core::mem::take(&mut self.input))),
             BACKSPACE | DELETE => drop(self.input.pop()),
             b' '..=b'~' => self.too_long |= self.input.push(char::from(byte)).is_err(),

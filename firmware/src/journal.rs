@@ -12,13 +12,15 @@ const WAITING_LEN: usize = 1024;
 
 /// Fills sectors and hands them on.
 #[derive(Debug)]
+// The small fields first, as in `App`.
+#[repr(C)]
 pub struct Journal<S> {
-    store: S,
-    record: Record,
-    waiting: String<WAITING_LEN>,
     sectors: u32,
     failures: u32,
     lines_lost: u32,
+    record: Record,
+    waiting: String<WAITING_LEN>,
+    store: S,
 }
 
 impl<S: Store> Journal<S> {

@@ -3,7 +3,7 @@
 use floe_core::{Config, ConfigError, Counts, InputStd};
 use heapless::String;
 
-use crate::command::Setting;
+use crate::command::{Quantity, Setting};
 use crate::notebook::{Notes, WeightFrom};
 use crate::sample::RATE_HZ;
 
@@ -91,6 +91,8 @@ pub struct Zero {
 
 impl Default for Settings {
     /// A 5 kN, 2 mV/V cell on a ratiometric 24-bit converter with gain 128.
+    // Made in three places, and much of it.
+    #[inline(never)]
     fn default() -> Self {
         let mut config = Config { rate_hz: RATE_HZ, ..Config::default() };
         config.calibration.counts_per_n = 429.5;
@@ -149,22 +151,10 @@ impl Settings {
     /// The value is out of its range.
     pub fn with(&self, setting: Setting) -> Result<Self, ConfigError> {
         let mut changed = self.clone();
-        let config = &mut changed.config;
-        let known = |value: f32| (value != 0.0).then_some(value);
         match setting {
-            // Said by somebody who has another balance, and no std with it.
-            Setting::Weight(weight_n) => {
-                config.weight_n = weight_n;
-                changed.weight_from = Some(WeightFrom::Other);
-                changed.stds.weight_n = None;
-            }
-            Setting::Slope(slope_rad) => config.slope_rad = slope_rad,
-            Setting::Winch(winch_m_per_s) => config.winch_m_per_s = known(winch_m_per_s),
-            Setting::Range(range_n) => config.range_n = known(range_n),
-            Setting::Span(counts_per_n) => config.calibration.counts_per_n = counts_per_n,
-            Setting::Tare(tare_counts) => config.calibration.tare_counts = tare_counts,
+            Setting::Number(quantity, value) => changed.set_number(quantity, value),
+            Setting::Tare(tare_counts) => changed.config.calibration.tare_counts = tare_counts,
             Setting::Name(name) => changed.name = name,
-            Setting::Snow(snow_mm) => changed.notes.snow_mm = Some(snow_mm),
             Setting::Kind(kind) => changed.notes.kind = Some(kind),
             Setting::Track(track) => changed.notes.track = Some(track),
             Setting::Size([length_m, width_m, height_m]) => {
@@ -176,18 +166,35 @@ impl Settings {
                 changed.notes.cable_length_m = known(length_m);
                 changed.notes.cable_ae_n = ae_n.and_then(known);
             }
-            Setting::WeightStd(std) => changed.stds.weight_n = Some(std),
-            Setting::SlopeStd(std) => changed.stds.slope_rad = Some(std),
-            Setting::ZeroStd(std) => changed.stds.zero_n = Some(std),
-            Setting::SpanStd(std) => changed.stds.span = Some(std),
-            Setting::DampingStd(std) => changed.stds.damping = Some(std),
-            Setting::WinchStd(std) => changed.stds.winch_m_per_s = Some(std),
             Setting::WeightFrom(from) => changed.weight_from = Some(from),
             Setting::Effects(effects) => changed.effects = Effects::of(effects),
         }
         changed.check()?;
         changed.core_config().validate_std()?;
         Ok(changed)
+    }
+
+    fn set_number(&mut self, quantity: Quantity, value: f32) {
+        let Self { config, stds, notes, weight_from, .. } = self;
+        match quantity {
+            // Said by somebody who has another balance, and no std with it.
+            Quantity::Weight => {
+                config.weight_n = value;
+                *weight_from = Some(WeightFrom::Other);
+                stds.weight_n = None;
+            }
+            Quantity::Slope => config.slope_rad = value,
+            Quantity::Winch => config.winch_m_per_s = known(value),
+            Quantity::Range => config.range_n = known(value),
+            Quantity::Span => config.calibration.counts_per_n = value,
+            Quantity::Snow => notes.snow_mm = Some(value),
+            Quantity::WeightStd => stds.weight_n = Some(value),
+            Quantity::SlopeStd => stds.slope_rad = Some(value),
+            Quantity::ZeroStd => stds.zero_n = Some(value),
+            Quantity::SpanStd => stds.span = Some(value),
+            Quantity::DampingStd => stds.damping = Some(value),
+            Quantity::WinchStd => stds.winch_m_per_s = Some(value),
+        }
     }
 
     /// What the core will refuse; the weight may still be missing.
@@ -202,16 +209,27 @@ impl Settings {
     /// Whether a logger could have written this: what comes from a card is held to
     /// the same as what comes from the console.
     #[must_use]
+    #[inline(never)]
     pub fn is_sound(&self) -> bool {
-        let not_negative = |x: &f32| x.is_finite() && *x >= 0.0;
         let zeros = [self.zero.before_n, self.zero.after_n];
         self.check().is_ok()
             && self.name.bytes().all(fits_name)
-            && self.stds.first().iter().flatten().all(not_negative)
-            && self.stds.winch_m_per_s.iter().all(not_negative)
-            && self.notes.lengths().iter().flatten().all(not_negative)
-            && zeros.iter().flatten().all(|x| x.is_finite())
+            && are_sizes(&self.stds.first())
+            && are_sizes(&[self.stds.winch_m_per_s])
+            && are_sizes(&self.notes.lengths())
+            && are_sizes(&zeros.map(|zero| zero.map(f32::abs)))
     }
+}
+
+/// What is typed as 0 when it is unknown.
+fn known(value: f32) -> Option<f32> {
+    (value != 0.0).then_some(value)
+}
+
+/// Whether all that are known are numbers not below zero.
+#[inline(never)]
+fn are_sizes(values: &[Option<f32>]) -> bool {
+    values.iter().flatten().all(|value| (0.0..f32::INFINITY).contains(value))
 }
 
 /// Whether a letter can stand in a name: in a line's field and, a space as `_`, in a

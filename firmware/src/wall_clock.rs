@@ -64,9 +64,9 @@ impl Moment {
         ];
         let bytes = text.as_bytes();
         let mut fields = [0; 6];
-        for (field, (from, to, marks)) in fields.iter_mut().zip(FIELDS) {
+        for (field, &(from, to, marks)) in fields.iter_mut().zip(&FIELDS) {
             *field = number(bytes.get(from..to)?)?;
-            bytes.get(to).filter(|mark| marks.contains(mark))?;
+            bytes.get(to).filter(|&mark| marks.iter().any(|other| other == mark))?;
         }
         let [year, month, day, hour, minute, second] = fields;
         let ms = match bytes.get(19..)? {

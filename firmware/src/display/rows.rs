@@ -16,103 +16,112 @@ pub type Row = String<22>;
 /// The large one first.
 #[must_use]
 pub fn rows(view: &View) -> [Row; 6] {
-    let [first, second, third, fourth] = match &view.weighed {
-        Some(weighed) => weighing(weighed),
-        None => pulling(view),
-    };
-    [force(view), first, second, third, fourth, last_row(view)]
+    let mut rows: [Row; 6] = Default::default();
+    let [first, middle @ .., last] = &mut rows;
+    force(first, view);
+    match &view.weighed {
+        Some(weighed) => weighing(middle, weighed),
+        None => pulling(middle, view),
+    }
+    last_row(last, view);
+    rows
 }
 
 /// Coefficients, the newest slip, what the block does.
-fn pulling(view: &View) -> [Row; 4] {
-    let report = view.report;
-    [
-        coefficient("mu_s", report.and_then(|r| r.mu_s)),
-        coefficient("mu  ", report.and_then(|r| r.mu)),
-        about(view),
-        state(view),
-    ]
+fn pulling([first, second, third, fourth]: &mut [Row; 4], view: &View) {
+    let report = view.report.as_ref();
+    coefficient(first, "mu_s", report.and_then(|r| r.mu_s.as_ref()));
+    coefficient(second, "mu  ", report.and_then(|r| r.mu.as_ref()));
+    about(third, view);
+    state(fourth, view);
 }
 
 /// The block's weight so far.
-fn weighing(weighed: &Weighed) -> [Row; 4] {
-    let (weight, swing) = match weighed.load {
+fn weighing([weight, swing, duration, advice]: &mut [Row; 4], weighed: &Weighed) {
+    let hindered = match &weighed.load {
         Ok(load) => {
-            let weight = row((Fixed(load.value, 2), " +- ", (Fixed(load.std, 2), " N")));
-            let swing = load.swing.map(|swing| {
-                let degrees = Fixed(swing.amplitude_rad.to_degrees(), 1);
-                row(("swing ", Fixed(swing.period_s, 2), (" s ", degrees, " deg")))
-            });
-            (weight, swing.unwrap_or_else(|| row("no swing seen")))
+            put(weight, (Fixed(load.value, 2), " +- ", (Fixed(load.std, 2), " N")));
+            match &load.swing {
+                Some(it) => {
+                    let degrees = Fixed(it.amplitude_rad.to_degrees(), 1);
+                    put(swing, ("swing ", Fixed(it.period_s, 2), (" s ", degrees, " deg")));
+                    None
+                }
+                None => Some("no swing seen"),
+            }
         }
-        Err(Hindrance::Short) => (row("weighing"), row("8 s of rest needed")),
-        Err(Hindrance::Drifts) => (row("weighing"), row("it DRIFTS: wait")),
-        Err(Hindrance::Moves) => (row("weighing"), row("it MOVES: calm it")),
-        Err(Hindrance::OutOfRange) => (row("weighing"), row("OUT OF RANGE")),
+        Err(hindrance) => {
+            put(weight, "weighing");
+            Some(match hindrance {
+                Hindrance::Short => "8 s of rest needed",
+                Hindrance::Drifts => "it DRIFTS: wait",
+                Hindrance::Moves => "it MOVES: calm it",
+                Hindrance::OutOfRange => "OUT OF RANGE",
+            })
+        }
     };
-    [weight, swing, row((weighed.duration_s as u32, " s of 64")), row("accept or abort?")]
+    hindered.into_iter().for_each(|words| put(swing, words));
+    put(duration, (weighed.duration_s as u32, " s of 64"));
+    put(advice, "accept or abort?");
 }
 
-fn force(view: &View) -> Row {
+fn force(row: &mut Row, view: &View) {
     match view.force_n {
-        Some(force_n) => row((Fixed(force_n, 1), " N")),
-        None => row("--- N"),
+        Some(force_n) => put(row, (Fixed(force_n, 1), " N")),
+        None => put(row, "--- N"),
     }
 }
 
-fn coefficient(name: &str, estimate: Option<Estimate>) -> Row {
-    match estimate {
-        Some(e) => match e.combined_std() {
-            Some(std) => row(((name, " ", Fixed(e.mean, 4)), " +- ", Fixed(std, 4))),
-            None => row(((name, " ", Fixed(e.mean, 4)), " +- ?")),
-        },
-        None => row((name, " ---")),
+fn coefficient(row: &mut Row, name: &str, estimate: Option<&Estimate>) {
+    let Some(estimate) = estimate else { return put(row, (name, " ---")) };
+    let mean = (name, " ", (Fixed(estimate.mean, 4), " +- "));
+    match estimate.combined_std() {
+        Some(std) => put(row, (mean, Fixed(std, 4))),
+        None => put(row, (mean, "?")),
     }
 }
 
-fn state(view: &View) -> Row {
+fn state(row: &mut Row, view: &View) {
     let phase = match view.phase {
         Phase::Unknown => "",
         Phase::Stick => "sticks",
         Phase::Slip => "SLIPS",
     };
-    match view.report {
-        Some(report) => row((report.events, " events ", phase)),
-        None => match view.unix_ms {
-            Some(unix_ms) => row(("no test  ", TimeOfDay(unix_ms))),
-            None => row("no test, clock not set"),
-        },
+    match (&view.report, view.unix_ms) {
+        (Some(report), _) => put(row, (report.events, " events ", phase)),
+        (None, Some(unix_ms)) => put(row, ("no test  ", TimeOfDay(unix_ms))),
+        (None, None) => put(row, "no test, clock not set"),
     }
 }
 
 /// The first answer on the newest slip, mu_s and mu.
-fn about(view: &View) -> Row {
-    let Some(answer) = view.provisional else { return Row::new() };
+fn about(row: &mut Row, view: &View) {
+    let Some(answer) = &view.provisional else { return };
     let mu_s = ("about ", Fixed(answer.mu_s.value, 3), " ");
     match answer.mu {
-        Some(mu) => row((mu_s, Fixed(mu.value, 3))),
-        None => row((mu_s, "---")),
+        Some(mu) => put(row, (mu_s, Fixed(mu.value, 3))),
+        None => put(row, (mu_s, "---")),
     }
 }
 
 /// What to know of the test, if all is well with the board.
-fn last_row(view: &View) -> Row {
+fn last_row(row: &mut Row, view: &View) {
     match &view.report {
-        Some(Report { change: Some(change), .. }) if is_well(&view.health) => changed(change),
+        Some(Report { change: Some(change), .. }) if is_well(&view.health) => changed(row, change),
         Some(Report { zero_n: Some(zero_n), .. }) if is_well(&view.health) => {
-            row(("zero off? ", Fixed(*zero_n, 1), " N"))
+            put(row, ("zero off? ", Fixed(*zero_n, 1), " N"))
         }
-        _ => health(view),
+        _ => health(row, view),
     }
 }
 
 /// Since which event what is another.
-fn changed(change: &Change) -> Row {
+fn changed(row: &mut Row, change: &Change) {
     let event = change.event;
     match change.cause {
-        Cause::Mass => row((event, ": weight x ", Fixed(change.weight_ratio, 3))),
-        Cause::Friction => row((event, ": other friction")),
-        Cause::Unknown => row((event, ": weigh block")),
+        Cause::Mass => put(row, (event, ": weight x ", Fixed(change.weight_ratio, 3))),
+        Cause::Friction => put(row, (event, ": other friction")),
+        Cause::Unknown => put(row, (event, ": weigh block")),
     }
 }
 
@@ -125,27 +134,28 @@ fn is_well(health: &Health) -> bool {
     lost(health) == 0 && health.store_failures == 0
 }
 
-fn health(view: &View) -> Row {
+fn health(row: &mut Row, view: &View) {
     let health = &view.health;
     let lost = (" lost ", lost(health).min(9_999_999));
-    match view.card {
-        CardState::Making(percent) => row(("card ", u32::from(percent), (" %", lost))),
-        CardState::Ready if health.store_failures == 0 => row(("card ok", lost)),
-        CardState::Ready => row(("card was away", lost)),
-        CardState::NoCard => row(("NO CARD", lost)),
+    let card = match view.card {
+        CardState::Making(percent) => {
+            return put(row, ("card ", u32::from(percent), (" %", lost)));
+        }
+        CardState::Ready if health.store_failures == 0 => "card ok",
+        CardState::Ready => "card was away",
+        CardState::NoCard => "NO CARD",
         CardState::Unreadable
         | CardState::ExFat
         | CardState::Fat12
         | CardState::NotFat
-        | CardState::NoRoom => row(("BAD CARD", lost)),
-    }
+        | CardState::NoRoom => "BAD CARD",
+    };
+    put(row, (card, lost));
 }
 
-fn row(content: impl Show) -> Row {
-    let mut row = Row::new();
-    // What is too long is cut: there is no more room anyway.
-    content.show(&mut Out::new(&mut row));
-    row
+/// What is too long is cut: there is no more room anyway.
+fn put(row: &mut Row, content: impl Show) {
+    content.show(&mut Out::new(row));
 }
 
 #[cfg(test)]
@@ -155,8 +165,15 @@ mod tests {
     use crate::weighing::{Load, Swing};
     use floe_core::{Coefficient, Provisional, SampleTime};
 
+    fn row<T: ?Sized>(write: impl Fn(&mut Row, &T), of: &T) -> Row {
+        let mut row = Row::new();
+        write(&mut row, of);
+        row
+    }
+
     #[test]
     fn numbers_are_rounded() {
+        let row = |number: Fixed| row(|row, &number| put(row, number), &number);
         assert_eq!(row(Fixed(-0.04, 1)).as_str(), "0.0");
         assert_eq!(row(Fixed(-0.06, 1)).as_str(), "-0.1");
         assert_eq!(row(Fixed(123.456, 1)).as_str(), "123.5");
@@ -177,9 +194,9 @@ mod tests {
             let (weight_ratio, weight_ratio_std) = weight;
             Change { event: 99_999, onset, cause, weight_ratio, weight_ratio_std }
         };
-        assert_eq!(changed(&told(Cause::Mass)).as_str(), "99999: weight x 0.653");
-        assert_eq!(changed(&told(Cause::Friction)).as_str(), "99999: other friction");
-        assert_eq!(changed(&told(Cause::Unknown)).as_str(), "99999: weigh block");
+        assert_eq!(row(changed, &told(Cause::Mass)).as_str(), "99999: weight x 0.653");
+        assert_eq!(row(changed, &told(Cause::Friction)).as_str(), "99999: other friction");
+        assert_eq!(row(changed, &told(Cause::Unknown)).as_str(), "99999: weigh block");
         let view = |change, overruns| View {
             report: Some(Report { change, ..report }),
             phase: Phase::Stick,
@@ -192,7 +209,7 @@ mod tests {
         assert_eq!(picture(&view(change, 3)), picture(&view(None, 3)));
         let zero = Report { zero_n: Some(14.25), ..report };
         let view = View { report: Some(zero), ..view(None, 0) };
-        assert_eq!(last_row(&view).as_str(), "zero off? 14.3 N");
+        assert_eq!(row(last_row, &view).as_str(), "zero off? 14.3 N");
     }
 
     #[test]
@@ -206,20 +223,23 @@ mod tests {
             spread: None,
             events: 4_000_000,
         };
-        assert_eq!(coefficient("mu_s", Some(estimate)).as_str(), "mu_s 1.2000 +- 0.1000");
+        let mu = |name, of: &Estimate| row(|row, it| coefficient(row, name, Some(it)), of);
+        assert_eq!(mu("mu_s", &estimate).as_str(), "mu_s 1.2000 +- 0.1000");
         let one = Estimate { std_error: None, events: 1, ..estimate };
-        assert_eq!(coefficient("mu", Some(one)).as_str(), "mu 1.2000 +- ?");
+        assert_eq!(mu("mu", &one).as_str(), "mu 1.2000 +- ?");
         let health = Health { overruns: u32::MAX, store_failures: 1, ..Health::default() };
         let mu = Coefficient::random(-11.234, 0.1);
         let provisional = Some(Provisional { mu_s: mu, mu: Some(mu) });
         let card = CardState::NoCard;
         let view = View { force_n: Some(-65_432.1), provisional, health, card, ..nothing() };
-        assert_eq!(about(&view).as_str(), "about -11.234 -11.234");
-        assert!(force(&view).len() <= 10, "twice as large: 10 letters a row");
-        assert_eq!(super::health(&view).as_str(), "NO CARD lost 9999999");
+        assert_eq!(row(about, &view).as_str(), "about -11.234 -11.234");
+        assert!(row(force, &view).len() <= 10, "twice as large: 10 letters a row");
+        assert_eq!(row(super::health, &view).as_str(), "NO CARD lost 9999999");
         let swing = Some(Swing { period_s: 3.45, amplitude_rad: 0.2, excess: 12.0 });
         let load = Ok(Load { value: 3299.99, std: 0.12, swing });
-        let [weight, swing, ..] = weighing(&Weighed { duration_s: 64.0, load });
+        let mut rows: [Row; 4] = Default::default();
+        weighing(&mut rows, &Weighed { duration_s: 64.0, load });
+        let [weight, swing, ..] = &rows;
         assert_eq!(weight.as_str(), "3299.99 +- 0.12 N");
         assert_eq!(swing.as_str(), "swing 3.45 s 11.5 deg");
     }

@@ -77,8 +77,10 @@ impl Reader<'_> {
         Some(self.u32()).filter(|&value| value != u32::MAX)
     }
 
-    pub fn some_f32(&mut self) -> Option<f32> {
-        Some(self.f32()).filter(|value| !value.is_nan())
+    /// In its place: there are many, and each would travel.
+    #[inline(never)]
+    pub fn some_f32(&mut self, place: &mut Option<f32>) {
+        *place = Some(self.f32()).filter(|value| !value.is_nan());
     }
 
     pub fn some_u64(&mut self) -> Option<u64> {

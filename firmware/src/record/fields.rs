@@ -1,15 +1,15 @@
 //! The fields of a sector, there and back.
 
-use floe_core::{Calibration, Config, Counts, InputStd};
+use floe_core::{Calibration, Config, Counts};
 use heapless::String;
 use heapless::string::StringView;
 
+use super::Record;
 use super::bytes::{Reader, Writer};
-use super::{Part, Record};
 use crate::adc::{AdcFault, Input};
-use crate::notebook::{Kind, Notes, Track, WeightFrom};
+use crate::notebook::{Kind, Track, WeightFrom};
 use crate::sample::Sample;
-use crate::settings::{Effects, NAME_LEN, Settings, Stds, Zero};
+use crate::settings::{NAME_LEN, Settings};
 
 /// Every version has these: bytes 8 to 84.
 pub(super) fn put_first(out: &mut Writer<'_>, record: &Record) {
@@ -35,7 +35,10 @@ pub(super) fn ascii<const N: usize>(bytes: &[u8]) -> Option<String<N>> {
     ascii_into(&mut text, bytes).map(|()| text)
 }
 
+// This and the next on their own: places in a record are nearer to its beginning than to
+// that of a stack.
 /// `None`: the name is none.
+#[inline(never)]
 pub(super) fn take_first(from: &mut Reader<'_>, record: &mut Record) -> Option<()> {
     record.sector = from.u32();
     record.part.run = from.u32();
@@ -43,7 +46,7 @@ pub(super) fn take_first(from: &mut Reader<'_>, record: &mut Record) -> Option<(
     record.clock_hz = from.u32();
     record.overruns = from.u32();
     record.adc_faults = from.u32();
-    record.settings.config = take_config(from);
+    take_config(from, &mut record.settings.config);
     let bytes: [u8; NAME_LEN] = from.take();
     let end = bytes.iter().rposition(|&byte| byte != 0).map_or(0, |last| last + 1);
     record.settings.name = ascii(bytes.get(..end)?)?;
@@ -72,41 +75,38 @@ pub(super) fn put_second(out: &mut Writer<'_>, record: &Record) {
     out.put_some_f32(stds.winch_m_per_s);
 }
 
+#[inline(never)]
 pub(super) fn take_second(from: &mut Reader<'_>, record: &mut Record) {
-    let [running] = from.take();
-    record.running = running == 1;
-    let weight_from = from.choice(WeightFrom::ALL);
-    let (kind, track) = (from.choice(Kind::ALL), from.choice(Track::ALL));
+    let Record { part, settings, running, .. } = record;
+    let Settings { effects, stds, weight_from, zero, notes, .. } = settings;
+    let [byte] = from.take();
+    *running = byte == 1;
+    *weight_from = from.choice(WeightFrom::ALL);
+    notes.kind = from.choice(Kind::ALL);
+    notes.track = from.choice(Track::ALL);
     let _spare: [u8; 2] = from.take();
-    let Part { run, first_index, .. } = record.part;
-    let (id, start_ms) = (from.some_u64(), from.some_u64());
-    let (number, gap) = (from.some_u32().unwrap_or(0), from.some_u32());
+    part.id = from.some_u64();
+    part.start_ms = from.some_u64();
+    part.number = from.some_u32().unwrap_or(0);
+    let gap = from.some_u32();
     // There is nothing before the first part.
-    let gap = if number == 0 { Some(0) } else { gap };
-    record.part = Part { id, run, number, gap, first_index, start_ms };
-    let settings = &mut record.settings;
-    settings.effects = Effects { enabled: from.some_u32(), compiled: from.some_u32() };
-    settings.stds = Stds {
-        weight_n: from.some_f32(),
-        slope_rad: from.some_f32(),
-        zero_n: from.some_f32(),
-        span: from.some_f32(),
-        damping: from.some_f32(),
-        winch_m_per_s: None,
-    };
-    settings.weight_from = weight_from;
-    settings.zero = Zero { before_n: from.some_f32(), after_n: from.some_f32() };
-    settings.notes = Notes {
-        kind,
-        track,
-        snow_mm: from.some_f32(),
-        length_m: from.some_f32(),
-        width_m: from.some_f32(),
-        height_m: from.some_f32(),
-        cable_length_m: from.some_f32(),
-        cable_ae_n: from.some_f32(),
-    };
-    settings.stds.winch_m_per_s = from.some_f32();
+    part.gap = if part.number == 0 { Some(0) } else { gap };
+    effects.enabled = from.some_u32();
+    effects.compiled = from.some_u32();
+    from.some_f32(&mut stds.weight_n);
+    from.some_f32(&mut stds.slope_rad);
+    from.some_f32(&mut stds.zero_n);
+    from.some_f32(&mut stds.span);
+    from.some_f32(&mut stds.damping);
+    from.some_f32(&mut zero.before_n);
+    from.some_f32(&mut zero.after_n);
+    from.some_f32(&mut notes.snow_mm);
+    from.some_f32(&mut notes.length_m);
+    from.some_f32(&mut notes.width_m);
+    from.some_f32(&mut notes.height_m);
+    from.some_f32(&mut notes.cable_length_m);
+    from.some_f32(&mut notes.cable_ae_n);
+    from.some_f32(&mut stds.winch_m_per_s);
 }
 
 /// The winch's speed and the cell's range have always been zero when unknown.
@@ -123,23 +123,18 @@ fn put_config(out: &mut Writer<'_>, config: &Config) {
     out.put_f32(calibration.counts_per_n);
 }
 
-fn take_config(from: &mut Reader<'_>) -> Config {
+/// The rest of it is in no sector: see `Settings::core_config`.
+fn take_config(from: &mut Reader<'_>, config: &mut Config) {
     let known = |value: f32| (value != 0.0).then_some(value);
-    Config {
-        rate_hz: from.f32(),
-        weight_n: from.f32(),
-        slope_rad: from.f32(),
-        winch_m_per_s: known(from.f32()),
-        range_n: known(from.f32()),
-        calibration: {
-            let tare_counts = from.i32();
-            let range_counts = (from.i32(), from.i32());
-            Calibration { tare_counts, counts_per_n: from.f32(), range_counts }
-        },
-        effects: floe_core::Effects::default(),
-        // See `Settings::core_config`.
-        std: InputStd::default(),
-    }
+    config.rate_hz = from.f32();
+    config.weight_n = from.f32();
+    config.slope_rad = from.f32();
+    config.winch_m_per_s = known(from.f32());
+    config.range_n = known(from.f32());
+    let Calibration { tare_counts, counts_per_n, range_counts } = &mut config.calibration;
+    *tare_counts = from.i32();
+    *range_counts = (from.i32(), from.i32());
+    *counts_per_n = from.f32();
 }
 
 pub(super) fn put_sample(out: &mut Writer<'_>, sample: &Sample) {

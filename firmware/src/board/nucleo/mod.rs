@@ -57,15 +57,14 @@ impl Board {
     #[must_use]
     pub fn init() -> Self {
         // Embassy leaves the core's own peripherals to us.
-        let core = cortex_m::Peripherals::take();
-        if let Some(core) = &core {
-            stack::guard(&core.MPU);
-        }
+        let Some(mut core) = cortex_m::Peripherals::take() else {
+            // Nobody has taken them since the reset.
+            unreachable!()
+        };
+        stack::guard(&core.MPU);
         let p = embassy_stm32::init(clocks());
         clock::start();
-        if let Some(mut core) = core {
-            clock::start_crystal(&mut core.SYST);
-        }
+        clock::start_crystal(&mut core.SYST);
         Self::with(p)
     }
 
