@@ -21,8 +21,6 @@ const CALLS: u32 = 16;
 
 /// The card.
 #[expect(missing_debug_implementations, reason = "the volume manager has none")]
-// The small fields first, as in `App`.
-#[repr(C)]
 pub struct CardLog<D: BlockDevice> {
     open: Option<Open>,
     state: CardState,

@@ -11,7 +11,7 @@ use embedded_graphics::prelude::{DrawTarget, Point};
 mod rows;
 
 use crate::app::View;
-use rows::{Row, rows};
+pub use rows::{Row, rows};
 
 /// Points of a letter.
 const WIDTH: i32 = 6;
@@ -83,11 +83,20 @@ where
     const LEFT: i32 = 123;
     const WIDE: i32 = 5;
     let lit = points.min(0)..points.max(0);
-    let places = (-MOST..MOST).flat_map(|height| (0..WIDE).map(move |x| (x, height)));
-    target.draw_iter(places.map(|(x, height)| {
-        let point = Point::new(LEFT + x, MOST - 1 - height);
-        Pixel(point, BinaryColor::from(lit.contains(&height)))
-    }))
+    for height in -MOST..MOST {
+        let colour = BinaryColor::from(lit.contains(&height));
+        for x in LEFT..LEFT + WIDE {
+            draw_point(target, Point::new(x, MOST - 1 - height), colour)?;
+        }
+    }
+    Ok(())
+}
+
+fn draw_point<D>(target: &mut D, point: Point, colour: BinaryColor) -> Result<(), D::Error>
+where
+    D: DrawTarget<Color = BinaryColor>,
+{
+    target.draw_iter([Pixel(point, colour)])
 }
 
 /// Writes the letters of a row that are not shown yet.
@@ -110,13 +119,13 @@ where
     D: DrawTarget<Color = BinaryColor>,
 {
     let &Place { top, zoom, ref lines } = place;
-    let points = lines.clone().flat_map(|y| (0..WIDTH).map(move |x| (x, y)));
-    target.draw_iter(points.flat_map(|(x, y)| {
-        let colour = BinaryColor::from(is_lit(letter, x, y));
-        let corner = Point::new((column * WIDTH + x) * zoom, top + y * zoom);
-        let square = (0..zoom).flat_map(move |y| (0..zoom).map(move |x| Point::new(x, y)));
-        square.map(move |point| Pixel(corner + point, colour))
-    }))
+    for y in zoom * lines.start..zoom * lines.end {
+        for x in 0..zoom * WIDTH {
+            let colour = BinaryColor::from(is_lit(letter, x / zoom, y / zoom));
+            draw_point(target, Point::new(column * WIDTH * zoom + x, top + y), colour)?;
+        }
+    }
+    Ok(())
 }
 
 /// Is a point of a letter lit?

@@ -25,7 +25,6 @@ pub struct Journal<S> {
 
 impl<S: Store> Journal<S> {
     /// Goes on behind what is on the card.
-    #[inline(never)]
     pub fn new(store: S, clock_hz: u32) -> Self {
         let record = Record { clock_hz, ..Record::default() };
         let waiting = String::new();

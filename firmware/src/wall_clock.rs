@@ -64,7 +64,7 @@ impl Moment {
         ];
         let bytes = text.as_bytes();
         let mut fields = [0; 6];
-        for (field, (from, to, marks)) in fields.iter_mut().zip(FIELDS) {
+        for (field, &(from, to, marks)) in fields.iter_mut().zip(&FIELDS) {
             *field = number(bytes.get(from..to)?)?;
             bytes.get(to).filter(|&mark| marks.iter().any(|other| other == mark))?;
         }
