@@ -11,7 +11,7 @@ use crate::event::Reason;
 use crate::fit::posterior::{OverOnset, Posterior};
 use crate::fit::residuals::excess_ratio;
 use crate::fit::{Data, Fit, Fitting, Forces, Variances};
-use crate::num::math;
+use crate::num::math::{self, larger};
 use crate::stats::line::Line;
 
 /// Samples' worth of iterations that are still made when the next event wants to be fitted.
@@ -211,7 +211,9 @@ impl CycleFit {
         let now_n2 = learnt.noise_n2(pending);
         fit.scale(excess_ratio(around_n2, free - points, now_n2));
         if counts {
-            let (slip, wider) = data.slip_scatter(&fit, noise_n2);
+            // Where the noise is not known yet, the line after the slip has it.
+            let quiet_n2 = larger(noise_n2, line_n2 / larger(points, 1.0));
+            let (slip, wider) = data.slip_scatter(&fit, quiet_n2);
             // A force that wanders does so in the slip as well.
             if pending.wander.level <= 0.0 {
                 learnt.slip.learn(&slip);
