@@ -25,13 +25,9 @@ use floe_firmware::line::Line;
 use floe_firmware::notebook::{Kind, WeightFrom};
 use floe_firmware::settings::Settings;
 use floe_firmware::wall_clock::Moment;
-use floe_tests::day::{DAY, LOOKED, MOVED_N, NOISE, SPAN, codes, day, swinging};
+use floe_tests::day::{DAY, LOOKED, MOVED_N, NOISE, SPAN, codes, day};
 use floe_tests::scripted::{Card, Session, run};
 use floe_tests::shown;
-
-fn cell(forces_n: impl IntoIterator<Item = f64>, span: f64) -> LoadCell {
-    LoadCell::from_codes(&codes(forces_n, span), 16.0).with_noise(NOISE.0, NOISE.1)
-}
 
 /// What was typed and what was said, without samples and first answers.
 fn transcript(board: &Session) -> String {
@@ -114,7 +110,8 @@ fn replayed_text(result: &ReplayResult, each_event: bool) -> String {
 }
 
 fn one_day(card: &Card) -> Session {
-    run(cell(day(), SPAN), Schedule::default(), card, &DAY)
+    let cell = LoadCell::from_codes(&codes(day(), SPAN), 16.0).with_noise(NOISE.0, NOISE.1);
+    run(cell, Schedule::default(), card, &DAY)
 }
 
 fn last_settings(board: &Session) -> Settings {
@@ -256,87 +253,4 @@ fn a_campaign_of_the_recovered_card() {
     let moved = shown - record.mu_s.mean.expect("a mean");
     let half = 0.5 * MOVED_N / 630.0;
     assert!((moved / half - 1.0).abs() < 0.2, "{moved} {half}");
-}
-
-fn says(forces_n: Vec<f64>, span: f64, script: &[(u64, &str)]) -> Session {
-    run(cell(forces_n, span), Schedule::default(), &Card::default(), script)
-}
-
-#[test]
-fn a_swinging_tare_is_not_taken() {
-    let board = says(swinging(30.0), SPAN, &[(1, "tare\n"), (300, "accept\n"), (301, "status\n")]);
-    assert!(board.says("it swings: nothing may hang there"), "{}", board.screen);
-    assert_eq!(last_settings(&board).config.calibration.tare_counts, 0);
-}
-
-#[test]
-fn a_tare_with_the_block_on_asks() {
-    let board = says(vec![630.0; 400], SPAN, &[(1, "tare\n"), (200, "abort\n"), (201, "status\n")]);
-    assert!(board.says("DOES ANYTHING HANG THERE?: accept, or abort"), "{}", board.screen);
-    assert_eq!(last_settings(&board).config.calibration.tare_counts, 0);
-}
-
-const CALIBRATE: [(u64, &str); 6] = [
-    (0, "set tare 12345\n"),
-    (1, "set range 5000\n"),
-    (2, "calibrate 630\n"),
-    (500, "accept\n"),
-    (501, "status\n"),
-    (502, ""),
-];
-
-#[test]
-fn a_swinging_calibration_takes_the_excess_off() {
-    let board = says(swinging(40.0), SPAN, &CALIBRATE);
-    assert!(board.says("swing 4.") || board.says("swing 5."), "{}", board.screen);
-    let span = f64::from(last_settings(&board).config.calibration.counts_per_n);
-    // A fiftieth of a percent is what a weighing reaches; the excess is a fifth of one.
-    assert!((span / SPAN - 1.0).abs() < 6e-4, "{span}");
-}
-
-#[test]
-fn a_reversed_cell_is_said() {
-    let board = says(vec![630.0; 600], -SPAN, &CALIBRATE);
-    assert!(board.says("REVERSED: the reading falls under load"), "{}", board.screen);
-    let reads_below =
-        says(vec![630.0; 200], -SPAN, &[(0, "set tare 12345\nself-test\n"), (90, "")]);
-    assert!(reads_below.says("below zero"), "{}", reads_below.screen);
-    assert!(reads_below.says("self test FAILED"), "{}", reads_below.screen);
-}
-
-#[test]
-fn a_little_of_the_range_is_said() {
-    let script =
-        [(0, "set tare 12345\n"), (1, "set range 5000\n"), (2, "calibrate 100\n"), (200, "")];
-    let board = says(vec![100.0; 300], SPAN, &script);
-    assert!(board.says("LITTLE OF THE RANGE: hang more"), "{}", board.screen);
-}
-
-#[test]
-fn an_overloaded_cell_is_said() {
-    let board = says(vec![25_000.0; 300], SPAN, &[(0, "weigh\n"), (200, "accept\n"), (201, "")]);
-    assert!(board.says("out-of-range"), "{}", board.screen);
-    assert!(board.says("OUT OF RANGE: overloaded, or a wire is off"), "{}", board.screen);
-}
-
-/// Two known weights: the line through both, and what disagrees.
-#[test]
-fn two_weights_make_one_span() {
-    let steps = |second_n: f64| {
-        let mut forces_n = vec![500.0; 186];
-        forces_n.resize(500, second_n);
-        forces_n
-    };
-    let script = [
-        (0, "set tare 12345\nset span 400\n"),
-        (1, "calibrate 500\n"),
-        (200, "calibrate 1000\n"),
-        (360, "accept\n"),
-        (361, "status\n"),
-    ];
-    let good = says(steps(1000.0), SPAN, &script);
-    let span = f64::from(last_settings(&good).config.calibration.counts_per_n);
-    assert!((span / SPAN - 1.0).abs() < 1e-4, "{span}: {}", good.screen);
-    let bad = says(steps(1050.0), SPAN, &script);
-    assert!(bad.says("THE WEIGHTS DISAGREE"), "{}", bad.screen);
 }

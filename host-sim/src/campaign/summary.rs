@@ -118,12 +118,12 @@ impl Summary {
                 published(group.published_mu_s),
             );
         }
-        text += "\ntrend                           slope\n";
+        let _ = writeln!(text, "\n{:<39}slope", "trend");
         for t in &self.trends {
             let (name, unit) = t.against.name();
             let what = format!("{} against {name}, {}", t.coefficient.name(), t.group.name());
             let slope = plus_minus(t.trend.slope, t.trend.slope_std_error);
-            let _ = writeln!(text, "{what:<31} {slope:<18} per {unit}, {} tests", t.trend.tests);
+            let _ = writeln!(text, "{what:<38} {slope:<18} per {unit}, {} tests", t.trend.tests);
         }
         text + "\n± of a test: one standard deviation, all that is known of it; of groups and slopes: \
                 standard error from the scatter between tests\n"

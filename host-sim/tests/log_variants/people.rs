@@ -129,6 +129,16 @@ pub fn names() -> Vec<Form> {
             table("time_s;Force (daN)\n", |t, f| format!("{t};{}", f / 10.0)),
             Refused(&["'daN', which is not read", "turn it into N"]),
         ),
+        form(
+            "one column for both",
+            plain(),
+            Refused(&["line 1", "column 1 cannot be the time and the force", "--column"]),
+        )
+        .with(|options| {
+            options.time_column = Some("1".to_string());
+            options.column = Some("1".to_string());
+            options.unit = Some(floe::log::Unit::Newton);
+        }),
         form("sep=;", "sep=;\n".to_string() + &named("time_s;force_n"), Same),
         form(
             "an index before the time",
