@@ -64,7 +64,8 @@ impl Expectations {
         (pending.white_share() * noise_n2).max(rounding_n2(pending.peak.force_n))
     }
 
-    /// Variance of a quick swing about an event's lines, in units of the noise's.
+    /// Variance of what may be a swing about an event's lines, of the cable or of the cell, in units
+    /// of the noise's.
     pub(crate) fn unsure_swing(&self, pending: &SlipRecord, noise_n2: f32) -> f32 {
         let all_n2 = self.residuals.variance_n2().unwrap_or(pending.noise_n2);
         pending.wander.unsure * all_n2 / noise_n2
