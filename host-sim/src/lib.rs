@@ -14,6 +14,7 @@ mod live;
 pub mod log;
 pub mod replay;
 mod report;
+mod short_file;
 pub mod sim;
 pub mod stiffness;
 mod weigh;
