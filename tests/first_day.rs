@@ -1,5 +1,6 @@
 //! A first day on the ice, typed into the console of the whole logger: clock, self-test, zero,
-//! weight, notes, a pull of 60 s, the zero again; then the card at the hut.
+//! weight, notes, a pull of 60 s, the zero again; then the card at the hut. Whatever shows the
+//! result shows the same one, to the last digit.
 //!
 //! What comes is `docs/first-day.txt`; `FLOE_GOLDEN=write` writes it anew, to be read again.
 
@@ -7,24 +8,26 @@ use std::io::Cursor;
 use std::path::Path;
 use std::{env, fs};
 
-use floe::campaign::recorded;
+use floe::campaign::manifest::Entry;
+use floe::campaign::summary::Summary;
+use floe::campaign::{TestRecord, recorded};
 use floe::card;
 use floe::chip::{LoadCell, Schedule};
+use floe::live;
 use floe::log::{Log, LogOptions};
 use floe::replay::budget::lines;
-use floe::replay::replay;
+use floe::replay::result::ReplayResult;
 use floe::replay::test::{TestOptions, configure};
+use floe::replay::{replay, table};
 use floe_core::Report;
+use floe_firmware::display::rows;
 use floe_firmware::line::Line;
 use floe_firmware::notebook::{Kind, WeightFrom};
 use floe_firmware::settings::Settings;
 use floe_firmware::wall_clock::Moment;
-use floe_tests::day::{DAY, MOVED_N, NOISE, SPAN, codes, day, swinging};
+use floe_tests::day::{DAY, LOOKED, MOVED_N, NOISE, SPAN, codes, day};
 use floe_tests::scripted::{Card, Session, run};
-
-fn cell(forces_n: impl IntoIterator<Item = f64>, span: f64) -> LoadCell {
-    LoadCell::from_codes(&codes(forces_n, span), 16.0).with_noise(NOISE.0, NOISE.1)
-}
+use floe_tests::shown;
 
 /// What was typed and what was said, without samples and first answers.
 fn transcript(board: &Session) -> String {
@@ -48,8 +51,67 @@ fn transcript(board: &Session) -> String {
     text + &format!("({left_out} lines S and A are left out)\n")
 }
 
+/// What is seen of the day elsewhere: display, `floe live`, the card at the hut.
+fn seen(board: &Session, card: &Card, folder: &str) -> String {
+    let mut text = "\nThe display before `stop`:\n".to_string();
+    for row in rows(&board.views[LOOKED as usize]) {
+        text += format!("  {row}").trim_end();
+        text.push('\n');
+    }
+    text += "\n`floe live` then:\n";
+    for row in live::shown(before_stop(board), (80, 24)) {
+        text += format!("  {row}").trim_end();
+        text.push('\n');
+    }
+    let bytes = card.bytes.borrow().clone();
+    let (tests, found) = card::tests(Cursor::new(bytes)).expect("readable");
+    text += "\n$ floe recover FLOE.LOG -o tests\n";
+    text += &card::summary(&tests, &found);
+    text += "\n$ floe replay FLOE.LOG --summary\n";
+    text += &replayed_text(&replayed(card), false);
+    text += "\n$ floe campaign tests\n";
+    let logs = recovered(&tests, folder);
+    let records: Vec<TestRecord> =
+        logs.iter().zip(0..).map(|(log, i)| recorded::evaluate(log, i).expect("read")).collect();
+    let events = records.iter().map(|record| record.event_count as u64).sum();
+    text + &Summary::new(&records, events, None).text()
+}
+
+/// What `floe recover` writes, as `floe campaign` finds it.
+fn recovered(tests: &[card::Test], folder: &str) -> Vec<Entry> {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(folder);
+    let _ = fs::remove_dir_all(&folder);
+    fs::create_dir_all(&folder).expect("a folder");
+    for test in tests {
+        let file = |extension: &str| folder.join(format!("{}.{extension}", test.stem));
+        fs::write(file("csv"), card::csv(test)).expect("written");
+        fs::write(file("txt"), card::lines(test)).expect("written");
+    }
+    recorded::logs(&folder).expect("logs")
+}
+
+/// What the console had said when the display was looked at.
+fn before_stop(board: &Session) -> &str {
+    let typed = board.typed.iter().find(|(_, text)| text == "stop\n");
+    &board.screen[..typed.expect("typed").0]
+}
+
+fn replayed(card: &Card) -> ReplayResult {
+    let bytes = Cursor::new(card.bytes.borrow().clone());
+    let mut log = Log::from_reader(Box::new(bytes), &LogOptions::default()).expect("a log");
+    let config = configure(&log, &TestOptions::default()).expect("complete");
+    replay("FLOE.LOG", &mut log, &config, |_, _| {}).expect("replayed")
+}
+
+fn replayed_text(result: &ReplayResult, each_event: bool) -> String {
+    let mut text = Vec::new();
+    table::write(&mut text, result, each_event).expect("written");
+    String::from_utf8(text).expect("text")
+}
+
 fn one_day(card: &Card) -> Session {
-    run(cell(day(), SPAN), Schedule::default(), card, &DAY)
+    let cell = LoadCell::from_codes(&codes(day(), SPAN), 16.0).with_noise(NOISE.0, NOISE.1);
+    run(cell, Schedule::default(), card, &DAY)
 }
 
 fn last_settings(board: &Session) -> Settings {
@@ -65,7 +127,9 @@ fn report(board: &Session) -> Report {
 
 #[test]
 fn the_day_is_the_one_in_the_documentation() {
-    let text = transcript(&one_day(&Card::default()));
+    let card = Card::default();
+    let board = one_day(&card);
+    let text = transcript(&board) + &seen(&board, &card, "first-day-seen");
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/first-day.txt");
     if env::var("FLOE_GOLDEN").is_ok_and(|value| value == "write") {
         fs::write(&path, &text).expect("written");
@@ -101,11 +165,7 @@ fn board_display_and_card_agree() {
     // The display was drawn before the last event was finished.
     assert!(shown.events + 1 >= report.events && shown.noise_n.is_some(), "{shown:?}");
 
-    let bytes = card.bytes.borrow().clone();
-    let mut log = Log::from_reader(Box::new(Cursor::new(bytes.clone())), &LogOptions::default())
-        .expect("a log");
-    let config = configure(&log, &TestOptions::default()).expect("complete");
-    let result = replay("FLOE.LOG", &mut log, &config, |_, _| {}).expect("replayed");
+    let result = replayed(&card);
     let mean = |estimate: Option<floe_core::Estimate>| estimate.map(|e| f64::from(e.mean));
     assert_eq!(result.estimate.mu_s.mean, mean(report.mu_s));
     assert_eq!(result.estimate.mu.mean, mean(report.mu));
@@ -123,6 +183,7 @@ fn board_display_and_card_agree() {
     let onset_ms = start + ((onset.index as f64 + f64::from(onset.fraction)) * 62.5).round() as u64;
     assert_eq!(result.events[0].onset_time, Some(Moment(onset_ms).to_string()));
 
+    let bytes = card.bytes.borrow().clone();
     let (tests, _) = card::tests(Cursor::new(bytes)).expect("readable");
     let [test] = tests.as_slice() else { panic!("{} tests", tests.len()) };
     assert_eq!(test.stem, "test-0001-first_pull");
@@ -140,20 +201,41 @@ fn board_display_and_card_agree() {
     assert_eq!(times.first(), Some(&start_ms));
 }
 
+/// To the last digit that each of them shows.
+#[test]
+fn what_people_see_is_the_same_everywhere() {
+    let card = Card::default();
+    let board = one_day(&card);
+    let photograph = shown::picture(&board.views[LOOKED as usize]);
+    let said = shown::agree(before_stop(&board), &photograph).expect("agreed");
+    assert!(said[0].starts_with("mu_s 1.2") && said[1].starts_with("mu   0.7"), "{said:?}");
+    // After the test: `floe live` and the replay of the card.
+    let (live, text) = (shown::live_words(&board.screen), replayed_text(&replayed(&card), true));
+    for row in shown::coefficients(&report(&board)) {
+        let (name, value) = row.split_once(' ').expect("a name");
+        let value = value.trim().replace("+-", "±");
+        assert!(live.contains(&format!("{name}, mean {value} (32 events)")), "{value}: {live}");
+        assert!(text.contains(&format!("\n{name:<6} {value}   random")), "{value}: {text}");
+    }
+    let last = text.lines().find(|line| line.trim_start().starts_with("31 ")).expect("event 31");
+    let [_, onset, _, mu_s, mu_s_std, _, mu, mu_std, ..] =
+        last.split_whitespace().collect::<Vec<_>>()[..]
+    else {
+        panic!("{last}")
+    };
+    let at = format!("event 31 at {:.1} s", onset.parse::<f64>().expect("s"));
+    let event = format!("{at} mu_s {mu_s} ± {mu_s_std} mu {mu} ± {mu_std} good");
+    assert!(live.contains(&event), "{event}: {live}");
+}
+
 /// What `recover` writes is what `campaign` reads, beside a log that is none.
 #[test]
 fn a_campaign_of_the_recovered_card() {
     let card = Card::default();
     let board = one_day(&card);
     let (tests, _) = card::tests(Cursor::new(card.bytes.borrow().clone())).expect("readable");
+    recovered(&tests, "first-day");
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("first-day");
-    let _ = fs::remove_dir_all(&folder);
-    fs::create_dir_all(&folder).expect("a folder");
-    for test in &tests {
-        let file = |extension: &str| folder.join(format!("{}.{extension}", test.stem));
-        fs::write(file("csv"), card::csv(test)).expect("written");
-        fs::write(file("txt"), card::lines(test)).expect("written");
-    }
     fs::write(folder.join("broken.csv"), "time_s,force_n\nx,y\n").expect("written");
     let logs = recorded::logs(&folder).expect("logs");
     assert_eq!(logs.len(), 2, "{logs:?}");
@@ -171,87 +253,4 @@ fn a_campaign_of_the_recovered_card() {
     let moved = shown - record.mu_s.mean.expect("a mean");
     let half = 0.5 * MOVED_N / 630.0;
     assert!((moved / half - 1.0).abs() < 0.2, "{moved} {half}");
-}
-
-fn says(forces_n: Vec<f64>, span: f64, script: &[(u64, &str)]) -> Session {
-    run(cell(forces_n, span), Schedule::default(), &Card::default(), script)
-}
-
-#[test]
-fn a_swinging_tare_is_not_taken() {
-    let board = says(swinging(30.0), SPAN, &[(1, "tare\n"), (300, "accept\n"), (301, "status\n")]);
-    assert!(board.says("it swings: nothing may hang there"), "{}", board.screen);
-    assert_eq!(last_settings(&board).config.calibration.tare_counts, 0);
-}
-
-#[test]
-fn a_tare_with_the_block_on_asks() {
-    let board = says(vec![630.0; 400], SPAN, &[(1, "tare\n"), (200, "abort\n"), (201, "status\n")]);
-    assert!(board.says("DOES ANYTHING HANG THERE?: accept, or abort"), "{}", board.screen);
-    assert_eq!(last_settings(&board).config.calibration.tare_counts, 0);
-}
-
-const CALIBRATE: [(u64, &str); 6] = [
-    (0, "set tare 12345\n"),
-    (1, "set range 5000\n"),
-    (2, "calibrate 630\n"),
-    (500, "accept\n"),
-    (501, "status\n"),
-    (502, ""),
-];
-
-#[test]
-fn a_swinging_calibration_takes_the_excess_off() {
-    let board = says(swinging(40.0), SPAN, &CALIBRATE);
-    assert!(board.says("swing 4.") || board.says("swing 5."), "{}", board.screen);
-    let span = f64::from(last_settings(&board).config.calibration.counts_per_n);
-    // A fiftieth of a percent is what a weighing reaches; the excess is a fifth of one.
-    assert!((span / SPAN - 1.0).abs() < 6e-4, "{span}");
-}
-
-#[test]
-fn a_reversed_cell_is_said() {
-    let board = says(vec![630.0; 600], -SPAN, &CALIBRATE);
-    assert!(board.says("REVERSED: the reading falls under load"), "{}", board.screen);
-    let reads_below =
-        says(vec![630.0; 200], -SPAN, &[(0, "set tare 12345\nself-test\n"), (90, "")]);
-    assert!(reads_below.says("below zero"), "{}", reads_below.screen);
-    assert!(reads_below.says("self test FAILED"), "{}", reads_below.screen);
-}
-
-#[test]
-fn a_little_of_the_range_is_said() {
-    let script =
-        [(0, "set tare 12345\n"), (1, "set range 5000\n"), (2, "calibrate 100\n"), (200, "")];
-    let board = says(vec![100.0; 300], SPAN, &script);
-    assert!(board.says("LITTLE OF THE RANGE: hang more"), "{}", board.screen);
-}
-
-#[test]
-fn an_overloaded_cell_is_said() {
-    let board = says(vec![25_000.0; 300], SPAN, &[(0, "weigh\n"), (200, "accept\n"), (201, "")]);
-    assert!(board.says("out-of-range"), "{}", board.screen);
-    assert!(board.says("OUT OF RANGE: overloaded, or a wire is off"), "{}", board.screen);
-}
-
-/// Two known weights: the line through both, and what disagrees.
-#[test]
-fn two_weights_make_one_span() {
-    let steps = |second_n: f64| {
-        let mut forces_n = vec![500.0; 186];
-        forces_n.resize(500, second_n);
-        forces_n
-    };
-    let script = [
-        (0, "set tare 12345\nset span 400\n"),
-        (1, "calibrate 500\n"),
-        (200, "calibrate 1000\n"),
-        (360, "accept\n"),
-        (361, "status\n"),
-    ];
-    let good = says(steps(1000.0), SPAN, &script);
-    let span = f64::from(last_settings(&good).config.calibration.counts_per_n);
-    assert!((span / SPAN - 1.0).abs() < 1e-4, "{span}: {}", good.screen);
-    let bad = says(steps(1050.0), SPAN, &script);
-    assert!(bad.says("THE WEIGHTS DISAGREE"), "{}", bad.screen);
 }

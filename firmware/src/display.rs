@@ -11,7 +11,7 @@ use embedded_graphics::prelude::{DrawTarget, Point};
 mod rows;
 
 use crate::app::View;
-use rows::{Row, rows};
+pub use rows::{Row, rows};
 
 /// Points of a letter.
 const WIDTH: i32 = 6;

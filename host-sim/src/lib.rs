@@ -10,10 +10,12 @@ pub mod chip;
 pub mod cli;
 mod columnar;
 pub mod error;
-mod live;
+#[doc(hidden)]
+pub mod live;
 pub mod log;
 pub mod replay;
 mod report;
+mod rounding;
 mod short_file;
 pub mod sim;
 pub mod stiffness;

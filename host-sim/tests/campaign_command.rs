@@ -110,6 +110,24 @@ fn bad_input_is_one_clear_line() {
     fs::remove_dir_all(folder).unwrap();
 }
 
+/// What is assumed about a log stands beside its numbers, and so does that it is there twice.
+#[test]
+fn what_is_assumed_and_what_is_there_twice_is_said() {
+    let folder = folder("notes");
+    let log = include_str!("../logs/dff8-13.csv");
+    fs::write(folder.join("a.csv"), log.replace("time_s,force_n", "time_s,force")).unwrap();
+    fs::write(folder.join("b.csv"), log.replace("DFF8-13", "again")).unwrap();
+    let output = floe(&folder, &["campaign", ".", "--json"]);
+    let error = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(0), "{error}");
+    assert!(error.contains("DFF8-13: column 'force' has no unit: taken as N"), "{error}");
+    assert!(error.contains("DFF8-13 and again give the same numbers"), "{error}");
+    let json: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(json["records"][0]["warnings"].as_array().map(Vec::len), Some(1));
+    assert_eq!(json["records"][1]["warnings"].as_array().map(Vec::len), Some(0));
+    fs::remove_dir_all(folder).unwrap();
+}
+
 /// Nobody reads standard error any more: no reason to panic.
 #[test]
 fn what_nobody_reads_is_no_panic() {

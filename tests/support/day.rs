@@ -17,6 +17,11 @@ const HANGING: u64 = 260;
 const PULLED: u64 = 1040;
 const SLACK: u64 = 2000;
 
+/// When the result so far is asked for, and when the display has surely shown it.
+pub const ASKED: u64 = 1970;
+/// Before the next event ends.
+pub const LOOKED: u64 = 1984;
+
 /// The block on the tripod: 630 N, 5 degrees, 2 s, 2 N of noise.
 #[must_use]
 pub fn swinging(seconds: f64) -> Vec<f64> {
@@ -55,7 +60,7 @@ pub fn day() -> Vec<f64> {
 }
 
 /// What is typed, each line before the tick of a number.
-pub const DAY: [(u64, &str); 21] = [
+pub const DAY: [(u64, &str); 22] = [
     (1, "clock 2027-03-02T10:15:00Z\n"),
     (2, "self-test\n"),
     (110, "tare\n"),
@@ -73,6 +78,7 @@ pub const DAY: [(u64, &str); 21] = [
     (958, "set winch-std 0.0002\n"),
     (1030, "start\n"),
     (1500, "note wind from the side\n"),
+    (ASKED, "status\n"),
     (1990, "stop\n"),
     (2010, "tare\n"),
     (2160, "accept\n"),

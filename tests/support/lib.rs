@@ -17,5 +17,6 @@ pub mod records;
 pub mod scenes;
 pub mod score;
 pub mod scripted;
+pub mod shown;
 pub mod terminal;
 pub mod wide;

@@ -11,10 +11,11 @@ use crate::text::{Fixed, Out, Show};
 use crate::wall_clock::TimeOfDay;
 
 /// As many letters as there is room for.
-pub(super) type Row = String<22>;
+pub type Row = String<22>;
 
 /// The large one first.
-pub(super) fn rows(view: &View) -> [Row; 6] {
+#[must_use]
+pub fn rows(view: &View) -> [Row; 6] {
     let mut rows: [Row; 6] = Default::default();
     let [first, middle @ .., last] = &mut rows;
     force(first, view);

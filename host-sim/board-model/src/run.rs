@@ -50,6 +50,8 @@ pub enum Incident {
     Dip,
     /// The supply goes for a moment: memory, calendar and card forget.
     CutPower,
+    /// Somebody takes a picture of the display.
+    Photograph,
     /// The run is over.
     End,
 }
@@ -140,6 +142,8 @@ pub struct Outcome {
     pub first_ticks_s: Vec<f64>,
     /// What the display shows at the end: a row of points a line.
     pub picture: Vec<String>,
+    /// What it showed whenever a picture was taken.
+    pub photographs: Vec<Vec<String>>,
     /// Whole pictures that it got.
     pub pictures: u32,
     /// Blocks written to the card.

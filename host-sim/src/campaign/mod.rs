@@ -58,12 +58,21 @@ pub struct TestRecord {
     pub mu: CoefficientSummary,
     /// Number of events.
     pub event_count: usize,
+    /// What a reader of its numbers should know of the log.
+    pub warnings: Vec<String>,
     /// Every event, until they are in the table.
     #[serde(skip)]
     pub events: Vec<EventRecord>,
 }
 
 impl TestRecord {
+    /// Whether another test gives the very same numbers, as one log that is there twice does.
+    #[must_use]
+    pub fn is_same_as(&self, other: &Self) -> bool {
+        let bits = |it: &Self| [&it.mu_s, &it.mu].map(|mean| mean.mean.map(f64::to_bits));
+        self.event_count > 0 && self.event_count == other.event_count && bits(self) == bits(other)
+    }
+
     /// Mean of the rests of some events, s.
     #[must_use]
     pub fn mean_hold_s(events: &[EventRecord]) -> Option<f64> {

@@ -132,6 +132,7 @@ pub fn evaluate(seed: u64, campaign: u32, test: u32) -> Result<TestRecord, Input
         mu_s: report.mu_s.into(),
         mu: report.mu.into(),
         event_count: events.len(),
+        warnings: Vec::new(),
         events,
     })
 }

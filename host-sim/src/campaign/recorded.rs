@@ -137,6 +137,7 @@ fn read(entry: &Entry, test: u32) -> Result<TestRecord, InputError> {
         mu_s: result.estimate.mu_s,
         mu: result.estimate.mu,
         event_count: events.len(),
+        warnings: result.log.warnings,
         events,
     })
 }

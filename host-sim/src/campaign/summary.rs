@@ -7,6 +7,8 @@ use serde::Serialize;
 use super::TestRecord;
 use super::programme::PUBLISHED;
 use super::trend::{Against, Coefficient, Group, Mean, Trend, mean, points, trend};
+use crate::replay::result::CoefficientSummary;
+use crate::rounding::plus_minus;
 
 /// Name and version of this format; changes when a meaning changes.
 pub const SCHEMA: &str = "floe-campaign/1";
@@ -103,27 +105,28 @@ impl Summary {
     #[must_use]
     pub fn text(&self) -> String {
         let mut text = self.list();
-        text += "\ngroup      tests  mu               mu_s             published mu, mu_s\n";
+        text += "\ngroup      tests  mu                 mu_s               published mu, mu_s\n";
         for group in &self.groups {
             let tests = group.mu.or(group.mu_s).map_or(0, |m| m.tests);
             let _ = writeln!(
                 text,
-                "{:<11}{tests:>5}  {:<15}  {:<15}  {}  {}",
+                "{:<11}{tests:>5}  {:<17}  {:<17}  {}  {}",
                 group.group.name(),
-                plus_minus(group.mu),
-                plus_minus(group.mu_s),
+                of_group(group.mu),
+                of_group(group.mu_s),
                 published(group.published_mu),
                 published(group.published_mu_s),
             );
         }
-        text += "\ntrend                           slope\n";
+        let _ = writeln!(text, "\n{:<39}slope", "trend");
         for t in &self.trends {
             let (name, unit) = t.against.name();
             let what = format!("{} against {name}, {}", t.coefficient.name(), t.group.name());
-            let slope = format!("{:+.4} ± {:.4}", t.trend.slope, t.trend.slope_std_error);
-            let _ = writeln!(text, "{what:<31} {slope} per {unit}, {} tests", t.trend.tests);
+            let slope = plus_minus(t.trend.slope, t.trend.slope_std_error);
+            let _ = writeln!(text, "{what:<38} {slope:<18} per {unit}, {} tests", t.trend.tests);
         }
-        text + "\n± standard error from the scatter between tests\n"
+        text + "\n± of a test: one standard deviation, all that is known of it; of groups and slopes: \
+                standard error from the scatter between tests\n"
     }
 
     fn list(&self) -> String {
@@ -131,25 +134,21 @@ impl Summary {
             return String::new();
         }
         let mut text =
-            "test                 weight   pull   snow  events  mu               mu_s\n".to_owned();
+            "test                 weight   pull   snow  events  mu                 mu_s\n"
+                .to_owned();
         text += "                          N   mm/s     mm\n";
         let known = |x: Option<f64>| x.map_or("-".to_owned(), |x| format!("{x:.1}"));
         for test in &self.records {
-            let of = |c: &crate::replay::result::CoefficientSummary| {
-                c.mean.map_or("-".to_owned(), |mean| {
-                    format!("{mean:.3} ± {:.3}", c.std_error.unwrap_or(f64::NAN))
-                })
-            };
             let _ = writeln!(
                 text,
-                "{:<18}  {:>7.0}  {:>5}  {:>5}  {:>6}  {:<15}  {}",
+                "{:<18}  {:>7.0}  {:>5}  {:>5}  {:>6}  {:<17}  {}",
                 test.test_id,
                 test.weight_n,
                 known(test.winch_m_per_s.map(|w| w * 1e3)),
                 known(test.snow_mm),
                 test.event_count,
-                of(&test.mu),
-                of(&test.mu_s),
+                of_test(&test.mu),
+                of_test(&test.mu_s),
             );
         }
         text
@@ -160,11 +159,23 @@ fn published(mean: Option<f64>) -> String {
     mean.map_or("-".to_owned(), |mean| format!("{mean:.2}"))
 }
 
-fn plus_minus(mean: Option<Mean>) -> String {
+/// A test's coefficient with all that is known of its uncertainty.
+#[must_use]
+pub fn of_test(value: &CoefficientSummary) -> String {
+    match (value.mean, value.combined_std) {
+        (Some(mean), Some(std)) => plus_minus(mean, std),
+        (Some(mean), None) => format!("{mean:.4} ± ?"),
+        (None, _) => "-".to_owned(),
+    }
+}
+
+/// The mean of several tests with its standard error, or of one without.
+#[must_use]
+pub fn of_group(mean: Option<Mean>) -> String {
     match mean {
         None => "-".to_owned(),
-        Some(Mean { mean, std_error: None, .. }) => format!("{mean:.3}"),
-        Some(Mean { mean, std_error: Some(error), .. }) => format!("{mean:.3} ± {error:.3}"),
+        Some(Mean { mean, std_error: None, .. }) => format!("{mean:.4}"),
+        Some(Mean { mean, std_error: Some(error), .. }) => plus_minus(mean, error),
     }
 }
 

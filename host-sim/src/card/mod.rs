@@ -8,6 +8,7 @@
 
 mod sectors;
 mod stretch;
+mod summary;
 mod text;
 mod write;
 
@@ -22,6 +23,7 @@ use crate::error::InputError;
 use stretch::{Next, Reached};
 
 pub use sectors::{Found, Place};
+pub use summary::{summary, weight};
 pub use text::{COLUMN, Text, Told};
 pub use write::{csv, lines, toa5};
 

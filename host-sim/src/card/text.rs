@@ -25,6 +25,8 @@ struct Aside {
     repeated: u64,
     others: BTreeSet<Key>,
     torn_off: u64,
+    /// The zero after the test, taken once its samples were all there.
+    zero_after_n: Option<f32>,
 }
 
 impl Told {
@@ -44,6 +46,12 @@ impl Told {
         ]
         .into_iter()
         .flatten()
+        .chain(aside.zero_after_n.map(|zero_n| {
+            format!(
+                "a zero of {zero_n:.2} N was taken after the test; it is not taken off here, as the \
+                 board did not know it: floe recover keeps it with the test"
+            )
+        }))
         .collect()
     }
 
@@ -98,8 +106,12 @@ impl<R: Read> Text<R> {
     }
 
     fn take(&mut self, record: &Record) {
-        let Some(sample) = record.samples.first() else { return };
         let key = Key::new(record);
+        let Some(sample) = record.samples.first() else {
+            // Settings that were changed after the test.
+            let zero_n = record.settings.zero.after_n.filter(|_| self.key == Some(key));
+            return self.told.count(|aside| aside.zero_after_n = zero_n.or(aside.zero_after_n));
+        };
         if self.key.is_none() {
             self.key = Some(key);
             self.text.extend(head(&record.part, &record.settings).bytes());

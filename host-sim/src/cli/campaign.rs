@@ -135,6 +135,9 @@ pub fn run(args: &Args) -> Result<(), InputError> {
     for problem in &left_out {
         output::say(&format!("left out: {problem}"));
     }
+    if args.logs.is_some() {
+        tell_notes(&tests);
+    }
     let summary = Summary { left_out, ..Summary::new(&tests, events, seed) };
     write(args, &summary, &tests)?;
     older.tell();
@@ -145,6 +148,30 @@ pub fn run(args: &Args) -> Result<(), InputError> {
     };
     output::tell(&format!("{} tests, {events} events in {seconds:.2} s{left_out}", tests.len()));
     Ok(())
+}
+
+/// What was assumed about the logs, and which give the same numbers.
+fn tell_notes(tests: &[TestRecord]) {
+    const MOST: usize = 20;
+    let mut notes: Vec<String> = tests
+        .iter()
+        .flat_map(|test| test.warnings.iter().map(|it| format!("{}: {it}", test.test_id)))
+        .collect();
+    for (later, test) in tests.iter().enumerate() {
+        if let Some(first) = tests.iter().take(later).find(|it| it.is_same_as(test)) {
+            let (first, id) = (&first.test_id, &test.test_id);
+            notes.push(format!("{first} and {id} give the same numbers: is a log there twice?"));
+        }
+    }
+    for note in notes.iter().take(MOST) {
+        output::say(&format!("note: {note}"));
+    }
+    if notes.len() > MOST {
+        output::say(&format!(
+            "and {} more notes; --json has those of the logs",
+            notes.len() - MOST
+        ));
+    }
 }
 
 /// Evaluates every test in order; the events go to the Parquet table if there is
@@ -198,6 +225,7 @@ fn without_events(test: &TestRecord) -> TestRecord {
         kind: test.kind.clone(),
         track: test.track.clone(),
         start_time: test.start_time.clone(),
+        warnings: test.warnings.clone(),
         ..*test
     }
 }

@@ -5,7 +5,7 @@ use std::path::Path;
 use crate::error::InputError;
 use crate::log::inspection::{Inspection, inspect};
 use crate::log::{Log, LogOptions};
-use crate::replay::table::decimals;
+use crate::rounding::decimals;
 
 use super::input::{STANDARD, open};
 use super::json::Json;

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use crate::card::{self, Found, Test};
+use crate::card::{self, Test};
 use crate::error::InputError;
 
 use super::input::open_file;
@@ -53,7 +53,7 @@ pub fn run(args: &Args) -> Result<(), InputError> {
     for (path, text) in &files {
         output::replace(path, text)?;
     }
-    output::print(&summary(&tests, &found))
+    output::print(&card::summary(&tests, &found))
 }
 
 fn name(args: &Args, test: &Test, extension: &str) -> PathBuf {
@@ -67,50 +67,4 @@ fn refuse_existing(path: &Path) -> Result<(), InputError> {
         return Err(InputError::new(message).within(path.display()));
     }
     Ok(())
-}
-
-fn summary(tests: &[Test], found: &Found) -> String {
-    let mut text = String::new();
-    for test in tests {
-        let settings = &test.settings;
-        let seconds = test.samples.len() as f64 / f64::from(settings.config.rate_hz);
-        let (samples, missing) = (test.samples.len(), test.missing());
-        let bad = test.samples.iter().filter(|s| s.reading.is_err()).count();
-        text += &format!(
-            "{}: {samples} samples ({seconds:.1} s), {missing} missing ({} overruns), {bad} bad, \
-             weight {} N\n",
-            test.stem, test.overruns, settings.config.weight_n,
-        );
-    }
-    let (whole, damaged, lost) = (found.places.len(), found.damaged, found.lost);
-    text += &format!("sectors: {whole} read, {damaged} damaged, {lost} lost");
-    for (count, what) in [
-        (found.newer, "of a newer version"),
-        (found.unsound, "that no logger writes"),
-        (found.repeated, "there again"),
-    ] {
-        if count > 0 {
-            text += &format!(", {count} {what}");
-        }
-    }
-    text + "\n" + &conflicts(tests)
-}
-
-/// What is not as one logger writes one card.
-fn conflicts(tests: &[Test]) -> String {
-    let mut text = String::new();
-    for test in tests {
-        if let Some(why) = test.split {
-            text += &format!("{}: taken apart from its number's other samples: {why}\n", test.stem);
-        }
-    }
-    for same in tests.chunk_by(|a, b| a.part.run == b.part.run) {
-        let mut identities: Vec<_> = same.iter().map(|test| test.part.id).collect();
-        identities.dedup();
-        if let (Some(first), true) = (same.first(), identities.len() > 1) {
-            let (run, count) = (first.part.run, identities.len());
-            text += &format!("number {run} is on the card for {count} different tests\n");
-        }
-    }
-    text
 }

@@ -8,6 +8,7 @@ use serde::Serialize;
 
 use crate::error::InputError;
 use crate::log::{Log, LogOptions};
+use crate::rounding::plus_minus;
 use crate::stiffness::{Measured, Pull, Stiffness, Together, stiffness, straight_part, together};
 
 use super::input::open;
@@ -176,12 +177,12 @@ fn extension(found: &[Found]) -> String {
 }
 
 fn several_text(found: &[Found], together: Option<&Together>) -> String {
-    let mut text = format!("{:>9} {:>9} {:>9}  log\n", "L, m", "k, kN/m", "±");
+    let mut text = format!("{:>9} {:>17}  log\n", "L, m", "k, kN/m");
     for it in found {
         let k = it.stiffness.stiffness_n_per_m;
         let length = it.length_m().map_or("?".to_string(), |length_m| format!("{length_m:.2}"));
-        let (value, std) = (k.value / 1e3, k.std_error / 1e3);
-        let _ = writeln!(text, "{length:>9} {value:>9.3} {std:>9.3}  {}", it.path);
+        let k = plus_minus(k.value / 1e3, k.std_error / 1e3);
+        let _ = writeln!(text, "{length:>9} {k:>17}  {}", it.path);
     }
     let Some(together) = together else {
         return text + "together      unknown: every pull needs the length of its cable\n";
@@ -203,7 +204,7 @@ fn several_text(found: &[Found], together: Option<&Together>) -> String {
 }
 
 fn line(name: &str, m: Measured, scale: f64, unit: &str) -> String {
-    format!("{name:<13} {:.3} ± {:.3} {unit}\n", m.value * scale, m.std_error * scale)
+    format!("{name:<13} {} {unit}\n", plus_minus(m.value * scale, m.std_error * scale))
 }
 
 fn text(found: &Stiffness) -> String {

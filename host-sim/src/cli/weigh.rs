@@ -8,6 +8,7 @@ use floe_core::signal::calibrate::Calibrator;
 use crate::error::InputError;
 use crate::log::{Log, LogOptions};
 use crate::replay::test::{TestOptions, calibration};
+use crate::rounding::plus_minus;
 use crate::weigh::{Weight, weigh};
 
 use super::input::open;
@@ -73,9 +74,10 @@ fn text(weight: &Weight) -> String {
         ),
         None => "none seen".to_string(),
     };
-    let Weight { weight_n, weight_std_n, duration_s, scatter_n, .. } = weight;
+    let Weight { duration_s, scatter_n, .. } = weight;
+    let weight_n = plus_minus(weight.weight_n, weight.weight_std_n);
     format!(
-        "weight        {weight_n:.2} ± {weight_std_n:.2} N\n\
+        "weight        {weight_n} N\n\
          swing         {swing}\n\
          record        {duration_s:.1} s, scatter {scatter_n:.2} N in a quarter of a second\n"
     )

@@ -22,6 +22,7 @@ mod save;
 mod screen;
 #[cfg(test)]
 mod screens;
+mod shown;
 mod state;
 mod terminal;
 #[cfg(test)]
@@ -33,6 +34,7 @@ pub use place::Place;
 pub use plain::Form;
 pub use port::Port;
 pub use save::Save;
+pub use shown::shown;
 
 pub use plain::run as print_events;
 pub use terminal::run as display;

@@ -8,6 +8,7 @@ use floe_core::Event;
 use crate::cli::output::say;
 use crate::error::InputError;
 use crate::replay::result::EventSummary;
+use crate::rounding::narrow;
 
 use super::lines::Lines;
 use super::place::Place;
@@ -123,7 +124,7 @@ impl List {
 
 fn plain(event: &Event, onset_s: f64) -> String {
     let coefficient = |value: Option<floe_core::Coefficient>| match value {
-        Some(value) => format!("{:.4} ± {:.4}", value.value, value.combined_std()),
+        Some(value) => format!("{:.4} ± {}", value.value, narrow(value.combined_std().into())),
         None => "-".to_string(),
     };
     let (mu_s, mu) = (coefficient(event.mu_s), coefficient(event.mu));

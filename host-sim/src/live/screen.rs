@@ -4,11 +4,15 @@ use std::time::Duration;
 
 use floe_core::{Coefficient, Estimate};
 use floe_firmware::line::Weighed;
+use floe_firmware::weighing::Load;
 use ratatui::Frame;
 use ratatui::layout::{Constraint, Layout, Rect};
 use ratatui::style::{Color, Modifier, Style, Stylize};
 use ratatui::text::{Line, Span, Text};
 use ratatui::widgets::Paragraph;
+
+use crate::card;
+use crate::rounding::narrow;
 
 use super::ask::Ask;
 use super::band::{band, is_stale, is_weighing};
@@ -118,7 +122,7 @@ fn title(state: &State, place: &str, width: u16) -> Paragraph<'static> {
         parts.push(format!("test {run}{name}{}", settings.name));
         let slope = settings.config.slope_rad.to_degrees();
         let slope = if slope != 0.0 { format!(", {slope:.1}°") } else { String::new() };
-        parts.push(format!("{} N{slope}", settings.config.weight_n));
+        parts.push(format!("{} N{slope}", card::weight(settings)));
     }
     if let Some(last) = state.trace.back() {
         let seconds = (last.index as f64 / state.rate_hz()) as u64;
@@ -168,7 +172,7 @@ fn mean(name: &str, estimate: Option<Estimate>) -> Number {
     let below = estimate.map(|estimate| {
         let events = estimate.events;
         match estimate.combined_std() {
-            Some(std) => format!("± {std:.4} ({events} events)"),
+            Some(std) => format!("± {} ({events} events)", narrow(std.into())),
             None => "one event: no ± yet".to_string(),
         }
     });
@@ -191,13 +195,15 @@ fn numbers(state: &State, now: Duration) -> [Number; 3] {
 fn weighing(weighed: &Weighed) -> [Number; 3] {
     let load = weighed.load.ok();
     let swing = load.and_then(|load| load.swing);
+    // As many as there is room for, large.
+    let decimals = |load: Load| if load.value < 1000.0 { 2 } else { 1 };
     let seconds = format!("{:.0} s of 64", weighed.duration_s);
     let excess = swing.map(|swing| format!("{:.2} N taken off", swing.excess));
     [
         (
             "weight, N".to_string(),
-            load.map(|load| format!("{:.1}", load.value)),
-            load.map(|load| format!("± {:.2} N", load.std)).unwrap_or_default(),
+            load.map(|load| format!("{:.*}", decimals(load), load.value)),
+            load.map(|load| format!("± {:.*} N", decimals(load), load.std)).unwrap_or_default(),
         ),
         ("swing, s".to_string(), swing.map(|swing| format!("{:.2}", swing.period_s)), seconds),
         (
@@ -248,7 +254,9 @@ fn event(state: &State) -> Vec<Span<'static>> {
     let Some(event) = &state.event else { return vec![Span::raw("no slip yet")] };
     let at = state.seconds(event.onset);
     let text = |name: &str, value: Option<Coefficient>| match value {
-        Some(value) => format!("{name} {:.4} ± {:.4}", value.value, value.combined_std()),
+        Some(value) => {
+            format!("{name} {:.4} ± {}", value.value, narrow(value.combined_std().into()))
+        }
         None => format!("{name} -"),
     };
     let reason = event.reason.map(|reason| format!(": {reason}")).unwrap_or_default();
@@ -264,7 +272,7 @@ fn about(state: &State) -> Vec<Span<'static>> {
     let Some(about) = &state.about else { return Vec::new() };
     let at = about.index as f64 / state.rate_hz();
     let text = |name: &str, value: &Coefficient| {
-        format!("{name} ~ {:.3} ± {:.3}", value.value, value.combined_std())
+        format!("{name} ~ {:.3} ± {:.3}", value.value, value.combined_std().max(0.001))
     };
     let mut parts = vec![format!("provisional at {at:.1} s"), text("mu_s", &about.answer.mu_s)];
     parts.extend(about.answer.mu.map(|mu| text("mu", &mu)));

@@ -170,3 +170,34 @@ fn clock_now() -> String {
     let unix_ms = since.map_or(0, |since| since.as_millis() as u64);
     format!("clock {}", Moment(unix_ms))
 }
+
+#[cfg(test)]
+mod tests {
+    use std::io::Read;
+    use std::net::TcpListener;
+
+    use super::*;
+
+    /// It sets the clock, wants all samples and asks how things are.
+    #[test]
+    fn a_board_is_told_the_time_when_the_port_comes_up() {
+        let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+        let place = Place::parse(&listener.local_addr().unwrap().to_string());
+        let port = Port::connect(&place).unwrap();
+        let (mut board, _) = listener.accept().unwrap();
+        board.set_read_timeout(Some(Duration::from_millis(100))).unwrap();
+        let mut display = Display::new(&place, &port, None);
+        let (mut said, mut bytes) = (String::new(), [0; 256]);
+        while !said.contains("status\r\n") {
+            let _ = display.listen();
+            let count = board.read(&mut bytes).unwrap_or(0);
+            said.push_str(std::str::from_utf8(&bytes[..count]).unwrap());
+            assert!(display.start.elapsed() < Duration::from_secs(20), "{said}");
+        }
+        let (clock, rest) = said.split_once("\r\n").unwrap();
+        assert_eq!(rest, "live on\r\nstatus\r\n");
+        let told = Moment::parse(clock.strip_prefix("clock ").unwrap()).unwrap();
+        let now = Moment::parse(clock_now().strip_prefix("clock ").unwrap()).unwrap();
+        assert!(now.0.abs_diff(told.0) < 20_000, "{clock}");
+    }
+}

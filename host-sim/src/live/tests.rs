@@ -18,6 +18,7 @@ use super::ask::Ask;
 use super::band::band;
 use super::lines::Received;
 use super::screen;
+pub(super) use super::shown::rows;
 use super::state::{State, TRACE_LEN};
 use super::trace::pieces;
 use super::verdict::{Level, Verdict, verdict};
@@ -112,14 +113,6 @@ pub(super) fn frame(state: &State, ask: &Ask, size: (u16, u16), now_s: f64) -> B
     let mut terminal = Terminal::new(TestBackend::new(size.0, size.1)).unwrap();
     terminal.draw(|frame| screen::draw(frame, state, ask, "/dev/ttyACM0", seconds(now_s))).unwrap();
     terminal.backend().buffer().clone()
-}
-
-pub(super) fn rows(buffer: &Buffer) -> Vec<String> {
-    let width = usize::from(buffer.area.width).max(1);
-    let row = |cells: &[ratatui::buffer::Cell]| {
-        cells.iter().map(|cell| cell.symbol()).collect::<String>().trim_end().to_string()
-    };
-    buffer.content.chunks(width).map(row).collect()
 }
 
 pub(super) fn screen_rows(state: &State, size: (u16, u16), now_s: f64) -> Vec<String> {

@@ -17,8 +17,9 @@ const LONG_GAP: f64 = 256.0;
 pub const INTERVAL_STAMPS: u32 = 40;
 /// Intervals within this share of each other are the same.
 const SAME_INTERVAL: f64 = 0.2;
-/// An interval so many times longer or shorter than the period is another one.
-const OTHER_INTERVAL: f64 = 1.5;
+/// An interval so many times longer or shorter than the period is another one. Stamps that are
+/// rounded to steps of nearly a period differ by less over so many of them.
+const OTHER_INTERVAL: f64 = 1.1;
 
 /// Gives every row its index.
 ///
@@ -37,9 +38,11 @@ pub struct Clock {
     /// Samples in the mean that gives the phase.
     averaged: f64,
     misfits: u64,
-    /// The last stamp, the interval of the last stamps and how many had it.
+    /// The last stamp; the first interval of those alike that end there, where it began, and
+    /// how many they are.
     stamp_s: f64,
     interval_s: f64,
+    since_s: f64,
     alike: u32,
 }
 
@@ -58,6 +61,7 @@ impl Clock {
             misfits: 0,
             stamp_s: f64::NAN,
             interval_s: 0.0,
+            since_s: f64::NAN,
             alike: 0,
         }
     }
@@ -100,18 +104,21 @@ impl Clock {
     #[must_use]
     pub fn other_interval_s(&self) -> Option<f64> {
         let said = self.alike == INTERVAL_STAMPS && self.timing.shared.is_none();
-        let ratio = self.interval_s * self.timing.rate_hz;
+        let mean_s = (self.stamp_s - self.since_s) / f64::from(self.alike);
+        let ratio = mean_s * self.timing.rate_hz;
         let other = !(OTHER_INTERVAL.recip()..OTHER_INTERVAL).contains(&ratio);
-        (said && other).then_some(self.interval_s)
+        (said && other).then_some(mean_s)
     }
 
     fn compare_interval(&mut self, stamp_s: f64) {
-        let interval_s = stamp_s - self.stamp_s;
+        let before_s = self.stamp_s;
+        let interval_s = stamp_s - before_s;
         self.stamp_s = stamp_s;
         if (interval_s - self.interval_s).abs() <= SAME_INTERVAL * self.interval_s {
             self.alike = self.alike.saturating_add(1);
         } else {
-            (self.interval_s, self.alike) = (interval_s.max(0.0), 1);
+            (self.interval_s, self.since_s) = (interval_s.max(0.0), before_s);
+            self.alike = 1;
         }
     }
 

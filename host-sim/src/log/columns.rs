@@ -60,10 +60,39 @@ impl<'a> Columns<'a> {
                 return Ok(Some(place));
             }
         }
+        self.refuse_parts()?;
         let Some(place) = self.labels.iter().position(Label::is_time) else {
-            return Ok(self.dated());
+            return Ok(self.dated().or_else(|| self.only_in_time_units()));
         };
         find(&self.names, &self.names[place]).map(|_| Some(place))
+    }
+
+    /// The only column in a unit of time, whatever it is called.
+    fn only_in_time_units(&self) -> Option<usize> {
+        let in_time = |&i: &usize| self.stated(i).any(|unit| TimeUnit::from_label(unit).is_some());
+        let is_force = |&i: &usize| self.labels.get(i).is_some_and(Label::is_force);
+        let mut places = (0..self.names.len()).filter(in_time).filter(|i| !is_force(i));
+        places.next().filter(|_| places.next().is_none())
+    }
+
+    /// Refuses a time that is spread over columns: hours, minutes and seconds apart.
+    fn refuse_parts(&self) -> Result<(), InputError> {
+        const HOURS: [&str; 6] = ["h", "hh", "hhmm", "hour", "hours", "stunde"];
+        let is_part = |i: &usize| {
+            let Some(label) = self.labels.get(*i) else { return false };
+            let alone = label.quantity.is_empty() && label.time_unit().is_some();
+            alone || HOURS.contains(&label.quantity.as_str())
+        };
+        let parts: Vec<&str> =
+            (0..self.names.len()).filter(is_part).map(|i| self.names[i].as_str()).collect();
+        if parts.len() < 2 {
+            return Ok(());
+        }
+        Err(InputError::new(format!(
+            "the time is spread over the columns {}: put it into one, or give --time-column NAME \
+             of one that runs on",
+            parts.join(", ")
+        )))
     }
 
     /// The only column of dates with times of day: the time, whatever it is called.
@@ -142,7 +171,8 @@ impl<'a> Columns<'a> {
         agreed(name, &units, options.unit).map(|unit| match (unit, unknown) {
             (Some(unit), _) => Ok((unit, Vec::new())),
             (None, Some(label)) => Err(InputError::new(format!(
-                "the unit of column '{name}' is '{label}': give --unit N|kN|lbf|kgf|counts"
+                "the unit of column '{name}' is '{label}', which is not read: turn it into N, or give \
+                 --unit N|kN|lbf|kgf|counts if it is one of these"
             ))),
             (None, None) => {
                 Ok((Unit::Newton, vec![format!("{} has no unit: taken as N", said(name))]))

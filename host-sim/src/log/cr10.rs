@@ -107,6 +107,11 @@ fn are_seconds(cell: Option<&[u8]>) -> bool {
 }
 
 fn choose(arrays: &BTreeMap<u32, Array>, wanted: Option<u32>) -> Result<u32, InputError> {
+    if arrays.values().all(|array| array.width <= SECONDS) {
+        let none = "no line is one of a cr10 log (number of the array, year, day, hhmm, values): leave \
+                    --format out";
+        return Err(InputError::new(none));
+    }
     let list = || arrays.keys().map(u32::to_string).collect::<Vec<_>>().join(", ");
     if let Some(id) = wanted {
         let missing = || InputError::new(format!("no array {id}; there are: {}", list()));

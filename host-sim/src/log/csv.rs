@@ -27,6 +27,12 @@ pub fn layout(
     let columns = Columns::new(header);
     let time = columns.time(options)?;
     let force = columns.force(options, time)?;
+    if time == Some(force) {
+        return Err(InputError::new(format!(
+            "column {} cannot be the time and the force: give --time-column and --column",
+            force + 1
+        )));
+    }
     let (unit, mut notes) = columns.force_unit(force, options)?;
     let decimal = columns.decimal(force, time, options)?;
     let time = match time {

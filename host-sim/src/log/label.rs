@@ -42,8 +42,18 @@ const TIME: [&str; 24] = [
     "date and time",
 ];
 /// Words for the force in the cable.
-const FORCE: [&str; 9] =
-    ["force", "kraft", "zugkraft", "load", "pull", "pull force", "pull_force", "tension", "last"];
+const FORCE: [&str; 10] = [
+    "force",
+    "effort",
+    "kraft",
+    "zugkraft",
+    "load",
+    "pull",
+    "pull force",
+    "pull_force",
+    "tension",
+    "last",
+];
 
 impl Label {
     /// Takes a column's name apart.

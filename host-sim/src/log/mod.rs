@@ -176,7 +176,7 @@ impl Log {
         let first = line.saturating_sub(u64::from(clock::INTERVAL_STAMPS));
         let period_s = self.rate_hz().recip();
         InputError::new(format!(
-            "line {first}: from about here on the samples come every {interval_s:.6} s, elsewhere \
+            "line {first}: from about here on the samples come every {interval_s:.6} s, on the whole \
              every {period_s:.6} s; cut the log there, or give --rate-hz R to take what is slower \
              for gaps"
         ))

@@ -132,7 +132,20 @@ pub fn reading(cell: &[u8], unit: Unit, decimal: Decimal) -> Option<Reading> {
     if cell.is_empty() {
         return Some(BAD);
     }
-    reading_of(number(cell, decimal)?, unit)
+    match number(cell, decimal) {
+        Some(value) => reading_of(value, unit),
+        None => is_missing(cell).then_some(BAD),
+    }
+}
+
+/// Whether a cell says that there is no number, as spreadsheets and statistics write it.
+#[cold]
+fn is_missing(cell: &[u8]) -> bool {
+    const WORDS: [&str; 13] = [
+        "NA", "N/A", "#N/A", "null", "None", "#DIV/0!", "#NUM!", "#VALUE!", "#REF!", "#NAME?",
+        "-1.#IND", "1.#QNAN", "1.#INF",
+    ];
+    WORDS.iter().any(|word| cell.eq_ignore_ascii_case(word.as_bytes()))
 }
 
 /// The same for a number that is read already.
@@ -199,7 +212,9 @@ mod tests {
 
     #[test]
     fn markers_are_bad_samples_and_text_is_an_error() {
-        let bad = ["-6999", "6999", "-99999", "-6999.0", "NAN", "nan", "", "inf", "-INF", "1e999"];
+        let bad = ["-6999", "6999", "-99999", "-6999.0", "NAN", "nan", "", "inf", "-INF", "1e999"]
+            .into_iter()
+            .chain(["N/A", "#n/a", "NULL", "#DIV/0!", "-1.#IND"]);
         for text in bad {
             let expected = Some(Reading::Bad(Fault::Sentinel));
             assert_eq!(reading(text.as_bytes(), Unit::Newton, Decimal::Any), expected, "{text}");

@@ -67,6 +67,15 @@ pub fn refuse_binary(head: &[u8]) -> Result<(), InputError> {
     if zeros_between(head) {
         return refuse("looks like UTF-16 text without its mark; save it as UTF-8");
     }
+    if is_json(text) {
+        return refuse("is JSON; write its times and forces as CSV");
+    }
+    let starts = |tag: &str| {
+        text.get(..tag.len()).is_some_and(|start| start.eq_ignore_ascii_case(tag.as_bytes()))
+    };
+    if ["<?xml", "<!doctype", "<html", "<table"].into_iter().any(starts) {
+        return refuse("is HTML or XML; save its table as CSV");
+    }
     let first = text.split(|&byte| byte == b'\n').next().unwrap_or_default();
     if first.contains(&0) || control_share(head) > 0.02 {
         let known = BINARY.iter().find(|(start, _)| head.starts_with(start));
@@ -75,6 +84,15 @@ pub fn refuse_binary(head: &[u8]) -> Result<(), InputError> {
         );
     }
     Ok(())
+}
+
+/// An object, or an array of objects or arrays. An instrument's `[Header]` is none.
+fn is_json(text: &[u8]) -> bool {
+    let mut marks = text.iter().filter(|byte| !byte.is_ascii_whitespace());
+    matches!(
+        (marks.next(), marks.next()),
+        (Some(b'{'), Some(b'"')) | (Some(b'['), Some(b'{' | b'['))
+    )
 }
 
 /// Whether every other byte is a zero, as in Latin text of two bytes a letter.

@@ -9,7 +9,7 @@ use super::lines::Lines;
 use super::metadata::Metadata;
 use super::number::{Decimal, Unit, finite, reading, reading_of};
 use super::plain::Plain;
-use super::stamp::{TimeUnit, clock_seconds, cr10_seconds, date_seconds, has_zone};
+use super::stamp::{DAY_S, TimeUnit, clock_seconds, cr10_seconds, date_seconds, has_zone};
 
 /// Largest time that is taken, s: 31 000 years.
 const LATEST_S: f64 = 1e12;
@@ -105,6 +105,8 @@ pub struct Rows {
     plain: Option<Plain>,
     cells: Cells,
     last_time_s: f64,
+    /// Midnights so far, for times of day that nothing dates.
+    days_s: f64,
     last_record: Option<f64>,
     truncated: Option<u64>,
     count: u64,
@@ -123,6 +125,7 @@ impl Rows {
             layout,
             cells: Cells::default(),
             last_time_s: f64::NEG_INFINITY,
+            days_s: 0.0,
             last_record: None,
             truncated: None,
             count: 0,
@@ -195,6 +198,11 @@ impl Rows {
         self.count += 1;
         // A scan at the edge of a clock step may carry the step before.
         let jitter_s = self.layout.resolution_s.filter(|&step| step < 1.0).unwrap_or(0.0);
+        row.time_s += self.days_s;
+        if self.passes_midnight(row.time_s) {
+            row.time_s += DAY_S;
+            self.days_s += DAY_S;
+        }
         if row.time_s < self.last_time_s - jitter_s {
             return Err(InputError::new(format!(
                 "time goes back by {:.6} s; cut the log there, or sort it",
@@ -207,6 +215,12 @@ impl Rows {
         }
         self.last_record = record;
         Ok(row)
+    }
+
+    /// Whether a time of day that nothing dates has begun anew.
+    fn passes_midnight(&self, time_s: f64) -> bool {
+        let undated = matches!(self.layout.time, TimeCells::DateAndClock { date: None, .. });
+        undated && self.last_time_s - time_s > 0.5 * DAY_S
     }
 }
 
@@ -262,8 +276,13 @@ impl Layout {
 
     fn no_force(&self, cell: &[u8]) -> InputError {
         let kind = if self.unit == Unit::Counts { "whole number of counts" } else { "number" };
-        let place = self.force + 1;
-        InputError::new(format!("force cell {place} holds {}, not a {kind}", excerpt(cell)))
+        let (place, held) = (self.force + 1, excerpt(cell));
+        let remedy = if is_grouped(cell) {
+            "write it without marks between the thousands"
+        } else {
+            "correct the line or take it out; NaN marks a bad reading"
+        };
+        InputError::new(format!("force cell {place} holds {held}, not a {kind}; {remedy}"))
     }
 
     fn time_s(&self, line: &[u8], cells: &Cells) -> Result<f64, InputError> {
@@ -291,6 +310,15 @@ impl Layout {
         let text = excerpt(text);
         time.ok_or_else(|| InputError::new(format!("no time can be read from {text}{remedy}")))
     }
+}
+
+/// Whether a cell is a number whose thousands are set apart: digits, then a mark and three.
+fn is_grouped(cell: &[u8]) -> bool {
+    let text = String::from_utf8_lossy(cell);
+    let mut groups = text.trim_start_matches(['+', '-']).split([',', '.', ' ', '\'', '\u{a0}']);
+    let digits = |group: &str| !group.is_empty() && group.bytes().all(|b| b.is_ascii_digit());
+    let first = groups.next().is_some_and(|group| digits(group) && group.len() < 4);
+    first && groups.next().is_some_and(|group| digits(group) && group.len() == 3)
 }
 
 fn text(cell: &[u8]) -> &str {

@@ -7,7 +7,8 @@ use time::{Date, Month};
 
 use super::number::{Decimal, finite, number};
 
-const DAY_S: f64 = 86_400.0;
+/// Seconds of a day.
+pub const DAY_S: f64 = 86_400.0;
 const JULIAN_DAY_1970: i32 = 2_440_588;
 /// Day 0 of a spreadsheet's serial dates (1899-12-30), in days before 1970.
 const EXCEL_DAYS_1970: f64 = 25_569.0;
@@ -97,7 +98,8 @@ fn epoch_seconds(value: f64) -> f64 {
 }
 
 /// Date and time of day: `2012-02-29 12:00:00.0625`, with `T` or a blank between, `-`
-/// or `/` in the date, or as `29.02.2012`; seconds may be left out, a zone may follow.
+/// or `/` in the date, or as `29.02.2012` or `29-Feb-2012`; seconds may be left out, a zone,
+/// AM or PM may follow.
 #[must_use]
 pub fn date_time_seconds(cell: &[u8]) -> Option<f64> {
     let text = std::str::from_utf8(cell).ok()?.trim();
@@ -108,28 +110,61 @@ pub fn date_time_seconds(cell: &[u8]) -> Option<f64> {
 /// A date alone.
 #[must_use]
 pub fn date_seconds(text: &str) -> Option<f64> {
-    let (mut parts, dots) = (text.split(['-', '/', '.']), text.contains('.'));
+    let mut parts = text.split(['-', '/', '.']);
     let [first, month, last] = [parts.next()?, parts.next()?, parts.next()?];
-    let (year, day) = if dots { (last, first) } else { (first, last) };
+    let named = named_month(month);
+    let last_is_year = text.contains('.') || named.is_some() && last.len() == 4;
+    let (year, day) = if last_is_year { (last, first) } else { (first, last) };
     // A year of two digits, or one that stands last behind slashes, could be a day.
     if parts.next().is_some() || year.len() != 4 {
         return None;
     }
-    let month = Month::try_from(month.parse::<u8>().ok()?).ok()?;
+    let month = match named {
+        Some(month) => month,
+        None => Month::try_from(month.parse::<u8>().ok()?).ok()?,
+    };
     let date = Date::from_calendar_date(year.parse().ok()?, month, day.parse().ok()?).ok()?;
     Some(midnight_seconds(date))
+}
+
+/// `Feb`, whatever the case.
+fn named_month(text: &str) -> Option<Month> {
+    const NAMES: [&str; 12] =
+        ["jan", "feb", "mar", "apr", "may", "jun", "jul", "aug", "sep", "oct", "nov", "dec"];
+    let number = (1..).zip(NAMES).find(|(_, name)| text.eq_ignore_ascii_case(name))?.0;
+    Month::try_from(number as u8).ok()
 }
 
 /// A time of day, with an offset from UTC behind it taken off.
 #[must_use]
 pub fn clock_seconds(text: &str) -> Option<f64> {
-    let (clock, offset_s) = zone(text)?;
+    let (clock, half) = half_of_day(text);
+    let (clock, offset_s) = zone(clock)?;
     let mut parts = clock.trim().splitn(3, ':');
     let hour: u8 = parts.next()?.parse().ok()?;
+    let hour = match half {
+        Some(_) if !(1..=12).contains(&hour) => return None,
+        Some(first_hour) => hour % 12 + first_hour,
+        None => hour,
+    };
     let minute: u8 = parts.next()?.parse().ok()?;
     let second = parts.next().map_or(Some(0.0), |text| finite(text.as_bytes()))?;
     let valid = hour <= 24 && minute < 60 && (0.0..60.0).contains(&second);
     valid.then(|| f64::from(u32::from(hour) * 60 + u32::from(minute)) * 60.0 + second - offset_s)
+}
+
+/// A time of day without AM or PM, and the hour at which that half of the day begins.
+fn half_of_day(text: &str) -> (&str, Option<u8>) {
+    let ends = |half: &str| {
+        let at = text.len().checked_sub(half.len())?;
+        let (clock, end) = text.split_at_checked(at)?;
+        end.eq_ignore_ascii_case(half).then_some(clock)
+    };
+    match (ends("AM"), ends("PM")) {
+        (Some(clock), _) => (clock, Some(0)),
+        (_, Some(clock)) => (clock, Some(12)),
+        _ => (text, None),
+    }
 }
 
 /// Whether a zone stands behind a time of day.
@@ -203,6 +238,15 @@ mod tests {
             ("2012-02-29T14:00+02", noon),
             ("2012/02/29 12:00", noon),
             ("29.02.2012 12:00:00,0", noon),
+            ("2012-02-29 12:00:00 PM", noon),
+            ("2012-02-29 11:59:60.0 am", None),
+            ("29-Feb-2012 12:00:00", noon),
+            ("2012-FEB-29 12:00 pm", noon),
+            ("2012-02-28 12:00:00 AM", Some(1_330_387_200.0)),
+            ("2012-02-29 13:00:00 PM", None),
+            ("2012-02-29 0:10:00 AM", None),
+            ("29-Fev-2012 12:00:00", None),
+            ("29-Feb-12 12:00:00", None),
             ("2011-02-29 12:00:00", None),
             ("2012-02-29", None),
             ("2012-02-29 25:00:00", None),

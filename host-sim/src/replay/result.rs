@@ -14,7 +14,7 @@ use super::budget::{BudgetLine, lines};
 use super::events::Events;
 use super::quantities::Quantities;
 use super::stretches::Stretches;
-use super::table::digits;
+use crate::rounding::digits;
 pub use change::ChangeSummary;
 pub use event::EventSummary;
 use numbers::short;

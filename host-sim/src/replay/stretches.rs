@@ -3,7 +3,7 @@
 use floe_core::{Stretch, StretchKind};
 use serde::Serialize;
 
-use super::table::digits;
+use crate::rounding::{digits, narrow};
 
 /// All of a log, in order.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -107,7 +107,8 @@ pub fn told(stretch: &Stretch) -> String {
                 Some(false) => "held",
                 Some(true) => "sliding",
             };
-            format!("constant force, F/W {force_over_weight:.4} ± {std:.4}: {what}")
+            let std = narrow(std.into());
+            format!("constant force, F/W {force_over_weight:.4} ± {std}: {what}")
         }
         StretchKind::NotUnderstood(reason) => format!("no slip: {reason}"),
     }

@@ -9,6 +9,7 @@ use super::result::{
     zero_sentence,
 };
 use super::stretches::Stretches;
+use crate::rounding::{self, LEAST, decimals, digits, own_digits, part_of};
 
 /// Events, then the result with its uncertainty, then what to know about it.
 ///
@@ -53,39 +54,17 @@ pub fn write(out: &mut dyn io::Write, result: &ReplayResult, each_event: bool) -
     out.write_all(rest.as_bytes())
 }
 
-/// Decimals that give a number of this size four digits.
-#[must_use]
-pub fn decimals(size: f64) -> usize {
-    (3.0 - size.abs().log10().floor()).clamp(0.0, 8.0) as usize
-}
-
 fn cell(value: Option<f64>, decimals: usize) -> String {
     value.map_or_else(|| "-".to_string(), |value| format!("{value:.decimals$}"))
 }
 
-/// Less than this is nothing beside any other part of an uncertainty.
-const LEAST: f64 = 1e-7;
-
-/// Decimals that show two digits of an uncertainty.
-#[must_use]
-pub fn digits(std: f64) -> usize {
-    if std < LEAST { 0 } else { (1.0 - std.log10().floor()).clamp(0.0, 8.0) as usize }
-}
-
 /// An uncertainty with two digits of its own.
 fn part(std: Option<f64>) -> String {
-    std.map_or_else(
-        || "-".to_string(),
-        |std| if std < LEAST { "0".to_string() } else { format!("{std:.*}", digits(std)) },
-    )
+    std.map_or_else(|| "-".to_string(), own_digits)
 }
 
-/// An uncertainty in a column of four decimals; never one that reads as none.
 fn narrow(std: Option<f64>) -> String {
-    match std {
-        Some(std) if std > 0.0 && std < 5e-5 => "<0.0001".to_string(),
-        std => cell(std, 4),
-    }
+    std.map_or_else(|| "-".to_string(), rounding::narrow)
 }
 
 fn header(out: &mut String, result: &ReplayResult, force: usize) -> std::fmt::Result {
@@ -266,12 +245,16 @@ fn budget(out: &mut String, result: &ReplayResult) -> std::fmt::Result {
     )?;
     let estimate = &result.estimate;
     for line in &result.budget {
-        write!(out, "{:<14}{:>10}{:>10}", line.input, number(line.value), number(line.std))?;
+        write!(out, "{:<14}{:>10}{:>10}", line.input, number(line.value), part(line.std))?;
         for (share, mean) in [(&line.mu_s, &estimate.mu_s), (&line.mu, &estimate.mu)] {
             let percent =
                 share.contribution.zip(mean.combined_std).map(|(a, b)| 100.0 * (a / b).powi(2));
             let (by, percent) = (number(share.sensitivity), cell(percent, 1));
-            write!(out, "   {by:>11}{:>11}{percent:>6}%", part(share.contribution))?;
+            let own = match (share.contribution, mean.combined_std) {
+                (Some(own), Some(whole)) => part_of(own, whole),
+                (own, _) => part(own),
+            };
+            write!(out, "   {by:>11}{own:>11}{percent:>6}%")?;
         }
         writeln!(out)?;
     }

@@ -1,8 +1,10 @@
 //! The error budget as a table.
 
 use super::number::{decimals_for, fixed, significant};
+use super::svg::escape;
 use crate::replay::budget::BudgetShare;
 use crate::replay::result::{CoefficientSummary, ReplayResult};
+use crate::rounding::{own_digits, part_of};
 
 /// Input, value, standard deviation, and what it does to both coefficients; nothing before
 /// the first event.
@@ -16,26 +18,28 @@ pub(super) fn budget(result: &ReplayResult) -> String {
         let shares = [&line.mu_s, &line.mu].into_iter().zip(means);
         let shares: String = shares.map(|(share, mean)| cells(share, mean)).collect();
         rows.push_str(&format!(
-            "<tr><th scope=\"row\">{}</th><td>{}</td><td>{}</td>{shares}</tr>\n",
+            "<tr><th scope=\"row\">{}</th><td class=\"more\">{}</td><td class=\"more\">{}</td>\
+             {shares}</tr>\n",
             name(line.input),
             number(line.value),
-            number(line.std),
+            line.std.map_or("–".into(), |std| fixed(std, decimals_for(std, 2))),
         ));
     }
     let random: String = means
         .iter()
         .map(|mean| cells(&BudgetShare { sensitivity: None, contribution: mean.std_error }, mean))
         .collect();
-    let head =
-        "<th scope=\"col\">per unit</th><th scope=\"col\">±</th><th scope=\"col\">share</th>";
+    let head = "<th scope=\"col\" class=\"more\">per unit</th><th scope=\"col\">±</th><th scope=\"col\">share</th>";
     format!(
         "<h2>What limits the result</h2><div class=\"scroll budget\" tabindex=\"0\" role=\"region\" \
-         aria-label=\"Error budget\"><table><thead><tr><th scope=\"col\">input</th>\
-         <th scope=\"col\">value</th><th scope=\"col\">± of it</th>{head}{head}</tr></thead>\
+         aria-label=\"Error budget\"><table><thead><tr class=\"of\"><th></th><th class=\"more\"></th>\
+         <th class=\"more\"></th><th class=\"more\"></th><th colspan=\"2\">in <i>μ</i><sub>s</sub></th>\
+         <th class=\"more\"></th><th colspan=\"2\">in <i>μ</i></th></tr>\
+         <tr><th scope=\"col\">input</th><th scope=\"col\" class=\"more\">value</th>\
+         <th scope=\"col\" class=\"more\">± of it</th>{head}{head}</tr></thead>\
          <tbody>\n{rows}<tr><th scope=\"row\">random: noise and variation between events</th>\
-         <td>–</td><td>–</td>{random}</tr></tbody></table></div><p>Left of each pair of columns \
-         <i>μ</i><sub>s</sub>, right <i>μ</i>. All are one standard deviation; only the random \
-         part gets smaller with more events.</p>"
+         <td class=\"more\">–</td><td class=\"more\">–</td>{random}</tr></tbody></table></div><p>All are \
+         one standard deviation; only the random part gets smaller with more events.</p>"
     )
 }
 
@@ -43,11 +47,12 @@ pub(super) fn budget(result: &ReplayResult) -> String {
 fn cells(share: &BudgetShare, mean: &CoefficientSummary) -> String {
     let part = share.contribution.zip(mean.combined_std).filter(|(_, all)| *all > 0.0);
     let part = part.map_or("–".into(), |(own, all)| fixed(100.0 * (own / all).powi(2), 1) + " %");
-    // What is less than this is nothing beside any other.
-    const LEAST: f64 = 1e-7;
-    let own = share.contribution.map(|own| if own < LEAST { 0.0 } else { own });
-    let own = own.map_or("–".into(), |own| fixed(own, decimals_for(own, 2)));
-    format!("<td>{}</td><td>{own}</td><td>{part}</td>", number(share.sensitivity))
+    let own = match (share.contribution, mean.combined_std) {
+        (Some(own), Some(whole)) => escape(&part_of(own, whole)),
+        (Some(own), None) => own_digits(own),
+        (None, _) => "–".into(),
+    };
+    format!("<td class=\"more\">{}</td><td>{own}</td><td>{part}</td>", number(share.sensitivity))
 }
 
 fn number(value: Option<f64>) -> String {

@@ -1,8 +1,9 @@
 //! The report of a campaign: coefficients against weight, pull rate and snow.
 
 use crate::campaign::TestRecord;
-use crate::campaign::summary::{GroupMeans, NamedTrend, Summary};
-use crate::campaign::trend::{Against, Coefficient, Group, Mean, points};
+use crate::campaign::summary::{GroupMeans, NamedTrend, Summary, of_group, of_test};
+use crate::campaign::trend::{Against, Coefficient, Group, points};
+use crate::rounding::plus_minus;
 
 use super::figure::{Figure, both, dot_key, line_key};
 use super::number::fixed;
@@ -54,22 +55,20 @@ pub fn render_campaign(summary: &Summary, tests: &[TestRecord]) -> String {
     )
 }
 
+/// With a real minus sign, and a dash for nothing.
+fn minus(text: &str) -> String {
+    if text == "-" { "–".to_owned() } else { text.replace('-', "\u{2212}") }
+}
+
 fn groups(groups: &[GroupMeans]) -> String {
-    let cell = |mean: Option<Mean>| match mean {
-        None => "–".to_owned(),
-        Some(m) => match m.std_error {
-            Some(error) => format!("{} ± {}", fixed(m.mean, 3), fixed(error, 3)),
-            None => fixed(m.mean, 3),
-        },
-    };
     let row = |g: &GroupMeans| {
         format!(
             "<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td></tr>",
             g.group.name(),
             g.mu.or(g.mu_s).map_or(0, |m| m.tests),
-            cell(g.mu),
+            minus(&of_group(g.mu)),
             g.published_mu.map_or("–".to_owned(), |mean| fixed(mean, 2)),
-            cell(g.mu_s),
+            minus(&of_group(g.mu_s)),
             g.published_mu_s.map_or("–".to_owned(), |mean| fixed(mean, 2)),
         )
     };
@@ -88,17 +87,15 @@ fn list(tests: &[TestRecord]) -> String {
     let known = |x: Option<f64>, decimals| x.map_or("–".to_owned(), |x| fixed(x, decimals));
     let row = |t: &TestRecord| {
         format!(
-            "<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{} ± {}</td>\
-             <td>{} ± {}</td></tr>",
+            "<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td>\
+             <td>{}</td></tr>",
             escape(&t.test_id),
             fixed(t.weight_n, 0),
             known(t.winch_m_per_s.map(|w| w * 1e3), 1),
             known(t.snow_mm, 0),
             t.event_count,
-            known(t.mu.mean, 3),
-            known(t.mu.std_error, 3),
-            known(t.mu_s.mean, 3),
-            known(t.mu_s.std_error, 3),
+            minus(&of_test(&t.mu)),
+            minus(&of_test(&t.mu_s)),
         )
     };
     let rows: String = tests.iter().map(row).collect();
@@ -175,8 +172,8 @@ impl Panel<'_> {
     fn caption(&self) -> String {
         let (_, unit) = self.against.name();
         let slope = |(t, _): &(&NamedTrend, &str)| {
-            let (slope, error) = (fixed(t.trend.slope, 4), fixed(t.trend.slope_std_error, 4));
-            format!("{} {slope} ± {error} per {unit}", t.group.name())
+            let slope = minus(&plus_minus(t.trend.slope, t.trend.slope_std_error));
+            format!("{} {slope} per {unit}", t.group.name())
         };
         let slopes: Vec<String> = self.lines().iter().map(slope).collect();
         format!("{} Slope: {}.", self.title(), slopes.join("; "))

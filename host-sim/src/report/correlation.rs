@@ -19,7 +19,6 @@ struct Correlation {
     /// Its 95 % interval.
     ci95: [f64; 2],
     means: [f64; 2],
-    stds: [f64; 2],
 }
 
 /// The figure; none with fewer than five events that have both coefficients.
@@ -27,10 +26,7 @@ pub(super) fn correlation(context: &Context<'_>) -> Option<Figure> {
     let pairs: Vec<_> = context.result.events.iter().filter_map(pair).collect();
     let found = Correlation::of(&pairs)?;
     let drawing = both(|layout| draw(&pairs, &found, layout));
-    let keys = vec![
-        dot_key("sample", "events"),
-        line_key("model", "equally many standard deviations from both means"),
-    ];
+    let keys = vec![dot_key("sample", "events"), line_key("moment", "means of the events")];
     let [low, high] = found.ci95.map(|r| fixed(r, 2));
     let caption = format!(
         "<i>μ</i> against <i>μ</i><sub>s</sub> of the {} events that have both: correlation {} (95 % \
@@ -60,12 +56,14 @@ impl Correlation {
         let value = sums[2] / (sums[0] * sums[1]).sqrt();
         let half = 1.96 / (n - 3.0).sqrt();
         let ci95 = [-half, half].map(|by| (value.atanh() + by).tanh());
-        let stds = [sums[0], sums[1]].map(|sum| (sum / (n - 1.0)).sqrt());
-        (pairs.len() >= FEWEST && value.is_finite()).then_some(Self { value, ci95, means, stds })
+        (pairs.len() >= FEWEST && value.is_finite()).then_some(Self { value, ci95, means })
     }
 }
 
 fn draw(pairs: &[(f64, f64)], found: &Correlation, layout: Layout) -> String {
+    let x = axis(pairs.iter().map(|p| p.0), "static coefficient", "μs");
+    let y = axis(pairs.iter().map(|p| p.1), "dynamic coefficient", "μ");
+    let ((left, right), (low, high)) = (x.domain, y.domain);
     let mut plot = Plot::new(&Spec {
         id: "pair",
         layout,
@@ -73,12 +71,12 @@ fn draw(pairs: &[(f64, f64)], found: &Correlation, layout: Layout) -> String {
         title: "Dynamic against static coefficient",
         description: "One dot for every event: to the right its static, upwards its dynamic \
                       coefficient.",
-        x: axis(pairs.iter().map(|p| p.0), "static coefficient", "μs"),
-        y: axis(pairs.iter().map(|p| p.1), "dynamic coefficient", "μ"),
+        x,
+        y,
     });
-    let Correlation { means, stds, value, .. } = *found;
-    let along = |by: f64| (means[0] + by * stds[0], means[1] + by * value.signum() * stds[1]);
-    plot.line("model", [along(-3.0), along(3.0)]);
+    let [mu_s, mu] = found.means;
+    plot.line("moment", [(left, mu), (right, mu)]);
+    plot.line("moment", [(mu_s, low), (mu_s, high)]);
     plot.dots("sample", pairs.iter().copied().step_by(pairs.len().div_ceil(MOST)));
     plot.finish()
 }

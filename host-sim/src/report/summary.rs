@@ -1,10 +1,11 @@
 //! The result in numbers.
 
 use super::budget::budget;
-use super::number::{count, decimals_for, decimals_of_error, fixed, quantity, significant};
+use super::number::{count, decimals_of_error, fixed, quantity, significant};
 use super::svg::escape;
 use crate::replay::result::{ChangeSummary, CoefficientSummary, ReplayResult, zero_sentence};
 use crate::replay::stretches::NotUnderstood;
+use crate::rounding::part_of;
 
 /// Both coefficients, large, then everything else.
 pub(super) fn summary(result: &ReplayResult) -> String {
@@ -21,7 +22,7 @@ pub(super) fn summary(result: &ReplayResult) -> String {
 
 /// What the numbers are, and which events count.
 fn definitions() -> String {
-    "<p class=\"small\"><i>μ</i><sub>s</sub>: force at which the slip begins over the normal force \
+    "<p class=\"small definitions\"><i>μ</i><sub>s</sub>: force at which the slip begins over the normal force \
      (the peak of the force where the onset is smooth). <i>μ</i>: friction averaged over the \
      distance slid. ±: one standard deviation of all that is known, random and systematic. Every \
      event with a value counts; an <i>unresolved</i> one, whose slip is too short for the \
@@ -71,7 +72,9 @@ fn coefficient(class: &str, symbol: &str, value: &CoefficientSummary, name: &str
     };
     let parts = match (value.std_error, value.systematic_std) {
         (Some(random), Some(systematic)) => {
-            format!("random {}, systematic {} · ", significant_2(random), significant_2(systematic))
+            let whole = value.combined_std.unwrap_or(random);
+            let [random, systematic] = [random, systematic].map(|it| escape(&part_of(it, whole)));
+            format!("random {random}, systematic {systematic} · ")
         }
         _ => value.reason.map(|reason| format!("no ±: {reason} · ")).unwrap_or_default(),
     };
@@ -88,10 +91,6 @@ fn coefficient(class: &str, symbol: &str, value: &CoefficientSummary, name: &str
     )
 }
 
-fn significant_2(x: f64) -> String {
-    fixed(x, decimals_for(x, 2))
-}
-
 /// Name, value, whether it deserves attention.
 type Fact = (&'static str, String, bool);
 
@@ -100,13 +99,6 @@ fn measured(result: &ReplayResult) -> Vec<Fact> {
         value.map_or_else(|| "–".into(), |value| quantity(value, unit))
     };
     let quantities = &result.quantities;
-    let omega = quantities.omega_rad_per_s.map_or_else(
-        || "–".into(),
-        |omega| {
-            let hertz = significant(omega / std::f64::consts::TAU);
-            format!("{} rad/s <small>{hertz} Hz</small>", significant(omega))
-        },
-    );
     let recurrence =
         quantities.recurrence_s.map_or("–".into(), |t| format!("{} s", significant(t)));
     let predicted =
@@ -118,6 +110,9 @@ fn measured(result: &ReplayResult) -> Vec<Fact> {
         }
         (value, _) => show(value, unit),
     };
+    let hertz = quantities.omega_rad_per_s.map_or_else(String::new, |omega| {
+        format!(" <small>{} Hz</small>", significant(omega / std::f64::consts::TAU))
+    });
     // Weight and winch speed contradict each other.
     let ratio = quantities.stiffness_ratio.zip(quantities.stiffness_ratio_std);
     let off = ratio.is_some_and(|(ratio, std)| (ratio - 1.0).abs() > 3.0 * std);
@@ -135,7 +130,11 @@ fn measured(result: &ReplayResult) -> Vec<Fact> {
             pair(quantities.loading_rate_n_per_s, quantities.loading_rate_n_per_s_std, "N/s"),
             false,
         ),
-        ("Natural frequency <i>ω</i>", omega, false),
+        (
+            "Natural frequency <i>ω</i>",
+            pair(quantities.omega_rad_per_s, quantities.omega_rad_per_s_std, "rad/s") + &hertz,
+            false,
+        ),
         (
             "Stiffness from <i>k w</i>",
             pair(

@@ -58,7 +58,10 @@ fn remark(events: &Events) -> String {
     if troubled > 0 {
         text.push_str(&format!(", {} with a remark", count(troubled)));
     }
-    text.push_str(". Errors are one standard deviation.");
+    text.push_str(
+        ". ±: one standard deviation of all that is known, the random part of the event and what \
+         all events share.",
+    );
     if shown < events.found() {
         text.push_str(&format!(
             " Shown are the first and the last {EDGE}, and up to {MOST_TROUBLED} with a remark \
@@ -90,12 +93,12 @@ impl<'a> Columns<'a> {
         let columns = [
             "event|".into(),
             "onset|s".into(),
+            "<i>μ</i><sub>s</sub>|".into(),
+            "<i>μ</i>|".into(),
             force("s"),
             force("p"),
             force("e"),
             format!("peak|{unit}"),
-            "<i>μ</i><sub>s</sub>|".into(),
-            "<i>μ</i>|".into(),
             "stick|s".into(),
             "slip|s".into(),
             format!("<i>k w</i>|{unit}/s"),
@@ -115,12 +118,12 @@ impl<'a> Columns<'a> {
         let cells = [
             e.index.to_string(),
             time(e.onset_s),
+            coefficient(e.mu_s, e.mu_s_combined_std),
+            coefficient(e.mu, e.mu_combined_std),
             force(e.static_force_n),
             force(e.dynamic_force_n),
             force(e.restick_force_n),
             force(e.peak_force_n),
-            coefficient(e.mu_s, e.mu_s_std),
-            coefficient(e.mu, e.mu_std),
             optional(e.stick_s, time),
             time(e.slip_s),
             significant(e.loading_rate_n_per_s * self.context.force.factor),

@@ -7,10 +7,11 @@ use floe::campaign::recorded;
 use floe::card::{self as files, Test};
 use floe_board_model::run::{Incident, Setup, When};
 use floe_firmware::line::Line;
-use floe_tests::day::{DAY, NOISE, SPAN, codes, day};
+use floe_tests::day::{DAY, LOOKED, NOISE, SPAN, codes, day};
+use floe_tests::shown;
 
 use super::card::Image;
-use super::nucleo::{Nucleo, card};
+use super::nucleo::{Nucleo, Played, card};
 use super::outcome;
 use super::record::RATE_HZ;
 use crate::Result;
@@ -30,7 +31,8 @@ pub fn check_first_day(nucleo: &Nucleo) -> Result<()> {
     let typed = DAY.map(|(tick, line)| (When::Sample(tick), Incident::Type(line.into())));
     let last = DAY.iter().map(|&(tick, _)| tick).max().unwrap_or(0);
     let end = (When::Sample(last + 16), Incident::End);
-    let script = typed.into_iter().chain([end]).collect();
+    let looked = (When::Sample(LOOKED), Incident::Photograph);
+    let script = typed.into_iter().chain([looked, end]).collect();
     let card = Some(card(image.path())?);
     let codes = codes(day(), SPAN);
     let setup = Setup { codes, rate_hz: RATE_HZ, noise: NOISE, script, card, ..Setup::quiet() };
@@ -43,8 +45,19 @@ pub fn check_first_day(nucleo: &Nucleo) -> Result<()> {
     let pull = tests.iter().find(|test| test.samples.len() > PULLED / 2);
     let pull = pull.ok_or("first day: the pull is not on the card")?;
     let said = check_pull(pull, &played.shown)?;
-    println!("board: first day: {said}");
+    let [mu_s, mu] = check_shown(&played)?;
+    println!("board: first day: {said}; display and floe live: {mu_s}, {mu}");
     Ok(())
+}
+
+/// Before the pull ends, display and `floe live` show what the console says.
+fn check_shown(played: &Played) -> Result<[String; 2]> {
+    let photograph = played.outcome.photographs.first().ok_or("first day: no photograph")?;
+    // Between the answer to `status` and the event that `stop` completes.
+    let from = played.shown.find("\nR,").ok_or("first day: nobody said a result")?;
+    let end = played.shown[from + 1..].find("\nE,").ok_or("first day: no event at the end")?;
+    let before = &played.shown[..from + 1 + end];
+    shown::agree(before, photograph).map_err(|e| format!("first day: {e}"))
 }
 
 /// The weight is right; the card's samples make the events that were said, bit for bit; what

@@ -109,6 +109,9 @@ impl Board {
                 emulator.restart();
             }
             Incident::CutPower => self.cut_power(emulator, now_ns),
+            Incident::Photograph => {
+                self.outcome.photographs.push(self.wires.display.picture());
+            }
             Incident::End => {
                 self.end(emulator, now_ns);
                 emulator.finish();

@@ -108,7 +108,7 @@ between events 0.00080
        ± one standard deviation, all that is known of it; 1 of 1 events count
 
 budget             value       std     mu_s by 1     mu_s ±  share       mu by 1       mu ±  share
-weight_n           630.0    0.2000      -0.00197    0.00039  62.0%      -0.00124    0.00025  24.5%
+weight_n           630.0      0.20      -0.00197    0.00039  62.0%      -0.00124    0.00025  24.5%
 random                                              0.00030  36.0%                  0.00030  36.0%
 
 noise         1.988 N

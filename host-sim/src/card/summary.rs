@@ -1,0 +1,66 @@
+//! What a card holds, in words.
+
+use floe_firmware::settings::Settings;
+
+use super::{Found, Test};
+use crate::rounding::plus_minus;
+
+/// A line for each test, then what became of the sectors.
+#[must_use]
+pub fn summary(tests: &[Test], found: &Found) -> String {
+    let mut text = String::new();
+    for test in tests {
+        let settings = &test.settings;
+        let seconds = test.samples.len() as f64 / f64::from(settings.config.rate_hz);
+        let (samples, missing) = (test.samples.len(), test.missing());
+        let bad = test.samples.iter().filter(|s| s.reading.is_err()).count();
+        text += &format!(
+            "{}: {samples} samples ({seconds:.1} s), {missing} missing ({} overruns), {bad} bad, \
+             weight {} N\n",
+            test.stem,
+            test.overruns,
+            weight(settings),
+        );
+    }
+    let (whole, damaged, lost) = (found.places.len(), found.damaged, found.lost);
+    text += &format!("sectors: {whole} read, {damaged} damaged, {lost} lost");
+    for (count, what) in [
+        (found.newer, "of a newer version"),
+        (found.unsound, "that no logger writes"),
+        (found.repeated, "there again"),
+    ] {
+        if count > 0 {
+            text += &format!(", {count} {what}");
+        }
+    }
+    text + "\n" + &conflicts(tests)
+}
+
+/// What is not as one logger writes one card.
+fn conflicts(tests: &[Test]) -> String {
+    let mut text = String::new();
+    for test in tests {
+        if let Some(why) = test.split {
+            text += &format!("{}: taken apart from its number's other samples: {why}\n", test.stem);
+        }
+    }
+    for same in tests.chunk_by(|a, b| a.part.run == b.part.run) {
+        let mut identities: Vec<_> = same.iter().map(|test| test.part.id).collect();
+        identities.dedup();
+        if let (Some(first), true) = (same.first(), identities.len() > 1) {
+            let (run, count) = (first.part.run, identities.len());
+            text += &format!("number {run} is on the card for {count} different tests\n");
+        }
+    }
+    text
+}
+
+/// The weight of a test, with the ± that it was weighed with.
+#[must_use]
+pub fn weight(settings: &Settings) -> String {
+    let weight_n = settings.config.weight_n;
+    match settings.stds.weight_n {
+        Some(std_n) => plus_minus(weight_n.into(), std_n.into()),
+        None => weight_n.to_string(),
+    }
+}

@@ -1,0 +1,82 @@
+//! Digits that fit an uncertainty.
+
+/// Less than this is nothing beside any other part of an uncertainty.
+pub const LEAST: f64 = 1e-7;
+
+/// Decimals that give a number of this size four digits.
+#[must_use]
+pub fn decimals(size: f64) -> usize {
+    (3.0 - size.abs().log10().floor()).clamp(0.0, 8.0) as usize
+}
+
+/// Decimals that show two digits of an uncertainty.
+#[must_use]
+pub fn digits(std: f64) -> usize {
+    if std < LEAST { 0 } else { (1.0 - std.log10().floor()).clamp(0.0, 8.0) as usize }
+}
+
+/// A value with two digits of its uncertainty: `1.2401 ± 0.0035`.
+#[must_use]
+pub fn plus_minus(value: f64, std: f64) -> String {
+    let exact = std < LEAST * value.abs().max(f64::MIN_POSITIVE);
+    let decimals = if exact { decimals(value) } else { digits(std) };
+    format!("{value:.decimals$} ± {std:.decimals$}")
+}
+
+/// An uncertainty with two digits of its own.
+#[must_use]
+pub fn own_digits(std: f64) -> String {
+    if std < LEAST { "0".to_string() } else { format!("{std:.*}", digits(std)) }
+}
+
+/// A part of an uncertainty: where it is less than a hundredth of the whole, only that.
+#[must_use]
+pub fn part_of(part: f64, whole: f64) -> String {
+    let limit = 0.01 * whole;
+    if part < LEAST * whole.max(LEAST) || part >= limit {
+        return own_digits(part);
+    }
+    let exponent = limit.log10().ceil().min(0.0);
+    format!("<{:.*}", -exponent as usize, 10_f64.powf(exponent))
+}
+
+/// An uncertainty in a column of four decimals; never one that reads as none.
+#[must_use]
+pub fn narrow(std: f64) -> String {
+    if std > 0.0 && std < 5e-5 { "<0.0001".to_string() } else { format!("{std:.4}") }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_value_has_the_digits_of_its_uncertainty() {
+        assert_eq!(plus_minus(1.240_13, 0.003_52), "1.2401 ± 0.0035");
+        assert_eq!(plus_minus(22_942.3, 292.0), "22942 ± 292");
+        assert_eq!(plus_minus(0.779, 0.000_234), "0.77900 ± 0.00023");
+        assert_eq!(plus_minus(15.0, 0.0), "15.00 ± 0.00");
+        assert_eq!(plus_minus(0.0, 0.0), "0.00000000 ± 0.00000000");
+    }
+
+    #[test]
+    fn a_part_that_does_not_count_says_only_that() {
+        assert_eq!(part_of(0.0035, 0.0035), "0.0035");
+        assert_eq!(part_of(0.000_38, 0.0035), "0.00038");
+        assert_eq!(part_of(2.2e-7, 0.0035), "<0.0001");
+        assert_eq!(part_of(2.2e-7, 0.000_35), "<0.00001");
+        assert_eq!(part_of(0.0, 0.0035), "0");
+        assert_eq!(part_of(0.4, 120.0), "<1");
+        for whole in [0.001, 0.0031, 0.01, 0.3, 1.0] {
+            let text = part_of(0.009_99 * whole, whole);
+            let limit: f64 = text.strip_prefix('<').unwrap().parse().unwrap();
+            assert!(limit >= 0.009_99 * whole && limit < 0.11 * whole, "{whole}: {text}");
+        }
+    }
+
+    #[test]
+    fn no_uncertainty_reads_as_none() {
+        assert_eq!((narrow(0.0), narrow(2e-6)), ("0.0000".to_string(), "<0.0001".to_string()));
+        assert_eq!(narrow(0.000_51), "0.0005");
+    }
+}

@@ -1,0 +1,156 @@
+//! Units and columns; headers of instruments, metadata.
+
+use floe::log::{Decimal, Unit};
+
+use super::Expected::{Noted, Refused, Same};
+use super::{Form, comma, form, plain, table, toa5};
+
+pub fn force_forms() -> Vec<Form> {
+    let scaled =
+        |header: &'static str, per_n: f64| table(header, move |t, f| format!("{t},{}", f * per_n));
+    let kg = 1.0 / 9.80665;
+    let lbf = 1.0 / 4.448_221_615_260_5;
+    vec![
+        form("force_kN", scaled("time_s,force_kN\n", 1e-3), Same),
+        form("Force [kN]", scaled("time_s,Force [kN]\n", 1e-3), Same),
+        form("Kraft in kN", scaled("time_s,Kraft in kN\n", 1e-3), Same),
+        form("Load (lbf)", scaled("time_s,Load (lbf)\n", lbf), Same),
+        form("pull_kg", scaled("time_s,pull_kg\n", kg), Same),
+        form("kg", scaled("time_s,kg\n", kg), Same),
+        form("--column kg", scaled("time_s,kg\n", kg), Same)
+            .with(|o| o.column = Some("kg".to_string())),
+        form("units row", scaled("Time,Force\n[s],[kN]\n", 1e-3), Same),
+        form(
+            "units row, bare",
+            scaled("Time,Force\nms,lbf\n", lbf).replace("ms,lbf", "s,lbf"),
+            Same,
+        ),
+        form(
+            "unit against --unit",
+            scaled("time_s,Force [kN]\n", 1e-3),
+            Refused(&["'Force [kN]' is in kN", "--unit says N"]),
+        )
+        .with(|o| o.unit = Some(Unit::Newton)),
+        form(
+            "name against units row",
+            scaled("time_s,force_n\n[s],[kN]\n", 1e-3),
+            Refused(&["in N by its name and in kN"]),
+        ),
+        form(
+            "a unit that is not one of force",
+            scaled("time_s,Force [mV/V]\n", 1.0),
+            Refused(&["'mV/V'", "--unit"]),
+        ),
+        form(
+            "force_mN",
+            table("time_s,force_mN\n", |t, f| format!("{t},{}", f * 1e3)),
+            Refused(&["'force_mN' is 'mN'", "--unit"]),
+        ),
+        form("no unit", scaled("time_s,Force\n", 1.0), Noted("taken as N")),
+        form("no unit, --unit", scaled("time_s,Force\n", 1e-3), Same)
+            .with(|o| o.unit = Some(Unit::Kilonewton)),
+        form(
+            "two forces",
+            table("time_s,load_n,pull_n\n", |t, f| format!("{t},1,{f}")),
+            Refused(&["which column", "--column", "load_n, pull_n"]),
+        ),
+        form(
+            "duplicate names",
+            table("time_s,force_n,force_n\n", |t, f| format!("{t},1,{f}")),
+            Refused(&["columns 2 and 3 are both called 'force_n'", "--column 3"]),
+        ),
+        form(
+            "duplicate names, --column 3",
+            table("time_s,force_n,force_n\n", |t, f| format!("{t},1,{f}")),
+            Same,
+        )
+        .with(|o| o.column = Some("3".to_string())),
+        form(
+            "short units row",
+            table("time_s,temp,force\n[s],[kN]\n", |t, f| format!("{t},7,{f}")),
+            Refused(&["line 2: the units row has 2 cells, and line 3 has 3"]),
+        ),
+        form("bad readings", plain().replacen(",100\n", ",-6999\n", 1), Noted("")),
+    ]
+}
+
+pub fn whole_forms() -> Vec<Form> {
+    let labview = "LabVIEW Measurement\nWriter_Version\t2\nSeparator\tTab\nDecimal_Separator\t.\n\
+        Date\t2012/02/29\nTime\t12:00:00.0\n***End_of_Header***\n\nChannels\t1\nSamples\t200\n\
+        X_Dimension\tTime\nX0\t0.0\nDelta_X\t0.0625\n***End_of_Header***\nX_Value\tForce (N)\tComment\n";
+    let said = |keys: &str| format!("# weight_n: 630\n{keys}{}", plain());
+    vec![
+        form("headerless, two columns", table("", |t, f| format!("{t},{f}")), Noted("no header")),
+        form(
+            "headerless, three columns",
+            table("", |t, f| format!("{t},7,{f}")),
+            Refused(&["no header line", "--time-column 1"]),
+        ),
+        form("headerless, by numbers", table("", |t, f| format!("{t},7,{f}")), Noted("no header"))
+            .with(|o| {
+                o.time_column = Some("1".to_string());
+                o.column = Some("3".to_string());
+            }),
+        form("forces alone, --rate-hz", table("force_n\n", |_, f| f.to_string()), Same)
+            .with(|o| o.rate_hz = Some(16.0)),
+        form("forces alone", table("force_n\n", |_, f| f.to_string()), Refused(&["--rate-hz"])),
+        form("forces alone, no header", table("", |_, f| f.to_string()), Noted("no header"))
+            .with(|o| o.rate_hz = Some(16.0)),
+        form("LabVIEW", table(labview, |t, f| format!("{t:.6}\t{f:.6}\t")), Same),
+        form("LabVIEW, no comments", table(labview, |t, f| format!("{t:.6}\t{f:.6}")), Same),
+        form(
+            "MATLAB",
+            table("% pull of block 7\n% 29-Feb-2012\n", |t, f| format!("   {t:.7e}   {f:.7e}")),
+            Noted("no header"),
+        ),
+        form("numpy", table("# time_s force_n\n", |t, f| format!("{t:.18e} {f:.18e}")), Same),
+        form(
+            "instrument's header",
+            table("Load cell: S2M\nRange;2 kN\nDate;29.02.2012\n\nZeit [s];Kraft [N]\n", |t, f| {
+                format!("{};{}", comma(t), comma(f))
+            }),
+            Same,
+        ),
+        form("--skip-lines", format!("1,2\n3,4\n5,6\n7,8\n{}", plain()), Same)
+            .with(|o| o.skip_lines = 4),
+        form(
+            "--delimiter, --decimal",
+            table("time_s:force_n\n", |t, f| format!("{}:{}", comma(t), comma(f))),
+            Same,
+        )
+        .with(|o| {
+            o.delimiter = Some(b':');
+            o.decimal = Some(Decimal::Comma);
+        }),
+        form(
+            "another column with text",
+            table("time_s,state,force_n\n", |t, f| format!("{t},ok,{f}")),
+            Same,
+        ),
+        form("an idle last column", plain().replace('\n', ",\n"), Same),
+        form("metadata repeated", said("# weight_n: 630\n"), Same),
+        form(
+            "metadata contradicted",
+            said("# weight_n: 700\n"),
+            Refused(&["line 2", "'# weight_n:' says '700'", "line 1"]),
+        ),
+        form(
+            "metadata changed on the way",
+            said("").replacen("\n5,", "\n# weight_n: 500\n5,", 1),
+            Refused(&["line 83", "line 1"]),
+        ),
+        form(
+            "rate against the times",
+            said("# rate_hz: 10\n"),
+            Refused(&["line 2", "rate_hz: 10", "line 4", "16.000 times a second"]),
+        ),
+        form(
+            "--rate-hz against the times",
+            plain(),
+            Refused(&["--rate-hz says 8", "16.000 times a second"]),
+        )
+        .with(|o| o.rate_hz = Some(8.0)),
+        form("TOA5", toa5("\"TS\",\"kN\""), Same),
+        form("TOA5, short units row", toa5("\"TS\""), Refused(&["2 names, but 1 units"])),
+    ]
+}

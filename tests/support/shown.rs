@@ -1,0 +1,123 @@
+//! What people see of a result, on the display and in `floe live`, against what the console said.
+
+use std::convert::Infallible;
+
+use embedded_graphics::Pixel;
+use embedded_graphics::geometry::{OriginDimensions, Size};
+use embedded_graphics::pixelcolor::BinaryColor;
+use embedded_graphics::prelude::DrawTarget;
+use floe::live;
+use floe_core::{Phase, Report};
+use floe_firmware::app::View;
+use floe_firmware::display::{Picture, rows};
+use floe_firmware::line::{Health, Line};
+use floe_firmware::store::CardState;
+
+const WIDTH: usize = 128;
+const HEIGHT: usize = 64;
+/// Rows of points with both coefficients.
+const COEFFICIENTS: std::ops::Range<usize> = 16..35;
+/// A terminal with room for all words, and none for large numbers.
+const TERMINAL: (u16, u16) = (72, 30);
+
+/// The display's points: `#` is lit.
+struct Points(Vec<Vec<char>>);
+
+impl OriginDimensions for Points {
+    fn size(&self) -> Size {
+        Size::new(WIDTH as u32, HEIGHT as u32)
+    }
+}
+
+impl DrawTarget for Points {
+    type Color = BinaryColor;
+    type Error = Infallible;
+
+    fn draw_iter<I: IntoIterator<Item = Pixel<BinaryColor>>>(
+        &mut self,
+        pixels: I,
+    ) -> Result<(), Infallible> {
+        for Pixel(point, colour) in pixels {
+            let place = (usize::try_from(point.y), usize::try_from(point.x));
+            let (Ok(y), Ok(x)) = place else { continue };
+            if let Some(lit) = self.0.get_mut(y).and_then(|row| row.get_mut(x)) {
+                *lit = if colour.is_on() { '#' } else { '.' };
+            }
+        }
+        Ok(())
+    }
+}
+
+/// What the display looks like: a row of points a line.
+#[must_use]
+pub fn picture(view: &View) -> Vec<String> {
+    let mut points = Points(vec![vec!['.'; WIDTH]; HEIGHT]);
+    let Ok(()) = Picture::default().draw(&mut points, view);
+    points.0.into_iter().map(|row| row.into_iter().collect()).collect()
+}
+
+/// The last result that was said.
+#[must_use]
+pub fn last_report(console: &str) -> Option<Report> {
+    let report = |line| match line {
+        Ok(Line::Report(report)) => Some(report),
+        _ => None,
+    };
+    console.lines().rev().find_map(|text| report(Line::parse(text)))
+}
+
+/// What `floe live` shows of it, blanks one wide.
+#[must_use]
+pub fn live_words(console: &str) -> String {
+    let screen = live::shown(console, TERMINAL).join("\n");
+    screen.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+/// Mean and ± of both coefficients, as the display writes them: `mu_s 1.2401 +- 0.0035`.
+#[must_use]
+pub fn coefficients(report: &Report) -> [String; 2] {
+    let [_, mu_s, mu, ..] = rows(&view(*report)).map(|row| row.to_string());
+    [mu_s, mu]
+}
+
+fn view(report: Report) -> View {
+    View {
+        force_n: None,
+        rate_n_per_s: None,
+        weighed: None,
+        unix_ms: None,
+        report: Some(report),
+        phase: Phase::Unknown,
+        provisional: None,
+        health: Health::default(),
+        card: CardState::Ready,
+    }
+}
+
+/// Both coefficients on a photograph of the display and in `floe live` are those that the console
+/// said last, to the last digit shown. Gives them.
+///
+/// # Errors
+/// Which differ.
+pub fn agree(console: &str, photograph: &[String]) -> Result<[String; 2], String> {
+    let report = last_report(console).ok_or("no result was said")?;
+    let drawn = picture(&view(report));
+    if photograph.get(COEFFICIENTS) != drawn.get(COEFFICIENTS) {
+        return Err(format!("the display shows\n{}", photograph.join("\n")));
+    }
+    let (said, words) = (coefficients(&report), live_words(console));
+    for row in &said {
+        let shown = live_row(row, report.events).ok_or("no ± was said")?;
+        if !words.contains(&shown) {
+            return Err(format!("floe live does not show {shown}: {words}"));
+        }
+    }
+    Ok(said)
+}
+
+/// What `floe live` makes of a row of the display.
+fn live_row(row: &str, events: u32) -> Option<String> {
+    let (name, value) = row.split_once(' ')?;
+    let (mean, std) = value.trim().split_once(" +- ")?;
+    Some(format!("{name}, mean {mean} ± {std} ({events} events)"))
+}
