@@ -110,6 +110,9 @@ pub struct SampleTime {
 }
 
 impl SampleTime {
+    /// The first sample.
+    pub(crate) const ZERO: Self = Self { index: 0, fraction: 0.0 };
+
     /// The moment that is so many periods after an index; before it, if they are negative.
     pub(crate) fn after(origin: u64, periods: f32) -> Self {
         let whole = libm::floorf(periods);

@@ -195,8 +195,8 @@ pub(crate) struct Stretches {
     moving: Option<bool>,
     /// What is not understood, as long as it may grow.
     open: Option<Stretch>,
-    /// The newest moment that a stretch was told of.
-    told: SampleTime,
+    /// First and last moment of the newest stretch that was told.
+    told: (SampleTime, SampleTime),
     /// Oldest first.
     ready: [Option<Stretch>; 3],
 }
@@ -210,7 +210,7 @@ impl Stretches {
             weight_n,
             moving: winch.then_some(true),
             open: None,
-            told: SampleTime { index: 0, fraction: 0.0 },
+            told: (SampleTime::ZERO, SampleTime::ZERO),
             ready: [None; 3],
         }
     }
@@ -260,10 +260,17 @@ impl Stretches {
         self.close();
     }
 
-    /// The onset of an event, or where what was told before it ends.
-    pub(crate) fn onset(&self, event: &Event) -> SampleTime {
-        let is_inside = event.onset < self.told && self.told < event.stop;
-        if is_inside { self.told } else { event.onset }
+    /// Onset and stop of an event, without what was told already. `None` if all of it was.
+    pub(crate) fn outside(&self, event: &Event) -> Option<(SampleTime, SampleTime)> {
+        let Event { onset, stop, .. } = *event;
+        let (from, to) = self.told;
+        if stop <= from || to <= onset {
+            Some((onset, stop))
+        } else if to < stop {
+            Some((to, stop))
+        } else {
+            (onset < from).then_some((onset, from))
+        }
     }
 
     /// What was not understood is over.
@@ -304,13 +311,13 @@ impl Stretches {
     /// There is room: a step ends at most one constant force, which takes many samples, with what
     /// was open before it, and one event's; and it takes one out.
     fn push(&mut self, mut stretch: Stretch) {
-        if stretch.start < self.told {
-            stretch.start = self.told;
+        if stretch.start < self.told.1 {
+            stretch.start = self.told.1;
         }
         if stretch.start >= stretch.stop {
             return;
         }
-        self.told = stretch.stop;
+        self.told = (stretch.start, stretch.stop);
         if let Some(place) = self.ready.iter_mut().find(|place| place.is_none()) {
             *place = Some(stretch);
         }

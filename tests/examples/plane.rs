@@ -1,8 +1,8 @@
 //! Scenes drawn over the plane of weight, stiffness, winch speed and noise: is any mean
 //! far off, and what is refused?
 //!
-//! `cargo run --release -p floe-tests --example plane -- [SCENES [SEED]]` (300 and 1 unless
-//! given)
+//! `cargo run --release -p floe-tests --example plane -- [SCENES [SEED [RECURRENCES]]]` (300, 1
+//! and 20 unless given)
 
 use std::collections::BTreeMap;
 
@@ -11,8 +11,7 @@ use floe_core::Estimate;
 use floe_tests::normal::Normal;
 use floe_tests::score::{Tried, run};
 
-/// Recurrences of a record, and its longest time, s.
-const RECURRENCES: f64 = 20.0;
+/// Longest time of a record, s.
 const LONGEST_S: f64 = 20_000.0;
 
 /// Even in the logarithm.
@@ -28,7 +27,7 @@ struct Case {
     noise: f64,
 }
 
-fn case(random: &mut Normal) -> Case {
+fn case(random: &mut Normal, recurrences: f64) -> Case {
     let weight_n = drawn(random, 100.0, 20_000.0);
     let k = drawn(random, 5e3, 1e6);
     let w = drawn(random, 1e-3, 0.4);
@@ -42,7 +41,7 @@ fn case(random: &mut Normal) -> Case {
     let turn = (half / half.hypot(k * w / omega)).acos() + std::f64::consts::FRAC_PI_2;
     let slip_s = 2.0 * turn / omega;
     let first_s = (mu + drop) * weight_n / (k * w);
-    let wanted_s = first_s + RECURRENCES * (stick_s + slip_s);
+    let wanted_s = first_s + recurrences * (stick_s + slip_s);
     let mut scene = Scene {
         weight_n,
         mu_s: mu + drop,
@@ -78,10 +77,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut args = std::env::args().skip(1);
     let scenes: u32 = args.next().map_or(Ok(300), |n| n.parse())?;
     let seed: u64 = args.next().map_or(Ok(1), |n| n.parse())?;
+    let recurrences: f64 = args.next().map_or(Ok(20.0), |n| n.parse())?;
     let mut random = Normal::new(seed);
     let (mut far, mut refused, mut clear, mut clear_events) = (Vec::new(), Vec::new(), 0, [0, 0]);
     for number in 1..=scenes {
-        let case = case(&mut random);
+        let case = case(&mut random, recurrences);
         let tried = run(&case.scene, u64::from(number));
         let Case { scene: s, slip, recurrence, noise } = &case;
         let about = format!(
@@ -113,7 +113,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             clear_events[1] += tried.truths.len();
         }
     }
-    println!("{scenes} scenes, seed {seed}");
+    println!("{scenes} scenes of {recurrences} recurrences, seed {seed}");
     println!("\n{} with a mean more than 5 combined standard deviations off:", far.len());
     far.iter().for_each(|line| println!("- {line}"));
     println!("\n{} without a mean of both coefficients:", refused.len());

@@ -29,7 +29,11 @@ impl CycleTracker {
         // A sag that only may be is no part of what all events have in common.
         let sag_n2 = if shift_n > 0.0 { shift_n2 } else { 0.0 };
         let (static_n2, dynamic_n2) = posterior.common_n2;
-        let common = (site.std(static_n2), site.std(dynamic_n2 + sag_n2));
+        let mut common = (site.std(static_n2), site.std(dynamic_n2 + sag_n2));
+        if !posterior.is_resolved() && !self.learnt.knows_omega() {
+            // The guess of how long a slip is, is the same for all of them.
+            common = (site.std(posterior.static_n2), site.std(posterior.dynamic_n2));
+        }
         Finished { event, alone, common, change }
     }
 

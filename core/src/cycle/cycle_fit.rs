@@ -11,10 +11,17 @@ use crate::event::Reason;
 use crate::fit::posterior::{OverOnset, Posterior};
 use crate::fit::residuals::excess_ratio;
 use crate::fit::{Data, Fit, Fitting, Forces, Variances};
+use crate::num::math::{self, larger};
 use crate::stats::line::Line;
 
 /// Samples' worth of iterations that are still made when the next event wants to be fitted.
 const LEFT: usize = 5;
+/// Standard deviations of the noise that are no chance.
+const SURE: f32 = 4.0;
+
+/// Periods from the highest to the lowest sample that tell when a slip began and how long it took:
+/// a single sample in between could be anywhere in slips of many lengths.
+const TELLING: f32 = 3.0;
 
 /// An event being fitted.
 #[derive(Clone, Copy, Debug)]
@@ -71,10 +78,11 @@ impl CycleFit {
         Self { pending, after, stage: Stage::New, fitted_n2: 0.0 }
     }
 
-    /// Does enough of the stick line that starts at a time show to tell when it did? A
+    /// Does the last sample show the stick line that starts at a time, clearly above its start? A
     /// fit without it ends where the last samples would begin to contradict.
     pub(crate) fn shows(&self, start: f32) -> bool {
-        self.after.count > 0 || self.pending.samples().end() > start + 2.0
+        let risen_n = self.pending.rate() * (self.pending.samples().end() - start);
+        self.after.count > 0 || risen_n > SURE * math::sqrt(self.pending.noise_n2)
     }
 
     /// One iteration.
@@ -88,12 +96,21 @@ impl CycleFit {
         }
     }
 
-    /// Iterations a sample: as many as one has time for, two of a usual slip. With fewer,
-    /// unresolved slips in quick succession lose places of their onset, and first events their
-    /// fit.
+    /// Iterations a sample: as many as one has time for, two of a usual slip; of the places of an
+    /// onset, which are many, more. With fewer, unresolved slips in quick succession have no
+    /// place of their onset in time, and first events no fit.
     pub(crate) fn iterations(&self) -> usize {
+        match self.stage {
+            Stage::Places(..) => self.iterations_of(3, 8),
+            Stage::New | Stage::Free(_) | Stage::Expected(_) | Stage::Telling(..) => {
+                self.iterations_of(1, 4)
+            }
+        }
+    }
+
+    fn iterations_of(&self, times: usize, most: usize) -> usize {
         const TIME: usize = 52;
-        iterations_within(TIME, self.pending.samples().forces_n.len()).clamp(1, 4)
+        iterations_within(times * TIME, self.pending.samples().forces_n.len()).clamp(1, most)
     }
 
     /// Is the next step as long as all that a sample has time for?
@@ -101,11 +118,11 @@ impl CycleFit {
         matches!(self.stage, Stage::Telling(..))
     }
 
-    /// What there is when no time is left: what was measured, the places of the onset so far,
-    /// or no fit.
+    /// What there is when no time is left: what was measured, or no fit. An onset whose places
+    /// were not all looked at may be anywhere, unless samples enough lie in the slip.
     pub(crate) fn cut(&mut self, learnt: &mut Expectations) -> Outcome {
-        for _ in 0..LEFT * self.iterations() {
-            if !matches!(self.stage, Stage::New | Stage::Free(_) | Stage::Expected(_)) {
+        for _ in 0..LEFT * self.iterations_of(1, 4) {
+            if matches!(self.stage, Stage::Places(..) | Stage::Telling(..)) {
                 break;
             }
             if let ControlFlow::Break(outcome) = self.step(learnt) {
@@ -114,14 +131,20 @@ impl CycleFit {
         }
         let noise_n2 = learnt.noise_n2(&self.pending);
         let data = learnt.data(&self.pending, &self.after, noise_n2);
-        let (fit, posterior, strain) = match &self.stage {
-            Stage::Telling(fit, posterior, strain) => (fit, *posterior, *strain),
-            Stage::Places(places, fit, strain) => (fit, places.so_far(fit, noise_n2), *strain),
+        let (fit, posterior, strain) = match self.stage {
+            Stage::Telling(fit, posterior, strain) => (fit, posterior, strain),
+            Stage::Places(_, fit, strain) => {
+                let mut at = Posterior::at(&fit, noise_n2);
+                if self.pending.fall() < TELLING {
+                    at.begin_anywhere();
+                }
+                (fit, at, strain)
+            }
             Stage::New | Stage::Free(_) | Stage::Expected(_) => {
                 return Outcome::Failed(Reason::TooShort);
             }
         };
-        outcome(measured(learnt, &data, fit, posterior, strain, noise_n2), strain)
+        outcome(measured(learnt, &data, &fit, posterior, strain, noise_n2), strain)
     }
 
     fn start(&mut self, learnt: &mut Expectations) -> ControlFlow<Outcome> {
@@ -188,7 +211,9 @@ impl CycleFit {
         let now_n2 = learnt.noise_n2(pending);
         fit.scale(excess_ratio(around_n2, free - points, now_n2));
         if counts {
-            let (slip, wider) = data.slip_scatter(&fit, noise_n2);
+            // Where the noise is not known yet, the line after the slip has it.
+            let quiet_n2 = larger(noise_n2, line_n2 / larger(points, 1.0));
+            let (slip, wider) = data.slip_scatter(&fit, quiet_n2);
             // A force that wanders does so in the slip as well.
             if pending.wander.level <= 0.0 {
                 learnt.slip.learn(&slip);

@@ -219,7 +219,7 @@ impl Expectations {
         let own_swing = |least| {
             let own = own(cycle.inverse_omega(), inverse_omega, data.inverse_omega, least)
                 .filter(positive);
-            own.filter(|_| posterior.is_resolved())
+            own.filter(|_| posterior.tells_swing())
         };
         let mut told = Told {
             // A known swing hides another one: little of its own is enough to judge. A

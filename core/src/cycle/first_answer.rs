@@ -6,8 +6,8 @@ use crate::cycle::cycle_fit::iterations_within;
 use crate::cycle::slip_record::SlipRecord;
 use crate::detector::Detector;
 use crate::event::Provisional;
+use crate::fit::Variances;
 use crate::fit::posterior::Posterior;
-use crate::fit::{Fit, Variances};
 use crate::stats::line::Line;
 
 /// Steps of the fit for the first answer, which is wanted at once: two are usual.
@@ -47,18 +47,18 @@ impl CycleTracker {
         let mut fitting = slip.begin(&data, self.learnt.knows_omega());
         let mut step = || fitting.step(&data, noise_n2).break_value();
         let fit = (0..steps).find_map(|_| step()).flatten();
-        let fit = fit.filter(|fit| fit.converged && slip.holds(&fit.cycle))?;
+        let mut fit = fit.filter(|fit| fit.converged && slip.holds(&fit.cycle))?;
         self.early = Some((slip.origin, fit.cycle));
         let known = self.learnt.residuals.variance_n2().is_some();
-        let is_resolved = Posterior::at(&fit, noise_n2).is_resolved();
-        (is_resolved && known && !slip.hidden).then(|| self.first_answer(&slip, fit, noise_n2))
+        fit.widen(&Variances::UNSURE_SWING, self.learnt.unsure_swing(&slip, noise_n2));
+        let at = Posterior::at(&fit, noise_n2);
+        (at.is_resolved() && known && !slip.hidden).then(|| self.first_answer(&slip, &at, noise_n2))
     }
 
     /// With all that the events so far tell of the cable and of the noise, as the event itself
     /// will have it.
-    fn first_answer(&self, slip: &SlipRecord, mut fit: Fit, noise_n2: f32) -> Provisional {
-        fit.widen(&Variances::UNSURE_SWING, self.learnt.unsure_swing(slip, noise_n2));
-        let Posterior { cycle, static_n2, dynamic_n2, .. } = Posterior::at(&fit, noise_n2);
+    fn first_answer(&self, slip: &SlipRecord, at: &Posterior, noise_n2: f32) -> Provisional {
+        let Posterior { cycle, static_n2, dynamic_n2, .. } = *at;
         let (shift_n, shift_n2) = self.shift(slip, &cycle);
         // The lowest sample may be one of a cable that flops, and makes about a quarter of `Fp`.
         let flop_n2 = (1.0 / slip.rest_weight - 1.0) * noise_n2 / 16.0;

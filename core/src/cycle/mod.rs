@@ -96,6 +96,11 @@ impl CycleTracker {
         }
     }
 
+    /// The last event is none: it takes no number.
+    pub fn withdraw(&mut self) {
+        self.count = self.count.saturating_sub(1);
+    }
+
     /// The block rests again: the event before has its lines, and this one is pending.
     ///
     /// `last_hidden` is the newest saturated index. Gives the event before that one if
@@ -139,7 +144,7 @@ impl CycleTracker {
             SampleTime::after(origin, cycle.onset - self.creep_periods() - UNSURE).index
         });
         if let Some(pending) = &mut self.pending {
-            pending.end_before(stick, window, next_peak.index);
+            pending.end_before(stick, window, next_peak.index, next_onset);
             let periods = since(pending.low.index, next_peak.index);
             let refused = refusal::of_fall(pending, stick.highest.force_n, periods, self.slides);
             pending.refused = pending.refused.or(refused);

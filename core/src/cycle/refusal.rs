@@ -11,6 +11,9 @@ use crate::stats::line::Line;
 const FEWEST_PERIODS: u64 = 4;
 /// Standard deviations of the noise that are no chance.
 const SURE: f32 = 4.0;
+/// Part of the rise after it below which a fall is no slip: what the first load does to a cable
+/// that was quieter before.
+const LEAST_FALL: f32 = 0.02;
 /// Periods of a fall that shows no sample between its ends.
 const INSTANT: f32 = 1.5;
 /// Fewest periods of a fall that shows its shape.
@@ -47,6 +50,9 @@ pub(crate) fn of_fall(
         return Some(Reason::WoundBack);
     }
     let rise_n = next_n - slip.low.force_n;
+    if drop_n < LEAST_FALL * rise_n {
+        return Some(Reason::Scatters);
+    }
     let possible_n = slip.rate() * periods;
     let stays = rise_n < 0.6 * drop_n && possible_n > drop_n.max(2.0 * rise_n);
     stays.then_some(Reason::NoRest)
@@ -78,8 +84,7 @@ pub(crate) fn of_event(event: &Event) -> Option<Reason> {
 /// the noise unknown.
 /// At most as many samples as the record of a slip holds.
 fn is_even(slip: &SlipRecord) -> bool {
-    // Where half a cosine has lost that part.
-    let from = math::acos(1.0 - 2.0 * slip.edge_part());
+    let from = slip.edge_angle();
     let (first, last) = slip.fall_edges();
     let turn = (core::f32::consts::PI - 2.0 * from) / (last - first);
     let (mut straight, mut cosine) = (Line::default(), Line::default());

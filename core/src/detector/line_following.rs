@@ -17,16 +17,27 @@ const NEW_LINE: u32 = 3;
 /// Samples of a longer stick that the profile looks at.
 pub(super) const PROFILE: u64 = WINDOW as u64 * 3 / 4;
 
-/// How far a stick line stays behind, for a usual fall and a time of creep in periods.
-pub(super) fn line_delay(usual_fall: f32, creep_periods: f32) -> u64 {
-    (2 + (0.3 * usual_fall + creep_periods) as u64).min(WINDOW as u64 / 4)
+/// How far a stick line stays behind, for a usual fall, a usual rise after the onset and a time
+/// of creep before it, in periods.
+pub(super) fn line_delay(usual_fall: f32, usual_rise: f32, creep_periods: f32) -> u32 {
+    (2 + (0.3 * usual_fall + creep_periods) as u32 + whole(usual_rise)).min(WINDOW as u32 / 4)
+}
+
+/// To the nearest sample.
+pub(super) fn whole(periods: f32) -> u32 {
+    (periods + 0.5) as u32
 }
 
 impl Detector {
+    /// The line stays as far behind as what is usual now wants it.
+    pub(super) fn update_delay(&mut self) {
+        self.line_delay = line_delay(self.usual_fall, self.usual_rise, self.creep_periods);
+    }
+
     /// Takes samples into the line, far enough behind the newest one that a slip
     /// which has just begun, unseen, does not bend it, nor creep before it.
     pub(super) fn extend_line(&mut self, newest: u64) {
-        while self.stick.next + self.line_delay <= newest {
+        while self.stick.next + u64::from(self.line_delay) <= newest {
             let index = self.stick.next;
             self.stick.next += 1;
             if self.stick.next == self.stick.origin + PROFILE {
@@ -35,6 +46,17 @@ impl Detector {
             if let Some(force_n) = self.window.get(index) {
                 self.take_into_line(ForcePoint { index, force_n });
             }
+        }
+    }
+
+    /// A slip that was seen late, as that after a brief rest is, may have samples on the line:
+    /// then the last samples before its onset count, one by one.
+    pub(super) fn shorten_line(&mut self) {
+        let Stick { origin, highest, next, .. } = self.stick;
+        let end = highest.index.saturating_sub(whole(self.usual_rise).into()).max(origin);
+        if next > end {
+            self.stick.forget_line();
+            self.stick.next = self.stick.next.min(end);
         }
     }
 

@@ -40,7 +40,7 @@ mod stick_line;
 pub use crate::detector::stick_line::Stick;
 
 use crate::detector::catch_up::CATCH_UP;
-use crate::detector::line_following::{PROFILE, line_delay};
+use crate::detector::line_following::{PROFILE, line_delay, whole};
 use crate::detector::slack_wait::SlackWait;
 use crate::detector::stick_line::LINE_POINTS;
 use crate::effect::Effects;
@@ -106,8 +106,10 @@ pub struct Detector {
     usual_drop_n: f32,
     /// Usual time from the highest to the lowest sample, periods.
     usual_fall: f32,
+    /// Usual time from the onset to the highest force, periods.
+    usual_rise: f32,
     /// The line stays so many samples behind the newest one.
-    line_delay: u64,
+    line_delay: u32,
     /// Time before an onset in which creep bends the line, periods.
     creep_periods: f32,
     /// Half the usual drop below the last highest sample, N.
@@ -142,7 +144,8 @@ impl Detector {
             judged_with_n: f32::INFINITY,
             usual_drop_n: 0.0,
             usual_fall,
-            line_delay: line_delay(usual_fall, 0.0),
+            usual_rise: 0.0,
+            line_delay: line_delay(usual_fall, 0.0, 0.0),
             creep_periods: 0.0,
             middle_n: 0.0,
             ceiling_n: f32::NEG_INFINITY,
@@ -196,6 +199,7 @@ impl Detector {
         } else if self.slips(now) {
             self.phase = Phase::Slip;
             self.lowest = now;
+            self.shorten_line();
             return Some(Transition::Onset);
         }
         if !self.hangs(now) {
@@ -227,8 +231,12 @@ impl Detector {
         let wait = SlackWait::under(self.lowest, drop, self.std_n);
         let low = if wait.is_some() { self.first_low(peak.index) } else { self.lowest };
         self.update_usual(drop, (low.index - peak.index) as f32);
+        // Only now is it known how late the first slip was seen.
+        self.shorten_line();
         self.middle_n = peak.force_n - 0.5 * drop.max(self.usual_drop_n);
-        self.rest_from(now, now.index + 1);
+        // As far from the lowest force to the stop as from the onset to the highest.
+        let stop = low.index + u64::from(whole(self.usual_rise));
+        self.rest_from(now, now.index.max(stop) + 1);
         self.slack_wait = wait;
         self.look_back(low.index, now.index);
         Transition::Restick { peak, low }

@@ -1,6 +1,5 @@
 //! What others may know of the detector, and what they let it know.
 
-use crate::detector::line_following::line_delay;
 use crate::detector::{Detector, Stick};
 use crate::effect::Effect;
 use crate::noise::ripple::ColoredNoise;
@@ -95,7 +94,7 @@ impl Detector {
         // They are kept one by one, as the slip is.
         const ROOM: f32 = 48.0;
         self.creep_periods = periods.min(ROOM - self.usual_fall).max(0.0);
-        self.line_delay = line_delay(self.usual_fall, self.creep_periods);
+        self.update_delay();
     }
 
     /// Where the force is constant nothing slips before it has risen above this, N.

@@ -2,8 +2,7 @@
 //! old stick line.
 
 use crate::detector::Detector;
-use crate::detector::line_following::line_delay;
-use crate::num::math::{larger, smaller};
+use crate::num::math::{self, larger, smaller};
 use crate::sample::{ForcePoint, Phase};
 
 /// Rise that ends a slip at once, parts of its drop. Tuned: a lower one lets noise and flop end
@@ -75,7 +74,18 @@ impl Detector {
             self.usual_drop_n = drop;
             self.usual_fall = fall;
         }
-        self.line_delay = line_delay(self.usual_fall, self.creep_periods);
+        if let Some(rise) = self.rise(drop, fall) {
+            let gain = if self.usual_rise > 0.0 { USUAL_GAIN } else { 1.0 };
+            self.usual_rise += gain * (rise - self.usual_rise);
+        }
+        self.update_delay();
+    }
+
+    /// Periods from the onset to the highest force, `φ/ω` with `sin φ = 2 r / (ω drop)`: from the
+    /// highest to the lowest it is half a turn.
+    fn rise(&self, drop: f32, fall: f32) -> Option<f32> {
+        let swing = fall * core::f32::consts::FRAC_1_PI;
+        Some(swing * math::asin(2.0 * self.stick.line.slope()? * swing / drop))
     }
 
     /// Takes the samples since the slip's lowest one, seen before the re-stick was: the highest

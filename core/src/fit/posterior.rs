@@ -28,6 +28,9 @@ const STEP: f32 = 0.125;
 /// Information that holds the onset in its place: so many times what one sample on
 /// the steepest part of the slip would tell.
 const HELD: f32 = 1e4;
+/// Most steps of the fit at a place: three are usual. A fit that has not settled by then has a
+/// kink, and is as good as it gets.
+const MOST_STEPS: u8 = 8;
 /// A likelihood, in parts of the best fit's, that adds nothing to sums in single precision.
 const UNLIKELY: f32 = 1.2e-7;
 
@@ -56,6 +59,16 @@ impl Posterior {
         self.slide_time >= RESOLVED && self.unknowns[4] < most * most
     }
 
+    /// Does it tell the next events how long a slip is? What one sample in a slip of less than
+    /// two leaves open is no normal distribution: many such events know no more than one.
+    #[must_use]
+    pub(crate) fn tells_swing(&self) -> bool {
+        const CLEAR: f32 = 2.0;
+        const WELL: f32 = 0.08;
+        let well = WELL * self.cycle.inverse_omega();
+        self.is_resolved() && (self.slide_time > CLEAR || self.unknowns[4] < well * well)
+    }
+
     /// Takes what is known of the corners since the fit.
     pub(crate) fn take(&mut self, effect: &Correction) {
         let Correction {
@@ -72,6 +85,18 @@ impl Posterior {
         self.static_n2 += effect.static_n2;
         self.dynamic_n2 += effect.dynamic_n2;
         self.common_n2 = (effect.static_n2, effect.dynamic_n2);
+    }
+
+    /// The slip began anywhere within a period before and after, and may have any length that
+    /// goes with it: `Fs` is as unsure as the onset, `Fp` by half as much.
+    pub(crate) fn begin_anywhere(&mut self) {
+        const UNIFORM: f32 = 1.0 / 3.0;
+        let CycleParams { rate, omega, .. } = self.cycle;
+        let onset_n2 = UNIFORM * rate * rate;
+        self.static_n2 += onset_n2;
+        self.dynamic_n2 += 0.25 * onset_n2;
+        self.unknowns[0] += UNIFORM;
+        self.unknowns[4] += 1.0 / (omega * omega);
     }
 
     /// With no variance less than another's.
@@ -125,7 +150,7 @@ impl OverOnset {
         let held = Prior { mean: onset, weight: HELD * steepest * steepest };
         let held = Data { onset: held, ..*data };
         let guess = CycleParams { onset, ..self.from };
-        let fitting = self.fitting.get_or_insert_with(|| Fitting::new(&guess));
+        let fitting = self.fitting.get_or_insert_with(|| Fitting::brief(&guess, MOST_STEPS));
         let ControlFlow::Break(fit) = fitting.step(&held, noise_n2) else {
             return ControlFlow::Continue(());
         };

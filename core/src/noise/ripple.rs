@@ -109,45 +109,46 @@ impl Ripple {
         let slow = self.squares - white;
         let limit = 2.0 * SIGNIFICANT * white;
         let sure = self.count >= FEWEST && slow * slow * self.count > limit * limit;
-        let unfollowed = || ColoredNoise { unsure: self.swing(), ..ColoredNoise::NONE };
+        let swing_n2 = self.swing_n2();
+        let swing = self.swing(swing_n2);
+        let unfollowed = ColoredNoise { unsure: swing, ..ColoredNoise::NONE };
         if white <= 0.0 || slow <= 0.0 || !sure {
-            return unfollowed();
+            return unfollowed;
         }
         let (level, step) = (slow / white, self.steps / white - 2.0);
         if step > FASTEST * level {
-            return unfollowed();
+            return unfollowed;
         }
         // A slow one's slope is lost in the noise of single steps.
         let sure = step * step * self.count > 4.0 * SIGNIFICANT * SIGNIFICANT;
         let far = self.far_steps / white * self.count / self.far_count - 2.0;
         let slope = (far / (FAR * FAR) as f32).max(if sure { step } else { 0.0 }).max(0.0);
         let white_share = white / self.squares;
-        let unsure = if self.is_red() {
-            HIDDEN * self.swing()
-        } else if step > QUICK * level {
-            self.swing()
-        } else {
-            0.0
+        let times = match step > QUICK * level {
+            _ if self.is_red(swing_n2) => HIDDEN,
+            true => 1.0,
+            false => 0.0,
         };
+        let unsure = times * swing;
         ColoredNoise { white_share, level, slope, unsure }
     }
 
     /// Is what wanders slowly no swing, but noise whose neighbours are alike? Four samples apart
     /// a swing has `γ₄ = A cos 4ω`; where the correlation falls by the same part `γ₂/γ₁` from
     /// sample to sample it is `γ₁ (γ₂/γ₁)³`. The nearer of the two counts.
-    fn is_red(&self) -> bool {
+    fn is_red(&self, swing_n2: f32) -> bool {
         let [first, second] = self.products;
-        let (ratio, size) = (second / first, self.swing_n2());
-        let cos2 = (first / size) * (first / size);
-        let swing = size * (1.0 - 8.0 * cos2 * (1.0 - cos2));
+        let ratio = second / first;
+        let cos2 = (first / swing_n2) * (first / swing_n2);
+        let swing = swing_n2 * (1.0 - 8.0 * cos2 * (1.0 - cos2));
         let red = first * ratio * ratio * ratio;
         let seen = self.squares - 0.5 * self.far_steps * self.count / self.far_count;
         ratio > LEAST_RED && 2.0 * seen > swing + red
     }
 
     /// Part of the innovations' variance that is a swing, of any length, if that is clear.
-    fn swing(&self) -> f32 {
-        let part = self.swing_n2() / self.squares;
+    fn swing(&self, swing_n2: f32) -> f32 {
+        let part = swing_n2 / self.squares;
         let sure = self.count >= FEWEST && part * part * self.count > SIGNIFICANT * SIGNIFICANT;
         if sure { part } else { 0.0 }
     }

@@ -72,6 +72,12 @@ pub fn acos(x: f32) -> f32 {
     atan2(sqrt((1.0 - x) * (1.0 + x)), x)
 }
 
+/// Arc sine, −π/2 to π/2 rad; the argument is limited to ±1.
+#[must_use]
+pub fn asin(x: f32) -> f32 {
+    core::f32::consts::FRAC_PI_2 - acos(x)
+}
+
 /// Exponential function.
 #[must_use]
 pub fn exp(x: f32) -> f32 {

@@ -130,9 +130,7 @@ impl Pipeline {
     }
 
     fn recurrence_s(&self) -> Option<f32> {
-        let (first, last) = self.onsets?;
-        let periods = last.periods_since(first);
         let intervals = self.events.saturating_sub(1);
-        (intervals > 0).then(|| periods / (intervals as f32 * self.config.rate_hz))
+        (intervals > 0).then(|| self.since_first / (intervals as f32 * self.config.rate_hz))
     }
 }

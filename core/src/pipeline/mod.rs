@@ -99,7 +99,9 @@ pub struct Pipeline {
     change: Option<Change>,
     told: bool,
     stretches: Stretches,
-    onsets: Option<(SampleTime, SampleTime)>,
+    /// Onset of the first event, and periods from there to the newest one.
+    first_onset: SampleTime,
+    since_first: f32,
 }
 
 impl Pipeline {
@@ -138,7 +140,8 @@ impl Pipeline {
             change: None,
             told: true,
             stretches: Stretches::new(rate_hz, config.weight_n, config.winch_m_per_s.is_some()),
-            onsets: None,
+            first_onset: SampleTime::ZERO,
+            since_first: 0.0,
         })
     }
 

@@ -1,6 +1,5 @@
 //! A complete event, counted into the means.
 
-use crate::coefficient::Coefficient;
 use crate::cycle::Finished;
 use crate::effect::Effect;
 use crate::effects::level_shift::Change;
@@ -16,14 +15,22 @@ impl Pipeline {
             return None;
         }
         self.stretches.end_before(finished.event.onset);
-        let onset = self.stretches.onset(&finished.event);
+        let Some((onset, stop)) = self.stretches.outside(&finished.event) else {
+            // Found late, in a force that was told as it is.
+            self.cycles.withdraw();
+            return None;
+        };
         let Finished { mut event, alone, common, change } = finished;
         event.onset = self.decimator.moment(onset);
-        event.stop = self.decimator.moment(event.stop);
+        event.stop = self.decimator.moment(stop);
         if let Some(noise_n) = self.cycles.noise_n() {
             self.detector.fitted_noise(noise_n);
             self.detector.creeps(self.cycles.creep_periods());
         }
+        if self.events == 0 {
+            self.first_onset = event.onset;
+        }
+        self.since_first = event.onset.periods_since(self.first_onset);
         self.events = self.events.saturating_add(1);
         if let Some(change) = change {
             let onset = self.decimator.moment(change.onset);
@@ -35,11 +42,13 @@ impl Pipeline {
         if let Some((mu_s, mu)) = event.mu_s.zip(event.mu).filter(|_| drifts) {
             self.drift.take(mu_s, mu);
         }
-        if let Some(mu_s) = mu_s {
-            self.mu_s.add_with_common(mu_s, in_common(event.quality, mu_s, common.0));
+        let rest = event.stick_s.map_or(f32::MAX, |rest_s| rest_s * self.config.rate_hz);
+        let granted = granted(event.quality, rest);
+        if let Some(it) = mu_s {
+            self.mu_s.add_with_common(it, math::hypotenuse(common.0, granted * it.std));
         }
-        if let Some(mu) = mu {
-            self.mu.add_with_common(mu, in_common(event.quality, mu, common.1));
+        if let Some(it) = mu {
+            self.mu.add_with_common(it, math::hypotenuse(common.1, granted * it.std));
         }
         self.largest_n = math::larger(self.largest_n, event.peak_force_n.abs());
         if mu_s.or(mu).is_some() {
@@ -47,7 +56,6 @@ impl Pipeline {
             self.weight_std += (self.cycles.weight_ratio().1 - self.weight_std) / events;
         }
         self.add_systematic(event.mu_s.as_mut(), event.mu.as_mut());
-        self.onsets = Some((self.onsets.map_or(event.onset, |(first, _)| first), event.onset));
         Some(event)
     }
 }
@@ -55,12 +63,13 @@ impl Pipeline {
 /// Part of an event's standard deviation that is the same in all of them. Where the slip is
 /// too short for the sampling, or hidden by a slack cable, all take the same things for
 /// granted: a third of it, so that no number of such events makes a mean sharper than that.
-fn in_common(quality: Quality, event: Coefficient, common_std: f32) -> f32 {
-    const TAKEN_FOR_GRANTED: f32 = 1.0 / 3.0;
-    match quality {
-        Quality::Good | Quality::Clipped => common_std,
-        Quality::Unresolved | Quality::Slack => {
-            math::hypotenuse(common_std, TAKEN_FOR_GRANTED * event.std)
-        }
-    }
+/// After a rest with few samples, what other events told of rate and swing is taken for granted.
+fn granted(quality: Quality, rest: f32) -> f32 {
+    /// Samples of a rest that tells its line: two for the rate, two that the noise may hide.
+    const TELLING: f32 = 4.0;
+    let least = match quality {
+        Quality::Good | Quality::Clipped => 0.0,
+        Quality::Unresolved | Quality::Slack => 1.0 / 3.0,
+    };
+    math::larger(least, 1.0 - rest / TELLING)
 }

@@ -88,7 +88,7 @@ impl SlipRecord {
     }
 
     /// Periods from the highest sample to the lowest.
-    pub(super) fn fall(&self) -> f32 {
+    pub(crate) fn fall(&self) -> f32 {
         since(self.peak.index, self.low.index)
     }
 
@@ -109,9 +109,14 @@ impl SlipRecord {
     }
 
     /// Part of the drop that begins and ends the fall: beyond what the noise does.
-    pub(crate) fn edge_part(&self) -> f32 {
+    fn edge_part(&self) -> f32 {
         let drop_n = self.peak.force_n - self.low.force_n;
         (0.1 + 3.0 * math::sqrt(self.noise_n2) / drop_n).min(0.3)
+    }
+
+    /// Angle at which half a cosine has fallen by that part.
+    pub(crate) fn edge_angle(&self) -> f32 {
+        math::acos(1.0 - 2.0 * self.edge_part())
     }
 
     pub(super) fn edges(&self) -> (f32, f32) {

@@ -119,18 +119,26 @@ impl SlipRecord {
         Samples { rest_weight, rest_from, slip, ..Samples::new(self.start, forces_n) }
     }
 
-    /// Ends the event before the next one's slip begins, a little before its highest
-    /// sample; a stick too brief for a line gives its samples one by one.
-    pub(crate) fn end_before(&mut self, stick: &Stick, window: &Window, next_peak: u64) {
+    /// Ends the event before the next one's slip begins: with the last index before its onset,
+    /// or a little before its highest sample; a stick too brief for a line gives its samples one
+    /// by one.
+    pub(crate) fn end_before(
+        &mut self,
+        stick: &Stick,
+        window: &Window,
+        next_peak: u64,
+        last: Option<u64>,
+    ) {
         let periods = |time: f32| time as i64;
         if stick.first_from(stick.origin).count == 0 {
             let next = self.origin.saturating_add_signed(periods(self.start)) + self.length as u64;
             self.take(window, next, next_peak.saturating_sub(1));
         }
-        let peak_time = self.early.map_or(0.0, |cycle| cycle.peak_time());
         self.limit = since(self.origin, next_peak);
-        let end = self.limit - peak_time - self.start;
-        self.length = self.length.min(libm::ceilf(end).max(0.0) as usize);
+        let peak_time = self.early.map_or(0.0, |cycle| cycle.peak_time());
+        let end = last.map_or(self.limit - peak_time, |last| since(self.origin, last) + 1.0);
+        let most = libm::ceilf(end - self.start).max(0.0) as usize;
+        self.length = self.length.min(most);
     }
 
     /// The stick line after the slip, up to the last index before the next onset: the
@@ -179,16 +187,23 @@ impl SlipRecord {
     }
 
     /// Is a fitted cycle the slip that the samples show? Its ends lie within half the
-    /// drop and the rise of two periods of the highest and the lowest sample, and within
-    /// two periods and half the fall of where that begins and ends.
+    /// drop and the rise of two periods of the highest and the lowest sample, and its fall
+    /// begins and ends within two periods, and half of what it takes, of where theirs does.
     pub(crate) fn holds(&self, cycle: &CycleParams) -> bool {
         let (peak_n, low_n) = (self.peak.force_n, self.low.force_n);
         let far_n = 0.5 * (peak_n - low_n) + 2.0 * cycle.rate;
         let is_near = |a: f32, b: f32| (a - b).abs() < far_n;
         let (from, to) = self.rough.edges;
         let most = 2.0 + 0.5 * (to - from);
-        let begins = (cycle.onset - from).abs() < most;
-        let ends = !cycle.is_taut() || (cycle.shape().stop() - to).abs() < most;
+        let lead = self.lead(cycle);
+        let begins = (cycle.onset + lead - from).abs() < most;
+        let ends = !cycle.is_taut() || (cycle.shape().stop() - lead - to).abs() < most;
         begins && ends && is_near(cycle.static_n, peak_n) && is_near(cycle.restick_n(), low_n)
+    }
+
+    /// Time from the onset to where the force of a cycle has fallen by the edge's part of the
+    /// fall, and from where it has yet to fall by it to the stop.
+    fn lead(&self, cycle: &CycleParams) -> f32 {
+        cycle.peak_time() + self.edge_angle() / cycle.omega
     }
 }

@@ -1,0 +1,77 @@
+//! Tests in which the block hardly rests, slips for long beside its noise, or slips for less than
+//! a sample: where lines end in the middle of slips if one does not look. The model holds in all
+//! of them, so their means have to.
+
+use floe::sim::Scene;
+use floe_core::Estimate;
+use floe_tests::score::{Tried, run};
+
+/// 200 to 300 recurrences in so many seconds.
+fn scene(
+    [weight_n, stiffness_n_per_m, winch_m_per_s]: [f64; 3],
+    [mu_s, mu]: [f64; 2],
+    noise_n: f64,
+    duration_s: f64,
+) -> Scene {
+    let mut scene = Scene {
+        weight_n,
+        stiffness_n_per_m,
+        winch_m_per_s,
+        mu_s,
+        mu,
+        duration_s,
+        ..Scene::default()
+    };
+    scene.measurement.white_n = noise_n;
+    scene
+}
+
+/// Share of the events with both coefficients.
+fn read(tried: &Tried) -> f64 {
+    let both =
+        |&&(_, f): &&(usize, usize)| tried.found[f].mu_s.is_some() && tried.found[f].mu.is_some();
+    tried.pairs.iter().filter(both).count() as f64 / tried.truths.len() as f64
+}
+
+fn off(mean: Option<Estimate>, truth: f64) -> f64 {
+    let mean = mean.unwrap();
+    (f64::from(mean.mean) - truth) / f64::from(mean.combined_std().unwrap())
+}
+
+fn check(name: &str, scene: &Scene, least_read: f64) {
+    for seed in 1..=4 {
+        let tried = run(scene, seed);
+        let (read, report) = (read(&tried), &tried.report);
+        let offs = [off(report.mu_s, scene.mu_s), off(report.mu, scene.mu)];
+        println!("{name} {seed}: read {read:.3}, off {:.1} {:.1}", offs[0], offs[1]);
+        assert!(read > least_read, "{name} {seed}: {read} read");
+        assert!(offs.iter().all(|z| z.abs() < 5.0), "{name} {seed}: off {offs:?}");
+    }
+}
+
+#[test]
+fn rests_of_three_samples_between_long_slips() {
+    for noise_n in [1.0, 7.0, 28.0] {
+        let scene = scene([6300.0, 48e3, 0.078], [0.45, 0.385], noise_n, 160.0);
+        check("long slips", &scene, 0.97);
+    }
+}
+
+#[test]
+fn rests_of_less_than_a_sample() {
+    check("no rest", &scene([5700.0, 206e3, 0.21], [0.99, 0.795], 4.0, 70.0), 0.97);
+}
+
+#[test]
+fn a_small_drop_in_much_noise_slips_for_long() {
+    check("small drop", &scene([4900.0, 9e3, 0.074], [0.48, 0.41], 44.0, 400.0), 0.97);
+}
+
+/// One sample at most lies in a slip: its events are unsure, and their mean says so.
+#[test]
+fn slips_of_less_than_a_sample_between_brief_rests() {
+    for weight_n in [213.0, 360.0, 533.0] {
+        let scene = scene([weight_n, 139e3, 0.0034], [1.15, 0.74], 0.2, 100.0);
+        check("short slips", &scene, 0.85);
+    }
+}
