@@ -94,7 +94,7 @@ fn lasting_troubles_show_and_pass() {
         let schedule = Schedule::default().with(20, 30, trouble);
         check(&serial(ramp(), schedule), faults, &format!("serial, {trouble:?}"));
     }
-    for (trouble, faults) in [cases[0], cases[3]] {
+    for (trouble, faults) in [cases[0], cases[3], cases[4]] {
         let schedule = Schedule::default().with(20, 30, trouble);
         check(&i2c(ramp(), schedule), faults, &format!("I2C, {trouble:?}"));
     }

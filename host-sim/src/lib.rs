@@ -16,6 +16,7 @@ pub mod log;
 pub mod replay;
 mod report;
 mod rounding;
+mod short_file;
 pub mod sim;
 pub mod stiffness;
 mod weigh;

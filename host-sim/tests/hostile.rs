@@ -116,6 +116,32 @@ fn no_name_on_a_card_leads_out_of_the_folder() {
     assert_eq!(here, ["bad.log", "good", "good.log"]);
 }
 
+/// A device that gives zeros for ever is no card, no scene and no list.
+#[test]
+fn what_never_ends_is_refused() {
+    for (arguments, why) in [
+        (["recover", "/dev/zero", "-o", "tests"], "holds no record of a floe logger"),
+        (["simulate", "/dev/zero", "-o", "log.csv"], "longer than 16 MiB"),
+        (["campaign", "/dev/zero", "--json", "tests.json"], "longer than 16 MiB"),
+        (["replay", "/dev/zero", "--json", "test.json"], "is a binary file"),
+    ] {
+        let directory = directory("endless");
+        let mut command = Command::new(env!("CARGO_BIN_EXE_floe"));
+        let mut child =
+            command.args(arguments).current_dir(&directory).stderr(Stdio::piped()).spawn().unwrap();
+        let begin = Instant::now();
+        while child.try_wait().unwrap().is_none() {
+            if begin.elapsed() > Duration::from_secs(20) {
+                child.kill().unwrap();
+                panic!("{arguments:?}: still reading");
+            }
+            std::thread::sleep(Duration::from_millis(20));
+        }
+        assert_refused(&child.wait_with_output().unwrap(), &["/dev/zero: ", why]);
+        assert_eq!(fs::read_dir(&directory).unwrap().count(), 0, "{arguments:?}");
+    }
+}
+
 #[test]
 fn links_in_the_output_folder_are_not_followed() {
     let dir = directory("links");

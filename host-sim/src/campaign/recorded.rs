@@ -10,6 +10,7 @@ use crate::error::{InputError, excerpt};
 use crate::log::Log;
 use crate::replay::replay_with;
 use crate::replay::test::configure;
+use crate::short_file;
 
 use super::manifest::{self, Entry};
 use super::{EventRecord, TestRecord};
@@ -57,7 +58,7 @@ fn in_directory(folder: &Path) -> Result<Vec<Entry>, InputError> {
 }
 
 fn listed(path: &Path) -> Result<Vec<Entry>, InputError> {
-    let list = fs::read_to_string(path).map_err(unreadable)?;
+    let list = short_file::read(path).map_err(unreadable)?;
     let folder = path.parent().unwrap_or(Path::new("."));
     if manifest::is_manifest(&list) {
         return manifest::read(&list, folder);

@@ -42,12 +42,15 @@ pub struct Place {
 /// The input cannot be read.
 pub fn scan(input: &mut (impl Read + Seek)) -> Result<Found, InputError> {
     let failed = |e: std::io::Error| InputError::new(format!("cannot be read: {e}"));
+    // There are devices that give bytes for ever; none of them has an end.
+    let end = input.seek(SeekFrom::End(0)).map_err(failed)?;
     input.seek(SeekFrom::Start(0)).map_err(failed)?;
+    let mut input = input.take(end);
     let mut found = Found::default();
     let mut buffer = vec![0; 2048 * SECTOR_LEN];
     let mut offset = 0;
     loop {
-        let count = fill(input, &mut buffer).map_err(failed)?;
+        let count = fill(&mut input, &mut buffer).map_err(failed)?;
         for (sector, at) in buffer[..count].chunks_exact(SECTOR_LEN).zip(0_u64..) {
             found.take(sector, offset + at * SECTOR_LEN as u64);
         }

@@ -1,7 +1,7 @@
 //! The chip itself: registers, commands, conversions.
 
 use super::load_cell::LoadCell;
-use super::trouble::{Schedule, Trouble};
+use super::trouble::{Schedule, Trouble, noise};
 
 /// Which of the two chips.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -168,17 +168,20 @@ impl Device {
     pub fn i2c_write(&mut self, now_ns: u64, bytes: &[u8]) -> Vec<u8> {
         let [command, rest @ ..] = bytes else { return Vec::new() };
         let register = usize::from(command >> 2 & 0b11);
-        match command >> 4 {
-            0b0001 => return self.read_data(now_ns),
-            0b0010 => return self.read_register(now_ns, register),
-            0b0100 => {
-                if let Some(&value) = rest.first() {
-                    self.write_register(now_ns, register, value);
-                }
-            }
+        let mut answer = match command >> 4 {
+            0b0001 => self.read_data(now_ns),
+            0b0010 => self.read_register(now_ns, register),
+            _ => Vec::new(),
+        };
+        match (command >> 4, rest.first()) {
+            (0b0001 | 0b0010, _) | (0b0100, None) => {}
+            (0b0100, Some(&value)) => self.write_register(now_ns, register, value),
             _ => self.command(now_ns, *command),
         }
-        Vec::new()
+        if self.trouble(now_ns) == Some(Trouble::Babbling) {
+            (now_ns..).zip(&mut answer).for_each(|(place, byte)| *byte = noise(place));
+        }
+        answer
     }
 
     fn with_inverse(&self, mut data: Vec<u8>) -> Vec<u8> {

@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 
 use super::device::{Device, Variant};
 use super::load_cell::LoadCell;
-use super::trouble::{Schedule, Trouble};
+use super::trouble::{Schedule, Trouble, noise};
 
 /// The word before every command.
 const SYNC: u8 = 0x55;
@@ -96,8 +96,7 @@ impl SerialChip {
         self.babbled_ns = self.babbled_ns.max(now_ns.saturating_sub(64 * BYTE_NS));
         while self.babbled_ns + BYTE_NS <= now_ns {
             self.babbled_ns += BYTE_NS;
-            let noise = (self.babbled_ns / BYTE_NS).wrapping_mul(0x9E37_79B9_7F4A_7C15);
-            self.out.push_front((0, (noise >> 56) as u8));
+            self.out.push_front((0, noise(self.babbled_ns / BYTE_NS)));
         }
     }
 }

@@ -32,8 +32,13 @@ pub enum Trouble {
         /// Bits that flip.
         mask: u8,
     },
-    /// It sends random bytes without being asked.
+    /// It sends random bytes: without being asked where it can, and for every answer.
     Babbling,
+}
+
+/// A byte of whatever comes to a babbling chip's mind.
+pub(super) fn noise(place: u64) -> u8 {
+    (place.wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 56) as u8
 }
 
 /// Troubles by sample number of the load cell.

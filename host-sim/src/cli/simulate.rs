@@ -1,10 +1,10 @@
 //! `floe simulate`: a log with known truth from a scene.
 
-use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use crate::error::InputError;
+use crate::short_file;
 use crate::sim::truth_file::TruthBuilder;
 use crate::sim::{Method, Run, Scene, write};
 
@@ -90,7 +90,7 @@ fn form(path: &Path) -> Result<Form, InputError> {
 /// The file, the line or the value that cannot be used.
 pub fn read_scene(path: &Path, duration_s: Option<f64>) -> Result<Scene, InputError> {
     let refused = |why: String| InputError::new(why).within(path.display());
-    let text = fs::read_to_string(path).map_err(|e| refused(format!("cannot be read: {e}")))?;
+    let text = short_file::read(path).map_err(|e| refused(format!("cannot be read: {e}")))?;
     let mut scene = Scene::from_toml(&text).map_err(|e| refused(e.to_string()))?;
     if let Some(duration_s) = duration_s {
         scene.duration_s = duration_s;

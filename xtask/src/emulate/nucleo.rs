@@ -165,10 +165,10 @@ impl Nucleo {
     }
 }
 
-/// Samples that a command may be late by: while the file of a new card is made, the board
-/// hears it up to 60 ms later.
+/// Samples that a command may be late by: what comes while a picture is drawn is heard with
+/// the next sample, and up to 60 ms later while the file of a new card is made.
 fn later(setup: super::machine::Setup<'_>) -> u64 {
-    if setup.card.is_some() { 2 } else { 0 }
+    if setup.card.is_some() { 2 } else { 1 }
 }
 
 /// A test as somebody would do it: settings, start, stop.
@@ -206,13 +206,23 @@ pub fn card(image: &Path) -> Result<CardSetup> {
 }
 
 /// Number of the test's first sample: as many as the board had taken when it was asked
-/// for its health just before.
+/// for its health just before. Others may have asked earlier.
 fn first_index(shown: &str) -> Option<u64> {
-    let healths = shown.lines().filter_map(|line| match Line::parse(line) {
-        Ok(Line::Health(health)) => Some(u64::from(health.samples)),
-        _ => None,
-    });
-    healths.take(1).next()
+    let (mut before, mut samples) = (None, None);
+    for line in shown.lines() {
+        match Line::parse(line) {
+            // Settings stand with the test's number; the start's is another one.
+            Ok(Line::Start { run, .. }) => {
+                let other = before.replace(run).is_some_and(|it| it != run);
+                if other && samples.is_some() {
+                    return samples;
+                }
+            }
+            Ok(Line::Health(health)) => samples = Some(u64::from(health.samples)),
+            _ => {}
+        }
+    }
+    None
 }
 
 /// The stack's two ends and the log's control block.
@@ -224,5 +234,34 @@ fn symbols(firmware: &Path) -> Result<((u32, u32), Option<u32>)> {
     match (address("_stack_end"), address("_stack_start")) {
         (Some(lower), Some(upper)) => Ok(((lower, upper), address("_SEGGER_RTT"))),
         _ => Err("the image does not name its stack".into()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use floe_firmware::line::Health;
+    use floe_firmware::settings::Settings;
+
+    /// Somebody asks for the board's health, too, before the test and in it.
+    #[test]
+    fn a_test_begins_where_it_was_started_whoever_asks() {
+        let start = |run| Line::Start { run, settings: Settings::default() };
+        let health = |samples| Line::Health(Health { samples, ..Health::default() });
+        let lines = [
+            start(5),
+            health(7),
+            start(5),
+            start(5),
+            health(32),
+            start(6),
+            start(6),
+            health(40),
+            Line::End { run: 6 },
+            health(90),
+        ];
+        let said = lines.map(|line| line.to_text().expect("short").to_string());
+        assert_eq!(first_index(&said.join("\r\n")), Some(32));
+        assert_eq!(first_index(&said[..4].join("\r\n")), None);
     }
 }

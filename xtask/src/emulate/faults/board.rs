@@ -34,6 +34,10 @@ pub(super) fn late(bench: &Bench<'_>) -> Result<Row> {
     converter(bench, Trouble::Slow { ns: 80_000_000 })
 }
 
+pub(super) fn babbling(bench: &Bench<'_>) -> Result<Row> {
+    converter(bench, Trouble::Babbling)
+}
+
 pub(super) fn frozen(bench: &Bench<'_>) -> Result<Row> {
     converter(bench, Trouble::Frozen)
 }

@@ -43,7 +43,7 @@ struct Bench<'a> {
 pub fn check_faults(nucleo: &Nucleo) -> Result<()> {
     let (codes, _) = Record::stick_slip().played();
     let bench = Bench { nucleo, codes };
-    let cases: [(&str, Case); 18] = [
+    let cases: [(&str, Case); 19] = [
         ("no card", cards::none),
         ("card pulled for 10 s in a test", cards::pulled),
         ("new card put in during a test", cards::late),
@@ -52,6 +52,7 @@ pub fn check_faults(nucleo: &Nucleo) -> Result<()> {
         ("crystal that never starts", board::no_crystal),
         ("converter silent for 20 samples", board::silent),
         ("converter late for 20 samples", board::late),
+        ("converter babbling for 20 samples", board::babbling),
         ("converter frozen for 20 samples", board::frozen),
         ("data line held for 2 s", board::bus_held),
         ("data line held by a chip that waits for 1 to 9 clocks", board::bus_stuck),
