@@ -4,6 +4,7 @@
 use core::ops::ControlFlow;
 
 use crate::cycle::expectations::{Expectations, is_clear, is_strained, own_residuals};
+use crate::cycle::refusal::SURE;
 use crate::cycle::slip_record::SlipRecord;
 use crate::effects::corner::CornerEstimator;
 use crate::effects::mass_change::Verdict;
@@ -16,8 +17,6 @@ use crate::stats::line::Line;
 
 /// Samples' worth of iterations that are still made when the next event wants to be fitted.
 const LEFT: usize = 5;
-/// Standard deviations of the noise that are no chance.
-const SURE: f32 = 4.0;
 
 /// Periods from the highest to the lowest sample that tell when a slip began and how long it took:
 /// a single sample in between could be anywhere in slips of many lengths.

@@ -10,7 +10,7 @@ use crate::stats::line::Line;
 /// Fewest periods from slip to slip: two samples of a rest and two of a slip.
 const FEWEST_PERIODS: u64 = 4;
 /// Standard deviations of the noise that are no chance.
-const SURE: f32 = 4.0;
+pub(super) const SURE: f32 = 4.0;
 /// Part of the rise after it below which a fall is no slip: what the first load does to a cable
 /// that was quieter before.
 const LEAST_FALL: f32 = 0.02;
