@@ -1,10 +1,18 @@
 //! The crates as others would take them: documentation, features, examples, package.
 
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use toml::{Table, Value};
+
 use crate::Result;
-use crate::shell::{cargo, run, run_quoted, say};
+use crate::shell::{cargo, root, run, run_quoted, say};
 
 /// What can be published, in its order.
 const PACKAGES: [&str; 3] = ["floe-core", "floe-firmware", "floe"];
+
+/// What the packages do not depend on.
+const OURS_ALONE: [&str; 2] = ["floe-board-model", "xtask"];
 
 /// Builds the documentation with every warning an error, tests `floe-core` with serde, runs
 /// its examples, and builds all three from the packages that would be published.
@@ -27,19 +35,9 @@ pub fn check() -> Result<()> {
         command.args(["run", "--quiet", "--package", "floe-core", "--features", "serde"]);
         run(command.args(["--example", example]))?;
     }
-    package(&["--offline"]).or_else(|reason| {
-        say(&format!("{reason}\nagain, with what the registry has"));
-        package(&[])
-    })
-}
-
-/// Each is built from its package, with the others' packages; what is not committed yet too.
-/// What they depend on is built already, and without debugging information.
-fn package(options: &[&str]) -> Result<()> {
-    let mut package = cargo();
-    package.env("CARGO_PROFILE_DEV_DEBUG", "false");
-    package.args(["package", "--allow-dirty"]).args(options);
-    run_quoted(package.args(PACKAGES.iter().flat_map(|name| ["--package", name])))
+    online_if_need_be(pack)?;
+    let packages = unpack()?;
+    online_if_need_be(|options| build(&packages, options))
 }
 
 fn document() -> Result<()> {
@@ -47,4 +45,97 @@ fn document() -> Result<()> {
     doc.args(["doc", "--no-deps"]);
     doc.args(PACKAGES.iter().flat_map(|name| ["--package", name]));
     run(doc.env("RUSTDOCFLAGS", "-D warnings"))
+}
+
+/// With what is on this machine, and with the registry where that does not do.
+fn online_if_need_be(job: impl Fn(&[&str]) -> Result<()>) -> Result<()> {
+    job(&["--offline"]).or_else(|reason| {
+        say(&format!("{reason}\nagain, with what the registry has"));
+        job(&[])
+    })
+}
+
+/// Makes the packages, of what is not committed yet too.
+fn pack(options: &[&str]) -> Result<()> {
+    let mut package = cargo();
+    package.args(["package", "--no-verify", "--allow-dirty", "--target-dir"]).arg(target());
+    package.args(options);
+    run_quoted(package.args(PACKAGES.iter().flat_map(|name| ["--package", name])))
+}
+
+/// Unpacks the packages into a workspace of their own, in which each depends on the others'
+/// packages.
+///
+/// Cargo's own verification takes another package of the same version that an earlier run left
+/// in its registry or built, so it may build `floe` with an older `floe-core`, and pass or fail
+/// for that.
+fn unpack() -> Result<PathBuf> {
+    let packages = target().join("package");
+    let folder = |name: &str| format!("{name}-{}", env!("CARGO_PKG_VERSION"));
+    for name in PACKAGES.map(folder) {
+        remove(&packages.join(&name))?;
+        let mut tar = Command::new("tar");
+        tar.arg("-xzf").arg(packages.join(format!("{name}.crate"))).arg("-C").arg(&packages);
+        run(&mut tar)?;
+    }
+    let members = PACKAGES.map(folder).map(Value::String).to_vec();
+    let path = |name: &str| (name.to_string(), toml::toml! { path = (folder(name)) }.into());
+    let patch: Table = PACKAGES.map(path).into_iter().collect();
+    let workspace = toml::toml! {
+        [workspace]
+        resolver = "3"
+        members = (members)
+        [patch]
+        crates-io = (patch)
+        [profile]
+        dev = (profile()?)
+    };
+    let write = std::fs::write(packages.join("Cargo.toml"), workspace.to_string());
+    let lock = root().join("Cargo.lock");
+    write
+        .and_then(|()| std::fs::copy(lock, packages.join("Cargo.lock")))
+        .map_err(|e| format!("cannot write {}: {e}", packages.display()))?;
+    Ok(packages)
+}
+
+fn remove(folder: &Path) -> Result<()> {
+    match std::fs::remove_dir_all(folder) {
+        Err(e) if e.kind() != std::io::ErrorKind::NotFound => {
+            Err(format!("cannot remove {}: {e}", folder.display()))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// How this workspace is built, so that what the packages depend on is not built again; they
+/// themselves in a hurry.
+fn profile() -> Result<Value> {
+    let manifest = std::fs::read_to_string(root().join("Cargo.toml")).map_err(|e| e.to_string())?;
+    let mut manifest: Table = manifest.parse().map_err(|e| format!("Cargo.toml: {e}"))?;
+    let profiles = manifest.get_mut("profile").and_then(Value::as_table_mut);
+    let mut dev = profiles.and_then(|it| it.remove("dev")).ok_or("Cargo.toml: no profile.dev")?;
+    if let Some(dev) = dev.as_table_mut() {
+        dev.extend([("opt-level".into(), 0.into()), ("debug".into(), false.into())]);
+        if let Some(overrides) = dev.get_mut("package").and_then(Value::as_table_mut) {
+            for name in OURS_ALONE {
+                overrides.remove(name);
+            }
+        }
+    }
+    Ok(dev)
+}
+
+/// Builds each package with its default features alone.
+fn build(packages: &Path, options: &[&str]) -> Result<()> {
+    for name in PACKAGES {
+        let mut build = cargo();
+        build.arg("build").arg("--manifest-path").arg(packages.join("Cargo.toml"));
+        build.args(["--package", name, "--target-dir"]).arg(target());
+        run_quoted(build.args(options))?;
+    }
+    Ok(())
+}
+
+fn target() -> PathBuf {
+    root().join("target")
 }
