@@ -53,10 +53,10 @@ pub fn assess<M: Method>(trial: &Trial) -> Row {
     let Judgement { detection, mu_s, mu, state_bytes, .. } = judgement;
     let events = detection.hits + detection.misses;
     Row {
-        scene: trial.name,
+        scene: trial.name.to_owned(),
         linear: trial.linear,
         noise_percent: 100.0 * trial.noise,
-        method: M::NAME,
+        method: M::NAME.to_owned(),
         streams: M::STREAMS,
         events,
         f1: detection.f1(),
@@ -67,6 +67,7 @@ pub fn assess<M: Method>(trial: &Trial) -> Row {
         ns_per_sample: ns_per_sample::<M>(trial),
         state_bytes,
         worst_tick_ns: M::STREAMS.then(|| worst_tick_ns::<M>(trial)),
+        board: None,
     }
 }
 
