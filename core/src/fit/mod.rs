@@ -191,8 +191,11 @@ fn without(
     expected: impl IntoIterator<Item = (usize, (Prior, f32))>,
 ) -> (Normal, Gradient) {
     for (unknown, (prior, value)) in expected {
-        normal.matrix[unknown][unknown] -= prior.weight;
-        right[unknown] -= prior.weight * (prior.mean - value);
+        let diagonal = normal.matrix.get_mut(unknown).and_then(|row| row.get_mut(unknown));
+        if let (Some(diagonal), Some(right)) = (diagonal, right.get_mut(unknown)) {
+            *diagonal -= prior.weight;
+            *right -= prior.weight * (prior.mean - value);
+        }
     }
     (normal, right)
 }
