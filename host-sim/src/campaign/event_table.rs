@@ -183,7 +183,8 @@ fn write_column(
         }
         Maybe(of) => {
             let levels: Vec<i16> = rows.clone().map(|r| i16::from(of(r).is_some())).collect();
-            let values: Vec<f64> = rows.filter_map(of).collect();
+            let mut values = Vec::with_capacity(levels.len());
+            values.extend(rows.filter_map(of));
             out.typed::<DoubleType>().write_batch(&values, Some(&levels), None)
         }
         Truth(of) => {

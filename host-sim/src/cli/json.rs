@@ -5,9 +5,11 @@ use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
+use serde_json::Serializer;
 
 use crate::error::InputError;
 
+use super::indented::Indented;
 use super::input::STANDARD;
 use super::output;
 
@@ -77,7 +79,7 @@ impl Json {
 /// A result with a line end.
 fn write(result: &impl Serialize, out: &mut dyn Write) -> io::Result<()> {
     let mut out = BufWriter::new(out);
-    serde_json::to_writer_pretty(&mut out, result)?;
+    result.serialize(&mut Serializer::with_formatter(&mut out, Indented::default()))?;
     out.write_all(b"\n")?;
     out.flush()
 }

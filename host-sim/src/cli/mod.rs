@@ -13,6 +13,7 @@ use crate::error::InputError;
 mod bench;
 mod campaign;
 mod completions;
+mod indented;
 mod input;
 mod inspect;
 mod json;

@@ -9,7 +9,7 @@ use crate::error::InputError;
 use crate::log::{Log, LogOptions};
 use crate::replay::result::ReplayResult;
 use crate::replay::samples::{self, SampleRows};
-use crate::replay::test::{TestOptions, configure};
+use crate::replay::test::{Around, TestOptions, configure};
 use crate::replay::{replay_with, table};
 use crate::report::{self, Recorder};
 
@@ -188,8 +188,8 @@ fn run_core(
     args: &Args,
     mut observe: impl FnMut(f64, &Step),
 ) -> Result<Findings, InputError> {
-    let around = args.test.around(log);
     let drawn = args.report.is_some() || args.figures.is_some();
+    let around = Around { keeps_means: drawn, ..args.test.around(log) };
     let mut recorder = drawn.then(|| Recorder::new(log.rate_hz()));
     let result = match &mut recorder {
         Some(recorder) => replay_with(path, log, config, around, |time_s, step| {

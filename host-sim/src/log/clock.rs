@@ -103,11 +103,13 @@ impl Clock {
     /// another than the period.
     #[must_use]
     pub fn other_interval_s(&self) -> Option<f64> {
-        let said = self.alike == INTERVAL_STAMPS && self.timing.shared.is_none();
+        if self.alike != INTERVAL_STAMPS || self.timing.shared.is_some() {
+            return None;
+        }
         let mean_s = (self.stamp_s - self.since_s) / f64::from(self.alike);
         let ratio = mean_s * self.timing.rate_hz;
         let other = !(OTHER_INTERVAL.recip()..OTHER_INTERVAL).contains(&ratio);
-        (said && other).then_some(mean_s)
+        other.then_some(mean_s)
     }
 
     fn compare_interval(&mut self, stamp_s: f64) {

@@ -67,23 +67,33 @@ const POWERS: [f64; MOST_DIGITS + 1] =
 
 /// The number that a text begins with, and where it ends.
 fn decimal(text: &[u8]) -> Option<(f64, usize)> {
-    let negative = text.first() == Some(&b'-');
-    let (mut mantissa, mut digits, mut whole) = (0_u64, 0, None);
-    let mut end = usize::from(negative);
-    while let Some(&byte) = text.get(end) {
-        match byte {
-            b'0'..=b'9' if digits < MOST_DIGITS => {
-                mantissa = mantissa * 10 + u64::from(byte - b'0');
-                digits += 1;
-            }
-            b'.' if whole.is_none() => whole = Some(digits),
-            _ => break,
-        }
-        end += 1;
+    let sign = usize::from(text.first() == Some(&b'-'));
+    let (mantissa, whole) = digits(text.get(sign..)?, 0);
+    let mut end = sign + whole;
+    let (mut mantissa, mut fraction) = (mantissa, 0);
+    if text.get(end) == Some(&b'.') {
+        (mantissa, fraction) = digits(text.get(end + 1..)?, mantissa);
+        end += 1 + fraction;
     }
-    let fraction = whole.map_or(0, |whole| digits - whole);
+    if !(1..=MOST_DIGITS).contains(&(whole + fraction)) {
+        return None;
+    }
     let value = mantissa as f64 / POWERS.get(fraction)?;
-    (digits > 0).then_some((if negative { -value } else { value }, end))
+    Some((if sign > 0 { -value } else { value }, end))
+}
+
+/// Digits behind those of a mantissa, and how many they are; of too many it is meaningless.
+fn digits(text: &[u8], mut mantissa: u64) -> (u64, usize) {
+    let mut count = 0;
+    for byte in text {
+        let digit = byte.wrapping_sub(b'0');
+        if digit > 9 {
+            break;
+        }
+        mantissa = mantissa.wrapping_mul(10).wrapping_add(u64::from(digit));
+        count += 1;
+    }
+    (mantissa, count)
 }
 
 #[cfg(test)]

@@ -12,11 +12,20 @@ const AHEAD: usize = 4;
 
 type Batch = Result<Vec<Sample>, InputError>;
 
-/// Gives every sample of a log to `take` while the log is read on beside it.
+/// Gives every sample of a log to `take` while the log is read on beside it; a log of one
+/// batch takes no thread.
 ///
 /// # Errors
 /// A line of the log that cannot be used; the samples before it were given.
 pub fn for_each_sample(log: &mut Log, mut take: impl FnMut(Sample)) -> Result<(), InputError> {
+    let mut first = Vec::with_capacity(BATCH);
+    let end = fill(log, &mut first);
+    let goes_on = first.len() == BATCH;
+    first.into_iter().for_each(&mut take);
+    end?;
+    if !goes_on {
+        return Ok(());
+    }
     std::thread::scope(|scope| {
         let (sender, receiver): (_, Receiver<Batch>) = sync_channel(AHEAD);
         scope.spawn(move || send_all(log, &sender));

@@ -2,7 +2,7 @@
 //! figures need in memory.
 
 use std::collections::VecDeque;
-use std::io::{self, BufReader, BufWriter, Read, Seek, Write};
+use std::io::{self, BufWriter, Read, Seek, Write};
 use std::ops::Deref;
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -22,8 +22,10 @@ const ENDS: usize = 256;
 const MOST: usize = 1 << 13;
 /// They are kept in rows of so many: what is drawn of an event reaches to its neighbours.
 const ROW: usize = 8;
-/// More than the text of an event takes.
-const SCRATCH: usize = 1024;
+/// More than the bytes of an event.
+const LONGEST: usize = 1024;
+/// Bytes that are read back at once.
+const PIECE: usize = 1 << 16;
 
 /// Both means as they were known with an event.
 pub type Means = [CoefficientSummary; 2];
@@ -75,7 +77,7 @@ impl Events {
     /// # Errors
     /// The file cannot be written.
     pub fn push(&mut self, event: EventSummary, means: impl FnOnce() -> Means) -> io::Result<()> {
-        let mut scratch = [0; SCRATCH];
+        let mut scratch = [0; LONGEST];
         let bytes = postcard::to_slice(&event, &mut scratch).map_err(io::Error::other)?;
         self.all.lock().unwrap_or_else(PoisonError::into_inner).write_all(bytes)?;
         let means = if is_wanted(&event, self.stride) { means() } else { Means::default() };
@@ -157,10 +159,9 @@ impl Events {
         all.flush()?;
         let file = all.get_mut();
         file.rewind()?;
-        let mut scratch = [0; SCRATCH];
-        let mut reader = BufReader::new(file);
+        let mut bytes = Bytes::new(file);
         for _ in 0..self.found() {
-            let mut event = next(&mut reader, &mut scratch)?;
+            let mut event = bytes.next_event()?;
             self.complete(&mut event);
             take(event)?;
         }
@@ -168,9 +169,30 @@ impl Events {
     }
 }
 
-fn next(reader: &mut impl Read, scratch: &mut [u8]) -> io::Result<EventSummary> {
-    let read = postcard::from_io((reader, scratch)).map_err(io::Error::other);
-    read.map(|(event, _)| event)
+/// Events out of a file, read in large pieces.
+struct Bytes<R> {
+    file: R,
+    buffer: Vec<u8>,
+    /// So many of them are used.
+    used: usize,
+}
+
+impl<R: Read> Bytes<R> {
+    fn new(file: R) -> Self {
+        Self { file, buffer: Vec::with_capacity(LONGEST + PIECE), used: 0 }
+    }
+
+    fn next_event(&mut self) -> io::Result<EventSummary> {
+        if self.buffer.len() - self.used < LONGEST {
+            self.buffer.drain(..self.used);
+            self.used = 0;
+            self.file.by_ref().take(PIECE as u64).read_to_end(&mut self.buffer)?;
+        }
+        let unused = self.buffer.get(self.used..).unwrap_or_default();
+        let (event, rest) = postcard::take_from_bytes(unused).map_err(io::Error::other)?;
+        self.used = self.buffer.len() - rest.len();
+        Ok(event)
+    }
 }
 
 /// Whether an event is kept where one row of `stride` is.

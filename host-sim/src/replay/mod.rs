@@ -17,11 +17,8 @@ pub mod table;
 pub mod test;
 pub mod timeline;
 
-use events::Events;
-use result::{
-    ChangeSummary, CoefficientSummary, EffectSummary, EventSummary, LogSummary, ReplayResult,
-    TestSummary,
-};
+use events::{Events, Means};
+use result::{ChangeSummary, EffectSummary, EventSummary, LogSummary, ReplayResult, TestSummary};
 use stretches::Stretches;
 use test::{Around, TestOptions};
 use timeline::Timeline;
@@ -40,7 +37,7 @@ pub fn replay(
     config: &Config,
     observe: impl FnMut(f64, &Step),
 ) -> Result<ReplayResult, InputError> {
-    let around = TestOptions::default().around(log);
+    let around = Around { keeps_means: true, ..TestOptions::default().around(log) };
     replay_with(path, log, config, around, observe)
 }
 
@@ -56,18 +53,19 @@ pub fn replay_with(
     around: Around,
     mut observe: impl FnMut(f64, &Step),
 ) -> Result<ReplayResult, InputError> {
-    let Around { zero, mass_kg } = around;
+    let Around { zero, mass_kg, keeps_means } = around;
     let refused = |error: floe_core::ConfigError| InputError::new(error.to_string());
     let mut pipeline = Pipeline::new(config).map_err(refused)?;
     let mut timeline = Timeline::new(log.rate_hz());
     let (mut events, mut changes, mut kept) = (Events::default(), Vec::new(), Ok(()));
     let mut stretches = Stretches::default();
+    let means = |pipeline: &Pipeline| if keeps_means { so_far(pipeline) } else { Means::default() };
     let mut take = |sample: Sample| {
         timeline.push(sample.raw.index, sample.time_s);
         let step = pipeline.step(sample.raw);
         observe(sample.time_s, &step);
         if let (Some(event), true) = (step.event, kept.is_ok()) {
-            kept = events.push(summary(&event, &timeline), || so_far(&pipeline));
+            kept = events.push(summary(&event, &timeline), || means(&pipeline));
         }
         changes.extend(step.change.map(|it| ChangeSummary::new(&it, timeline.seconds(it.onset))));
         step.stretch.iter().for_each(|it| add(&mut stretches, it, &timeline));
@@ -81,7 +79,7 @@ pub fn replay_with(
         samples.into_iter().for_each(&mut take);
     }
     while let (Some(event), true) = (pipeline.finish(), kept.is_ok()) {
-        kept = events.push(summary(&event, &timeline), || so_far(&pipeline));
+        kept = events.push(summary(&event, &timeline), || means(&pipeline));
     }
     kept.map_err(|e| {
         InputError::new(format!(
@@ -114,7 +112,7 @@ pub fn replay_with(
 }
 
 /// Both means as they are known now.
-fn so_far(pipeline: &Pipeline) -> [CoefficientSummary; 2] {
+fn so_far(pipeline: &Pipeline) -> Means {
     let report = pipeline.report();
     [report.mu_s.into(), report.mu.into()]
 }

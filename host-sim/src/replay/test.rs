@@ -144,13 +144,15 @@ impl TestOptions {
     #[must_use]
     pub fn around(&self, log: &Log) -> Around {
         let mass_kg = pressed(log, self, 0.0).ok().and_then(|pressed| pressed.mass_kg);
-        Around { zero: self.known.zero(log), mass_kg }
+        Around { zero: self.known.zero(log), mass_kg, keeps_means: false }
     }
 }
 
 /// What the core is not told of a test.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Around {
+    /// Whether the means are kept as they were with each event, which a report draws.
+    pub keeps_means: bool,
     /// The zero to take off.
     pub zero: Zero,
     /// Mass of the block, kg, where that is not its weight over gravity.

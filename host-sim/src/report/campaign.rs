@@ -9,7 +9,7 @@ use super::figure::{Figure, both, dot_key, line_key};
 use super::number::fixed;
 use super::plot::{Axis, Layout, Plot, Spec};
 use super::policy::policy;
-use super::scale::extent;
+use super::scale::{Steps, extent};
 use super::svg::{Path, escape};
 
 const STYLE: &str = include_str!("style.css");
@@ -259,13 +259,13 @@ impl Panel<'_> {
             description: "One point a test, with straight lines and their bands.",
             x: Axis {
                 domain: extent(all.iter().map(|p| p.0), 0.06),
-                least_step: 0.0,
+                steps: Steps::Decimal,
                 label: format!("{name} ({unit})"),
                 readout: (name, unit.to_owned()),
             },
             y: Axis {
                 domain: (low.max(0.0), high),
-                least_step: 0.0,
+                steps: Steps::Decimal,
                 label: format!(
                     "<tspan class=\"sym\">μ</tspan><tspan class=\"sub\" dy=\"3\">{subscript}</tspan>"
                 ),

@@ -38,12 +38,12 @@ impl<'a> Context<'a> {
         Self { result, recorder, force, zero_s }
     }
 
-    /// Label of a time axis.
-    pub fn time_label(&self) -> String {
+    /// Label of a time axis in this unit.
+    pub fn time_label(&self, unit: &str) -> String {
         if self.zero_s == 0.0 {
-            return "time (s)".into();
+            return format!("time ({unit})");
         }
-        format!("time after {:.0} s (s)", self.zero_s)
+        format!("time after {:.0} s ({unit})", self.zero_s)
     }
 
     /// Label of a force axis.
@@ -128,7 +128,7 @@ mod tests {
         let mut recorder = Recorder::new(16.0);
         recorder.push(1_712_345_678.25, &log.steps[0]);
         let context = Context::new(&log.result, &recorder);
-        assert_eq!(context.time_label(), "time after 1712345678 s (s)");
+        assert_eq!(context.time_label("s"), "time after 1712345678 s (s)");
         assert!((context.shown((1_712_345_679.0, 2.0)).0 - 1.0).abs() < 1e-9);
     }
 }

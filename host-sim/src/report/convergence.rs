@@ -5,7 +5,7 @@ use super::figure::{Figure, both, dot_key, line_key, tint_key};
 use super::number::count;
 use super::plot::{Axis, Layout, Plot, Spec};
 use super::running::{Measured, Running, course, measured};
-use super::scale::extent;
+use super::scale::{Steps, extent};
 use super::svg::Path;
 
 /// Events drawn at most; beyond it every second, third, ...
@@ -148,13 +148,13 @@ impl Panel {
                           and the bands of its uncertainty.",
             x: Axis {
                 domain: (first - beside, last + beside),
-                least_step: 1.0,
+                steps: Steps::Whole,
                 label: "event".into(),
                 readout: ("event", String::new()),
             },
             y: Axis {
                 domain: self.domain,
-                least_step: 0.0,
+                steps: Steps::Decimal,
                 label: format!(
                     "{} coefficient <tspan class=\"sym\">μ</tspan><tspan class=\"sub\" dy=\"3\">{}</tspan>",
                     self.kind, self.subscript

@@ -4,7 +4,7 @@ use super::context::Context;
 use super::figure::{Figure, both, dot_key, line_key};
 use super::number::fixed;
 use super::plot::{Axis, Layout, Plot, Spec};
-use super::scale::extent;
+use super::scale::{Steps, extent};
 use crate::replay::result::EventSummary;
 
 /// Fewest events that show a correlation.
@@ -84,7 +84,7 @@ fn draw(pairs: &[(f64, f64)], found: &Correlation, layout: Layout) -> String {
 fn axis(values: impl Iterator<Item = f64>, label: &str, symbol: &'static str) -> Axis {
     Axis {
         domain: extent(values, 0.08),
-        least_step: 0.0,
+        steps: Steps::Decimal,
         label: label.into(),
         readout: (symbol, String::new()),
     }

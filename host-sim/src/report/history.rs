@@ -5,7 +5,7 @@ use super::envelope::Bucket;
 use super::figure::{Figure, both, line_key, tint_key};
 use super::number::fixed;
 use super::plot::{Axis, Layout, Plot, Spec};
-use super::scale::extent;
+use super::scale::{Steps, TimeUnit, extent};
 use super::shading::shade;
 use super::svg::{Path, rectangle};
 use super::zoom::window_s;
@@ -62,6 +62,7 @@ fn spec(context: &Context<'_>, layout: Layout) -> Spec<'static> {
     let (start_s, end_s) = context.recorder.span_s().unwrap_or((0.0, 1.0));
     let (low_n, high_n) = context.recorder.range_n().unwrap_or((0.0, 1.0));
     let factor = context.force.factor;
+    let unit = TimeUnit::of(end_s - start_s);
     Spec {
         id: "history",
         layout,
@@ -71,13 +72,13 @@ fn spec(context: &Context<'_>, layout: Layout) -> Spec<'static> {
                       and in motion tinted.",
         x: Axis {
             domain: (start_s - context.zero_s, end_s - context.zero_s),
-            least_step: 0.0,
-            label: context.time_label(),
+            steps: Steps::Time(unit),
+            label: context.time_label(unit.name),
             readout: ("t", "s".into()),
         },
         y: Axis {
             domain: extent([low_n * factor, high_n * factor], 0.06),
-            least_step: 0.0,
+            steps: Steps::Decimal,
             label: context.force_label(),
             readout: ("F", context.force.name.clone()),
         },

@@ -8,7 +8,7 @@ use super::figure::{Figure, both, dot_key, line_key, mark_keys};
 use super::fit::{Ellipse, rest_s};
 use super::number::{Unit, fixed, quantity};
 use super::plot::{Axis, Layout, Plot, Spec};
-use super::scale::extent;
+use super::scale::{Steps, extent};
 use super::svg::{Mark, symbol, text};
 
 /// Most samples drawn, those nearest to the event.
@@ -83,13 +83,13 @@ impl<'a> Plane<'a> {
                           re-stick to the slip onset, then an ellipse, run clockwise, back.",
             x: Axis {
                 domain: extent(all().map(|p| p.0), 0.12),
-                least_step: 0.0,
+                steps: Steps::Decimal,
                 label: self.context.force_label(),
                 readout: ("F", force.clone()),
             },
             y: Axis {
                 domain: extent(all().map(|p| p.1), 0.08),
-                least_step: 0.0,
+                steps: Steps::Decimal,
                 label: format!("rate <tspan class=\"sym\">F</tspan>′ ({})", self.rate.name),
                 readout: ("F′", self.rate.name.clone()),
             },

@@ -1,7 +1,7 @@
 //! Axes with ticks, and what is drawn between them.
 
 use super::number::fixed;
-use super::scale::{Scale, Ticks, ticks};
+use super::scale::{Scale, Steps, Ticks, ticks};
 use super::svg::{Path, coordinate, escape, rectangle, text};
 
 /// The page is drawn twice, for a wide screen or paper and for a phone; the
@@ -33,8 +33,8 @@ impl Layout {
 pub(super) struct Axis {
     /// Smallest and largest value.
     pub domain: (f64, f64),
-    /// Ticks are at least this far apart.
-    pub least_step: f64,
+    /// How its ticks are apart.
+    pub steps: Steps,
     /// What it is, safe for SVG.
     pub label: String,
     /// Symbol and unit for the read-out under the pointer.
@@ -93,8 +93,8 @@ impl Plot {
 
     fn grid(&mut self, spec: &Spec<'_>) {
         let (x, y) = (self.x, self.y);
-        let across = ticks(x.domain, (x.range.1 - x.range.0) / 68.0, spec.x.least_step);
-        let up = ticks(y.domain, (y.range.0 - y.range.1) / 38.0, spec.y.least_step);
+        let across = ticks(x.domain, (x.range.1 - x.range.0) / 68.0, spec.x.steps);
+        let up = ticks(y.domain, (y.range.0 - y.range.1) / 38.0, spec.y.steps);
         let mut lines = Path::default();
         across.values.iter().for_each(|&v| lines.bar(x.at(v), y.range.0, y.range.1));
         for &value in &up.values {
@@ -194,7 +194,7 @@ fn readout(scale: &Scale, axis: &Axis) -> String {
 /// Labels of ticks; `place` is given the value and about the width of its label.
 fn labels(ticks: &Ticks, class: &str, place: impl Fn(f64, f64) -> (f64, f64)) -> String {
     let label = |&v: &f64| {
-        let label = fixed(v, ticks.decimals);
+        let label = fixed(v / ticks.unit, ticks.decimals);
         let width = DIGIT * label.chars().count() as f64;
         text(class, place(v, width), &label)
     };

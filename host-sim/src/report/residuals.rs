@@ -4,7 +4,7 @@ use super::context::Context;
 use super::figure::{Figure, both, dot_key, tint_key};
 use super::fit::{model_n, reach_s};
 use super::plot::{Axis, Layout, Plot, Spec};
-use super::scale::extent;
+use super::scale::{Steps, extent};
 use super::svg::rectangle;
 use crate::replay::result::EventSummary;
 
@@ -87,13 +87,13 @@ fn draw(
                       onset.",
         x: Axis {
             domain: (-beside_s, slip_s + beside_s),
-            least_step: 0.0,
+            steps: Steps::Decimal,
             label: "time after the onset (s)".into(),
             readout: ("t − onset", "s".into()),
         },
         y: Axis {
             domain: extent([-edge, edge], 0.08),
-            least_step: 0.0,
+            steps: Steps::Decimal,
             label: format!("residual ({})", context.force.name),
             readout: ("residual", context.force.name.clone()),
         },

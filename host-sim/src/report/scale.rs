@@ -33,31 +33,101 @@ pub(super) fn extent(values: impl IntoIterator<Item = f64>, margin: f64) -> (f64
     (centre - half, centre + half)
 }
 
+/// How ticks are apart.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Steps {
+    /// 1, 2 or 5 times a power of ten.
+    Decimal,
+    /// The same, 1 at least.
+    Whole,
+    /// As time is counted; the values are seconds.
+    Time(TimeUnit),
+}
+
+/// A unit for the labels of a time axis.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct TimeUnit {
+    /// As in labels.
+    pub name: &'static str,
+    /// Its length, s.
+    length_s: f64,
+    /// Used from this span on, s.
+    from_s: f64,
+    /// Steps that are round in it; none: the decimal ones.
+    steps: &'static [f64],
+}
+
+/// From the longest on.
+const TIME_UNITS: [TimeUnit; 4] = [
+    TimeUnit { name: "d", length_s: 86_400.0, from_s: 4.0 * 86_400.0, steps: &[] },
+    TimeUnit {
+        name: "h",
+        length_s: 3600.0,
+        from_s: 2.0 * 3600.0,
+        steps: &[0.25, 0.5, 1.0, 2.0, 3.0, 6.0, 12.0, 24.0],
+    },
+    TimeUnit {
+        name: "min",
+        length_s: 60.0,
+        from_s: 15.0 * 60.0,
+        steps: &[1.0, 2.0, 5.0, 10.0, 15.0, 30.0, 60.0],
+    },
+    TimeUnit { name: "s", length_s: 1.0, from_s: 0.0, steps: &[] },
+];
+
+impl TimeUnit {
+    /// The one that a span asks for.
+    pub fn of(span_s: f64) -> Self {
+        let [.., seconds] = TIME_UNITS;
+        TIME_UNITS.into_iter().find(|unit| span_s >= unit.from_s).unwrap_or(seconds)
+    }
+}
+
 /// Round values within an interval.
 #[derive(Clone, Debug)]
 pub(super) struct Ticks {
     /// In order.
     pub values: Vec<f64>,
+    /// What the labels count in.
+    pub unit: f64,
     /// Decimals their labels need.
     pub decimals: usize,
 }
 
-/// At most about `wanted` round values from `low` to `high`, in steps of 1, 2 or
-/// 5 times a power of ten, no smaller than `least_step`.
-pub(super) fn ticks((low, high): (f64, f64), wanted: f64, least_step: f64) -> Ticks {
-    let raw = ((high - low) / wanted.max(1.0)).max(least_step);
+/// At most about `wanted` round values from `low` to `high`.
+pub(super) fn ticks((low, high): (f64, f64), wanted: f64, steps: Steps) -> Ticks {
+    let unit = if let Steps::Time(unit) = steps { unit.length_s } else { 1.0 };
+    let (low, high) = (low / unit, high / unit);
+    let step = step((high - low) / wanted.max(1.0), steps);
+    let (first, last) = ((low / step).ceil(), (high / step).floor());
+    let count = (last - first).clamp(0.0, 100.0) as usize;
+    let values = (0..=count).map(|i| (first + i as f64) * step).filter(|x| *x <= high);
+    let values = values.map(|x| x * unit).collect();
+    let whole = |decimals: &i32| {
+        let scaled = step * 10_f64.powi(*decimals);
+        scaled > 0.5 && (scaled - scaled.round()).abs() < 1e-6
+    };
+    let decimals = (0..9).find(whole).unwrap_or(9) as usize;
+    Ticks { values, unit, decimals }
+}
+
+/// The round step next to `raw`, from above if there is one near.
+fn step(raw: f64, steps: Steps) -> f64 {
+    let raw = match steps {
+        Steps::Decimal => raw,
+        Steps::Whole => raw.max(1.0),
+        Steps::Time(unit) => match unit.steps.iter().find(|&&step| raw <= 1.1 * step) {
+            Some(&step) => return step,
+            None => raw,
+        },
+    };
     let decade = 10_f64.powf(raw.log10().floor());
-    let step = match raw / decade {
+    match raw / decade {
         r if r <= 1.001 => decade,
         r if r <= 2.2 => 2.0 * decade,
         r if r <= 5.5 => 5.0 * decade,
         _ => 10.0 * decade,
-    };
-    let (first, last) = ((low / step).ceil(), (high / step).floor());
-    let count = (last - first).clamp(0.0, 100.0) as usize;
-    let values = (0..=count).map(|i| (first + i as f64) * step).filter(|x| *x <= high).collect();
-    let decimals = (-(step * 1.0001).log10().floor()).clamp(0.0, 9.0) as usize;
-    Ticks { values, decimals }
+    }
 }
 
 #[cfg(test)]
@@ -66,13 +136,37 @@ mod tests {
 
     #[test]
     fn ticks_are_round_and_inside() {
-        let t = ticks((-0.3, 783.0), 5.0, 0.0);
+        let t = ticks((-0.3, 783.0), 5.0, Steps::Decimal);
         assert_eq!((t.values, t.decimals), (vec![0.0, 200.0, 400.0, 600.0], 0));
-        let t = ticks((0.278, 0.291), 3.0, 0.0);
+        let t = ticks((0.278, 0.291), 3.0, Steps::Decimal);
         assert_eq!(t.decimals, 3);
         assert_eq!(t.values.len(), 3);
-        assert_eq!(ticks((-0.6, 0.6), 5.0, 1.0).values, [0.0]);
-        assert!(ticks((1e9, 1e9 + 1e-3), 5.0, 0.0).values.len() <= 101);
+        assert_eq!(ticks((-0.6, 0.6), 5.0, Steps::Whole).values, [0.0]);
+        assert!(ticks((1e9, 1e9 + 1e-3), 5.0, Steps::Decimal).values.len() <= 101);
+    }
+
+    #[test]
+    fn long_times_are_counted_in_hours() {
+        const HOUR_S: f64 = 3600.0;
+        let labels = |span_s: f64, wanted: f64| {
+            let unit = TimeUnit::of(span_s);
+            let ticks = ticks((0.0, span_s), wanted, Steps::Time(unit));
+            let texts: Vec<String> = ticks
+                .values
+                .iter()
+                .map(|v| format!("{:.*}", ticks.decimals, v / ticks.unit))
+                .collect();
+            format!("{} {}", texts.join(" "), unit.name)
+        };
+        assert_eq!(labels(120.0, 16.0), "0 10 20 30 40 50 60 70 80 90 100 110 120 s");
+        assert_eq!(labels(0.5 * HOUR_S, 4.0), "0 10 20 30 min");
+        assert_eq!(
+            labels(2.5 * HOUR_S, 16.0),
+            "0.00 0.25 0.50 0.75 1.00 1.25 1.50 1.75 2.00 2.25 2.50 h"
+        );
+        assert_eq!(labels(24.0 * HOUR_S, 16.0), "0 2 4 6 8 10 12 14 16 18 20 22 24 h");
+        assert_eq!(labels(24.0 * HOUR_S, 4.0), "0 6 12 18 24 h");
+        assert_eq!(labels(30.0 * 24.0 * HOUR_S, 4.0), "0 10 20 30 d");
     }
 
     #[test]

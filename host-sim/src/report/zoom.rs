@@ -5,7 +5,7 @@ use super::figure::{Figure, both, dot_key, line_key, mark_keys, tint_key};
 use super::fit::{centre_time_s, line_after, line_before, reach_s, rest_s, slip_curve};
 use super::number::{count, decimals_for, fixed};
 use super::plot::{Axis, Layout, Plot, Spec};
-use super::scale::extent;
+use super::scale::{Steps, extent};
 use super::svg::{Mark, Path, symbol, text};
 use crate::replay::result::EventSummary;
 
@@ -114,13 +114,13 @@ impl<'a> Panel<'a> {
                           onset, the centre and the re-stick.",
             x: Axis {
                 domain: (self.span_s.0 - context.zero_s, self.span_s.1 - context.zero_s),
-                least_step: 0.0,
-                label: context.time_label(),
+                steps: Steps::Decimal,
+                label: context.time_label("s"),
                 readout: ("t", "s".into()),
             },
             y: Axis {
                 domain: extent(forces, 0.1),
-                least_step: 0.0,
+                steps: Steps::Decimal,
                 label: context.force_label(),
                 readout: ("F", context.force.name.clone()),
             },

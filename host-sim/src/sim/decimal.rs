@@ -63,9 +63,13 @@ impl Backwards {
 
     /// Writes a byte before the others.
     pub(super) fn push(&mut self, byte: u8) {
-        self.start -= 1;
-        if let Some(place) = self.bytes.get_mut(self.start) {
-            *place = byte;
+        self.push_all([byte]);
+    }
+
+    fn push_all<const N: usize>(&mut self, bytes: [u8; N]) {
+        self.start -= N;
+        if let Some(place) = self.bytes.get_mut(self.start..).and_then(<[u8]>::first_chunk_mut) {
+            *place = bytes;
         }
     }
 
@@ -100,8 +104,7 @@ impl Backwards {
     fn push_last_two(&mut self, units: &mut u64) {
         let two = (*units % 100) as u8;
         *units /= 100;
-        self.push(b'0' + two % 10);
-        self.push(b'0' + two / 10);
+        self.push_all([b'0' + two / 10, b'0' + two % 10]);
     }
 
     pub(super) fn bytes(&self) -> &[u8] {

@@ -1,7 +1,5 @@
 //! The force at the cell at any moment of a test, and its mean over an aperture.
 
-use std::collections::VecDeque;
-
 use super::lag::Lagging;
 use super::measurement::{Flop, Hum, Measurement};
 use super::motion::{Method, Segment, Segments};
@@ -13,7 +11,8 @@ use super::state::{End, Phase};
 #[derive(Debug)]
 pub(super) struct Signal {
     segments: Segments,
-    window: VecDeque<Segment>,
+    /// In order, a few.
+    window: Vec<Segment>,
     flop: Option<Flop>,
     hum: Option<Hum>,
     aperture_s: f64,
@@ -26,7 +25,7 @@ impl Signal {
         let Measurement { flop, hum, aperture_s, .. } = scene.measurement;
         Self {
             segments: Segments::new(scene, seed, method),
-            window: VecDeque::new(),
+            window: Vec::new(),
             flop,
             hum,
             aperture_s,
@@ -43,23 +42,24 @@ impl Signal {
     /// ones, and shows each new one to `meet`.
     pub(super) fn cover(&mut self, start_s: f64, end_s: f64, mut meet: impl FnMut(&Segment)) {
         let start_s = self.lag.map_or(start_s, |lag| start_s.min(lag.at_s));
-        while self.window.front().is_some_and(|s| s.to.time_s < start_s) {
-            self.window.pop_front();
+        let past = self.window.iter().take_while(|s| s.to.time_s < start_s).count();
+        if past > 0 {
+            self.window.drain(..past);
         }
-        while self.window.back().is_none_or(|s| s.to.time_s < end_s) {
+        while self.window.last().is_none_or(|s| s.to.time_s < end_s) {
             let Some(segment) = self.segments.next() else { return };
             meet(&segment);
             if segment.end == End::Stop {
                 self.first_stop_s = self.first_stop_s.min(segment.to.time_s);
             }
             if segment.to.time_s >= start_s {
-                self.window.push_back(segment);
+                self.window.push(segment);
             }
         }
     }
 
     fn at(&self, time_s: f64) -> Option<&Segment> {
-        self.window.iter().find(|s| s.to.time_s >= time_s).or(self.window.back())
+        self.window.iter().find(|s| s.to.time_s >= time_s).or(self.window.last())
     }
 
     /// Force in the cable, N, and what the block does.
