@@ -30,8 +30,8 @@ const NOTES: &str = "\
   last, which the end of the record cuts.
 - *F1*: harmonic mean of precision and recall; an event is found when its onset is within two samples and
   half the slip's length. *read*: share of the true events that got both coefficients.
-- *delay*: from the true onset until the method says that the block slips. *ns/sample*: median of seven warm
-  runs. *worst ns*: longest single sample, each the shortest of seven runs. *state B*: bytes kept between
+- *delay*: from the true onset until the method says that the block slips. *ns/sample*: shortest of seven warm
+  runs, so that what else the computer did is left out. *worst ns*: longest single sample, each the shortest of seven runs. *state B*: bytes kept between
   samples; the offline method's grow with the record.
 - *hard* scenes are in `host-sim/scenes/hard`; the truth is the coefficient of the ice. The weight that the
   methods are told is the one at the start: where the block breaks they have to find that out.

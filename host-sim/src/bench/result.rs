@@ -54,7 +54,8 @@ pub struct Row {
     pub mu: Option<Errors>,
     /// Mean time from the true onset until the method says that the block slips, ms.
     pub onset_delay_ms: Option<f64>,
-    /// Time per sample, ns: median of several runs over the same samples.
+    /// Time per sample, ns: shortest of several runs over the same samples, so that what else
+    /// the computer did is left out.
     pub ns_per_sample: f64,
     /// Bytes kept between samples, at the end of the longest record.
     pub state_bytes: usize,
