@@ -210,8 +210,10 @@ impl CycleFit {
         let now_n2 = learnt.noise_n2(pending);
         fit.scale(excess_ratio(around_n2, free - points, now_n2));
         if counts {
-            // Where the noise is not known yet, the line after the slip has it.
-            let quiet_n2 = larger(noise_n2, line_n2 / larger(points, 1.0));
+            // Where the noise is not known yet, the lines have it.
+            let (before_n2, before) = (pending.before.residual(), pending.before.weight - 2.0);
+            let lines_n2 = (line_n2 + before_n2) / larger(points + larger(before, 0.0), 1.0);
+            let quiet_n2 = larger(noise_n2, lines_n2);
             let (slip, wider) = data.slip_scatter(&fit, quiet_n2);
             // A force that wanders does so in the slip as well.
             if pending.wander.level <= 0.0 {
@@ -294,10 +296,13 @@ fn measured(
     learnt: &mut Expectations,
     data: &Data<'_>,
     fit: &Fit,
-    posterior: Posterior,
+    mut posterior: Posterior,
     strain: Strain,
     noise_n2: f32,
 ) -> Measured {
+    if data.wander.level <= 0.0 {
+        posterior.common_n2 = fit.wider_n2(noise_n2);
+    }
     let alone = fit.forces_alone(data.rate).filter(|_| posterior.is_resolved());
     let strained = posterior.is_resolved() && strain != Strain::None;
     let verdict = learnt.learn(data, &posterior, noise_n2, strained);

@@ -131,13 +131,16 @@ impl Data<'_> {
     /// evenly spread.
     ///
     /// The fit is the one without that scatter, `x = A⁻¹ Σ w u r`, so its covariance grows by
-    /// `λ Σ g w² (A⁻¹ u)(A⁻¹ u)ᵀ`.
+    /// `λ Σ g w² (A⁻¹ u)(A⁻¹ u)ᵀ`. The scatter may be the same in every slip: what the others
+    /// told of the swing then has it too and does not help, so for the forces `A` is the one
+    /// without that.
     #[must_use]
     #[cold]
     pub fn slip_scatter(&self, fit: &Fit, noise_n2: f32) -> (SlipResiduals, Variances) {
         const MOST: usize = 12;
         let (mut slip, mut wider) = (SlipResiduals::default(), Variances::default());
         let Some(factor) = fit.normal.factor(0.0) else { return (slip, wider) };
+        let apart = fit.without_swing(self.inverse_omega).unwrap_or(factor);
         let shape = fit.cycle.shape();
         let (from, to) = self.samples.slip;
         // Never zero, also for a slip that is no number.
@@ -148,7 +151,8 @@ impl Data<'_> {
         for (place, (time, measured_n)) in inside.step_by(stride).take(MOST).enumerate() {
             let steepness = self.samples.steepness(time);
             let (off_n, gradient) = self.residual(&shape, time, measured_n);
-            let moved = factor.solve(&gradient).map(|by| by * self.samples.weight(time));
+            let weighted = gradient.map(|by| by * self.samples.weight(time));
+            let moved = factor.solve(&weighted);
             let left = (1.0 - dot(&gradient, &moved)).max(0.0);
             slip.add(steepness, off_n * off_n / noise_n2, left);
             for (of_other, by_other) in others.iter().take(place) {
@@ -157,7 +161,7 @@ impl Data<'_> {
             if let Some(own) = others.get_mut(place) {
                 *own = (steepness, moved);
             }
-            wider.add(&moved, steepness * stride as f32);
+            wider.add(&moved, &apart.solve(&weighted), steepness * stride as f32);
         }
         (slip, wider)
     }

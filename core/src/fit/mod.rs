@@ -51,12 +51,13 @@ impl Variances {
     pub(crate) const UNSURE_SWING: Self =
         Self { unknowns: [0.0, 0.0, 1.0, 0.5, 0.0, 0.0], forces: (1.0, 0.5) };
 
-    /// Takes an error of this variance that moves the unknowns by so much.
-    fn add(&mut self, moved: &Gradient, variance: f32) {
+    /// Takes an error of this variance that moves the unknowns by so much, and the forces as
+    /// much as `apart`.
+    fn add(&mut self, moved: &Gradient, apart: &Gradient, variance: f32) {
         for (sum, by) in self.unknowns.iter_mut().zip(moved) {
             *sum += variance * by * by;
         }
-        let by = [STATIC, DYNAMIC].map(|(combination, _)| dot(moved, &combination));
+        let by = [STATIC, DYNAMIC].map(|(combination, _)| dot(apart, &combination));
         self.forces.0 += variance * by[0] * by[0];
         self.forces.1 += variance * by[1] * by[1];
     }
@@ -130,6 +131,11 @@ impl Fit {
         self.forces.widen(forces);
     }
 
+    /// What was added to the variances of `Fs` and `Fp` since the fit, N².
+    pub(crate) fn wider_n2(&self, noise_n2: f32) -> (f32, f32) {
+        (noise_n2 * self.wider.0, noise_n2 * self.wider.1)
+    }
+
     /// The forces as the event would give them without what was expected of its
     /// loading rate: the expectation is taken out of the normal equations again.
     ///
@@ -146,6 +152,13 @@ impl Fit {
         let mut forces = Forces::new(&cycle, &factor);
         forces.widen(self.wider);
         Some(forces)
+    }
+
+    /// The factor of its normal equations without what is expected of the swing.
+    pub(crate) fn without_swing(&self, swing: Prior) -> Option<Factor> {
+        let value = self.cycle.inverse_omega();
+        let (normal, _) = without((self.normal, Gradient::default()), [(4, (swing, value))]);
+        normal.factor(0.0)
     }
 
     /// What the event tells without what is expected of all but the bend, the last unknown.
@@ -178,8 +191,11 @@ fn without(
     expected: impl IntoIterator<Item = (usize, (Prior, f32))>,
 ) -> (Normal, Gradient) {
     for (unknown, (prior, value)) in expected {
-        normal.matrix[unknown][unknown] -= prior.weight;
-        right[unknown] -= prior.weight * (prior.mean - value);
+        let diagonal = normal.matrix.get_mut(unknown).and_then(|row| row.get_mut(unknown));
+        if let (Some(diagonal), Some(right)) = (diagonal, right.get_mut(unknown)) {
+            *diagonal -= prior.weight;
+            *right -= prior.weight * (prior.mean - value);
+        }
     }
     (normal, right)
 }

@@ -45,7 +45,8 @@ pub struct Posterior {
     pub static_n2: f32,
     /// Variance of `Fp`, N².
     pub dynamic_n2: f32,
-    /// What of these two is common to the events: how the corners are rounded off, N².
+    /// What of these two is common to the events, N²: how the corners are rounded off, and what
+    /// the samples of the slips scatter, which may be the same in all of them.
     pub common_n2: (f32, f32),
     /// Variances of the onset, rate, ., ., swing and bend.
     pub unknowns: Gradient,
@@ -84,7 +85,8 @@ impl Posterior {
         c.rate_change += rate_change;
         self.static_n2 += effect.static_n2;
         self.dynamic_n2 += effect.dynamic_n2;
-        self.common_n2 = (effect.static_n2, effect.dynamic_n2);
+        let (static_n2, dynamic_n2) = self.common_n2;
+        self.common_n2 = (static_n2 + effect.static_n2, dynamic_n2 + effect.dynamic_n2);
     }
 
     /// The slip began anywhere within a period before and after, and may have any length that

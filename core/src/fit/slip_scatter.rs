@@ -62,7 +62,9 @@ impl SlipScatter {
     pub fn excess(&self) -> f32 {
         let more = self.pooled.variance_n2().map_or(0.0, |ratio| ratio - 1.0);
         let limit = SIGNIFICANT * math::sqrt(2.0 / self.pooled.free());
-        if more > limit { more * surely(more, limit) / self.shown } else { 0.0 }
+        // Few of them may be far too small: Student's variance over the normal one's, about.
+        let few = 1.0 + 2.0 / self.pooled.free();
+        if more > limit { few * more * surely(more, limit) / self.shown } else { 0.0 }
     }
 
     /// Takes a slip.
