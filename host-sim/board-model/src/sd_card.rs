@@ -6,12 +6,12 @@ use std::fmt::Debug;
 use std::io::{Read, Seek, SeekFrom, Write};
 
 use crate::rules::At;
+use wire::{crc7, crc16, framed};
+
+mod wire;
 
 #[cfg(test)]
 mod tests;
-mod wire;
-
-use wire::{START_BLOCK, crc7, crc16, framed};
 
 /// Bytes of a block.
 pub const BLOCK: usize = 512;
@@ -29,6 +29,7 @@ const IDLE: u8 = 1 << 0;
 const ILLEGAL: u8 = 1 << 2;
 const CRC_ERROR: u8 = 1 << 3;
 const ADDRESS_ERROR: u8 = 1 << 5;
+const START_BLOCK: u8 = 0xFE;
 const ACCEPTED: u8 = 0x05;
 const DATA_CRC_ERROR: u8 = 0x0B;
 /// Error token: the card's own error correction failed.

@@ -1,4 +1,4 @@
-//! The card as a host meets it, byte by byte.
+//! The card as its specification has it.
 
 use super::*;
 use crate::rules::Rules;

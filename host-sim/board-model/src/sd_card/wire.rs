@@ -1,7 +1,6 @@
-//! A block between card and host, and the checksums of both.
+//! Blocks and checksums as they go over the wire.
 
-/// Before a block.
-pub(super) const START_BLOCK: u8 = 0xFE;
+use super::START_BLOCK;
 
 /// A block of data as it goes over the wire.
 pub(super) fn framed(bytes: &[u8]) -> Vec<u8> {
