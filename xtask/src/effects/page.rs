@@ -88,7 +88,7 @@ const NEEDED: &str = "\
 Every scene of `host-sim/scenes` with events (seeds 1, 2, ... up to 1500 events or 24 records, `rate_and_state` 5; the
 first events count), four of them for an hour (8 records), and one whose friction falls by 15 % in the middle. A row
 is here if without the effect the root-mean-square error of the events is larger by 5 % or the coverage of their
-95 % intervals, below .95, smaller by .02; for *means* of whole records, which are fewer, by 15 % or .1. The worst come
+95 % intervals, below .95, smaller by .02; for *means* of whole records, which are fewer, by 15 % or .1 (two records at least). The worst come
 first, at most six of an effect; errors in percent of the coefficient.
 ";
 
@@ -196,7 +196,9 @@ impl Worse {
             return None;
         }
         let (factor, lost) = (bad.rms() / good.rms(), good.coverage() - bad.coverage());
-        let is_worse = factor > self.factor || (lost > self.uncovered && bad.coverage() < HONEST);
+        // One interval of a few says nothing.
+        let is_uncovered = lost > self.uncovered && lost * bad.count() as f64 > 1.5;
+        let is_worse = factor > self.factor || (is_uncovered && bad.coverage() < HONEST);
         is_worse.then(|| factor + 10.0 * lost.max(0.0))
     }
 }
