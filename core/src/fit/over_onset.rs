@@ -18,14 +18,14 @@ use crate::stats::prior::Prior;
 
 /// Slips up to this length are averaged as well while no other event tells how long a slip is.
 const CLEARLY_RESOLVED: f32 = 3.0;
-/// Places of the onset: so many on either side of the best fit, a period to either side.
-const PLACES: i16 = 11;
-/// How far apart they are, periods; and the first ones, by how many times closer: where a sample
-/// lies right at an end of the slip, a tenth of a period is all that is open.
+/// Places of the onset up to a period on either side of the best fit, so far apart, periods.
 const STEP: f32 = 0.125;
+const STEPS: i16 = 8;
+/// How many times closer those within the first step are where the slip is short: a sample right at
+/// an end of it leaves a tenth of a period open.
 const FINE: i16 = 4;
-/// The fit at a place begins with a slip that is shorter by this factor: where the slip ends right
-/// after a sample, which then shows none of its length, a longer one finds no way past it.
+/// There the fit at a place begins with a slip that is shorter by this factor: where the slip ends
+/// right after a sample, which shows none of its length, a longer one finds no way past it.
 const SHORTER: f32 = 1.2;
 /// Information that holds the onset in its place: so many times what one sample on
 /// the steepest part of the slip would tell.
@@ -41,6 +41,8 @@ const UNLIKELY: f32 = 1.2e-7;
 #[derive(Clone, Copy, Debug)]
 pub struct OverOnset {
     sums: Sums,
+    /// Places within the first step.
+    fine: i16,
     /// Next place, and where its fit begins.
     place: i16,
     from: CycleParams,
@@ -52,18 +54,20 @@ impl OverOnset {
     #[must_use]
     pub fn new(best: &Fit, knows_omega: bool) -> Option<Self> {
         let least = if knows_omega { RESOLVED } else { CLEARLY_RESOLVED };
-        let is_short = best.cycle.slide_time() < least;
+        let slide = best.cycle.slide_time();
+        let fine = if slide < RESOLVED { FINE } else { 1 };
         let (sums, place, from) = (Sums::default(), 0, best.cycle);
-        is_short.then_some(Self { sums, place, from, fitting: None })
+        (slide < least).then_some(Self { sums, fine, place, from, fitting: None })
     }
 
     /// One iteration; breaks with the result after the last place.
     pub fn step(&mut self, data: &Data<'_>, best: &Fit, noise_n2: f32) -> ControlFlow<Posterior> {
-        let onset = best.cycle.onset + offset(self.place).0;
+        let onset = best.cycle.onset + offset(self.place, self.fine).0;
         let steepest = self.from.rate + self.from.half_drop_n * self.from.omega;
         let held = Prior { mean: onset, weight: HELD * steepest * steepest };
         let held = Data { onset: held, ..*data };
-        let guess = CycleParams { onset, omega: SHORTER * self.from.omega, ..self.from };
+        let shorter = if self.fine > 1 { SHORTER } else { 1.0 };
+        let guess = CycleParams { onset, omega: shorter * self.from.omega, ..self.from };
         let fitting = self.fitting.get_or_insert_with(|| Fitting::brief(&guess, MOST_STEPS));
         let ControlFlow::Break(fit) = fitting.step(&held, noise_n2) else {
             return ControlFlow::Continue(());
@@ -86,7 +90,7 @@ impl OverOnset {
         fit: Option<Fit>,
         noise_n2: f32,
     ) -> ControlFlow<Posterior> {
-        let (by, width) = offset(self.place);
+        let (by, width) = offset(self.place, self.fine);
         let onset = best.cycle.onset + by;
         // A slip of samples enough has one best place: where nothing is likely any more
         // nothing is beyond.
@@ -96,10 +100,10 @@ impl OverOnset {
                 data.onset.weight * (onset - data.onset.mean) * (onset - data.onset.mean);
             let cost = fit.cost() + expected - best.cost();
             let likelihood = math::exp(-0.5 * cost / noise_n2);
-            ends = likelihood < UNLIKELY && best.cycle.slide_time() >= RESOLVED;
+            ends = likelihood < UNLIKELY && self.fine == 1;
             self.sums.add(width * likelihood, &Posterior::at(fit, noise_n2), best);
         }
-        let Some(next) = following(self.place, ends) else {
+        let Some(next) = following(self.place, STEPS + self.fine - 1, ends) else {
             return ControlFlow::Break(self.so_far(best, noise_n2));
         };
         // The other way begins at the best fit again.
@@ -112,22 +116,24 @@ impl OverOnset {
 
 /// How far a place is from the best fit, periods, and how wide the part is that it stands for,
 /// in steps.
-fn offset(place: i16) -> (f32, f32) {
-    let (fine, number) = (f32::from(FINE), f32::from(place.abs()));
-    let (steps, width) = match place.abs() {
-        ..FINE => (number / fine, 1.0 / fine),
-        FINE => (1.0, 0.5 + 0.5 / fine),
-        _ => (number - fine + 1.0, 1.0),
+fn offset(place: i16, fine: i16) -> (f32, f32) {
+    let (number, closer) = (place.abs(), f32::from(fine));
+    let (steps, width) = if number < fine {
+        (f32::from(number) / closer, 1.0 / closer)
+    } else {
+        (f32::from(number - fine + 1), if number == fine { 0.5 + 0.5 / closer } else { 1.0 })
     };
     ((STEP * steps).copysign(f32::from(place)), width)
 }
 
 /// Places go up to the last, or to one that ends them, and then down.
-fn following(place: i16, ends: bool) -> Option<i16> {
-    match place {
-        0..PLACES if !ends => Some(place + 1),
-        0.. => Some(-1),
-        _ => (!ends && place > -PLACES).then_some(place - 1),
+fn following(place: i16, last: i16, ends: bool) -> Option<i16> {
+    if place < 0 {
+        (!ends && place > -last).then_some(place - 1)
+    } else if place < last && !ends {
+        Some(place + 1)
+    } else {
+        Some(-1)
     }
 }
 
