@@ -10,25 +10,19 @@ use floe_core::{Counts, Reading};
 use heapless::Vec;
 
 use crate::adc::Input;
-use crate::line::{Decimal, Text, Weighed};
+use crate::line::{Text, Weighed};
 use crate::notebook::WeightFrom;
 use crate::sample::{RATE_HZ, Sample};
 use crate::settings::Settings;
-use crate::text::{Fixed, join, text};
+use crate::text::text;
+
+mod news;
 
 /// Weights of one calibration.
 const MOST_WEIGHTS: usize = 4;
 /// A load is one when it is so many standard deviations from zero; so far apart are
 /// weights that disagree.
 const SURE: f32 = 5.0;
-/// Weights that disagree by less, as a part, say more of the weights than of the cell.
-const AGREE: f32 = 2e-3;
-/// A known weight below this part of the range gives the span of its corner only.
-const FEW: f32 = 0.05;
-/// A zero that moves by more than this part of the range has something hanging on it.
-const LOADED: f32 = 0.02;
-/// The span of a cell does not double.
-const USUAL: core::ops::Range<f32> = 0.5..2.0;
 
 /// Standard deviation of what rounding to a whole code leaves open, codes.
 const WHOLE_CODE: f32 = 0.289;
@@ -178,9 +172,9 @@ impl Measuring {
         let seconds = self.samples / RATE_HZ as u32;
         let due = [8, 16, 32].contains(&seconds) || seconds.is_multiple_of(64);
         let news = match self.task {
-            Task::Tare if due => self.zero().map(|rest| tare_news(&rest, settings)),
+            Task::Tare if due => self.zero().map(|rest| news::tare(&rest, settings)),
             Task::Calibrate(_) if due => {
-                self.span().map(|(span, load)| span_news(span, &load, settings))
+                self.span().map(|(span, load)| news::span(span, &load, settings))
             }
             Task::Tare | Task::Calibrate(_) | Task::Weigh => return None,
         };
@@ -309,59 +303,6 @@ impl From<Unrest> for Hindrance {
             Unrest::Moves => Self::Moves,
         }
     }
-}
-
-fn tare_news(rest: &Rest, settings: &Settings) -> Text {
-    let calibration = &settings.config.calibration;
-    let moved_n = (rest.mean - calibration.tare_counts as f32) / calibration.counts_per_n;
-    let warning = if moved_n.abs() > LOADED * settings.range_n() {
-        "; DOES ANYTHING HANG THERE?"
-    } else {
-        ""
-    };
-    join(&[
-        &"zero ",
-        &Fixed(rest.mean, 1),
-        &" +- ",
-        &Fixed(rest.std, 1),
-        &" codes, scatter ",
-        &Fixed(rest.scatter, 1),
-        &", moves by ",
-        &Fixed(moved_n, 2),
-        &" N",
-        &warning,
-        &": accept, or abort",
-    ])
-}
-
-fn span_news(span: Span, load: &Load, settings: &Settings) -> Text {
-    let Span { counts_per_n, std, residual_n, largest_n } = span;
-    let before = settings.config.calibration.counts_per_n;
-    let warning = if counts_per_n < 0.0 {
-        "; REVERSED: the reading falls under load"
-    } else if residual_n > AGREE * largest_n {
-        "; THE WEIGHTS DISAGREE"
-    } else if !USUAL.contains(&(counts_per_n / before)) {
-        "; NOT THE SAME CELL as before?"
-    } else if largest_n < FEW * settings.range_n() {
-        "; LITTLE OF THE RANGE: hang more"
-    } else {
-        ""
-    };
-    let swing_deg = load.swing.map_or(0.0, |swing| swing.amplitude_rad.to_degrees());
-    join(&[
-        &"span ",
-        &Decimal(counts_per_n),
-        &" +- ",
-        &Fixed(std, 4),
-        &" codes per N, off by ",
-        &Fixed(residual_n, 3),
-        &" N, swing ",
-        &Fixed(swing_deg, 1),
-        &" deg",
-        &warning,
-        &": accept, abort, or hang another and calibrate N",
-    ])
 }
 
 fn rounded(value: f32) -> i32 {

@@ -54,21 +54,50 @@ pub fn run_looking_for(effects: Effects, scene: &Scene, seed: u64) -> Tried {
 }
 
 fn run_as(config: &Config, scene: &Scene, seed: u64, zero_n: impl Fn(f64) -> f64) -> Tried {
-    let scene = at_phase(scene, seed);
-    let Simulation { samples, events: mut truths } = simulate(&scene, seed).expect("a scene");
-    bound::set_bounds(&scene, &mut truths);
-    truths.pop();
-    let raw = |index, force_n: f64| {
-        if force_n.is_finite() {
-            feed::force(index, force_n)
-        } else {
-            RawSample { index, reading: Reading::Bad(Fault::Sentinel) }
-        }
-    };
-    let samples = samples.iter().map(|s| raw(s.index, s.force_n + zero_n(s.time_s)));
-    let feed::Outcome { events: found, report } = feed::replay(config, samples);
-    let (pairs, detection) = pair(&truths, &found, scene.rate_hz);
-    Tried { truths, found, report, pairs, detection }
+    Record::of(scene, seed, zero_n).read(config)
+}
+
+/// A simulated record, to be read as often as there are configurations.
+#[derive(Clone, Debug)]
+pub struct Record {
+    /// The events that are judged: all but the last, whose line the record's end cuts.
+    pub truths: Vec<TrueEvent>,
+    /// What the core gets.
+    pub samples: Vec<RawSample>,
+    /// Samples a second.
+    pub rate_hz: f64,
+}
+
+impl Record {
+    /// Simulates a scene. Every seed has a sampling phase of its own.
+    ///
+    /// # Panics
+    /// The scene cannot be simulated.
+    #[must_use]
+    pub fn of(scene: &Scene, seed: u64, zero_n: impl Fn(f64) -> f64) -> Self {
+        let scene = at_phase(scene, seed);
+        let Simulation { samples, events: mut truths } = simulate(&scene, seed).expect("a scene");
+        bound::set_bounds(&scene, &mut truths);
+        truths.pop();
+        let raw = |index, force_n: f64| {
+            if force_n.is_finite() {
+                feed::force(index, force_n)
+            } else {
+                RawSample { index, reading: Reading::Bad(Fault::Sentinel) }
+            }
+        };
+        let samples = samples.iter().map(|s| raw(s.index, s.force_n + zero_n(s.time_s)));
+        Self { truths, samples: samples.collect(), rate_hz: scene.rate_hz }
+    }
+
+    /// What the core makes of it.
+    #[must_use]
+    pub fn read(&self, config: &Config) -> Tried {
+        let samples = self.samples.iter().copied();
+        let feed::Outcome { events: found, report } = feed::replay(config, samples);
+        let (pairs, detection) = pair(&self.truths, &found, self.rate_hz);
+        Tried { truths: self.truths.clone(), found, report, pairs, detection }
+    }
 }
 
 /// Which true event was found as which.

@@ -126,18 +126,29 @@ pub(crate) fn scene_record(file: &Path) -> Result<Record> {
     let text = fs::read_to_string(file).map_err(|e| format!("{}: {e}", file.display()))?;
     let scene = Scene::from_toml(&text).map_err(|e| format!("{}: {e}", file.display()))?;
     let samples = simulate(&scene, 2).map_err(|e| format!("{}: {e}", file.display()))?.samples;
-    let last = samples.last().map_or(0, |sample| sample.index) as usize;
-    let mut forces_n = vec![f32::NAN; last + 1];
-    for sample in &samples {
-        if let Some(force_n) = forces_n.get_mut(sample.index as usize) {
-            *force_n = sample.force_n as f32;
-        }
-    }
     let name = file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let measurement = &scene.measurement;
     let range_n = (measurement.range_n - measurement.tare_n.abs()).max(0.0) as f32;
     let head = [scene.rate_hz as f32, scene.weight_n as f32, scene.slope_rad() as f32, range_n];
-    Ok(Record { name, bytes: bytes(head, &forces_n) })
+    let samples = samples.iter().map(|sample| (sample.index, sample.force_n as f32));
+    Ok(Record::new(name, head, samples))
+}
+
+impl Record {
+    /// Rate, weight, slope, range or 0; then forces by their index, N.
+    pub(crate) fn new(
+        name: String,
+        head: [f32; 4],
+        samples: impl Iterator<Item = (u64, f32)>,
+    ) -> Self {
+        let mut forces_n = Vec::new();
+        for (index, force_n) in samples {
+            let place = index as usize;
+            forces_n.resize(forces_n.len().max(place + 1), f32::NAN);
+            forces_n[place] = force_n;
+        }
+        Self { name, bytes: bytes(head, &forces_n) }
+    }
 }
 
 /// Records that no block makes, to look for steps that take long.

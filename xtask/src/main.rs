@@ -21,6 +21,7 @@ mod python;
 mod qemu;
 mod shell;
 mod size;
+mod speed_vs_error;
 mod target;
 mod test;
 
@@ -62,7 +63,11 @@ enum Job {
     /// flashed: one table
     Faults,
     /// Speed on this PC and on the board, one table
-    Bench,
+    Bench {
+        /// Write docs/speed-vs-error.md and its picture instead
+        #[arg(long)]
+        docs: bool,
+    },
     /// What the core alone costs on the board, held against xtask/budgets.toml
     Budgets {
         /// Make what is measured the budget of this compiler
@@ -102,7 +107,8 @@ fn main() -> ExitCode {
         Job::Faults => arm::Route::find(cli.arm).and_then(|route| {
             emulate::check_card(route).and_then(|()| emulate::check_board(route))
         }),
-        Job::Bench => bench::run(cli.arm),
+        Job::Bench { docs: true } => speed_vs_error::run(cli.arm),
+        Job::Bench { docs: false } => bench::run(cli.arm),
         Job::Budgets { write } => budgets::run(cli.arm, *write),
         Job::Effects => effects::run(cli.arm),
         Job::Maths => maths::run(cli.arm),

@@ -53,7 +53,7 @@ pub fn run(forced: Option<Route>) -> Result<()> {
 
 /// What an ELF file says.
 pub(crate) struct Image {
-    flash: u64,
+    pub(crate) flash: u64,
     statics: u64,
     stack: u64,
     /// Bytes by crate.

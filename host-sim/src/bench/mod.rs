@@ -61,7 +61,7 @@ pub fn run(quick: bool, progress: impl Fn(usize, usize, &str)) -> Result<BenchRe
         one_pass_ns = one_pass_ns.min(measure::one_pass_ns(&trial));
         rows.extend(METHODS.map(|assess| assess(&trial)));
     }
-    Ok(BenchResult { schema: SCHEMA, host: host(), first_seed: 1, one_pass_ns, rows })
+    Ok(BenchResult { schema: SCHEMA.to_owned(), host: host(), first_seed: 1, one_pass_ns, rows })
 }
 
 fn host() -> Host {
@@ -122,8 +122,8 @@ mod tests {
         assert!(roxmltree::Document::parse(&svg).is_ok());
         let (text, page) = (table::text(&result), page::markdown(&result, "p.svg"));
         for row in &result.rows {
-            assert!(text.contains(row.scene) && page.contains(row.scene));
-            assert!(svg.contains(row.method) && page.contains(row.method));
+            assert!(text.contains(&row.scene) && page.contains(&row.scene));
+            assert!(svg.contains(&row.method) && page.contains(&row.method));
         }
         assert!(!text.contains("NaN") && !page.contains("NaN") && !svg.contains("NaN"));
         let json = serde_json::to_string(&result).unwrap();

@@ -1,15 +1,15 @@
 //! What the comparison gives, as it is written to JSON.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// Name and version of this format; changes when a meaning changes.
 pub const SCHEMA: &str = "floe-bench/1";
 
 /// The whole comparison.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Deserialize, Serialize)]
 pub struct BenchResult {
     /// [`SCHEMA`].
-    pub schema: &'static str,
+    pub schema: String,
     /// What it ran on.
     pub host: Host,
     /// Seeds of a scene's records: 1, 2, ...
@@ -21,7 +21,7 @@ pub struct BenchResult {
 }
 
 /// What the comparison ran on.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Deserialize, Serialize)]
 pub struct Host {
     /// Name of the processor, if the system says it.
     pub processor: Option<String>,
@@ -30,16 +30,16 @@ pub struct Host {
 }
 
 /// One method on one scene.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Deserialize, Serialize)]
 pub struct Row {
     /// Name of the scene.
-    pub scene: &'static str,
+    pub scene: String,
     /// Whether the model holds exactly and the noise is white.
     pub linear: bool,
     /// White noise, percent of the weight.
     pub noise_percent: f64,
     /// Name of the method.
-    pub method: &'static str,
+    pub method: String,
     /// Whether it answers while the samples come.
     pub streams: bool,
     /// True events.
@@ -54,17 +54,29 @@ pub struct Row {
     pub mu: Option<Errors>,
     /// Mean time from the true onset until the method says that the block slips, ms.
     pub onset_delay_ms: Option<f64>,
-    /// Time per sample, ns: median of several runs over the same samples.
+    /// Time per sample, ns: shortest of several runs over the same samples, so that what else
+    /// the computer did is left out.
     pub ns_per_sample: f64,
     /// Bytes kept between samples, at the end of the longest record.
     pub state_bytes: usize,
     /// Longest time for one sample, ns; each sample's shortest of several runs, so
     /// that what else the computer did is left out.
     pub worst_tick_ns: Option<f64>,
+    /// The same on the board, where the emulator counted: `cargo xtask bench --docs`.
+    pub board: Option<Instructions>,
+}
+
+/// Instructions of a step on the board, a Cortex-M4F, over the first record of a scene.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
+pub struct Instructions {
+    /// Mean.
+    pub mean: u64,
+    /// Most of all steps.
+    pub worst: u64,
 }
 
 /// Errors of one coefficient.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 pub struct Errors {
     /// Root-mean-square of the error over each event's Cramér-Rao bound.
     pub over_bound: Option<f64>,

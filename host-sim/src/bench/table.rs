@@ -29,13 +29,16 @@ pub fn text(result: &BenchResult) -> String {
     let mut out = String::new();
     for block in blocks(&result.rows) {
         let _ = writeln!(out, "{}", heading(block));
-        let rows = block.iter().map(|row| (row.method, cells(row).to_vec()));
+        let rows = block.iter().map(|row| (row.method.as_str(), cells(row).to_vec()));
         lines(&mut out, &TITLES, rows);
         out.push('\n');
     }
-    let _ = writeln!(out, "Linear scenes: median (worst)");
-    lines(&mut out, &SUMMARY_TITLES, summary(result));
-    let _ = writeln!(out, "\none look at each sample: {:.2} ns", result.one_pass_ns);
+    for (kind, linear) in [("Linear", true), ("Hard", false)] {
+        let _ = writeln!(out, "{kind} scenes: median (worst)");
+        lines(&mut out, &SUMMARY_TITLES, summary(result, linear));
+        out.push('\n');
+    }
+    let _ = writeln!(out, "one look at each sample: {:.2} ns", result.one_pass_ns);
     let _ = writeln!(out, "seeds from {} on in every scene", result.first_seed);
     if result.host.debug_build {
         let _ = writeln!(out, "built without optimisation: times mean little");
@@ -105,36 +108,50 @@ pub fn cells(row: &Row) -> [String; 13] {
     ]
 }
 
-/// Titles of the summary.
-pub const SUMMARY_TITLES: [&str; 8] = [
+/// Titles of the summaries.
+pub const SUMMARY_TITLES: [&str; 12] = [
     "mu_s/bound",
     "mu/bound",
+    "mu_s rms %",
+    "mu rms %",
+    "mu_s 95 %",
+    "mu 95 %",
     "least F1",
-    "least F1, hard",
+    "least read %",
     "delay ms",
     "ns/sample",
     "worst ns",
     STATE,
 ];
 
-/// Each method over the linear scenes: median, and the worst in brackets.
-pub fn summary(result: &BenchResult) -> impl Iterator<Item = (&'static str, Vec<String>)> + '_ {
-    methods(result).into_iter().map(|method| {
-        let of = |linear: bool, f: &dyn Fn(&Row) -> Option<f64>| -> Vec<f64> {
+/// Each method over the linear or the hard scenes: median, and the worst in brackets.
+pub fn summary(
+    result: &BenchResult,
+    linear: bool,
+) -> impl Iterator<Item = (&str, Vec<String>)> + '_ {
+    methods(result).into_iter().map(move |method| {
+        let of = |f: &dyn Fn(&Row) -> Option<f64>| -> Vec<f64> {
             let own = result.rows.iter().filter(|r| r.method == method && r.linear == linear);
             own.filter_map(f).collect()
         };
-        let both = |f: &dyn Fn(&Row) -> Option<f64>| match spread(of(true, f)) {
+        let both = |f: &dyn Fn(&Row) -> Option<f64>| match spread(of(f)) {
             Some((_, median, worst)) => format!("{} ({})", short(median), short(worst)),
             None => "-".to_owned(),
         };
-        let least = |linear| of(linear, &|r| Some(r.f1)).into_iter().fold(1.0, f64::min);
-        let state = of(true, &|r| Some(r.state_bytes as f64)).into_iter().fold(0.0, f64::max);
+        let least = |f: &dyn Fn(&Row) -> f64| {
+            let some = |row: &Row| (row.events > 0).then(|| f(row));
+            of(&some).into_iter().fold(f64::INFINITY, f64::min)
+        };
+        let state = of(&|r| Some(r.state_bytes as f64)).into_iter().fold(0.0, f64::max);
         let cells = vec![
             both(&|r| r.mu_s.and_then(|e| e.over_bound)),
             both(&|r| r.mu.and_then(|e| e.over_bound)),
-            format!("{:.3}", least(true)),
-            format!("{:.3}", least(false)),
+            both(&|r| r.mu_s.map(|e| e.rms_percent)),
+            both(&|r| r.mu.map(|e| e.rms_percent)),
+            both(&|r| r.mu_s.map(|e| e.p95_percent)),
+            both(&|r| r.mu.map(|e| e.p95_percent)),
+            format!("{:.3}", least(&|r| r.f1)),
+            format!("{:.0}", least(&|r| r.read_percent)),
             both(&|r| r.onset_delay_ms),
             both(&|r| Some(r.ns_per_sample)),
             both(&|r| r.worst_tick_ns),
@@ -144,10 +161,34 @@ pub fn summary(result: &BenchResult) -> impl Iterator<Item = (&'static str, Vec<
     })
 }
 
+/// Titles of the table of the board.
+pub const BOARD_TITLES: [&str; 8] = [
+    "instructions a sample",
+    "worst step",
+    "mu_s/bound",
+    "mu/bound",
+    "mu_s rms %",
+    "mu rms %",
+    "mu_s 95 %",
+    "mu 95 %",
+];
+
+/// The scenes that were counted on the board: instructions beside errors.
+pub fn board(result: &BenchResult) -> impl Iterator<Item = (String, Vec<String>)> + '_ {
+    result.rows.iter().filter_map(|row| {
+        let on = row.board?;
+        let noise = 0.01 * (100.0 * row.noise_percent).round();
+        let errors = cells(row).into_iter().take(8);
+        let errors = errors.enumerate().filter(|(i, _)| !(4..6).contains(i)).map(|(_, it)| it);
+        let counts = [on.mean.to_string(), on.worst.to_string()];
+        Some((format!("{}, {noise} %", row.scene), counts.into_iter().chain(errors).collect()))
+    })
+}
+
 /// The methods in their order.
 #[must_use]
-pub fn methods(result: &BenchResult) -> Vec<&'static str> {
-    blocks(&result.rows).next().unwrap_or_default().iter().map(|row| row.method).collect()
+pub fn methods(result: &BenchResult) -> Vec<&str> {
+    blocks(&result.rows).next().unwrap_or_default().iter().map(|row| row.method.as_str()).collect()
 }
 
 /// Smallest, median and largest.

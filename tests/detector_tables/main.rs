@@ -8,90 +8,15 @@
 //! lowest one.
 
 use floe_core::Effects;
-use floe_core::detector::{Detector, Transition};
+use floe_core::detector::Detector;
 use floe_core::{
-    Calibration, Config, Counts, Event, Phase, Pipeline, Quality, RawSample, Reading, Reason,
+    Calibration, Config, Counts, Phase, Pipeline, Quality, RawSample, Reading, Reason,
 };
 use floe_tests::feed;
 
-/// Forces in order; `None` is a sampling period without a sample.
-#[derive(Clone, Default)]
-struct Script {
-    forces: Vec<Option<f64>>,
-    noise_n: f64,
-}
+mod script;
 
-/// Looks like noise, mean zero, standard deviation one, and is the same for ever.
-const ZIGZAG: [f64; 11] = [0.3, -1.2, 0.8, -0.1, 1.5, -0.9, 0.2, -1.7, 1.1, 0.6, -0.6];
-
-impl Script {
-    fn noisy(noise_n: f64) -> Self {
-        Self { noise_n, ..Self::default() }
-    }
-
-    fn push(mut self, forces: impl IntoIterator<Item = f64>) -> Self {
-        for force_n in forces {
-            let noise = ZIGZAG[self.forces.len() % ZIGZAG.len()];
-            self.forces.push(Some(force_n + self.noise_n * noise));
-        }
-        self
-    }
-
-    /// `count` samples on a line.
-    fn line(self, from_n: f64, rise_n: f64, count: u32) -> Self {
-        self.push((0..count).map(|i| from_n + rise_n * f64::from(i)))
-    }
-
-    /// The usual stick line: 30 samples, 200 N to 780 N.
-    fn stick(self) -> Self {
-        self.line(200.0, 20.0, 30)
-    }
-
-    /// The usual slip after it; the lowest sample is the last one.
-    fn slip(self) -> Self {
-        self.push([640.0, 370.0, 180.0])
-    }
-
-    fn gap(mut self, count: usize) -> Self {
-        self.forces.extend(vec![None; count]);
-        self
-    }
-
-    fn at(mut self, index: usize, force_n: f64) -> Self {
-        self.forces[index] = Some(force_n);
-        self
-    }
-
-    fn samples(&self) -> impl Iterator<Item = (u64, f64)> + '_ {
-        (0..).zip(&self.forces).filter_map(|(index, force)| Some((index, (*force)?)))
-    }
-
-    fn transitions(&self) -> Vec<String> {
-        let mut detector = Detector::new(16.0, Effects::default());
-        let told = |(index, force_n): (u64, f64)| {
-            let transition = detector.step(index, force_n as f32)?;
-            Some(match transition {
-                Transition::Onset => format!("{index} onset"),
-                Transition::Restick { peak, low } => {
-                    format!("{index} restick {} {}", peak.index, low.index)
-                }
-                Transition::Cancelled => format!("{index} cancelled"),
-                Transition::Lost => format!("{index} lost"),
-            })
-        };
-        self.samples().filter_map(told).collect()
-    }
-
-    fn becomes(&self, expected: &[&str]) {
-        assert_eq!(self.transitions(), expected);
-    }
-
-    /// The same forces through the whole pipeline, the weight 630 N.
-    fn events(&self) -> Vec<Event> {
-        let config = Config { weight_n: 630.0, ..Config::default() };
-        feed::replay(&config, self.samples().map(|(i, f)| feed::force(i, f))).events
-    }
-}
+use script::Script;
 
 /// Three usual cycles: the slips begin after samples 29, 62 and 95.
 fn three_cycles(noise_n: f64) -> Script {

@@ -1,0 +1,92 @@
+//! What somebody typed, done.
+
+use super::{App, Job};
+use crate::command::{Command, HELP, Setting};
+use crate::console::Typed;
+use crate::line::Line;
+use crate::settings::Settings;
+use crate::store::Store;
+use embedded_io::{Read, ReadReady, Write};
+
+impl<P: Read + ReadReady + Write, S: Store> App<'_, P, S> {
+    // On its own, as all that is done with what was typed needs its stack.
+    #[inline(never)]
+    pub(super) fn obey(&mut self, typed: &Typed) {
+        let command = match typed {
+            Typed::TooLong => Err("that line is too long"),
+            Typed::Line(line) => Command::parse(line),
+        };
+        let done = command.and_then(|command| self.execute(command));
+        if let Err(reason) = done {
+            self.console.tell(&Line::Trouble(reason));
+        }
+    }
+
+    #[inline(never)]
+    fn execute(&mut self, command: Command) -> Result<(), &'static str> {
+        match command {
+            Command::Status => self.status(),
+            Command::Live(live) => self.live = live,
+            Command::Help => self.console.tell(&Line::Info(HELP)),
+            Command::Stop => self.stop()?,
+            Command::Abort => self.abort(),
+            Command::Note(words) => self.note(&words)?,
+            Command::Clock(moment) => self.set_clock(moment)?,
+            _ if self.testing() => return Err("a test is running; stop ends it"),
+            Command::Start => self.start()?,
+            Command::Measure(task) => self.measure(task)?,
+            Command::Accept => self.accept()?,
+            Command::SelfTest => self.begin_self_test(),
+            Command::Set(setting) => self.set(setting)?,
+        }
+        Ok(())
+    }
+
+    // On its own: settings are big, and on the stack while they change.
+    #[inline(never)]
+    fn set(&mut self, setting: Setting) -> Result<(), &'static str> {
+        let settings = self.settings.with(setting).map_err(config_error)?;
+        self.change(settings);
+        Ok(())
+    }
+
+    pub(super) fn change(&mut self, settings: Settings) {
+        self.settings = settings;
+        self.is_set = true;
+        let stored = self.journal.remember(&self.settings);
+        self.check_store(stored.is_err());
+        self.say_settings();
+    }
+
+    fn abort(&mut self) {
+        if !self.testing() {
+            self.shared.want(crate::adc::Input::Bridge);
+            self.job = Job::Idle;
+            self.info("aborted");
+        }
+    }
+
+    /// Only to the console: the card has it all, and a display asks often.
+    #[inline(never)]
+    fn status(&mut self) {
+        let settings = Line::Start { run: self.part.run, settings: self.settings.clone() };
+        self.console.tell(&settings);
+        if let Some(report) = self.report() {
+            self.console.tell(&Line::Report(report));
+        }
+        self.console.tell(&Line::Health(self.health()));
+    }
+}
+
+pub(super) fn config_error(error: floe_core::ConfigError) -> &'static str {
+    use floe_core::ConfigError::{Calibration, Range, Rate, Slope, Std, Weight, Winch};
+    match error {
+        Rate => "the rate must be 1 to 2000 Hz",
+        Weight => "set weight N first: the weight of the block",
+        Slope => "the slope must be within 68 degrees",
+        Winch => "the winch speed must be above zero, in m/s",
+        Range => "the range must be above zero, in N",
+        Calibration => "the span must not be zero",
+        Std => "a standard deviation must not be below zero",
+    }
+}
