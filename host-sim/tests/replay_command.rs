@@ -2,18 +2,13 @@
 
 use std::fs;
 use std::io::Write;
-use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 
 use sha2::{Digest, Sha256};
 
-/// A directory of this test's own, empty.
-fn directory(test: &str) -> PathBuf {
-    let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(test);
-    let _ = fs::remove_dir_all(&path);
-    fs::create_dir_all(&path).unwrap();
-    path
-}
+#[path = "support/command.rs"]
+mod command;
+use command::{assert_refused, directory, text};
 
 fn floe(arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_floe")).args(arguments).output().unwrap()
@@ -32,22 +27,6 @@ fn floe_fed(arguments: &[&str], input: &[u8]) -> Output {
     let _ = stdin.write_all(input);
     drop(stdin);
     child.wait_with_output().unwrap()
-}
-
-fn text(bytes: &[u8]) -> String {
-    String::from_utf8(bytes.to_vec()).unwrap()
-}
-
-/// Exit 2, nothing on standard output, one line on standard error that holds
-/// all of `parts`.
-fn assert_refused(output: &Output, parts: &[&str]) {
-    let said = text(&output.stderr);
-    assert_eq!(output.status.code(), Some(2), "{said}");
-    assert_eq!(text(&output.stdout), "", "{said}");
-    assert_eq!(said.lines().count(), 1, "{said}");
-    for part in parts {
-        assert!(said.contains(part), "'{part}' is not in: {said}");
-    }
 }
 
 /// The result on standard output; nothing on standard error.

@@ -1,11 +1,10 @@
 //! What people see of a result, on the display and in `floe live`, against what the console said.
 
-use std::convert::Infallible;
-
-use embedded_graphics::Pixel;
-use embedded_graphics::geometry::{OriginDimensions, Size};
+use embedded_graphics::framebuffer::{Framebuffer, buffer_size};
+use embedded_graphics::geometry::Point;
+use embedded_graphics::image::GetPixel;
 use embedded_graphics::pixelcolor::BinaryColor;
-use embedded_graphics::prelude::DrawTarget;
+use embedded_graphics::pixelcolor::raw::{BigEndian, RawU1};
 use floe::live;
 use floe_core::{Phase, Report};
 use floe_firmware::app::View;
@@ -20,40 +19,23 @@ const COEFFICIENTS: std::ops::Range<usize> = 16..35;
 /// A terminal with room for all words, and none for large numbers.
 const TERMINAL: (u16, u16) = (72, 30);
 
-/// The display's points: `#` is lit.
-struct Points(Vec<Vec<char>>);
+type Screen = Framebuffer<
+    BinaryColor,
+    RawU1,
+    BigEndian,
+    WIDTH,
+    HEIGHT,
+    { buffer_size::<BinaryColor>(WIDTH, HEIGHT) },
+>;
 
-impl OriginDimensions for Points {
-    fn size(&self) -> Size {
-        Size::new(WIDTH as u32, HEIGHT as u32)
-    }
-}
-
-impl DrawTarget for Points {
-    type Color = BinaryColor;
-    type Error = Infallible;
-
-    fn draw_iter<I: IntoIterator<Item = Pixel<BinaryColor>>>(
-        &mut self,
-        pixels: I,
-    ) -> Result<(), Infallible> {
-        for Pixel(point, colour) in pixels {
-            let place = (usize::try_from(point.y), usize::try_from(point.x));
-            let (Ok(y), Ok(x)) = place else { continue };
-            if let Some(lit) = self.0.get_mut(y).and_then(|row| row.get_mut(x)) {
-                *lit = if colour.is_on() { '#' } else { '.' };
-            }
-        }
-        Ok(())
-    }
-}
-
-/// What the display looks like: a row of points a line.
+/// What the display looks like: a row of points a line, `#` is lit.
 #[must_use]
 pub fn picture(view: &View) -> Vec<String> {
-    let mut points = Points(vec![vec!['.'; WIDTH]; HEIGHT]);
-    let Ok(()) = Picture::default().draw(&mut points, view);
-    points.0.into_iter().map(|row| row.into_iter().collect()).collect()
+    let mut screen = Screen::new();
+    let Ok(()) = Picture::default().draw(&mut screen, view);
+    let is_lit = |x, y| screen.pixel(Point::new(x, y)) == Some(BinaryColor::On);
+    let row = |y| (0..WIDTH as i32).map(|x| if is_lit(x, y) { '#' } else { '.' }).collect();
+    (0..HEIGHT as i32).map(row).collect()
 }
 
 /// The last result that was said.

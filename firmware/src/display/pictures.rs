@@ -5,13 +5,12 @@ use std::fmt::Write;
 use std::path::Path;
 use std::{env, fs};
 
-use core::convert::Infallible;
-
 use crate::weighing::{Load, Swing};
-use embedded_graphics::Pixel;
-use embedded_graphics::geometry::{OriginDimensions, Size};
+use embedded_graphics::framebuffer::{Framebuffer, buffer_size};
+use embedded_graphics::geometry::Point;
+use embedded_graphics::image::GetPixel;
 use embedded_graphics::pixelcolor::BinaryColor;
-use embedded_graphics::prelude::DrawTarget;
+use embedded_graphics::pixelcolor::raw::{BigEndian, RawU1};
 use floe_core::{Cause, Change, Coefficient, Estimate, Phase, Pipeline, Provisional, Report};
 use floe_core::{Config, SampleTime};
 
@@ -25,38 +24,21 @@ use crate::store::CardState;
 const WIDTH: usize = 128;
 const HEIGHT: usize = 64;
 
-/// Points that are lit.
-struct Screen([[bool; WIDTH]; HEIGHT]);
-
-impl OriginDimensions for Screen {
-    fn size(&self) -> Size {
-        Size::new(WIDTH as u32, HEIGHT as u32)
-    }
-}
-
-impl DrawTarget for Screen {
-    type Color = BinaryColor;
-    type Error = Infallible;
-
-    fn draw_iter<I: IntoIterator<Item = Pixel<BinaryColor>>>(
-        &mut self,
-        pixels: I,
-    ) -> Result<(), Infallible> {
-        for Pixel(point, colour) in pixels {
-            let place = (usize::try_from(point.y), usize::try_from(point.x));
-            let (Ok(y), Ok(x)) = place else { continue };
-            if let Some(lit) = self.0.get_mut(y).and_then(|row| row.get_mut(x)) {
-                *lit = colour.is_on();
-            }
-        }
-        Ok(())
-    }
-}
+type Screen = Framebuffer<
+    BinaryColor,
+    RawU1,
+    BigEndian,
+    WIDTH,
+    HEIGHT,
+    { buffer_size::<BinaryColor>(WIDTH, HEIGHT) },
+>;
 
 /// Black with one bar for each row's points side by side.
 fn svg(screen: &Screen) -> String {
+    let lit = |x: usize, y: usize| screen.pixel(Point::new(x as i32, y as i32));
     let mut bars = String::new();
-    for (y, row) in screen.0.iter().enumerate() {
+    for y in 0..HEIGHT {
+        let row: Vec<_> = (0..WIDTH).map(|x| lit(x, y) == Some(BinaryColor::On)).collect();
         let mut x = 0;
         for lit in row.chunk_by(|a, b| a == b) {
             if lit[0] {
@@ -141,7 +123,7 @@ fn the_pictures_of_the_documentation_are_the_displays() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/display");
     let write = env::var("FLOE_GOLDEN").is_ok_and(|value| value == "write");
     for (name, view) in views() {
-        let mut screen = Screen([[false; WIDTH]; HEIGHT]);
+        let mut screen = Screen::new();
         let Ok(()) = Picture::default().draw(&mut screen, &view);
         let (path, picture) = (folder.join(format!("{name}.svg")), svg(&screen));
         if write {
@@ -157,12 +139,12 @@ fn the_pictures_of_the_documentation_are_the_displays() {
 fn a_picture_over_another_is_as_one_over_nothing() {
     for (_, before) in views() {
         for (name, view) in views() {
-            let blank = || Screen([[false; WIDTH]; HEIGHT]);
-            let (mut fresh, mut drawn_over, mut picture) = (blank(), blank(), Picture::default());
+            let (mut fresh, mut drawn_over) = (Screen::new(), Screen::new());
+            let mut picture = Picture::default();
             let Ok(()) = Picture::default().draw(&mut fresh, &view);
             let Ok(()) = picture.draw(&mut drawn_over, &before);
             let Ok(()) = picture.draw(&mut drawn_over, &view);
-            assert!(drawn_over.0 == fresh.0, "{name}");
+            assert!(drawn_over == fresh, "{name}");
         }
     }
 }
