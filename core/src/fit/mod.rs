@@ -9,6 +9,7 @@
 pub mod correction;
 pub mod data;
 pub mod levenberg_marquardt;
+pub mod over_onset;
 pub mod posterior;
 pub mod residuals;
 pub mod slip_scatter;
