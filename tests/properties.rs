@@ -31,7 +31,7 @@ fn incremental_equals_batch_in_any_chunks() {
             (pipeline, from) = (next, to);
         }
         events.extend(feed::finish(&mut pipeline));
-        prop_assert_eq!(Outcome { events, report: pipeline.report() }, whole);
+        prop_assert_eq!((events, pipeline.report()), (whole.events, whole.report));
         Ok(())
     });
 }

@@ -6,12 +6,10 @@
 
 use std::collections::BTreeMap;
 
-use floe::bench::scenes::at_phase;
-use floe::sim::{STANDARD_GRAVITY_M_PER_S2, Scene, simulate};
-use floe_core::{Estimate, Pipeline, Stretch, StretchKind};
+use floe::sim::{STANDARD_GRAVITY_M_PER_S2, Scene};
+use floe_core::{Estimate, StretchKind};
 use floe_tests::normal::Normal;
 use floe_tests::score::{Tried, run};
-use floe_tests::{both, feed};
 
 /// How the page begins.
 const HEAD: &str = "\
@@ -86,17 +84,8 @@ fn reason(tried: &Tried) -> String {
 }
 
 /// What is said of a record without events.
-fn stretch(scene: &Scene, seed: u64) -> String {
-    let scene = at_phase(scene, seed);
-    let mut pipeline = Pipeline::new(&both::config(&scene)).expect("a configuration");
-    let samples = simulate(&scene, seed).expect("a scene").samples;
-    let mut said: Vec<Stretch> = Vec::new();
-    said.extend(
-        samples.iter().filter_map(|s| pipeline.step(feed::force(s.index, s.force_n)).stretch),
-    );
-    while pipeline.finish().is_some() {}
-    said.extend(std::iter::from_fn(|| pipeline.finish_stretch()));
-    match said.first().map(|stretch| stretch.kind) {
+fn stretch(tried: &Tried) -> String {
+    match tried.stretches.first().map(|stretch| stretch.kind) {
         Some(StretchKind::NotUnderstood(reason)) => reason.to_string(),
         Some(StretchKind::Steady { .. }) => "a constant force".to_owned(),
         None => "no event".to_owned(),
@@ -132,11 +121,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             ));
         }
         if offs.iter().any(Option::is_none) {
-            let why = if tried.found.is_empty() {
-                stretch(&case.scene, u64::from(number))
-            } else {
-                reason(&tried)
-            };
+            let why = if tried.found.is_empty() { stretch(&tried) } else { reason(&tried) };
             refused.push(format!("{about}: {why}"));
         }
         if *slip >= 1.0 && *recurrence >= 4.0 && *noise <= 0.02 {
@@ -148,7 +133,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             clear_events[1] += tried.truths.len();
         }
     }
-    println!("{}", HEAD);
+    println!("{HEAD}");
     println!("{scenes} scenes of {recurrences} recurrences, seed {seed}.");
     println!("\n{} with a mean more than 5 combined standard deviations off:", far.len());
     far.iter().for_each(|line| println!("- {line}"));

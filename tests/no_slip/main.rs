@@ -3,7 +3,7 @@
 
 use floe::bench::scenes::phase;
 use floe::sim::{Scene, simulate};
-use floe_core::{Config, Event, Pipeline, Reason, SampleTime, Stretch, StretchKind};
+use floe_core::{Config, Event, Reason, SampleTime, Stretch, StretchKind};
 use floe_tests::feed;
 use floe_tests::normal::Normal;
 
@@ -50,15 +50,8 @@ fn config() -> Config {
 }
 
 fn read(config: &Config, forces_n: impl IntoIterator<Item = f64>) -> Outcome {
-    let mut pipeline = Pipeline::new(config).expect("the configuration is valid");
-    let (mut events, mut stretches) = (Vec::new(), Vec::new());
-    for (index, force_n) in (0..).zip(forces_n) {
-        let step = pipeline.step(feed::force(index, force_n));
-        events.extend(step.event);
-        stretches.extend(step.stretch);
-    }
-    events.extend(feed::finish(&mut pipeline));
-    stretches.extend(std::iter::from_fn(|| pipeline.finish_stretch()));
+    let samples = (0..).zip(forces_n).map(|(index, force_n)| feed::force(index, force_n));
+    let feed::Outcome { events, stretches, .. } = feed::replay(config, samples);
     Outcome { events, stretches }
 }
 

@@ -1,13 +1,15 @@
 //! Samples into the core, events and report out.
 
 use floe_core::signal::window::WINDOW;
-use floe_core::{Config, Event, Newtons, Pipeline, RawSample, Reading, Report};
+use floe_core::{Config, Event, Newtons, Pipeline, RawSample, Reading, Report, Stretch};
 
 /// What came out of a pipeline.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Outcome {
     /// All events, the pending one too.
     pub events: Vec<Event>,
+    /// What belongs to no event.
+    pub stretches: Vec<Stretch>,
     /// The result at the end.
     pub report: Report,
 }
@@ -29,9 +31,16 @@ pub fn in_a_row(forces_n: &[f64]) -> impl Iterator<Item = RawSample> + '_ {
 /// The configuration is refused.
 pub fn replay(config: &Config, samples: impl IntoIterator<Item = RawSample>) -> Outcome {
     let mut pipeline = Pipeline::new(config).expect("the configuration is valid");
-    let mut events = feed(&mut pipeline, samples);
+    let (mut events, mut stretches) = (Vec::new(), Vec::new());
+    for sample in samples {
+        let step = pipeline.step(sample);
+        events.extend(step.event);
+        stretches.extend(step.stretch);
+    }
     events.extend(finish(&mut pipeline));
-    Outcome { events, report: pipeline.report() }
+    let report = pipeline.report();
+    stretches.extend(std::iter::from_fn(|| pipeline.finish_stretch()));
+    Outcome { events, stretches, report }
 }
 
 /// Feeds samples into a test that is under way.

@@ -4,7 +4,7 @@ use floe::bench::Found;
 use floe::bench::matching::{Detection, matched};
 use floe::bench::scenes::{Truth, at_phase};
 use floe::sim::{Scene, Simulation, TrueEvent, bound, simulate};
-use floe_core::{Coefficient, Config, Effects, Event, Fault, RawSample, Reading, Report};
+use floe_core::{Coefficient, Config, Effects, Event, Fault, RawSample, Reading, Report, Stretch};
 
 use crate::{both, feed};
 
@@ -18,6 +18,8 @@ pub struct Tried {
     pub truths: Vec<TrueEvent>,
     /// What the core found.
     pub found: Vec<Event>,
+    /// What it said belongs to no event.
+    pub stretches: Vec<Stretch>,
     /// The result of the test.
     pub report: Report,
     /// Which is which.
@@ -94,9 +96,9 @@ impl Record {
     #[must_use]
     pub fn read(&self, config: &Config) -> Tried {
         let samples = self.samples.iter().copied();
-        let feed::Outcome { events: found, report } = feed::replay(config, samples);
+        let feed::Outcome { events: found, stretches, report } = feed::replay(config, samples);
         let (pairs, detection) = pair(&self.truths, &found, self.rate_hz);
-        Tried { truths: self.truths.clone(), found, report, pairs, detection }
+        Tried { truths: self.truths.clone(), found, stretches, report, pairs, detection }
     }
 }
 
