@@ -76,12 +76,6 @@ impl OverOnset {
         self.take(data, best, fit, noise_n2)
     }
 
-    /// The result of the places so far.
-    #[must_use]
-    pub fn so_far(&self, best: &Fit, noise_n2: f32) -> Posterior {
-        self.sums.posterior(best, noise_n2)
-    }
-
     /// Takes the fit of one place.
     fn take(
         &mut self,
@@ -104,7 +98,7 @@ impl OverOnset {
             self.sums.add(width * likelihood, &Posterior::at(fit, noise_n2), best);
         }
         let Some(next) = following(self.place, STEPS + self.fine - 1, ends) else {
-            return ControlFlow::Break(self.so_far(best, noise_n2));
+            return ControlFlow::Break(self.sums.posterior(best, noise_n2));
         };
         // The other way begins at the best fit again.
         let turns = self.place > 0 && next < 0;

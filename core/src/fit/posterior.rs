@@ -9,6 +9,7 @@ use crate::stats::normal_equations::Gradient;
 pub(crate) const RESOLVED: f32 = 1.5;
 /// A slip whose swing is less well known than this part of it is not resolved.
 const SWING_KNOWN: f32 = 0.2;
+
 /// Means and variances of one event's unknowns; forces in N, times in periods.
 #[derive(Clone, Copy, Debug)]
 pub struct Posterior {
