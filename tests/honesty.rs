@@ -18,7 +18,7 @@ const SEEDS: u64 = 12;
 const SHORT_SEEDS: u64 = 100;
 
 /// All classes in the order of the table.
-const CLASSES: [(&str, Kind); 44] = [
+const CLASSES: [(&str, Kind); 45] = [
     ("base", Kind::Events),
     ("tightened_held", Kind::Events),
     ("held_only", Kind::Nothing),
@@ -53,6 +53,7 @@ const CLASSES: [(&str, Kind); 44] = [
     ("cogging_5", Kind::Events),
     ("along_slip", Kind::Events),
     ("creep_quiet", Kind::Events),
+    ("coarse_steps", Kind::Events),
     ("short_slips", Kind::Events),
     ("slack", Kind::Events),
     ("short_sticks", Kind::Events),

@@ -49,6 +49,9 @@ fn estimator(events: &[Coefficient]) -> Estimator {
     estimator
 }
 
+/// With up to eight events a prior on their scatter counts, which is held by its own tests.
+const FEW: usize = 8;
+
 /// Mean, standard error and spread by the formulas of `estimator`, written out over
 /// all events at once.
 fn batch(events: &[Coefficient]) -> [f64; 3] {
@@ -59,9 +62,18 @@ fn batch(events: &[Coefficient]) -> [f64; 3] {
     let plain = sum(&value) / n;
     let squares = sum(&|e| (value(e) - plain).powi(2));
     let own = sum(&variance) / n;
-    let between = if n > 1.0 { (squares / (n - 1.0) - own).max(0.0) } else { 0.0 };
     let weights = sum(&|e| 1.0 / variance(e));
     let weighted = sum(&|e| value(e) / variance(e)) / weights;
+    let between = match events.len() {
+        0 | 1 => 0.0,
+        2..=FEW => squares / (n - 1.0) - own,
+        _ => {
+            let far = sum(&|e| (value(e) - weighted).powi(2) / variance(e)) - (n - 1.0);
+            let uneven = weights - sum(&|e| variance(e).powi(-2)) / weights;
+            (squares / (n - 1.0) - own).max(far / uneven)
+        }
+    };
+    let between = between.max(0.0);
     let harmonic = n / weights;
     let lambda = harmonic / (harmonic + between);
     // Variance of Σ c_i x_i with c_i = λ w_i / Σ w + (1 − λ) / n.
@@ -111,8 +123,6 @@ fn close(got: [f64; 3], expected: [f64; 3]) -> Result<(), TestCaseError> {
 
 #[test]
 fn estimator_equals_the_batch_formulas() {
-    // With up to eight events a prior on their scatter counts, which is held by its own tests.
-    const FEW: usize = 8;
     check(500, coefficients(200), |events| {
         let (got, expected) = (result(&estimator(&events)), batch(&events));
         let all = events.len() > FEW;

@@ -168,7 +168,7 @@ impl CycleFit {
         if let Some(fit) = fit {
             let (squares_n2, free) = own_residuals(&data, &fit);
             if free >= 1.0 {
-                let own_n2 = (squares_n2 / free).max(noise_n2);
+                let own_n2 = larger(self.pending.least_n2(squares_n2 / free), noise_n2);
                 self.pending.noise_n2 = self.pending.noise_n2.min(own_n2);
             }
         }
@@ -206,6 +206,7 @@ impl CycleFit {
         let misfit = learnt.is_misfit(pending, around_n2, free - points);
         let counts = free >= 1.0 && !misfit;
         if counts {
+            let squares_n2 = free * pending.least_n2(squares_n2 / free);
             learnt.residuals.add(squares_n2, free, pending.noise_n2);
         }
         let now_n2 = learnt.noise_n2(pending);

@@ -7,8 +7,11 @@
 //!
 //! With `s_i` an event's standard deviation, `τ²` the variance between events:
 //!
-//! - `τ² = max(0, S² − mean s_i²)`, `S²` the sample variance (method of moments); of few
-//!   events with a stated prior (`Scatter`), and of one event nothing;
+//! - `τ² = max(0, S² − mean s_i²)`, `S²` the sample variance (method of moments), or, with the
+//!   weights `w_i = 1/s_i²`, `(Σ w_i (x_i − m_w)² − (n − 1)) / (Σ w_i − Σ w_i² / Σ w_i)`
+//!   (DerSimonian and Laird) if that is more: where a few events are far sharper than most, only
+//!   they show how friction scatters. Of few events with a stated prior (`Scatter`), and of one
+//!   event nothing;
 //! - mean `m = λ m_w + (1 − λ) m_1`: `m_w` weighted by `1/s_i²`, `m_1` plain,
 //!   `λ = s̄²/(s̄² + τ²)` with `s̄²` the harmonic mean of `s_i²`; either is the best
 //!   mean at its end of the scale;
@@ -42,6 +45,9 @@ pub struct Estimator {
     weighted_mean: DoubleSingle,
     weight: DoubleSingle,
     weight_squares: DoubleSingle,
+    /// Σ w (x − weighted mean)², and Σ w_i w_j over the pairs of events.
+    weighted_squares: DoubleSingle,
+    weight_pairs: DoubleSingle,
     correlation: Correlation,
     /// Mean of the parts of the events' standard deviations that are common to them.
     common: DoubleSingle,
@@ -74,8 +80,12 @@ impl Estimator {
         self.variance += share * from(self.variance, variance);
         self.common += share * from(self.common, common_std);
         let weight = 1.0 / variance;
+        let before = self.weight.rounded();
+        self.weight_pairs += before * weight;
         self.weight += weight;
-        self.weighted_mean += weight / self.weight.rounded() * from(self.weighted_mean, value);
+        let (share, step) = (weight / self.weight.rounded(), from(self.weighted_mean, value));
+        self.weighted_squares += before * share * step * step;
+        self.weighted_mean += share * step;
         self.weight_squares += weight * weight;
     }
 
@@ -92,8 +102,11 @@ impl Estimator {
         self.mean += share * step;
         self.variance += share * (later.variance - self.variance);
         self.common += share * (later.common - self.common);
+        self.weight_pairs += later.weight_pairs + self.weight * later.weight;
         let weight = self.weight + later.weight;
-        self.weighted_mean += later.weight / weight * (later.weighted_mean - self.weighted_mean);
+        let (share, step) = (later.weight / weight, later.weighted_mean - self.weighted_mean);
+        self.weighted_squares += later.weighted_squares + self.weight * share * step * step;
+        self.weighted_mean += share * step;
         self.weight = weight;
         self.weight_squares += later.weight_squares;
         self.count = self.count.saturating_add(later.count);
@@ -146,8 +159,15 @@ impl Estimator {
 
     /// Variance between events, noise removed; needs two events.
     fn between(&self) -> Option<DoubleSingle> {
-        let free = self.count.checked_sub(2)? + 1;
-        Some((self.squares / DoubleSingle::from(free) - self.variance).or_zero())
+        let free = DoubleSingle::from(self.count.checked_sub(2)? + 1);
+        let plain = (self.squares / free - self.variance).or_zero();
+        if self.count <= FEW {
+            return Some(plain);
+        }
+        // Σ w − Σ w² / Σ w, without a difference.
+        let pairs = DoubleSingle::from(2_u32) * self.weight_pairs / self.weight;
+        let weighted = ((self.weighted_squares - free) / pairs).or_zero();
+        Some(if weighted.rounded() > plain.rounded() { weighted } else { plain })
     }
 
     /// Factor on the variance of the mean because the events are correlated: what is
@@ -189,6 +209,16 @@ mod tests {
         (1.22, 0.03),
         (1.27, 0.02),
     ];
+
+    /// Sixty events that tell nothing must not hide how far the three that do are apart.
+    #[test]
+    fn a_few_sharp_events_show_the_scatter() {
+        let mut e = all(&[(1.21, 1e-3), (1.24, 1e-3), (1.27, 1e-3)]);
+        (0..60_u8).for_each(|i| e.add(coefficient(1.24 + 0.005 * f32::from(i % 5), 0.03)));
+        let estimate = e.estimate().unwrap();
+        assert!(estimate.spread.is_some_and(|spread| spread > 0.02), "{estimate:?}");
+        assert!(estimate.std_error.is_some_and(|std| (0.003..0.01).contains(&std)), "{estimate:?}");
+    }
 
     #[test]
     fn nothing_in_nothing_out() {

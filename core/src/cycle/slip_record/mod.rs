@@ -9,8 +9,10 @@ use crate::event::Reason;
 use crate::fit::Samples;
 use crate::model::CycleParams;
 use crate::noise::ripple::ColoredNoise;
+use crate::num::math::larger;
 use crate::sample::{ForcePoint, since};
 use crate::signal::window::Window;
+use crate::stats::lattice::spacing;
 use crate::stats::line::Line;
 
 const PI: f32 = core::f32::consts::PI;
@@ -117,6 +119,22 @@ impl SlipRecord {
         let extremes = || (since(self.origin, self.peak.index), since(self.origin, self.low.index));
         let slip = self.early.map_or_else(extremes, |cycle| (cycle.onset, cycle.shape().stop()));
         Samples { rest_weight, rest_from, slip, ..Samples::new(self.start, forces_n) }
+    }
+
+    /// Variance of the noise as residuals tell it, N². Where they tell far less than the samples
+    /// did, the samples may lie on their lines by chance: a converter's steps leave a twelfth of
+    /// their square.
+    pub(crate) fn least_n2(&self, own_n2: f32) -> f32 {
+        const FAR_LESS: f32 = 0.05;
+        const PART: f32 = 1.0 / 12.0;
+        const EXACT: f32 = 1e-5;
+        if own_n2 > FAR_LESS * self.noise_n2 {
+            return own_n2;
+        }
+        let samples = self.samples();
+        let forces_n = samples.good().map(|(_, force_n)| force_n);
+        let step_n = spacing(forces_n, EXACT * self.peak.force_n.abs());
+        larger(own_n2, PART * step_n * step_n)
     }
 
     /// Ends the event before the next one's slip begins: with the last index before its onset,

@@ -1,0 +1,57 @@
+//! The steps of a converter, seen from numbers that lie on them.
+
+/// Largest distance of which all differences of the numbers are a multiple, by Euclid's
+/// algorithm; zero where it is no more than some `tolerance`s, as of numbers that lie anywhere.
+/// Every turn of its loop halves what is left: 32 turns and one a number are the most.
+#[must_use]
+pub fn spacing(numbers: impl Iterator<Item = f32>, tolerance: f32) -> f32 {
+    const CLEAR: f32 = 8.0;
+    let (mut first, mut spacing) = (None, f32::INFINITY);
+    for number in numbers {
+        let Some(first) = first else {
+            first = Some(number);
+            continue;
+        };
+        let mut left: f32 = number - first;
+        left = left.abs();
+        while left > tolerance {
+            let rest = remainder(spacing, left);
+            (spacing, left) = (left, rest);
+        }
+        if spacing < CLEAR * tolerance {
+            return 0.0;
+        }
+    }
+    if spacing.is_finite() { spacing } else { 0.0 }
+}
+
+/// Distance of a number from the nearest multiple of another; of an endless one nothing.
+fn remainder(number: f32, step: f32) -> f32 {
+    let steps = number / step;
+    if steps < 1e6 { (number - step * (steps + 0.5) as i32 as f32).abs() } else { 0.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TOLERANCE: f32 = 0.01;
+
+    #[test]
+    fn steps_are_seen_and_numbers_anywhere_have_none() {
+        let steps = [9.0, 9.0, -26.0, -49.0, 4.0, 9.0, 8.0];
+        for step in [5.0, 0.5, 2.44] {
+            let mut force_n = 700.0;
+            let forces = steps.map(|n| {
+                force_n += n * step;
+                force_n
+            });
+            let seen = spacing(forces.into_iter(), TOLERANCE);
+            assert!((seen - step).abs() < TOLERANCE, "{seen}, not {step}");
+        }
+        let anywhere = [12.34, 77.891, 103.017, 311.46, 290.339, 17.52];
+        assert!(spacing(anywhere.into_iter(), TOLERANCE) <= 0.0);
+        assert!(spacing([3.0; 9].into_iter(), TOLERANCE) <= 0.0);
+        assert!(spacing([f32::NAN, 1.0, f32::INFINITY].into_iter(), TOLERANCE).is_finite());
+    }
+}
