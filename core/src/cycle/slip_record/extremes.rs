@@ -94,7 +94,7 @@ impl SlipRecord {
     /// Variance of the noise about the stick lines before and after, N²; where both are brief the
     /// detector's.
     pub(crate) fn line_noise_n2(&self, after: &Line) -> f32 {
-        const BRIEF: f32 = 4.0;
+        const BRIEF: f32 = 8.0;
         let free = |line: &Line| (line.weight - 2.0).max(0.0);
         let (squares_n2, free) =
             (self.before.residual() + after.residual(), free(&self.before) + free(after));
