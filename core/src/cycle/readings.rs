@@ -48,9 +48,7 @@ impl CycleTracker {
                 let ratio = Parameter { name: "weight_ratio", value, std: relative * value };
                 [(relative > 0.0).then_some(ratio), None]
             }
-            Effect::Level | Effect::Drift | Effect::Flop | Effect::Ripple | Effect::Forgetting => {
-                [None; 2]
-            }
+            Effect::Level | Effect::Drift | Effect::Flop | Effect::Ripple => [None; 2],
         }
     }
 

@@ -5,9 +5,8 @@ use crate::detector::onset::OFF_LINE;
 use crate::detector::stick_line::Stick;
 use crate::detector::{Detector, slack_wait};
 use crate::effect::Effect;
-use crate::noise::forgetting::Forgetting;
 use crate::noise::ripple::Ripple;
-use crate::sample::{ForcePoint, since};
+use crate::sample::ForcePoint;
 use crate::signal::window::WINDOW;
 
 /// After this many samples in a row off the line, all on one side, the line starts anew;
@@ -61,7 +60,6 @@ impl Detector {
     }
 
     fn take_into_line(&mut self, sample: ForcePoint) {
-        let time = since(self.stick.line_origin, sample.index);
         let variance = self.variance(sample.index);
         let weight = 1.0 / variance;
         if let Some(innovation) = self.off_line_n(sample) {
@@ -74,19 +72,9 @@ impl Detector {
             if self.effects.has(Effect::Ripple) {
                 self.ripple.add(relative, weight);
             }
-            let forgets = self.effects.has(Effect::Forgetting);
-            if let Some(slope) = self.stick.trial.slope().filter(|_| forgets) {
-                let trial = sample.force_n - self.stick.trial.at(time, slope);
-                self.memory.compare(weight * innovation, weight * trial);
-                if self.usual_drop_n <= 0.0 && self.memory.has_won() {
-                    // Without slips no line would ever end.
-                    self.memory.decide();
-                    self.stick.take_trial();
-                }
-            }
         }
         self.stick.strikes = 0;
-        self.stick.take(sample.index, sample.force_n, &self.memory, weight);
+        self.stick.take(sample.index, sample.force_n, weight);
     }
 
     /// A sample off the line is left out; several on one side start a new line.
@@ -124,7 +112,7 @@ impl Detector {
         let since =
             self.ended.line.slope().map_or(0, |rate| slack_wait::periods_above(risen_n, rate));
         let origin = self.stick.origin.max(now.index.saturating_sub(since));
-        self.stick = Stick::new(origin, self.stick.highest, self.stick.straight);
+        self.stick = Stick::new(origin, self.stick.highest);
         false
     }
 
@@ -139,7 +127,7 @@ impl Detector {
         self.profile.learn((origin..next).map(|index| window.get(index)));
         if was_flat && !self.profile.is_flat() {
             // What the innovations told had the swing in it.
-            (self.memory, self.ripple) = (Forgetting::new(), Ripple::default());
+            self.ripple = Ripple::default();
         }
     }
 }

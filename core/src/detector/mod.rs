@@ -45,7 +45,6 @@ use crate::detector::slack_wait::SlackWait;
 use crate::detector::stick_line::LINE_POINTS;
 use crate::effect::Effects;
 use crate::noise::flop::FlopProfile;
-use crate::noise::forgetting::Forgetting;
 use crate::noise::ripple::Ripple;
 use crate::noise::scale::Noise;
 use crate::num::math::smaller;
@@ -86,7 +85,6 @@ pub struct Detector {
     /// The noise's standard deviations at the newest sample, N.
     std_n: Option<f32>,
     line_std_n: Option<f32>,
-    memory: Forgetting,
     ripple: Ripple,
     profile: FlopProfile,
     phase: Phase,
@@ -130,7 +128,6 @@ impl Detector {
             noise: Noise::new(),
             std_n: None,
             line_std_n: None,
-            memory: Forgetting::new(),
             ripple: Ripple::default(),
             profile: FlopProfile::default(),
             phase: Phase::Unknown,
@@ -258,7 +255,6 @@ impl Detector {
         if self.stick.next < self.stick.origin + PROFILE {
             self.learn_profile();
         }
-        self.memory.decide();
         self.ripple.interrupt();
         self.ended = self.stick;
         if !self.line_fits() {
@@ -269,7 +265,6 @@ impl Detector {
             self.ended.origin = self.ended.highest.index;
             self.ended.next = self.ended.origin;
         }
-        let straight = self.memory.is_endless();
-        self.stick = Stick::new(next, highest, straight);
+        self.stick = Stick::new(next, highest);
     }
 }

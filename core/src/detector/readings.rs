@@ -73,7 +73,6 @@ impl Detector {
         match effect {
             Effect::Flop => !self.profile.is_flat(),
             Effect::Ripple => self.wander().level > 0.0,
-            Effect::Forgetting => !self.memory.is_endless(),
             Effect::Corner
             | Effect::Sag
             | Effect::Stiffening

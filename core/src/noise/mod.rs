@@ -1,7 +1,6 @@
 //! What strays from the stick line: how much, how long, and in which shape.
 
 pub mod flop;
-pub mod forgetting;
 pub mod ripple;
 pub mod scale;
 mod time_asymmetry;

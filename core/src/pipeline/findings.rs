@@ -55,7 +55,7 @@ impl Pipeline {
             let found = match effect {
                 Effect::Level => self.change.is_some_and(|change| change.cause != Cause::Mass),
                 Effect::Drift => self.zero_n().is_some(),
-                Effect::Flop | Effect::Ripple | Effect::Forgetting => self.detector.shows(effect),
+                Effect::Flop | Effect::Ripple => self.detector.shows(effect),
                 Effect::Corner
                 | Effect::Sag
                 | Effect::Stiffening

@@ -45,6 +45,18 @@ impl Normal {
         }
     }
 
+    /// Takes out all that is told of one unknown.
+    pub fn forget(&mut self, unknown: usize) {
+        for (i, row) in self.matrix.iter_mut().enumerate() {
+            for (j, entry) in row.iter_mut().enumerate() {
+                if i == unknown || j == unknown {
+                    *entry = 0.0;
+                }
+            }
+        }
+        self.right.iter_mut().skip(unknown).take(1).for_each(|right| *right = 0.0);
+    }
+
     /// Factors the matrix with its diagonal raised by `damping` times itself.
     ///
     /// `None` when it is singular to working precision.

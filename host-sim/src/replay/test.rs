@@ -53,6 +53,9 @@ fn names() -> String {
     Effect::ALL.map(Effect::name).join(", ")
 }
 
+/// An effect of earlier versions that paid in no scene: logs and scripts may still name it.
+const RETIRED: &str = "forgetting";
+
 /// A set of effects by their names.
 ///
 /// # Errors
@@ -63,7 +66,8 @@ fn effects(text: &str) -> Result<Effects, String> {
         "none" => return Ok(Effects::NONE),
         _ => {}
     }
-    text.split(',').map(str::trim).try_fold(Effects::NONE, |set, name| {
+    let mut asked = text.split(',').map(str::trim).filter(|&name| name != RETIRED);
+    asked.try_fold(Effects::NONE, |set, name| {
         let effect = Effect::named(name).ok_or_else(|| {
             format!("no effect is called '{name}': auto, none, or some of {}", names())
         })?;

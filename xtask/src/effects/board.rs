@@ -23,7 +23,6 @@ fn own(effect: Effect) -> &'static str {
         Effect::Drift => "hard/drift",
         Effect::Flop => "hard/flop",
         Effect::Ripple => "hard/ripple",
-        Effect::Forgetting => "honesty/many_pauses",
         Effect::Damping => "honesty/damping_2",
     }
 }
@@ -40,7 +39,6 @@ fn files(effect: Effect) -> &'static [&'static str] {
         Effect::Drift => &["effects/zero_drift.rs"],
         Effect::Flop => &["noise/flop.rs"],
         Effect::Ripple => &["noise/ripple.rs"],
-        Effect::Forgetting => &["noise/forgetting.rs"],
         Effect::Damping => &["effects/damping.rs"],
     }
 }

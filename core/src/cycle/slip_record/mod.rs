@@ -175,7 +175,7 @@ impl SlipRecord {
 
     /// Is there a line, of samples that differ from it by noise alone?
     fn has_straight(&self, stick: &Stick, line: &Line) -> bool {
-        stick.straight && line.count > 0 && self.wander.level <= 0.0
+        stick.is_straight() && line.count > 0 && self.wander.level <= 0.0
     }
 
     /// The noise's part of the mean square of all residuals: only the line's contain what

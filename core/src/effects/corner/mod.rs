@@ -162,7 +162,7 @@ impl CornerEstimator {
         let best = free.solve(&self.information.right);
         let (before, after) = (score.times(&self.best), score.times(&best));
         self.chi_square *= FADE;
-        for k in 0..2 {
+        for k in (0..2).filter(|&k| score.normal.matrix[k][k] > 0.0) {
             // How far off the event was before times how far it is after it: on average
             // the variance of the noise.
             let squared = (told[k] - before[k]) * (told[k] - after[k]);

@@ -7,7 +7,7 @@ use crate::model::corner::{Corner, NUMBERS};
 use crate::stats::normal_equations::{Gradient, Normal, dot};
 
 /// A number of which less than this part of the information is left when the unknowns are
-/// free is lost in rounding.
+/// free is lost in rounding: the event does not tell it.
 const LEAST_OWN: f32 = 1e-3;
 
 /// What an event tells of the corners by itself.
@@ -43,6 +43,7 @@ impl Score {
             }
         }
         let response = products.map(|product| alone.factor.solve(&product));
+        let mut is_lost = [false; NUMBERS];
         for i in 0..NUMBERS {
             let whole = normal.matrix[i][i];
             for j in 0..=i {
@@ -51,10 +52,12 @@ impl Score {
             normal.right[i] -= dot(&response[i], &alone.right);
             // Without creep its range is not known at all.
             let own = normal.matrix[i][i];
-            if i < 2 && (own <= LEAST_OWN * whole || own.is_nan()) {
+            if own.is_nan() {
                 return None;
             }
+            is_lost[i] = i < 2 && own <= LEAST_OWN * whole;
         }
+        (0..NUMBERS).filter(|&i| is_lost[i]).for_each(|i| normal.forget(i));
         Some(Self { corner, inverse_omega: cycle.inverse_omega(), normal, response })
     }
 
