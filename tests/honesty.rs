@@ -18,7 +18,7 @@ const SEEDS: u64 = 12;
 const SHORT_SEEDS: u64 = 100;
 
 /// All classes in the order of the table.
-const CLASSES: [(&str, Kind); 43] = [
+const CLASSES: [(&str, Kind); 44] = [
     ("base", Kind::Events),
     ("tightened_held", Kind::Events),
     ("held_only", Kind::Nothing),
@@ -52,6 +52,7 @@ const CLASSES: [(&str, Kind); 43] = [
     ("cogging_2_5", Kind::Events),
     ("cogging_5", Kind::Events),
     ("along_slip", Kind::Events),
+    ("creep_quiet", Kind::Events),
     ("short_slips", Kind::Events),
     ("slack", Kind::Events),
     ("short_sticks", Kind::Events),

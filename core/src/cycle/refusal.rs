@@ -99,8 +99,9 @@ fn is_even(slip: &SlipRecord, swing: Option<f32>, after: &Line) -> bool {
     let off_n2 = straight.residual();
     let own_n2 = off_n2 / (straight.count as f32 - 2.0);
     let noise_n2 = slip.line_noise_n2(after);
-    // Also not for a force without any noise, or NaN.
-    if !(own_n2 < EVEN * noise_n2) {
+    // Not for a force without any noise, nor for NaN.
+    let is_straight = own_n2 < EVEN * noise_n2;
+    if !is_straight {
         return false;
     }
     if let Some(swing) = swing {

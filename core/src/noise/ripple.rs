@@ -97,6 +97,23 @@ impl Ripple {
         self.count = FADE * self.count + weight;
     }
 
+    /// Lets the past count for less.
+    pub fn fade(&mut self, factor: f32) {
+        let [first, second] = &mut self.products;
+        let sums = [&mut self.squares, &mut self.steps, &mut self.bends, first, second];
+        sums.into_iter().for_each(|sum| *sum *= factor);
+        self.far_steps *= factor;
+        self.far_count *= factor;
+        self.count *= factor;
+    }
+
+    /// The last innovation, if it had a neighbour before it.
+    #[must_use]
+    pub fn newest(&self) -> Option<f32> {
+        let [newest, before, ..] = self.last;
+        (!(newest + before).is_nan()).then_some(newest)
+    }
+
     /// The next sample has no neighbour before it.
     pub fn interrupt(&mut self) {
         self.last = [f32::NAN; FAR];
