@@ -175,6 +175,15 @@ fn winding_back_is_no_slip() {
     }
 }
 
+/// The same of a force without any noise.
+#[test]
+fn winding_back_without_noise_is_no_slip() {
+    let force_n = |i: i32| 300.0 + 4.0 * f64::from((i % 100 - 50).abs());
+    let outcome = read(&config(), (0..1920).map(force_n));
+    assert!(outcome.events.is_empty(), "{:?}", outcome.events);
+    assert_eq!(outcome.reasons(), [Reason::WoundBack]);
+}
+
 /// The winch pays out a little between true slips, fast and slowly, with and without a wait, before
 /// and after the swing is known: all slips are found, and next to nothing else.
 #[test]

@@ -4,6 +4,7 @@
 use crate::coefficient::Coefficient;
 use crate::cycle::slip_record::SlipRecord;
 use crate::event::{Event, Reason};
+use crate::fit::rounding_n2;
 use crate::num::math;
 use crate::stats::line::Line;
 
@@ -98,8 +99,8 @@ fn is_even(slip: &SlipRecord, swing: Option<f32>, after: &Line) -> bool {
     slip.fall_samples().for_each(|(time, force_n)| straight.add(time, force_n, 1.0, 1.0));
     let off_n2 = straight.residual();
     let own_n2 = off_n2 / (straight.count as f32 - 2.0);
-    let noise_n2 = slip.line_noise_n2(after);
-    // Not for a force without any noise, nor for NaN.
+    let noise_n2 = math::larger(slip.line_noise_n2(after), rounding_n2(slip.peak.force_n));
+    // Not for NaN.
     let is_straight = own_n2 < EVEN * noise_n2;
     if !is_straight {
         return false;
