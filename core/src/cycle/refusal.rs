@@ -20,6 +20,8 @@ const INSTANT: f32 = 1.5;
 /// Most variance of an even fall about its line, variances of the noise: that one is known from few
 /// samples at times.
 const EVEN: f32 = 10.0;
+/// Fewest periods of a fall whose samples in between, three, can lie off a line.
+const SHORTEST: f32 = 4.0;
 /// Fewest samples of a fall that tell half a cosine from a line.
 const SHAPELY: u32 = 4;
 /// So many variances of the noise the cosine lies further off: twice the logarithm of the ratio of
@@ -95,6 +97,10 @@ pub(crate) fn of_event(event: &Event) -> Option<Reason> {
 /// faster on its way, and half a cosine from the highest sample to the lowest lies further off.
 /// At most as many samples as the record of a slip holds.
 fn is_even(slip: &SlipRecord, swing: Option<f32>, after: &Line) -> bool {
+    let (peak, low) = slip.extremes();
+    if low - peak < SHORTEST {
+        return false;
+    }
     let (mut straight, mut cosine) = (Line::default(), Line::default());
     slip.fall_samples().for_each(|(time, force_n)| straight.add(time, force_n, 1.0, 1.0));
     let off_n2 = straight.residual();
@@ -108,7 +114,6 @@ fn is_even(slip: &SlipRecord, swing: Option<f32>, after: &Line) -> bool {
     if let Some(swing) = swing {
         return is_slow(slip, swing, &straight, noise_n2);
     }
-    let (peak, low) = slip.extremes();
     let turn = core::f32::consts::PI / (low - peak);
     for (time, force_n) in slip.fall_samples() {
         cosine.add(math::sin_cos(turn * (time - peak)).1, force_n, 1.0, 1.0);
