@@ -99,6 +99,11 @@ fn outputs_are_written_whole_and_never_over_the_log() {
     for (command, log) in ON_LOGS {
         assert_refused(&run(&dir, &[command, log, "--json", log]), &[log, "already"]);
     }
+    #[cfg(target_os = "linux")]
+    for option in ["--json", "--events", "--samples", "--report"] {
+        let full = run(&dir, &["replay", "log.csv", "--quiet", option, "/dev/full"]);
+        assert_refused(&full, &["floe: /dev/full: cannot be written: No space left"]);
+    }
     assert!(fs::read(dir.join("log.csv")).unwrap() == log);
     fs::write(dir.join("log.csv"), "time_s,force_n\n0,oops\n1,2\n").unwrap();
     fs::write(dir.join("a.json"), "old").unwrap();
