@@ -5,13 +5,15 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
+#[path = "support/command.rs"]
+mod command;
+use command::{assert_refused, text};
+
 const REPLACED: &str = "the file that was there has been replaced";
 
-/// An empty directory with the bundled log in it.
+/// A directory with the bundled log in it, a rest and a pull against a post.
 fn directory(test: &str) -> PathBuf {
-    let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(test);
-    let _ = fs::remove_dir_all(&path);
-    fs::create_dir_all(&path).unwrap();
+    let path = command::directory(test);
     let bundled = Path::new(env!("CARGO_MANIFEST_DIR")).join("logs/dff8-13.csv");
     fs::copy(bundled, path.join("log.csv")).unwrap();
     let rest: String =
@@ -26,15 +28,15 @@ fn directory(test: &str) -> PathBuf {
     path
 }
 
-fn floe(directory: &Path, arguments: &[&str]) -> Output {
+fn run(directory: &Path, arguments: &[&str]) -> Output {
     let mut command = Command::new(env!("CARGO_BIN_EXE_floe"));
-    let output = command.current_dir(directory).args(arguments).output().unwrap();
-    assert_eq!(output.status.code(), Some(0), "{arguments:?}: {}", text(&output.stderr));
-    output
+    command.current_dir(directory).args(arguments).output().unwrap()
 }
 
-fn text(bytes: &[u8]) -> String {
-    String::from_utf8(bytes.to_vec()).unwrap()
+fn floe(directory: &Path, arguments: &[&str]) -> Output {
+    let output = run(directory, arguments);
+    assert_eq!(output.status.code(), Some(0), "{arguments:?}: {}", text(&output.stderr));
+    output
 }
 
 /// Commands that evaluate a log, with one that suits them.
@@ -62,6 +64,51 @@ fn json_is_the_same_option_everywhere() {
         assert!(text(&second.stderr).contains(&format!("x.json: {REPLACED}")), "{command}");
         fs::remove_file(dir.join("x.json")).unwrap();
     }
+}
+
+#[test]
+fn outputs_are_written_whole_and_never_over_the_log() {
+    let dir = directory("outputs");
+    let log = fs::read(dir.join("log.csv")).unwrap();
+    fs::write(dir.join("a.json"), "old").unwrap();
+    let files =
+        ["replay", "log.csv", "--json", "a.json", "--events", "a.csv", "--report", "a.html"];
+    let said = text(&floe(&dir, &files).stdout);
+    let begun = [
+        ("a.json", "{\n  \"schema\": \"floe-replay/2\""),
+        ("a.csv", "index,onset_s,stop_s,"),
+        ("a.html", "<!"),
+    ];
+    for (file, begin) in begun {
+        assert!(said.contains(&format!("written       {file}\n")), "{file}");
+        assert!(fs::read_to_string(dir.join(file)).unwrap().starts_with(begin), "{file}");
+    }
+    assert_eq!(fs::read_dir(&dir).unwrap().count(), 6, "nothing is left beside them");
+    fs::hard_link(dir.join("log.csv"), dir.join("same.csv")).unwrap();
+    let refused: [(&[&str], &str); 6] = [
+        (&["--events", "log.csv"], "log.csv: is read or written already"),
+        (&["--events", "./same.csv"], "same.csv: is read or written already"),
+        (&["--events", "a.json", "--json", "a.json"], "a.json: is read or written already"),
+        (&["--events", "."], "is a directory"),
+        (&["--json", "no/such/a.json"], "directory does not exist"),
+        (&["--samples", "log.csv"], "log.csv: is read or written already"),
+    ];
+    for (options, said) in refused {
+        assert_refused(&run(&dir, &[&["replay", "log.csv"], options].concat()), &[said]);
+    }
+    for (command, log) in ON_LOGS {
+        assert_refused(&run(&dir, &[command, log, "--json", log]), &[log, "already"]);
+    }
+    #[cfg(target_os = "linux")]
+    for option in ["--json", "--events", "--samples", "--report"] {
+        let full = run(&dir, &["replay", "log.csv", "--quiet", option, "/dev/full"]);
+        assert_refused(&full, &["floe: /dev/full: cannot be written: No space left"]);
+    }
+    assert!(fs::read(dir.join("log.csv")).unwrap() == log);
+    fs::write(dir.join("log.csv"), "time_s,force_n\n0,oops\n1,2\n").unwrap();
+    fs::write(dir.join("a.json"), "old").unwrap();
+    assert_refused(&run(&dir, &["replay", "log.csv", "--json", "a.json"]), &["line 2"]);
+    assert_eq!(fs::read_to_string(dir.join("a.json")).unwrap(), "old");
 }
 
 #[test]

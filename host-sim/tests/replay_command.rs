@@ -213,51 +213,6 @@ fn no_events_is_a_result() {
 }
 
 #[test]
-fn outputs_are_written_whole_and_never_over_the_log() {
-    let dir = directory("outputs");
-    let path = dir.join("log.csv");
-    fs::write(&path, ramp(40)).unwrap();
-    let name = |file: &str| dir.join(file).to_str().unwrap().to_string();
-    let (log, result, events) = (name("log.csv"), name("a.json"), name("a.csv"));
-    let base = ["replay", log.as_str(), "--weight-n", "100"];
-    let run = |options: &[&str]| floe(&[base.as_slice(), options].concat());
-
-    fs::write(&result, "old").unwrap();
-    let report = name("a.html");
-    let output = run(&["--json", &result, "--events", &events, "--report", &report]);
-    assert_eq!(output.status.code(), Some(0));
-    for file in [&result, &events, &report] {
-        assert!(text(&output.stdout).contains(&format!("written       {file}\n")), "{file}");
-    }
-    assert!(fs::read_to_string(&report).unwrap().starts_with("<!"));
-    assert!(fs::read_to_string(&result).unwrap().starts_with("{\n  \"schema\": \"floe-replay/2\""));
-    assert!(fs::read_to_string(&events).unwrap().starts_with("index,onset_s,stop_s,"));
-    assert_eq!(fs::read_dir(&dir).unwrap().count(), 4);
-
-    assert_refused(&run(&["--json", &log]), &[&log, "already"]);
-    assert_refused(&run(&["--events", &log]), &[&log, "already"]);
-    assert_refused(&run(&["--events", &result, "--json", &result]), &[&result, "already"]);
-    assert_refused(&run(&["--events", dir.to_str().unwrap()]), &["is a directory"]);
-    assert_refused(&run(&["--json", &name("no/such/a.json")]), &["directory does not exist"]);
-    assert_eq!(fs::read_to_string(&path).unwrap(), ramp(40));
-
-    fs::write(&path, "time_s,force_n\n0,oops\n1,2\n").unwrap();
-    fs::write(&result, "old").unwrap();
-    assert_refused(&run(&["--json", &result]), &["line 2"]);
-    assert_eq!(fs::read_to_string(&result).unwrap(), "old");
-}
-
-#[test]
-fn a_log_behind_json_is_a_log() {
-    let dir = directory("behind_json");
-    let path = dir.join("log.csv");
-    fs::write(&path, ramp(40)).unwrap();
-    let path = path.to_str().unwrap();
-    let result = json(&floe(&["replay", "--weight-n", "100", "--json", path]));
-    assert_eq!(result["log"]["samples"], 40);
-}
-
-#[test]
 fn without_arguments_the_bundled_log_is_replayed_and_reported() {
     let dir = directory("bundled");
     let run = || Command::new(env!("CARGO_BIN_EXE_floe")).current_dir(&dir).output().unwrap();

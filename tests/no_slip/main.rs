@@ -1,11 +1,14 @@
 //! Records in which the force does not do what slips do: nothing is invented, what was
 //! there instead is said, and events come in order.
 
+use floe::bench::matching::Detection;
 use floe::bench::scenes::phase;
+use floe::sim::winch::WinchProfile;
 use floe::sim::{Scene, simulate};
 use floe_core::{Config, Event, Reason, SampleTime, Stretch, StretchKind};
 use floe_tests::feed;
 use floe_tests::normal::Normal;
+use floe_tests::score;
 
 mod order;
 
@@ -169,6 +172,41 @@ fn winding_back_is_no_slip() {
                 assert_eq!(outcome.reasons(), [Reason::WoundBack], "{times:?} {seed}");
             },
         );
+    }
+}
+
+/// The same of a force without any noise.
+#[test]
+fn winding_back_without_noise_is_no_slip() {
+    let force_n = |i: i32| 300.0 + 4.0 * f64::from((i % 100 - 50).abs());
+    let outcome = read(&config(), (0..1920).map(force_n));
+    assert!(outcome.events.is_empty(), "{:?}", outcome.events);
+    assert_eq!(outcome.reasons(), [Reason::WoundBack]);
+}
+
+/// The winch pays out a little between true slips, fast and slowly, with and without a wait, before
+/// and after the swing is known: all slips are found, and next to nothing else.
+#[test]
+fn winding_back_between_slips_is_no_slip() {
+    let turns: [(&str, &[[f64; 2]], f64); 6] = [
+        ("as fast", &[[9.0, -1.0], [9.5, 1.0]], 11.0),
+        ("slow", &[[9.0, -0.3], [11.0, 1.0]], 13.0),
+        ("fast", &[[9.0, -3.0], [9.3, 1.0]], 11.0),
+        ("brief", &[[6.0, -1.0], [6.25, 1.0]], 7.0),
+        ("with waits", &[[9.0, 0.0], [9.5, -1.0], [10.1, 0.0], [10.7, 1.0]], 13.3),
+        ("before the first slip", &[[0.7, -1.0], [1.2, 1.0]], 6.1),
+    ];
+    for (how, steps, period_s) in turns {
+        let (steps, period_s) = (steps.to_vec(), Some(period_s));
+        let winch_profile = Some(WinchProfile::Steps { steps, period_s });
+        let mut scene = Scene { winch_profile, duration_s: 120.0, ..Scene::default() };
+        scene.measurement.white_n = NOISE_N;
+        let mut all = Detection::default();
+        for seed in 1..=12 {
+            all.add(score::run(&scene, seed).detection);
+        }
+        println!("{how}: {all:?}, F1 {:.3}", all.f1());
+        assert!(all.f1() > 0.98, "{how}: {all:?}");
     }
 }
 

@@ -5,6 +5,7 @@
 
 use floe::bench::matching::Detection;
 use floe::bench::scenes::at_phase;
+use floe::replay::known::Zero;
 use floe::sim::{Scene, Simulation, TrueEvent, simulate};
 use floe_core::{Coefficient, Config, Estimate, Event, InputStd, Report};
 
@@ -250,15 +251,15 @@ fn read(scene: &Scene, record: &Record, errors: [f64; 4], std: InputStd) -> (Vec
     let mut config = Config { std, ..both::config(scene) };
     config.weight_n *= 1.0 + weight as f32;
     config.slope_rad += slope_deg.to_radians() as f32;
-    let zero_after_n = scene.measurement.ramp.as_ref().map(|it| it.zero_n_per_s * scene.duration_s);
-    if let Some(zero_after_n) = zero_after_n {
-        // What is left between two zeros is stated as `floe replay --zero-after-n` does.
-        let left_n = (zero_after_n / 12_f64.sqrt()) as f32;
+    let moved = scene.measurement.ramp.as_ref().map(|it| it.zero_n_per_s * scene.duration_s);
+    let moved = moved.map(|after_n| Zero { before_n: 0.0, after_n });
+    if let Some(moved) = moved {
+        let left_n = moved.remainder_std_n() as f32;
         config.std.zero_n = Some(config.std.zero_n.map_or(left_n, |std_n| std_n.hypot(left_n)));
     }
     let whole = scene.duration_s * scene.rate_hz;
     let seen = |index: u64, force_n: f64| {
-        let moved_n = zero_after_n.unwrap_or(0.0) * index as f64 / whole;
+        let moved_n = moved.unwrap_or_default().at(index as f64 / whole);
         (1.0 + span) * force_n + zero_n - moved_n
     };
     let samples = record.simulation.samples.iter();

@@ -108,20 +108,20 @@ fn remove(folder: &Path) -> Result<()> {
 }
 
 /// How this workspace is built, so that what the packages depend on is not built again; they
-/// themselves in a hurry.
+/// themselves as what others wrote is.
 fn profile() -> Result<Value> {
     let manifest = std::fs::read_to_string(root().join("Cargo.toml")).map_err(|e| e.to_string())?;
     let mut manifest: Table = manifest.parse().map_err(|e| format!("Cargo.toml: {e}"))?;
     let profiles = manifest.get_mut("profile").and_then(Value::as_table_mut);
     let mut dev = profiles.and_then(|it| it.remove("dev")).ok_or("Cargo.toml: no profile.dev")?;
-    if let Some(dev) = dev.as_table_mut() {
-        dev.extend([("opt-level".into(), 0.into()), ("debug".into(), false.into())]);
-        if let Some(overrides) = dev.get_mut("package").and_then(Value::as_table_mut) {
-            for name in OURS_ALONE {
-                overrides.remove(name);
-            }
-        }
+    let settings = dev.as_table_mut().ok_or("Cargo.toml: profile.dev is no table")?;
+    let overrides = settings.get_mut("package").and_then(Value::as_table_mut);
+    let overrides = overrides.ok_or("Cargo.toml: no profile.dev.package")?;
+    for name in OURS_ALONE {
+        overrides.remove(name);
     }
+    let others = overrides.get("*").and_then(Value::as_table).cloned();
+    settings.extend(others.ok_or("Cargo.toml: no profile.dev.package.\"*\"")?);
     Ok(dev)
 }
 

@@ -1,14 +1,47 @@
 //! A change of the block or of its friction, as an event shows it.
 
 use crate::coefficient::Coefficient;
-use crate::cycle::expectations::is_clear;
+use crate::cycle::expectations::{Expectations, is_clear};
+use crate::cycle::slip_record::SlipRecord;
 use crate::cycle::{CycleTracker, Finished};
 use crate::effect::Effect;
+use crate::effects::corner::CornerEstimator;
 use crate::effects::level_shift::{Cause, Change};
 use crate::effects::mass_change::Verdict;
 use crate::event::{Event, Reason};
 use crate::fit::posterior::Posterior;
+use crate::fit::rounding_n2;
 use crate::model::CycleParams;
+use crate::stats::fading_trend::FadingTrend;
+
+/// So many events in a row that do not fit: what was expected is no longer true.
+const CHANGED: u8 = 3;
+
+impl Expectations {
+    /// Does an event leave far more than the others do? The winch paused or started, the
+    /// block hit something; or all is different from now on.
+    pub(crate) fn is_misfit(&mut self, pending: &SlipRecord, squares_n2: f32, free: f32) -> bool {
+        let rounding_n2 = rounding_n2(pending.peak.force_n);
+        if !self.residuals.is_outlier(squares_n2, free, rounding_n2) {
+            self.misfits = 0;
+            return false;
+        }
+        self.contradict();
+        true
+    }
+
+    /// An event does not fit with what was learnt: after several of them in a row that is no longer
+    /// true, and nothing is expected any more.
+    pub(crate) fn contradict(&mut self) {
+        self.misfits += 1;
+        if self.misfits == CHANGED {
+            self.misfits = 0;
+            [self.rate, self.rate_change] = [FadingTrend::default(); 2];
+            self.mass.forget_all();
+            self.corner = CornerEstimator::default();
+        }
+    }
+}
 
 impl CycleTracker {
     /// A measured event with what it tells of a change.

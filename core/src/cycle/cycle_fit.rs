@@ -194,6 +194,7 @@ impl CycleFit {
         let Some(mut fit) = fit.filter(holds) else {
             // Corners that are not there may be why.
             learnt.corner = CornerEstimator::default();
+            learnt.contradict();
             return ControlFlow::Break(Outcome::Failed(Reason::NoFit));
         };
         if pending.hidden {

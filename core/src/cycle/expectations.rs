@@ -24,7 +24,7 @@ pub(crate) struct Expectations {
     effects: Effects,
     pub(crate) rate: FadingTrend,
     pub(crate) mass: Mass,
-    rate_change: FadingTrend,
+    pub(super) rate_change: FadingTrend,
     pub(crate) corner: CornerEstimator,
     pub(crate) sag: Sag,
     /// Loading rate as the newest event alone tells it, and its variance.
@@ -33,13 +33,11 @@ pub(crate) struct Expectations {
     pub(crate) slip: SlipScatter,
     pub(crate) damping: Damping,
     /// Events in a row that did not fit.
-    misfits: u8,
+    pub(super) misfits: u8,
     /// The residuals are those of weighted samples.
     weighted: bool,
 }
 
-/// So many events in a row that do not fit: what was expected is no longer true.
-const CHANGED: u8 = 3;
 /// Least part of a fitted precision that has to be the event's own: a smaller part is
 /// the difference of two numbers that the fit's last step may have left unsettled.
 const LEAST_OWN: f32 = 0.01;
@@ -87,25 +85,6 @@ impl Expectations {
             self.weighted = true;
             self.residuals = Residuals::new();
         }
-    }
-
-    /// Does an event leave far more than the others do? The winch paused or started, the
-    /// block hit something; or, after several of them, all is different from now on, and
-    /// nothing is expected any more.
-    pub(crate) fn is_misfit(&mut self, pending: &SlipRecord, squares_n2: f32, free: f32) -> bool {
-        let rounding_n2 = rounding_n2(pending.peak.force_n);
-        if !self.residuals.is_outlier(squares_n2, free, rounding_n2) {
-            self.misfits = 0;
-            return false;
-        }
-        self.misfits += 1;
-        if self.misfits == CHANGED {
-            self.misfits = 0;
-            [self.rate, self.rate_change] = [FadingTrend::default(); 2];
-            self.mass.forget_all();
-            self.corner = CornerEstimator::default();
-        }
-        true
     }
 
     /// An event's samples and lines with what is expected of it.
@@ -193,6 +172,11 @@ impl Expectations {
     /// Is the swing known from earlier events?
     pub(crate) fn knows_omega(&self) -> bool {
         self.mass.inverse_omega().is_well_known()
+    }
+
+    /// The swing, periods, where it is known from earlier events.
+    pub(crate) fn swing(&self) -> Option<f32> {
+        self.mass.inverse_omega().known().filter(|_| self.knows_omega()).map(|swing| swing.value)
     }
 
     /// Carries the event's own loading rate, swing and bend to the next ones, unless it

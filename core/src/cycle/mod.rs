@@ -146,10 +146,12 @@ impl CycleTracker {
         if let Some(pending) = &mut self.pending {
             pending.end_before(stick, window, next_peak.index, next_onset);
             let periods = since(pending.low.index, next_peak.index);
-            let refused = refusal::of_fall(pending, stick.highest.force_n, periods, self.slides);
+            let after = pending.line_after(stick, window, next_onset);
+            let rest = (&after, stick.highest.force_n);
+            let swing = self.learnt.swing();
+            let refused = refusal::of_fall(pending, rest, periods, self.slides, swing);
             pending.refused = pending.refused.or(refused);
             self.slides |= pending.refused.is_none() && refusal::takes_time(pending);
-            let after = pending.line_after(stick, window, next_onset);
             self.finishing = Some(CycleFit::new(*pending, after));
         }
         self.pending = None;

@@ -4,6 +4,7 @@
 use crate::coefficient::Coefficient;
 use crate::cycle::slip_record::SlipRecord;
 use crate::event::{Event, Reason};
+use crate::fit::rounding_n2;
 use crate::num::math;
 use crate::stats::line::Line;
 
@@ -16,10 +17,21 @@ pub(super) const SURE: f32 = 4.0;
 const LEAST_FALL: f32 = 0.02;
 /// Periods of a fall that shows no sample between its ends.
 const INSTANT: f32 = 1.5;
-/// Fewest periods of a fall that shows its shape.
-const SHAPELY: f32 = 6.0;
-/// Twice the logarithm of the likelihoods' ratio beyond which one of two shapes is it.
+/// Most variance of an even fall about its line, variances of the noise: that one is known from few
+/// samples at times.
+const EVEN: f32 = 10.0;
+/// Fewest periods of a fall whose samples in between, three, can lie off a line.
+const SHORTEST: f32 = 4.0;
+/// Fewest samples of a fall that tell half a cosine from a line.
+const SHAPELY: u32 = 4;
+/// So many variances of the noise the cosine lies further off: twice the logarithm of the ratio of
+/// the likelihoods; and so many times what the line is off.
 const LIKELIER: f32 = 12.0;
+const FURTHER: f32 = 2.0;
+/// Part of what a slip falls from sample to sample that an even fall stays below, by so many
+/// standard deviations. Tuned: a slip on a coarse clock reaches nine tenths.
+const SLOW: f32 = 0.85;
+const SURELY: f32 = 5.0;
 /// A coefficient beyond this is no friction: tuned to nothing, ice stays below 2.
 const LARGEST: f32 = 3.0;
 /// A block that slides on a slack cable until friction has taken its speed stays on it for
@@ -27,14 +39,15 @@ const LARGEST: f32 = 3.0;
 /// to rise from nothing. One that stays longer was let go.
 const LEAST_RATIO: f32 = 0.1;
 
-/// Why a fall gives no coefficient, if that can be said without a fit: the highest force
-/// after it, N, the periods until the next slip or the end, and whether a slip of this test
-/// took time.
+/// Why a fall gives no coefficient, if that can be said without a fit: the line after it and the
+/// highest force on it, N, the periods until the next slip or the end, whether a slip of this
+/// test took time, and the swing, periods, if it is known.
 pub(crate) fn of_fall(
     slip: &SlipRecord,
-    next_n: f32,
+    (after, next_n): (&Line, f32),
     periods: f32,
     slides: bool,
+    swing: Option<f32>,
 ) -> Option<Reason> {
     let noise_n = math::sqrt(slip.noise_n2);
     let drop_n = slip.peak.force_n - slip.low.force_n;
@@ -46,7 +59,7 @@ pub(crate) fn of_fall(
     if !slides && to - from < INSTANT && slip.low.force_n.abs() < near_zero_n {
         return Some(Reason::LetGo);
     }
-    if to - from >= SHAPELY && is_even(slip) {
+    if is_even(slip, swing, after) {
         return Some(Reason::WoundBack);
     }
     let rise_n = next_n - slip.low.force_n;
@@ -79,23 +92,44 @@ pub(crate) fn of_event(event: &Event) -> Option<Reason> {
     (!is_possible(&mu_s) || !is_possible(&mu)).then_some(Reason::Implausible)
 }
 
-/// Does the force fall as evenly as a winch that turns back lets it, and not along half a
-/// cosine? Both lines, through the same samples, have two unknowns; their likelihoods decide,
-/// the noise unknown.
+/// Does the force fall as evenly as a winch that turns back lets it? Then it lies on a straight
+/// line, as far as the noise allows, and no slip does: with the swing that is known it falls
+/// faster on its way, and half a cosine from the highest sample to the lowest lies further off.
 /// At most as many samples as the record of a slip holds.
-fn is_even(slip: &SlipRecord) -> bool {
-    let from = slip.edge_angle();
-    let (first, last) = slip.fall_edges();
-    let turn = (core::f32::consts::PI - 2.0 * from) / (last - first);
-    let (mut straight, mut cosine) = (Line::default(), Line::default());
-    for (time, force_n) in slip.samples().good() {
-        if time >= first && time <= last {
-            straight.add(time, force_n, 1.0, 1.0);
-            let angle = from + turn * (time - first);
-            cosine.add(math::sin_cos(angle).1, force_n, 1.0, 1.0);
-        }
+fn is_even(slip: &SlipRecord, swing: Option<f32>, after: &Line) -> bool {
+    let (peak, low) = slip.extremes();
+    if low - peak < SHORTEST {
+        return false;
     }
-    let likelier = straight.count as f32 * math::ln(cosine.residual() / straight.residual());
-    // Also not for a force without any noise, or NaN.
-    straight.count > 4 && likelier > LIKELIER
+    let (mut straight, mut cosine) = (Line::default(), Line::default());
+    slip.fall_samples().for_each(|(time, force_n)| straight.add(time, force_n, 1.0, 1.0));
+    let off_n2 = straight.residual();
+    let own_n2 = off_n2 / (straight.count as f32 - 2.0);
+    let noise_n2 = math::larger(slip.line_noise_n2(after), rounding_n2(slip.peak.force_n));
+    // Not for NaN.
+    let is_straight = own_n2 < EVEN * noise_n2;
+    if !is_straight {
+        return false;
+    }
+    if let Some(swing) = swing {
+        return is_slow(slip, swing, &straight, noise_n2);
+    }
+    let turn = core::f32::consts::PI / (low - peak);
+    for (time, force_n) in slip.fall_samples() {
+        cosine.add(math::sin_cos(turn * (time - peak)).1, force_n, 1.0, 1.0);
+    }
+    let further_n2 = cosine.residual() - off_n2;
+    let is_clear = further_n2 > LIKELIER * math::larger(own_n2, noise_n2);
+    straight.count >= SHAPELY && is_clear && further_n2 > FURTHER * off_n2
+}
+
+/// Does a fall along a line take longer than a slip with this swing, periods? From one sample to
+/// the next a slip falls by `sin(1/s)` of half its drop once, wherever the samples lie.
+fn is_slow(slip: &SlipRecord, swing: f32, straight: &Line, noise_n2: f32) -> bool {
+    let angle = math::smaller(1.0 / swing, core::f32::consts::FRAC_PI_2);
+    let part = 0.5 * math::sin_cos(angle).0;
+    let drop_n = slip.peak.force_n - slip.low.force_n;
+    let variance_n2 = noise_n2 * (2.0 * part * part + 1.0 / straight.slope_weight());
+    let slow_n = SLOW * part * drop_n - SURELY * math::sqrt(variance_n2);
+    straight.slope().is_some_and(|slope| -slope < slow_n)
 }

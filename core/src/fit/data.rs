@@ -48,9 +48,9 @@ impl<'a> Samples<'a> {
     }
 
     /// Times, periods, and forces, N, of the good samples.
-    pub fn good(&self) -> impl Iterator<Item = (f32, f32)> + '_ {
-        let start = self.start;
-        let timed = self.forces_n.iter().enumerate().map(move |(i, &f)| (start + i as f32, f));
+    pub fn good(&self) -> impl Iterator<Item = (f32, f32)> + use<'a> {
+        let (start, forces_n) = (self.start, self.forces_n);
+        let timed = forces_n.iter().enumerate().map(move |(i, &f)| (start + i as f32, f));
         timed.filter(|(_, force_n)| !force_n.is_nan())
     }
 }

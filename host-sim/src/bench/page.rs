@@ -1,11 +1,9 @@
 //! The page `speed-vs-error.md`: picture, summary, and a table for each scene.
 
-use std::fmt::{Display, Write};
+use std::fmt::Write;
 
 use super::result::{BenchResult, Row};
-use super::table::{
-    BOARD_TITLES, SUMMARY_TITLES, TITLES, blocks, board, cells, heading, short, summary,
-};
+use super::table::{Table, blocks, board, heading, scene, short, summary};
 
 const INTRODUCTION: &str = "\
 Every method gets the same simulated samples in the same order and is told the same: rate, weight,
@@ -53,7 +51,7 @@ pub fn markdown(result: &BenchResult, picture: &str) -> String {
     let _ = writeln!(out, "{INTRODUCTION}");
     for (kind, linear) in [("Linear", true), ("Hard", false)] {
         let _ = writeln!(out, "## {kind} scenes: median over the scenes (worst)\n");
-        table(&mut out, "method", &SUMMARY_TITLES, summary(result, linear));
+        table(&mut out, "method", &summary(result, linear));
         out.push('\n');
     }
     let _ = writeln!(
@@ -70,7 +68,7 @@ pub fn markdown(result: &BenchResult, picture: &str) -> String {
     );
     if result.rows.iter().any(|row| row.board.is_some()) {
         let _ = writeln!(out, "## On the board\n\n{BOARD}");
-        table(&mut out, "scene, noise", &BOARD_TITLES, board(result));
+        table(&mut out, "scene, noise", &board(result));
         out.push('\n');
     }
     section(&mut out, "Linear scenes", &result.rows, true);
@@ -83,18 +81,12 @@ fn section(out: &mut String, title: &str, rows: &[Row], linear: bool) {
     let own = |block: &&[Row]| block.iter().all(|row| row.linear == linear);
     for block in blocks(rows).filter(own) {
         let _ = writeln!(out, "\n### {}\n", heading(block));
-        let rows = block.iter().map(|row| (row.method.as_str(), cells(row).to_vec()));
-        table(out, "method", &TITLES, rows);
+        table(out, "method", &scene(block));
     }
     out.push('\n');
 }
 
-fn table(
-    out: &mut String,
-    of: &str,
-    titles: &[&str],
-    rows: impl Iterator<Item = (impl Display, Vec<String>)>,
-) {
+fn table(out: &mut String, of: &str, Table { titles, rows }: &Table) {
     let _ = writeln!(out, "| {of} | {} |", titles.join(" | "));
     let _ = writeln!(out, "|---|{}", "---:|".repeat(titles.len()));
     for (name, cells) in rows {

@@ -2,26 +2,39 @@
 
 use std::fmt::Write;
 
-use super::result::{BenchResult, Errors, Row};
+use super::result::{BenchResult, Row};
 
-/// Titles of the columns after the method's name.
-pub const TITLES: [&str; 13] = [
-    "mu_s/bound",
-    "mu/bound",
-    "mu_s rms %",
-    "mu rms %",
-    "mu_s bias %",
-    "mu bias %",
-    "mu_s 95 %",
-    "mu 95 %",
-    "F1",
-    "read %",
-    "delay ms",
-    "ns/sample",
-    "worst ns",
+/// Title of a column, and its number in a row.
+type Column = (&'static str, fn(&Row) -> Option<f64>);
+
+const OVER_BOUND: [Column; 2] =
+    [("mu_s/bound", |row| row.mu_s?.over_bound), ("mu/bound", |row| row.mu?.over_bound)];
+const RMS: [Column; 2] = [
+    ("mu_s rms %", |row| Some(row.mu_s?.rms_percent)),
+    ("mu rms %", |row| Some(row.mu?.rms_percent)),
 ];
-/// The last column: fixed for a method, so only in the summary.
-const STATE: &str = "state B";
+const BIAS: [Column; 2] = [
+    ("mu_s bias %", |row| Some(row.mu_s?.bias_percent)),
+    ("mu bias %", |row| Some(row.mu?.bias_percent)),
+];
+const P95: [Column; 2] = [
+    ("mu_s 95 %", |row| Some(row.mu_s?.p95_percent)),
+    ("mu 95 %", |row| Some(row.mu?.p95_percent)),
+];
+const TIMES: [Column; 3] = [
+    ("delay ms", |row| row.onset_delay_ms),
+    ("ns/sample", |row| Some(row.ns_per_sample)),
+    ("worst ns", |row| row.worst_tick_ns),
+];
+
+/// One of the comparison's tables.
+#[derive(Clone, Debug)]
+pub struct Table {
+    /// Titles of the columns behind the names of the rows.
+    pub titles: Vec<&'static str>,
+    /// Name and cells of each row.
+    pub rows: Vec<(String, Vec<String>)>,
+}
 
 /// A block of text for each scene, then the summary.
 #[must_use]
@@ -29,13 +42,12 @@ pub fn text(result: &BenchResult) -> String {
     let mut out = String::new();
     for block in blocks(&result.rows) {
         let _ = writeln!(out, "{}", heading(block));
-        let rows = block.iter().map(|row| (row.method.as_str(), cells(row).to_vec()));
-        lines(&mut out, &TITLES, rows);
+        lines(&mut out, &scene(block));
         out.push('\n');
     }
     for (kind, linear) in [("Linear", true), ("Hard", false)] {
         let _ = writeln!(out, "{kind} scenes: median (worst)");
-        lines(&mut out, &SUMMARY_TITLES, summary(result, linear));
+        lines(&mut out, &summary(result, linear));
         out.push('\n');
     }
     let _ = writeln!(out, "one look at each sample: {:.2} ns", result.one_pass_ns);
@@ -60,14 +72,9 @@ pub fn heading(block: &[Row]) -> String {
     format!("{} ({kind}), noise {noise} % of the weight, {} events", row.scene, row.events)
 }
 
-fn lines<'a>(
-    out: &mut String,
-    titles: &[&str],
-    rows: impl Iterator<Item = (&'a str, Vec<String>)>,
-) {
-    let rows: Vec<(&str, Vec<String>)> = rows.collect();
+fn lines(out: &mut String, Table { titles, rows }: &Table) {
     let width = |i: usize| {
-        let cells = rows.iter().filter_map(|(_, cells)| cells.get(i)).map(|cell| cell.len());
+        let cells = rows.iter().filter_map(|(_, cells)| cells.get(i)).map(String::len);
         cells.chain(titles.get(i).map(|title| title.len())).max().unwrap_or(0) + 2
     };
     let _ = write!(out, "{:<24}", "");
@@ -75,7 +82,7 @@ fn lines<'a>(
         let _ = write!(out, "{title:>0$}", width(i));
     }
     out.push('\n');
-    for (name, cells) in &rows {
+    for (name, cells) in rows {
         let _ = write!(out, "{name:<24}");
         for (i, cell) in cells.iter().enumerate() {
             let _ = write!(out, "{cell:>0$}", width(i));
@@ -84,105 +91,74 @@ fn lines<'a>(
     }
 }
 
-/// The cells of a row under [`TITLES`].
-#[must_use]
-pub fn cells(row: &Row) -> [String; 13] {
-    let of = |errors: Option<Errors>, f: fn(&Errors) -> Option<f64>| {
-        errors.as_ref().and_then(f).map_or_else(|| "-".to_owned(), short)
-    };
-    let some = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), short);
-    [
-        of(row.mu_s, |e| e.over_bound),
-        of(row.mu, |e| e.over_bound),
-        of(row.mu_s, |e| Some(e.rms_percent)),
-        of(row.mu, |e| Some(e.rms_percent)),
-        of(row.mu_s, |e| Some(e.bias_percent)),
-        of(row.mu, |e| Some(e.bias_percent)),
-        of(row.mu_s, |e| Some(e.p95_percent)),
-        of(row.mu, |e| Some(e.p95_percent)),
-        format!("{:.3}", row.f1),
-        format!("{:.0}", row.read_percent),
-        some(row.onset_delay_ms),
-        short(row.ns_per_sample),
-        some(row.worst_tick_ns),
-    ]
+fn titles(columns: &[Column]) -> Vec<&'static str> {
+    columns.iter().map(|(title, _)| *title).collect()
 }
 
-/// Titles of the summaries.
-pub const SUMMARY_TITLES: [&str; 12] = [
-    "mu_s/bound",
-    "mu/bound",
-    "mu_s rms %",
-    "mu rms %",
-    "mu_s 95 %",
-    "mu 95 %",
-    "least F1",
-    "least read %",
-    "delay ms",
-    "ns/sample",
-    "worst ns",
-    STATE,
-];
+fn cells(columns: &[Column], row: &Row) -> Vec<String> {
+    columns.iter().map(|(_, of)| of(row).map_or_else(|| "-".to_owned(), short)).collect()
+}
 
-/// Each method over the linear or the hard scenes: median, and the worst in brackets.
-pub fn summary(
-    result: &BenchResult,
-    linear: bool,
-) -> impl Iterator<Item = (&str, Vec<String>)> + '_ {
-    methods(result).into_iter().map(move |method| {
+/// The methods on one scene.
+#[must_use]
+pub fn scene(block: &[Row]) -> Table {
+    let errors = [OVER_BOUND, RMS, BIAS, P95].concat();
+    let row = |row: &Row| {
+        let found = [format!("{:.3}", row.f1), format!("{:.0}", row.read_percent)];
+        (row.method.clone(), [&cells(&errors, row)[..], &found, &cells(&TIMES, row)].concat())
+    };
+    Table {
+        titles: [&titles(&errors)[..], &["F1", "read %"], &titles(&TIMES)].concat(),
+        rows: block.iter().map(row).collect(),
+    }
+}
+
+/// Each method over the linear or the hard scenes: median, and the worst in brackets. What it
+/// keeps between samples is the same in all of them.
+#[must_use]
+pub fn summary(result: &BenchResult, linear: bool) -> Table {
+    let errors = [OVER_BOUND, RMS, P95].concat();
+    let row = |method: &str| {
         let of = |f: &dyn Fn(&Row) -> Option<f64>| -> Vec<f64> {
             let own = result.rows.iter().filter(|r| r.method == method && r.linear == linear);
             own.filter_map(f).collect()
         };
-        let both = |f: &dyn Fn(&Row) -> Option<f64>| match spread(of(f)) {
+        let both = |(_, f): &Column| match spread(of(f)) {
             Some((_, median, worst)) => format!("{} ({})", short(median), short(worst)),
             None => "-".to_owned(),
         };
+        let both = |columns: &[Column]| columns.iter().map(both).collect::<Vec<_>>();
         let least = |f: &dyn Fn(&Row) -> f64| {
             let some = |row: &Row| (row.events > 0).then(|| f(row));
             of(&some).into_iter().fold(f64::INFINITY, f64::min)
         };
+        let found =
+            [format!("{:.3}", least(&|r| r.f1)), format!("{:.0}", least(&|r| r.read_percent))];
         let state = of(&|r| Some(r.state_bytes as f64)).into_iter().fold(0.0, f64::max);
-        let cells = vec![
-            both(&|r| r.mu_s.and_then(|e| e.over_bound)),
-            both(&|r| r.mu.and_then(|e| e.over_bound)),
-            both(&|r| r.mu_s.map(|e| e.rms_percent)),
-            both(&|r| r.mu.map(|e| e.rms_percent)),
-            both(&|r| r.mu_s.map(|e| e.p95_percent)),
-            both(&|r| r.mu.map(|e| e.p95_percent)),
-            format!("{:.3}", least(&|r| r.f1)),
-            format!("{:.0}", least(&|r| r.read_percent)),
-            both(&|r| r.onset_delay_ms),
-            both(&|r| Some(r.ns_per_sample)),
-            both(&|r| r.worst_tick_ns),
-            format!("{state:.0}"),
-        ];
-        (method, cells)
-    })
+        let cells = [&both(&errors)[..], &found, &both(&TIMES), &[format!("{state:.0}")]].concat();
+        (method.to_owned(), cells)
+    };
+    let found = ["least F1", "least read %"];
+    Table {
+        titles: [&titles(&errors)[..], &found, &titles(&TIMES), &["state B"]].concat(),
+        rows: methods(result).into_iter().map(row).collect(),
+    }
 }
 
-/// Titles of the table of the board.
-pub const BOARD_TITLES: [&str; 8] = [
-    "instructions a sample",
-    "worst step",
-    "mu_s/bound",
-    "mu/bound",
-    "mu_s rms %",
-    "mu rms %",
-    "mu_s 95 %",
-    "mu 95 %",
-];
-
 /// The scenes that were counted on the board: instructions beside errors.
-pub fn board(result: &BenchResult) -> impl Iterator<Item = (String, Vec<String>)> + '_ {
-    result.rows.iter().filter_map(|row| {
-        let on = row.board?;
+#[must_use]
+pub fn board(result: &BenchResult) -> Table {
+    let errors = [OVER_BOUND, RMS, P95].concat();
+    let row = |row: &Row| {
+        let counts = row.board.map(|on| [on.mean.to_string(), on.worst.to_string()])?;
         let noise = 0.01 * (100.0 * row.noise_percent).round();
-        let errors = cells(row).into_iter().take(8);
-        let errors = errors.enumerate().filter(|(i, _)| !(4..6).contains(i)).map(|(_, it)| it);
-        let counts = [on.mean.to_string(), on.worst.to_string()];
-        Some((format!("{}, {noise} %", row.scene), counts.into_iter().chain(errors).collect()))
-    })
+        let name = format!("{}, {noise} %", row.scene);
+        Some((name, [&counts[..], &cells(&errors, row)].concat()))
+    };
+    Table {
+        titles: [&["instructions a sample", "worst step"][..], &titles(&errors)].concat(),
+        rows: result.rows.iter().filter_map(row).collect(),
+    }
 }
 
 /// The methods in their order.

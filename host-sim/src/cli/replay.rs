@@ -129,15 +129,21 @@ fn evaluate(
         Some(_) => Box::new(Summed::new(input, &checksum)),
         None => input,
     };
-    let findings = run_on(path, input, args).map_err(|error| error.within(name))?;
+    let findings = run_on(name, path, input, args)?;
     finish(findings, args, &checksum)
 }
 
-fn run_on(path: &str, input: Box<dyn Read + Send>, args: &Args) -> Result<Findings, InputError> {
-    let mut log = Log::from_reader(input, &args.log_options)?;
-    let config = configure(&log, &args.test)?;
+fn run_on(
+    name: &str,
+    path: &str,
+    input: Box<dyn Read + Send>,
+    args: &Args,
+) -> Result<Findings, InputError> {
+    let of_log = |error: InputError| error.within(name);
+    let mut log = Log::from_reader(input, &args.log_options).map_err(of_log)?;
+    let config = configure(&log, &args.test).map_err(of_log)?;
     let Some(file) = &args.samples else {
-        return run_core(path, &mut log, &config, args, |_, _| {});
+        return run_core(path, &mut log, &config, args, |_, _| {}).map_err(of_log);
     };
     let about = about(path, &log, &config);
     let is_parquet = file.extension().is_some_and(|e| e.eq_ignore_ascii_case("parquet"));
@@ -152,7 +158,7 @@ fn run_on(path: &str, input: Box<dyn Read + Send>, args: &Args) -> Result<Findin
             }
         });
         let read = findings.is_ok();
-        found = Some(findings);
+        found = Some(findings.map_err(of_log));
         put?;
         if !read {
             return Err(std::io::Error::other("the log cannot be read"));

@@ -14,6 +14,7 @@ use crate::error::{InputError, excerpt};
 
 use super::cells::texts;
 use super::label::{Label, is_unit_cell};
+use super::lines::MAX_LINE;
 use super::number::finite;
 use super::stamp::{clock_seconds, date_seconds, date_time_seconds};
 
@@ -75,6 +76,7 @@ fn is_number(cell: &str) -> bool {
 /// # Errors
 /// A header that does not fit its rows.
 pub fn find(head: &[u8], end: u8, skip: u64, separator: Option<u8>) -> Result<Header, InputError> {
+    let head = without_cut_line(head, end);
     let lines: Vec<Content<'_>> = (1..)
         .zip(head.split(|&byte| byte == end).map(|line| line.strip_suffix(b"\r").unwrap_or(line)))
         .filter(|(number, line)| *number > skip && !line.trim_ascii().is_empty())
@@ -88,7 +90,32 @@ pub fn find(head: &[u8], end: u8, skip: u64, separator: Option<u8>) -> Result<He
     let Some((separator, first)) = begin_of_rows(&content, &tried) else {
         return Ok(without_rows(&content, separator));
     };
-    header_above(&lines, &content, separator, first)
+    let header = header_above(&lines, &content, separator, first)?;
+    let other = (header.names.is_none() && header.width > 2)
+        .then(|| named_otherwise(&content, first, &tried))
+        .flatten();
+    Ok(other.unwrap_or(header))
+}
+
+/// Where there is more than was looked at, the last line may go on.
+fn without_cut_line(head: &[u8], end: u8) -> &[u8] {
+    let last = head.iter().rposition(|&byte| byte == end).filter(|_| head.len() >= MAX_LINE);
+    last.and_then(|last| head.get(..last)).unwrap_or(head)
+}
+
+/// Rows that the wrong separator cuts, as a decimal comma does: above them another one cuts out
+/// the names of a time and a force.
+fn named_otherwise(content: &[Content<'_>], first: usize, separators: &[u8]) -> Option<Header> {
+    let is_named = |separator: u8, line: &[u8]| {
+        let labels: Vec<Label> = texts(line, separator).iter().map(|n| Label::new(n)).collect();
+        labels.iter().any(Label::is_time) && labels.iter().any(Label::is_force)
+    };
+    let mut separators = separators.iter().filter(|separator| **separator != b' ');
+    let (from, separator) = separators.find_map(|&separator| {
+        let above = content.get(..first)?;
+        Some((above.iter().rposition(|(_, line)| is_named(separator, line))?, separator))
+    })?;
+    Some(without_rows(content.get(from..)?, Some(separator)))
 }
 
 /// The text of a comment: `#`, or `%` as MATLAB has it.

@@ -60,11 +60,11 @@ impl Lines {
         if self.number == 0 && self.unread().starts_with(UTF8_MARK) {
             self.start += UTF8_MARK.len();
         }
-        let head = self.unread().get(..MAX_LINE).unwrap_or(self.unread());
+        let head = self.ahead();
         if self.number == 0 && !head.contains(&b'\n') && head.contains(&b'\r') {
             self.line_end = b'\r';
         }
-        Ok(self.unread().get(..MAX_LINE).unwrap_or(self.unread()))
+        Ok(self.ahead())
     }
 
     /// What ends a line: LF, or CR where the head holds no LF.
@@ -105,6 +105,20 @@ impl Lines {
         let bytes = self.buffer.get(begin..begin + length).unwrap_or_default();
         let bytes = bytes.strip_suffix(b"\r").unwrap_or(bytes);
         Ok(Some(Line { bytes, number: self.number, ended }))
+    }
+
+    /// What is read of the stream and not yet taken, up to [`MAX_LINE`] bytes.
+    #[must_use]
+    pub fn ahead(&self) -> &[u8] {
+        let unread = self.unread();
+        unread.get(..MAX_LINE).unwrap_or(unread)
+    }
+
+    /// Takes the line that the caller found there, of so many bytes; its number.
+    pub fn take(&mut self, length: usize) -> u64 {
+        self.start = self.end.min(self.start + length);
+        self.number += 1;
+        self.number
     }
 
     fn unread(&self) -> &[u8] {

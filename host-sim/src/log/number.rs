@@ -104,10 +104,14 @@ pub fn number(cell: &[u8], decimal: Decimal) -> Option<f64> {
     }
 }
 
-/// A leading plus or a decimal comma.
+/// A leading plus, a decimal comma, or the minus of typesetting, which some spreadsheets write.
 #[cold]
 fn unusual_number(cell: &[u8], decimal: Decimal) -> Option<f64> {
     let text = std::str::from_utf8(cell).ok()?;
+    if let Some(size) = text.strip_prefix('\u{2212}') {
+        let size = size.starts_with(|first: char| first.is_ascii_digit()).then_some(size)?;
+        return number(size.as_bytes(), decimal).map(|size| -size);
+    }
     if decimal == Decimal::Point { text.parse().ok() } else { comma_number(text) }
 }
 
@@ -148,6 +152,17 @@ fn is_missing(cell: &[u8]) -> bool {
     WORDS.iter().any(|word| cell.eq_ignore_ascii_case(word.as_bytes()))
 }
 
+/// Whether a cell is a number whose thousands are set apart: digits, then a mark and three.
+#[must_use]
+pub fn is_grouped(cell: &[u8]) -> bool {
+    const MARKS: [char; 8] = [',', '.', ' ', '\'', '\u{2019}', '\u{a0}', '\u{2009}', '\u{202f}'];
+    let text = String::from_utf8_lossy(cell);
+    let mut groups = text.trim_start_matches(['+', '-']).split(MARKS);
+    let digits = |group: &str| !group.is_empty() && group.bytes().all(|b| b.is_ascii_digit());
+    let first = groups.next().is_some_and(|group| digits(group) && group.len() < 4);
+    first && groups.next().is_some_and(|group| digits(group) && group.len() == 3)
+}
+
 /// The same for a number that is read already.
 #[must_use]
 pub fn reading_of(value: f64, unit: Unit) -> Option<Reading> {
@@ -180,7 +195,7 @@ mod tests {
 
     #[test]
     fn numbers_as_loggers_write_them() {
-        let table: [(&str, Option<f64>); 12] = [
+        let table: [(&str, Option<f64>); 15] = [
             ("1.25", Some(1.25)),
             ("-.22", Some(-0.22)),
             (".5", Some(0.5)),
@@ -189,6 +204,9 @@ mod tests {
             ("1e-3", Some(0.001)),
             ("1,25", Some(1.25)),
             ("-0,5", Some(-0.5)),
+            ("\u{2212}0.5", Some(-0.5)),
+            ("\u{2212}0,5", Some(-0.5)),
+            ("\u{2212}-0.5", None),
             ("1,234,5", None),
             ("abc", None),
             ("1.2.3", None),

@@ -37,10 +37,11 @@ pub fn utf8(input: Box<dyn Read + Send>, mark: &[u8]) -> Box<dyn Read + Send> {
 }
 
 /// How files begin that hold a log in another form, and the way out.
-const BINARY: [(&[u8], &str); 9] = [
+const BINARY: [(&[u8], &str); 10] = [
     (b"PK\x03\x04", "is a spreadsheet, or another zip archive; save its table as CSV"),
     (b"\xD0\xCF\x11\xE0", "is an old spreadsheet; save its table as CSV"),
     (b"\x1F\x8B", "is compressed; unpack it, or gunzip -c FILE | floe replay -"),
+    (b"BZh", "is compressed; unpack it, or bunzip2 -c FILE | floe replay -"),
     (b"\xFD7zXZ", "is compressed; unpack it, or xz -dc FILE | floe replay -"),
     (b"\x28\xB5\x2F\xFD", "is compressed; unpack it, or zstd -dc FILE | floe replay -"),
     (b"PAR1", "is a Parquet file; write its table as CSV"),

@@ -7,10 +7,12 @@ use crate::error::{InputError, excerpt};
 use super::cells::Cells;
 use super::lines::Lines;
 use super::metadata::Metadata;
-use super::number::{Decimal, Unit, finite, reading, reading_of};
-use super::plain::Plain;
+use super::number::{Decimal, Unit, finite, is_grouped, number, reading, reading_of};
+use super::plain::{Plain, PlainRow};
 use super::stamp::{DAY_S, TimeUnit, clock_seconds, cr10_seconds, date_seconds, has_zone};
 
+/// What to do about a line that cannot be read.
+const CORRECT: &str = "correct the line or take it out";
 /// Largest time that is taken, s: 31 000 years.
 const LATEST_S: f64 = 1e12;
 
@@ -138,13 +140,14 @@ impl Rows {
     /// # Errors
     /// A row that cannot be used, with its line number.
     pub fn next_row(&mut self) -> Result<Option<Row>, InputError> {
-        while let Some(line) = self.lines.next_line()? {
-            let (number, ended) = (line.number, line.ended);
-            let plain = self.plain.filter(|_| ended).and_then(|plain| plain.read(line.bytes));
-            if let Some(row) = plain.and_then(|plain| self.layout.plain_row(plain)) {
-                let placed = self.follow(row, None, number).map(Some);
-                return placed.map_err(|error| error.within(format_args!("line {number}")));
+        loop {
+            if let Some(row) = self.plain_row() {
+                let line = row.line;
+                let placed = self.follow(row, None).map(Some);
+                return placed.map_err(|error| error.within(format_args!("line {line}")));
             }
+            let Some(line) = self.lines.next_line()? else { return Ok(None) };
+            let (number, ended) = (line.number, line.ended);
             let result = match line.bytes.trim_ascii_start().first() {
                 None => Ok(None),
                 Some(b'#') => self.metadata.take(line.bytes, number).map(|()| None),
@@ -154,7 +157,8 @@ impl Rows {
                 self.utc = Some(self.layout.says_zone(line.bytes, &self.cells));
             }
             let result = result.and_then(|found| {
-                found.map(|(row, record)| self.follow(row, record, number)).transpose()
+                let numbered = |row| Row { line: number, ..row };
+                found.map(|(row, record)| self.follow(numbered(row), record)).transpose()
             });
             match result {
                 Ok(None) => {}
@@ -166,7 +170,13 @@ impl Rows {
                 Err(error) => return Err(error.within(format_args!("line {number}"))),
             }
         }
-        Ok(None)
+    }
+
+    /// The next line, if it is a row of the usual kind.
+    fn plain_row(&mut self) -> Option<Row> {
+        let plain = self.plain?.read(self.lines.ahead())?;
+        let row = self.layout.plain_row(&plain)?;
+        Some(Row { line: self.lines.take(plain.length), ..row })
     }
 
     /// Line number of a last line that was cut off and left out.
@@ -190,8 +200,7 @@ impl Rows {
     }
 
     /// Checks a row against the one before.
-    fn follow(&mut self, mut row: Row, record: Option<f64>, line: u64) -> Result<Row, InputError> {
-        row.line = line;
+    fn follow(&mut self, mut row: Row, record: Option<f64>) -> Result<Row, InputError> {
         if let TimeCells::Count { rate_hz } = self.layout.time {
             row.time_s = self.count as f64 / rate_hz;
         }
@@ -226,7 +235,7 @@ impl Rows {
 
 impl Layout {
     /// A row of two numbers; `None` if they cannot be a time and a force.
-    fn plain_row(&self, (time_s, force): (f64, f64)) -> Option<Row> {
+    fn plain_row(&self, &PlainRow { time_s, force, .. }: &PlainRow) -> Option<Row> {
         let reading = reading_of(force, self.unit)?;
         (time_s.abs() <= LATEST_S).then_some(Row { time_s, reading, records: 1, line: 0 })
     }
@@ -239,7 +248,10 @@ impl Layout {
         cells: &mut Cells,
     ) -> Result<Option<(Row, Option<f64>)>, InputError> {
         if !cells.cut(line, self.separator) {
-            return Err(InputError::new("a quote is not closed"));
+            return Err(InputError::new(
+                "a quote is not closed; correct the line, and write a cell that goes on over several \
+                 lines into one",
+            ));
         }
         if self.array_id.is_some_and(|id| !begins_with(cells.get(line, 0), id)) {
             return Ok(None);
@@ -247,9 +259,7 @@ impl Layout {
         let width = *self.width.get_or_insert(cells.len());
         if cells.len() != width {
             let cells = cells.len();
-            return Err(InputError::new(format!(
-                "{cells} cells instead of {width}; correct the line or take it out"
-            )));
+            return Err(InputError::new(format!("{cells} cells instead of {width}; {CORRECT}")));
         }
         let force = cells.get(line, self.force).unwrap_or_default();
         if !ended && force.is_empty() {
@@ -274,13 +284,16 @@ impl Layout {
         }
     }
 
+    #[cold]
     fn no_force(&self, cell: &[u8]) -> InputError {
         let kind = if self.unit == Unit::Counts { "whole number of counts" } else { "number" };
         let (place, held) = (self.force + 1, excerpt(cell));
-        let remedy = if is_grouped(cell) {
-            "write it without marks between the thousands"
+        let remedy = if number(cell, Decimal::Any).is_some() && self.unit != Unit::Counts {
+            "the rows before have another decimal mark: write all with the same".to_string()
+        } else if is_grouped(cell) {
+            "write it without marks between the thousands".to_string()
         } else {
-            "correct the line or take it out; NaN marks a bad reading"
+            format!("{CORRECT}; NaN marks a bad reading")
         };
         InputError::new(format!("force cell {place} holds {held}, not a {kind}; {remedy}"))
     }
@@ -302,23 +315,18 @@ impl Layout {
         };
         // Times further out leave no room for a fraction of a second.
         let time = time.filter(|time_s| time_s.abs() <= LATEST_S);
-        let remedy = if text.contains(&b':') {
-            "; write 2012-02-29 12:00:00 or 29.02.2012 12:00:00"
-        } else {
-            ""
-        };
-        let text = excerpt(text);
-        time.ok_or_else(|| InputError::new(format!("no time can be read from {text}{remedy}")))
+        time.ok_or_else(|| no_time(text))
     }
 }
 
-/// Whether a cell is a number whose thousands are set apart: digits, then a mark and three.
-fn is_grouped(cell: &[u8]) -> bool {
-    let text = String::from_utf8_lossy(cell);
-    let mut groups = text.trim_start_matches(['+', '-']).split([',', '.', ' ', '\'', '\u{a0}']);
-    let digits = |group: &str| !group.is_empty() && group.bytes().all(|b| b.is_ascii_digit());
-    let first = groups.next().is_some_and(|group| digits(group) && group.len() < 4);
-    first && groups.next().is_some_and(|group| digits(group) && group.len() == 3)
+#[cold]
+fn no_time(cell: &[u8]) -> InputError {
+    let remedy = if cell.contains(&b':') {
+        "write 2012-02-29 12:00:00 or 29.02.2012 12:00:00"
+    } else {
+        CORRECT
+    };
+    InputError::new(format!("no time can be read from {}; {remedy}", excerpt(cell)))
 }
 
 fn text(cell: &[u8]) -> &str {

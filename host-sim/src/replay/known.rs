@@ -127,9 +127,8 @@ impl KnownOptions {
         let usual = InputStd::default();
         let from = self.weight_from.or(said.weight_from);
         let or = |value: Option<f64>, usual: f32| value.map_or(usual, |value| value as f32);
-        // A random walk from one zero to the other strays by so much in its mean.
-        let remainder =
-            before.zip(after).map(|(before, after)| (after - before).abs() / 12_f64.sqrt());
+        let remainder = before.zip(after).map(|(before_n, after_n)| Zero { before_n, after_n });
+        let remainder = remainder.map(Zero::remainder_std_n);
         // The caller knows best; else the scatter of both zeros and what is between them.
         let measured = match (zero, remainder) {
             (Some(scatter), Some(remainder)) if self.zero_std_n.is_none() => {
@@ -175,13 +174,26 @@ impl Zero {
         self.before_n == 0.0 && self.after_n == 0.0
     }
 
+    /// What it is taken for, N, after this part of the test, 0 to 1.
+    #[must_use]
+    pub fn at(self, part: f64) -> f64 {
+        self.before_n + part * (self.after_n - self.before_n)
+    }
+
+    /// Standard deviation of what is left then: a random walk from one zero to the other strays
+    /// by so much in its mean, N.
+    #[must_use]
+    pub fn remainder_std_n(self) -> f64 {
+        (self.after_n - self.before_n).abs() / 12_f64.sqrt()
+    }
+
     /// Takes it off all samples of a test, linearly from the first to the last.
     pub fn take_off(&self, samples: &mut [Sample], counts_per_n: f64) {
         let ends = (samples.first().map(|s| s.time_s), samples.last().map(|s| s.time_s));
         let (Some(from_s), Some(to_s)) = ends else { return };
         for sample in samples {
             let part = (sample.time_s - from_s) / (to_s - from_s).max(f64::MIN_POSITIVE);
-            let zero_n = self.before_n + part * (self.after_n - self.before_n);
+            let zero_n = self.at(part);
             sample.raw.reading = match sample.raw.reading {
                 Reading::Force(Newtons(force_n)) => {
                     Reading::Force(Newtons((f64::from(force_n) - zero_n) as f32))

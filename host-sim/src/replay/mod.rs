@@ -64,11 +64,17 @@ pub fn replay_with(
         timeline.push(sample.raw.index, sample.time_s);
         let step = pipeline.step(sample.raw);
         observe(sample.time_s, &step);
-        if let (Some(event), true) = (step.event, kept.is_ok()) {
-            kept = events.push(summary(&event, &timeline), || means(&pipeline));
+        if let Some(event) = &step.event
+            && kept.is_ok()
+        {
+            kept = events.push(summary(event, &timeline), || means(&pipeline));
         }
-        changes.extend(step.change.map(|it| ChangeSummary::new(&it, timeline.seconds(it.onset))));
-        step.stretch.iter().for_each(|it| add(&mut stretches, it, &timeline));
+        if let Some(change) = &step.change {
+            changes.push(ChangeSummary::new(change, timeline.seconds(change.onset)));
+        }
+        if let Some(stretch) = &step.stretch {
+            add(&mut stretches, stretch, &timeline);
+        }
     };
     if zero.is_nothing() {
         batches::for_each_sample(log, take)?;

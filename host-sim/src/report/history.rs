@@ -26,9 +26,13 @@ pub(super) fn history(context: &Context<'_>, focus: Option<&Focus<'_>>) -> Optio
         keys.push(line_key("lost", "samples missing, rejected or saturated"));
     }
     let zoomed = if focus.is_some() { " The box is the stretch of the next figure." } else { "" };
+    let tint = match context.result.events.is_empty() {
+        true => "",
+        false => ", and a tint that deepens with the share of time in motion",
+    };
     let caption = format!(
         "Force in the cable over the whole log; where the samples do not fit, a band from the \
-         smallest to the largest, and a tint that deepens with the share of time in motion.{zoomed}"
+         smallest to the largest{tint}.{zoomed}"
     );
     Some(Figure { class: "history", drawings: vec![drawing], keys, caption })
 }

@@ -46,12 +46,12 @@ fn shade_shares(context: &Context<'_>, plot: &mut Plot, rest_from: f64) {
     let columns = (width_px / (CYCLES * spacing_px).max(COLUMN_PX)).max(1.0) as usize;
     let width = (high - low) / columns as f64;
     let mut shares = vec![0.0; columns];
-    for event in events.iter() {
-        add_share(&mut shares, event, low + context.zero_s, width);
+    let next = events.iter().skip(1).map(|event| event.index);
+    for (event, next) in events.iter().zip(next.chain([events.found() as u32])) {
+        // One that is kept stands for those up to the next.
+        let weight = f64::from(next.saturating_sub(event.index));
+        add_share(&mut shares, (event, weight), low + context.zero_s, width);
     }
-    // Those that are kept stand for those in between.
-    let weight = events.found() as f64 / events.len() as f64;
-    shares.iter_mut().for_each(|share| *share *= weight);
     let level = |share: &f64| (share.clamp(0.0, 1.0).sqrt() * LEVELS).ceil() as usize;
     let levels: Vec<usize> = shares.iter().map(level).collect();
     let mut from = 0;
@@ -66,12 +66,17 @@ fn shade_shares(context: &Context<'_>, plot: &mut Plot, rest_from: f64) {
     }
 }
 
-fn add_share(shares: &mut [f64], event: &EventSummary, start_s: f64, width_s: f64) {
+fn add_share(
+    shares: &mut [f64],
+    (event, weight): (&EventSummary, f64),
+    start_s: f64,
+    width_s: f64,
+) {
     let column = |time_s: f64| ((time_s - start_s) / width_s).max(0.0) as usize;
     let (from, to) = (column(event.onset_s), column(event.stop_s));
     for (i, share) in shares.iter_mut().enumerate().take(to + 1).skip(from) {
         let begins = start_s + i as f64 * width_s;
         let overlap_s = event.stop_s.min(begins + width_s) - event.onset_s.max(begins);
-        *share += overlap_s.max(0.0) / width_s;
+        *share += weight * overlap_s.max(0.0) / width_s;
     }
 }

@@ -122,9 +122,14 @@ fn measured(result: &ReplayResult) -> Vec<Fact> {
         0 => count(used),
         n => format!("{} <small>and {} without a value</small>", count(used), count(n)),
     };
-    vec![
+    let mut facts = vec![
         ("Events", events, without > 0),
         ("Noise on the force", show(result.noise_n, "N"), false),
+    ];
+    if found == 0 {
+        return facts;
+    }
+    facts.extend([
         (
             "Loading rate <i>k w</i>",
             pair(quantities.loading_rate_n_per_s, quantities.loading_rate_n_per_s_std, "N/s"),
@@ -160,14 +165,19 @@ fn measured(result: &ReplayResult) -> Vec<Fact> {
         ),
         ("Recurrence", recurrence, false),
         ("Recurrence by the model", predicted, false),
-    ]
+    ]);
+    facts
 }
 
 fn log_health(result: &ReplayResult) -> String {
     let log = &result.log;
     let counted = |n: u64| (count(n), n > 0);
     let fact = |name, (value, attention): (String, bool)| (name, value, attention);
-    let length = format!("{} s", fixed(log.duration_s, usize::from(log.duration_s < 1e4)));
+    let hours = match log.duration_s / 3600.0 {
+        hours if hours < 1.0 => String::new(),
+        hours => format!(" <small>{} h</small>", significant(hours)),
+    };
+    let length = format!("{} s{hours}", fixed(log.duration_s, usize::from(log.duration_s < 1e4)));
     let list = [
         ("Length", length, false),
         ("Sample rate", format!("{} Hz", (log.rate_hz * 1e4).round() / 1e4), false),

@@ -26,6 +26,11 @@ pub fn dates() -> Vec<Form> {
         form("2012-02-29 12:00:00 pm", stamped(|t| format!("2012-02-29 {} pm", clock(t))), Same),
         form("29-Feb-2012", stamped(|t| format!("29-Feb-2012 {}", clock(t))), Same),
         form(
+            "29. Februar 2012",
+            stamped(|t| format!("29. Februar 2012 {}", clock(t))),
+            Refused(&["line 2", "'29. Februar 2012 12:00:00.0000'; write 2012-02-29 12:00:00 or"]),
+        ),
+        form(
             "02/29/2012 12:00:00 PM",
             stamped(|t| format!("02/29/2012 {} PM", clock(t))),
             Refused(&["no time can be read from '02/29/2012", "write 2012-02-29"]),
@@ -86,6 +91,17 @@ pub fn cells() -> Vec<Form> {
         form("OL", held("OL"), Refused(&["line 2", "'OL'", "NaN marks a bad reading"])),
         form("thousands with apostrophes", thousands("'"), Refused(&["line 2", GROUPED])),
         form("thousands with blanks", thousands(" "), Refused(&["line 2", GROUPED])),
+        form("thousands with narrow blanks", thousands("\u{202f}"), Refused(&["line 2", GROUPED])),
+        form(
+            "thousands with points, decimal commas",
+            thousands("~").replace('.', ",").replace('~', "."),
+            Refused(&["line 2: force cell 2 holds '1.100,00'", GROUPED]),
+        ),
+        form(
+            "another decimal mark on the way",
+            table("time_s;force_n\n", |t, f| format!("{t:.4};{f:.2}")).replacen('.', ",", 200),
+            Refused(&["line 102", "have another decimal mark"]),
+        ),
         form(
             "units in the cells",
             table("time_s;force_n\n", |t, f| format!("{t};{f} N")),
@@ -179,6 +195,22 @@ pub fn wholes() -> Vec<Form> {
             plain() + "End of data\n",
             Refused(&["line 202", "1 cells instead of 2", "take it out"]),
         ),
+        form(
+            "a line break in quotes",
+            table("time_s,force_n,note\n", |t, f| format!("{t},{f},\"{}\"", "ok")).replacen(
+                "\"ok\"\n5,",
+                "\"two\nlines\"\n5,",
+                1,
+            ),
+            Refused(&["line 81", "a quote is not closed", "into one"]),
+        ),
+        form(
+            "5000 columns",
+            format!("time_s,force_n{}\n", ",other".repeat(4998))
+                + &table("", |t, f| format!("{t},{f}{}", ",1".repeat(4998))),
+            Same,
+        ),
+        form("bzip2", b"BZh91AY&SY\0\0\0\x01".to_vec(), Refused(&["bunzip2 -c FILE"])),
         form("zeros at the end", [plain().into_bytes(), vec![0; 300]].concat(), Noted("cut off")),
         form("JSON, lines", json.join("\n"), Refused(&["is JSON", "as CSV"])),
         form("JSON, an array", format!("[{}]", json.join(",\n")), Refused(&["is JSON", "as CSV"])),

@@ -4,6 +4,7 @@ use std::fs;
 use std::path::Path;
 
 use floe::bench::scenes::at_phase;
+use floe::replay::known::Zero;
 use floe::sim::{Scene, TrueEvent, simulate};
 use floe_core::{Config, Effect, Effects, Estimate, InputStd, Report};
 use floe_tests::score::{Record, Tried};
@@ -192,8 +193,9 @@ impl Plan {
             config.std.damping = InputStd::default().damping;
         }
         if let Some(ramp) = &self.scene.measurement.ramp {
-            let moved_n = ramp.zero_n_per_s * self.scene.duration_s;
-            config.std.zero_n = Some((moved_n / 12_f64.sqrt()) as f32);
+            let after_n = ramp.zero_n_per_s * self.scene.duration_s;
+            let moved = Zero { before_n: 0.0, after_n };
+            config.std.zero_n = Some(moved.remainder_std_n() as f32);
         }
         config
     }

@@ -78,6 +78,29 @@ impl SlipRecord {
         self.rough.edges
     }
 
+    /// When the force is highest and lowest, periods.
+    pub(crate) fn extremes(&self) -> (f32, f32) {
+        (since(self.origin, self.peak.index), since(self.origin, self.low.index))
+    }
+
+    /// The samples of the fall between its highest and its lowest one, plateaus left out: times,
+    /// periods, and forces, N.
+    pub(crate) fn fall_samples(&self) -> impl Iterator<Item = (f32, f32)> {
+        let ((peak, low), (from, to)) = (self.extremes(), self.fall_edges());
+        let inside = move |time: f32| time > peak && time < low && time >= from && time <= to;
+        self.samples().good().filter(move |&(time, _)| inside(time))
+    }
+
+    /// Variance of the noise about the stick lines before and after, N²; where both are brief the
+    /// detector's.
+    pub(crate) fn line_noise_n2(&self, after: &Line) -> f32 {
+        const BRIEF: f32 = 8.0;
+        let free = |line: &Line| (line.weight - 2.0).max(0.0);
+        let (squares_n2, free) =
+            (self.before.residual() + after.residual(), free(&self.before) + free(after));
+        if free < BRIEF { self.noise_n2 } else { squares_n2 / free }
+    }
+
     /// What the extremes tell together with the stick line after the slip.
     pub(crate) fn rough(&self, after: &Line) -> Rough {
         let Some(Slack { part, .. }) = self.slack(after) else { return self.rough };
