@@ -22,6 +22,9 @@ const INSTANT: f32 = 1.5;
 const EVEN: f32 = 10.0;
 /// Fewest periods of a fall whose samples in between, three, can lie off a line.
 const SHORTEST: f32 = 4.0;
+/// Periods beyond which a fall shows its shape in its middle, and fewest of that middle.
+const LONGEST: f32 = 12.0;
+const SHAPELY_PERIODS: f32 = 6.0;
 /// Fewest samples of a fall that tell half a cosine from a line.
 const SHAPELY: u32 = 4;
 /// So many variances of the noise the cosine lies further off: twice the logarithm of the ratio of
@@ -101,6 +104,9 @@ fn is_even(slip: &SlipRecord, swing: Option<f32>, after: &Line) -> bool {
     if low - peak < SHORTEST {
         return false;
     }
+    if low - peak > LONGEST {
+        return is_long_and_even(slip);
+    }
     let (mut straight, mut cosine) = (Line::default(), Line::default());
     slip.fall_samples().for_each(|(time, force_n)| straight.add(time, force_n, 1.0, 1.0));
     let off_n2 = straight.residual();
@@ -121,6 +127,22 @@ fn is_even(slip: &SlipRecord, swing: Option<f32>, after: &Line) -> bool {
     let further_n2 = cosine.residual() - off_n2;
     let is_clear = further_n2 > LIKELIER * math::larger(own_n2, noise_n2);
     straight.count >= SHAPELY && is_clear && further_n2 > FURTHER * off_n2
+}
+
+/// The same of a fall with many samples, whose highest one may lie anywhere on a slow rest: half a
+/// cosine and a line through the samples in its middle, the noise unknown.
+fn is_long_and_even(slip: &SlipRecord) -> bool {
+    let (angle, (first, last)) = (slip.edge_angle(), slip.fall_edges());
+    let turn = (core::f32::consts::PI - 2.0 * angle) / (last - first);
+    let (mut straight, mut cosine) = (Line::default(), Line::default());
+    let inside = |&(time, _): &(f32, f32)| time >= first && time <= last;
+    for (time, force_n) in slip.samples().good().filter(inside) {
+        straight.add(time, force_n, 1.0, 1.0);
+        cosine.add(math::sin_cos(angle + turn * (time - first)).1, force_n, 1.0, 1.0);
+    }
+    let likelier = straight.count as f32 * math::ln(cosine.residual() / straight.residual());
+    // Also not for a force without any noise, or NaN.
+    last - first >= SHAPELY_PERIODS && likelier > LIKELIER
 }
 
 /// Does a fall along a line take longer than a slip with this swing, periods? From one sample to
