@@ -46,15 +46,13 @@ impl Normal {
     }
 
     /// Takes out all that is told of one unknown.
+    #[inline(never)]
     pub fn forget(&mut self, unknown: usize) {
-        for (i, row) in self.matrix.iter_mut().enumerate() {
-            for (j, entry) in row.iter_mut().enumerate() {
-                if i == unknown || j == unknown {
-                    *entry = 0.0;
-                }
-            }
+        if let Some(row) = self.matrix.get_mut(unknown) {
+            *row = Gradient::default();
         }
-        self.right.iter_mut().skip(unknown).take(1).for_each(|right| *right = 0.0);
+        let column = self.matrix.iter_mut().filter_map(|row| row.get_mut(unknown));
+        column.chain(self.right.get_mut(unknown)).for_each(|entry| *entry = 0.0);
     }
 
     /// Factors the matrix with its diagonal raised by `damping` times itself.
