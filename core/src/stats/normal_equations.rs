@@ -45,16 +45,6 @@ impl Normal {
         }
     }
 
-    /// Takes out all that is told of one unknown.
-    #[inline(never)]
-    pub fn forget(&mut self, unknown: usize) {
-        if let Some(row) = self.matrix.get_mut(unknown) {
-            *row = Gradient::default();
-        }
-        let column = self.matrix.iter_mut().filter_map(|row| row.get_mut(unknown));
-        column.chain(self.right.get_mut(unknown)).for_each(|entry| *entry = 0.0);
-    }
-
     /// Factors the matrix with its diagonal raised by `damping` times itself.
     ///
     /// `None` when it is singular to working precision.

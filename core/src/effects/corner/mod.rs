@@ -15,7 +15,7 @@ use crate::fit::correction::Correction;
 use crate::fit::{Alone, DYNAMIC, Data, Fit, STATIC};
 use crate::model::corner::{Corner, NUMBERS};
 use crate::num::math;
-use crate::stats::normal_equations::{Factor, Gradient, Normal, dot};
+use crate::stats::normal_equations::{Factor, Gradient, Normal};
 use crate::stats::prior::surely;
 
 /// What the events share.
@@ -151,7 +151,18 @@ impl CornerEstimator {
         [corner.smoothing, corner.missing_n, range, 0.0, 0.0, 0.0]
     }
 
+    /// Variance of a force of the event while the numbers, which move it by so much, are only
+    /// possible.
+    fn possible_n2(&self, by: [f32; NUMBERS]) -> f32 {
+        self.possible.iter().zip(by).fold(0.0, |sum, (v, by)| sum + v * by * by)
+    }
+
     fn take(&mut self, score: &Score, noise_n2: f32) -> Option<Correction> {
+        if score.is_lost {
+            let [static_n2, dynamic_n2] =
+                [STATIC, DYNAMIC].map(|force| self.possible_n2(score.by(&force.0)));
+            return Some(Correction { static_n2, dynamic_n2, ..Correction::default() });
+        }
         if self.count <= 0.0 {
             self.begin(&score.corner);
         }
@@ -162,7 +173,7 @@ impl CornerEstimator {
         let best = free.solve(&self.information.right);
         let (before, after) = (score.times(&self.best), score.times(&best));
         self.chi_square *= FADE;
-        for k in (0..2).filter(|&k| score.normal.matrix[k][k] > 0.0) {
+        for k in 0..2 {
             // How far off the event was before times how far it is after it: on average
             // the variance of the noise.
             let squared = (told[k] - before[k]) * (told[k] - after[k]);
@@ -174,8 +185,8 @@ impl CornerEstimator {
         let factor = self.decide(&free, excess, &used)?;
         let moved = self.limited(score, &used);
         let variance = |force: &Gradient| {
-            let by = score.response.map(|response| dot(&response, force));
-            let possible = self.possible.iter().zip(by).fold(0.0, |sum, (v, by)| sum + v * by * by);
+            let by = score.by(force);
+            let possible = self.possible_n2(by);
             let by = [by[0], by[1], by[2], 0.0, 0.0, 0.0];
             excess * factor.variance(&by, 0) + possible
         };

@@ -19,6 +19,8 @@ pub(super) struct Score {
     pub(super) normal: Normal,
     /// By how much the unknowns fall when a number grows by one.
     pub(super) response: [Gradient; NUMBERS],
+    /// It does not tell its smoothing or what it lacks.
+    pub(super) is_lost: bool,
 }
 
 impl Score {
@@ -43,7 +45,7 @@ impl Score {
             }
         }
         let response = products.map(|product| alone.factor.solve(&product));
-        let mut is_lost = [false; NUMBERS];
+        let mut is_lost = false;
         for i in 0..NUMBERS {
             let whole = normal.matrix[i][i];
             for j in 0..=i {
@@ -55,10 +57,14 @@ impl Score {
             if own.is_nan() {
                 return None;
             }
-            is_lost[i] = i < 2 && own <= LEAST_OWN * whole;
+            is_lost |= i < 2 && own <= LEAST_OWN * whole;
         }
-        (0..NUMBERS).filter(|&i| is_lost[i]).for_each(|i| normal.forget(i));
-        Some(Self { corner, inverse_omega: cycle.inverse_omega(), normal, response })
+        Some(Self { corner, inverse_omega: cycle.inverse_omega(), normal, response, is_lost })
+    }
+
+    /// By how much a force moves when the numbers do.
+    pub(super) fn by(&self, force: &Gradient) -> [f32; NUMBERS] {
+        self.response.map(|response| dot(&response, force))
     }
 
     /// By how much the unknowns move when the numbers do.
