@@ -7,6 +7,9 @@
 use std::path::{Path, PathBuf};
 use std::{env, fs};
 
+/// Functions made from a number's bits, which have no other width: libm's stand in for them.
+const BITS: &str = "bits";
+
 fn main() {
     let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("../core/src");
     println!("cargo:rerun-if-changed={}", source.display());
@@ -27,7 +30,7 @@ fn widened_core(source: &Path) -> Result<String, String> {
 /// `folder/name.rs`, or `folder/name/mod.rs` with what that declares inside it.
 fn widened_modules(text: &str, folder: &Path) -> Result<String, String> {
     let mut wide = String::new();
-    for name in text.lines().filter_map(declared_module) {
+    for name in text.lines().filter_map(declared_module).filter(|&name| name != BITS) {
         let (file, inner) = (folder.join(format!("{name}.rs")), folder.join(name));
         let file = if file.is_file() { file } else { inner.join("mod.rs") };
         let text = read(&file)?;
@@ -102,6 +105,7 @@ fn widened_line(line: &str) -> Result<String, String> {
         wide = format!("{before}true{after}");
     }
     // micromath has no other width: rough is rough.
+    let wide = wide.replace("use crate::num::bits;", "").replace("bits::", "libm::");
     let wide = wide.replace("F32Ext::sqrt(x)", "f64::from(F32Ext::sqrt(x as f32))");
     Ok(wide.replace("crate::", "crate::wide::"))
 }

@@ -89,9 +89,8 @@ pub fn bearable(name: &str) -> Option<f64> {
 #[must_use]
 pub fn is_used(function: &Function) -> bool {
     let library = match function.name {
-        "sin" | "cos" | "acos" => "floe",
         "rough_sqrt" => "micromath",
-        _ => "libm",
+        _ => "floe",
     };
     function.library == library && bearable(function.name).is_some()
 }

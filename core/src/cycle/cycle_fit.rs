@@ -172,7 +172,7 @@ impl CycleFit {
                 self.pending.noise_n2 = self.pending.noise_n2.min(own_n2);
             }
         }
-        self.pending.early = fit.map(|fit| fit.cycle);
+        self.pending.expect(fit.map(|fit| fit.cycle));
         self.stage = Stage::Expected(self.begin(learnt, learnt.noise_n2(&self.pending)));
         ControlFlow::Continue(())
     }

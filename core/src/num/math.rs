@@ -7,12 +7,12 @@
 //!
 //! | function | implementation | largest error |
 //! |---|---|---|
-//! | [`sqrt`] | libm | 0.5 ulp (correctly rounded) |
+//! | [`sqrt`] | libm, on the board here | 0.5 ulp (correctly rounded) |
 //! | [`sin_cos`] | here | 7.7e-8, up to one turn |
-//! | [`atan2`] | libm | 1.5 ulp |
-//! | [`acos`] | from libm's root and [`atan2`] | 2 ulp |
-//! | [`exp`] | libm | 1 ulp |
-//! | [`ln`] | libm | 1 ulp |
+//! | [`atan2`] | here | 1.5 ulp |
+//! | [`acos`] | from root and [`atan2`] | 2 ulp |
+//! | [`exp`] | here | 2 ulp |
+//! | [`ln`] | here | 2 ulp |
 //! | [`rough_sqrt`] | micromath | 6.1 % relative: for detection limits only |
 #![allow(
     clippy::disallowed_methods,
@@ -22,9 +22,17 @@
 
 use micromath::F32Ext;
 
+use crate::num::bits;
+
 /// Square root, correctly rounded; NaN below zero.
+///
+/// A PC has an instruction for it, which libm takes, and stable Rust without std does not reach
+/// the board's. What is correctly rounded has the same bits.
 #[must_use]
 pub fn sqrt(x: f32) -> f32 {
+    #[cfg(target_arch = "arm")]
+    return bits::sqrt(x);
+    #[cfg(not(target_arch = "arm"))]
     libm::sqrtf(x)
 }
 
@@ -59,10 +67,34 @@ pub fn sin_cos(x_rad: f32) -> (f32, f32) {
     }
 }
 
-/// Angle of the point (x, y), −π to π rad.
+/// Angle of the point (x, y), −π to π rad; 0 at the origin.
+///
+/// An odd polynomial up to an eighth of a turn, the minimax one; the rest by symmetry.
 #[must_use]
 pub fn atan2(y: f32, x: f32) -> f32 {
-    libm::atan2f(y, x)
+    use core::f32::consts::{FRAC_PI_2, PI};
+    let (along, across) = (x.abs(), y.abs());
+    let is_steep = across > along;
+    let (small, large) = if is_steep { (along, across) } else { (across, along) };
+    let z = if large > 0.0 { small / large } else { 0.0 };
+    let z2 = z * z;
+    // In pairs, which do not wait for each other.
+    let z4 = z2 * z2;
+    let pairs = [
+        0.333_329_86 - 0.199_903_65 * z2,
+        0.141_857_27 - 0.105_729_73 * z2,
+        0.073_646_96 - 0.041_098_498 * z2,
+        0.015_118_379 - 0.002_618_756_6 * z2,
+    ];
+    let tail = pairs[0] + z4 * (pairs[1] + z4 * (pairs[2] + z4 * pairs[3]));
+    let mut angle = z - z * z2 * tail;
+    if is_steep {
+        angle = FRAC_PI_2 - angle;
+    }
+    if x < 0.0 {
+        angle = PI - angle;
+    }
+    if y < 0.0 { -angle } else { angle }
 }
 
 /// Arc cosine, 0 to π rad; the argument is limited to ±1.
@@ -81,13 +113,13 @@ pub fn asin(x: f32) -> f32 {
 /// Exponential function.
 #[must_use]
 pub fn exp(x: f32) -> f32 {
-    libm::expf(x)
+    bits::exp(x)
 }
 
 /// Natural logarithm.
 #[must_use]
 pub fn ln(x: f32) -> f32 {
-    libm::logf(x)
+    bits::log(x)
 }
 
 /// The larger one of two numbers.

@@ -1,7 +1,7 @@
 //! To copy, move, fill and compare bytes: small. The linker takes these instead of
 //! Rust's, which are made for speed and would be 3.5 kB of the program. Four bytes at
 //! a time wherever they lie: the processor reads and writes words at any address.
-//! What is known to lie on words is copied by four of them: the core's records are
+//! What is known to lie on words is copied by eight of them: the core's records are
 //! some hundred bytes long.
 
 core::arch::global_asm!(
@@ -30,17 +30,37 @@ core::arch::global_asm!(
         bhs 1b
         bx lr
 
-    @ (to, from, length), both on a word: four words at a time
+    @ (to, from, length), both on a word: eight words at a time, then by the bits of what is left
     is __aeabi_memcpy4
     is __aeabi_memcpy8
-        push {{r4-r7}}
-    1:  subs r2, #16
-        itt hs
-        ldmhs r1!, {{r4-r7}}
-        stmhs r0!, {{r4-r7}}
+        push {{r4-r11}}
+        subs r2, #32
+        blo 2f
+    1:  ldm r1!, {{r4-r11}}
+        stm r0!, {{r4-r11}}
+        subs r2, #32
         bhs 1b
-        pop {{r4-r7}}
-        adds r2, #16
+    2:  lsls r3, r2, #28
+        itt cs
+        ldmcs r1!, {{r4-r7}}
+        stmcs r0!, {{r4-r7}}
+        itt mi
+        ldmmi r1!, {{r4-r5}}
+        stmmi r0!, {{r4-r5}}
+        lsls r3, r2, #30
+        itt cs
+        ldrcs r3, [r1], #4
+        strcs r3, [r0], #4
+        itt mi
+        ldrhmi r3, [r1], #2
+        strhmi r3, [r0], #2
+        lsls r3, r2, #31
+        itt mi
+        ldrbmi r3, [r1]
+        strbmi r3, [r0]
+        pop {{r4-r11}}
+        bx lr
+
     @ (to, from, length)
     is memcpy
     is __aeabi_memcpy
@@ -76,15 +96,25 @@ core::arch::global_asm!(
         orr r1, r1, r1, lsl #8
         orr r1, r1, r1, lsl #16
         mov ip, r0
-    1:  subs r2, #4
-        it hs
-        strhs r1, [ip], #4
+        subs r2, #16
+        blo 2f
+    1:  str r1, [ip], #4
+        str r1, [ip], #4
+        str r1, [ip], #4
+        str r1, [ip], #4
+        subs r2, #16
         bhs 1b
-        adds r2, #4
-    2:  subs r2, #1
-        it hs
-        strbhs r1, [ip], #1
-        bhs 2b
+    2:  lsls r3, r2, #29
+        itt cs
+        strcs r1, [ip], #4
+        strcs r1, [ip], #4
+        it mi
+        strmi r1, [ip], #4
+        lsls r3, r2, #31
+        it cs
+        strhcs r1, [ip], #2
+        it mi
+        strbmi r1, [ip]
         bx lr
 
     @ (one, other, length)

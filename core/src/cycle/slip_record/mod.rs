@@ -52,6 +52,8 @@ pub(crate) struct SlipRecord {
     pub(crate) hidden: bool,
     /// The cycle as far as it was known before the stick line after it.
     pub(crate) early: Option<CycleParams>,
+    /// When the slip begins and ends, periods: as that cycle has it, or as the extremes do.
+    slip: (f32, f32),
     /// Where the event ends at the latest, periods: the next slip's highest sample.
     pub(crate) limit: f32,
     /// Why it is not even fitted.
@@ -84,6 +86,7 @@ impl SlipRecord {
             broken: stick.broken,
             hidden: false,
             early: None,
+            slip: (since(first, peak.index), since(first, low.index)),
             limit: f32::MAX,
             refused: None,
         };
@@ -97,10 +100,16 @@ impl SlipRecord {
 
     /// Takes the cycle of the first answer.
     pub(crate) fn know(&mut self, cycle: CycleParams) {
+        self.expect(Some(cycle));
         if self.rest_weight < 1.0 {
-            self.rest_from = cycle.shape().stop() - UNSURE;
+            self.rest_from = self.slip.1 - UNSURE;
         }
-        self.early = Some(cycle);
+    }
+
+    /// Takes the cycle from which the last fit begins, if there is one.
+    pub(crate) fn expect(&mut self, cycle: Option<CycleParams>) {
+        let slip = |cycle: CycleParams| (cycle.onset, cycle.shape().stop());
+        (self.early, self.slip) = (cycle, cycle.map_or_else(|| self.extremes(), slip));
     }
 
     /// Takes the samples `from`, right after those that were taken, to `to`, as many as fit.
@@ -116,9 +125,7 @@ impl SlipRecord {
     pub(crate) fn samples(&self) -> Samples<'_> {
         let forces_n = self.forces_n.get(..self.length).unwrap_or_default();
         let (rest_weight, rest_from) = (self.rest_weight, self.rest_from);
-        let extremes = || (since(self.origin, self.peak.index), since(self.origin, self.low.index));
-        let slip = self.early.map_or_else(extremes, |cycle| (cycle.onset, cycle.shape().stop()));
-        Samples { rest_weight, rest_from, slip, ..Samples::new(self.start, forces_n) }
+        Samples { rest_weight, rest_from, slip: self.slip, ..Samples::new(self.start, forces_n) }
     }
 
     /// Variance of the noise as residuals tell it, N². Where they tell far less than the samples

@@ -34,8 +34,9 @@ const RATIOS: (f32, f32) = (1e-6, 1e9);
 const LOG_RATIOS: (f32, f32) = (-87.0, 7.0);
 
 /// All that are compared, the core's own under the library that it takes.
-pub const FUNCTIONS: [Function; 19] = [
-    new("sqrt", "libm", SQUARES, math::sqrt),
+pub const FUNCTIONS: [Function; 23] = [
+    new("sqrt", "floe", SQUARES, math::sqrt),
+    new("sqrt", "libm", SQUARES, libm::sqrtf),
     new("sqrt", "micromath", SQUARES, F32Ext::sqrt),
     new("sqrt", "hardware", SQUARES, hardware::sqrt),
     new("rough_sqrt", "micromath", SQUARES, math::rough_sqrt),
@@ -45,13 +46,16 @@ pub const FUNCTIONS: [Function; 19] = [
     new("cos", "floe", ANGLES, |x| math::sin_cos(x).1),
     new("cos", "libm", ANGLES, |x| libm::sincosf(x).1),
     new("cos", "micromath", ANGLES, F32Ext::cos),
-    new("atan2", "libm", RATIOS, |x| math::atan2(x, 1.0)),
+    new("atan2", "floe", RATIOS, |x| math::atan2(x, 1.0)),
+    new("atan2", "libm", RATIOS, |x| libm::atan2f(x, 1.0)),
     new("atan2", "micromath", RATIOS, |x| F32Ext::atan2(x, 1.0)),
     new("acos", "floe", (-1.0, 1.0), math::acos),
     new("acos", "libm", (-1.0, 1.0), libm::acosf),
     new("acos", "micromath", (-1.0, 1.0), F32Ext::acos),
-    new("exp", "libm", LOG_RATIOS, math::exp),
+    new("exp", "floe", LOG_RATIOS, math::exp),
+    new("exp", "libm", LOG_RATIOS, libm::expf),
     new("exp", "micromath", LOG_RATIOS, F32Ext::exp),
+    new("ln", "floe", SQUARES, math::ln),
     new("ln", "libm", SQUARES, libm::logf),
     new("ln", "micromath", SQUARES, F32Ext::ln),
 ];
