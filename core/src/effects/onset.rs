@@ -15,7 +15,11 @@ use crate::stats::normal_equations::dot;
 use crate::stats::prior::surely;
 
 /// Standard errors beyond which the term is possible. Tuned: a smaller one widens linear scenes.
-const POSSIBLE: f32 = 1.5;
+const POSSIBLE: f32 = 1.8;
+
+/// Times the variance: the cause has another course than the term, and moves `Fs` by as much again
+/// where the term does not see it.
+const COURSE: f32 = 2.0;
 
 /// What the events tell of the term: parts of half the drop.
 #[derive(Clone, Copy, Debug, Default)]
@@ -29,13 +33,13 @@ pub(crate) fn term_n(shape: &Shape, since_onset: f32) -> f32 {
 impl Onset {
     /// Variance of `Fs`, N², by what the term would move it in an event, as far as it is possible.
     pub(crate) fn static_n2(&self, event: &Score) -> f32 {
-        let amplitude = self.0.value();
-        let square = amplitude * amplitude;
         if !self.0.counts() {
             return 0.0;
         }
+        let (value, variance) = (self.0.value(), self.0.variance());
+        let square = value * value;
         let by_n = dot(&event.response, &STATIC.0);
-        surely(square, POSSIBLE * POSSIBLE * self.0.variance()) * square * by_n * by_n
+        COURSE * surely(square, POSSIBLE * POSSIBLE * variance) * square * by_n * by_n
     }
 
     /// The amplitude, if it is significant.
