@@ -10,7 +10,9 @@
 //! measures do, until the first fits are there: the smallest second differences, if
 //! they are far smaller than the usual one (a steep saw: some triples lie on one
 //! tooth), or the fourth difference, if it is small against the second (a smooth
-//! swing). White noise shows neither. The third is how fast slips fall (`arrow.rs`).
+//! swing). White noise shows neither. The third is how fast slips fall (`time_asymmetry.rs`).
+//! Where the innovations are far larger than what the second differences leave, the line was bent
+//! before the noise was known: a cable that was tightened, held, and pulled. The noise is theirs.
 
 use crate::noise::time_asymmetry::TimeAsymmetry;
 use crate::num::math::{larger, smaller};
@@ -92,6 +94,9 @@ const SAW: f32 = 0.06;
 /// Most noise of slips, parts of their usual fall in a sample: with more of it none could
 /// be told from noise.
 const SLIP: f32 = 1.0 / 12.0;
+/// A bent line: the second differences leave less than this part of its innovations. Tuned: a
+/// larger one takes a slow swing of the force for slips.
+const BENT: f32 = 0.1;
 /// A smooth swing: the same for the fourth difference.
 const SWING: f32 = 0.5;
 
@@ -179,13 +184,13 @@ impl Noise {
         let samples = line.map(|line| larger(line, upper.map_or(0.0, std)));
         // The fits allow for what a line does not.
         let fitted = self.fitted_n.map(|fitted| 1.5 * fitted);
-        let own = if self.fits < TRUSTED { self.without_line_n() } else { None };
+        let own = if self.fits < TRUSTED { self.without_line_n(line) } else { None };
         let bound = least(fitted, own).map(|std| larger(std, floor));
         (line, least(samples, bound))
     }
 
-    /// Standard deviation where there is no line to be followed, N.
-    fn without_line_n(&self) -> Option<f32> {
+    /// Standard deviation where there is no line to be followed, N, or one of these innovations.
+    fn without_line_n(&self, line_n: Option<f32>) -> Option<f32> {
         if !self.fourth.is_settled() {
             return None;
         }
@@ -199,7 +204,9 @@ impl Noise {
             smallest.filter(|&smallest| smallest < SAW * second),
             fourth.filter(|&fourth| fourth < SWING * second),
         );
-        least(slips, smooth)
+        let bent = second + step_n;
+        let bent = line_n.is_some_and(|line_n| bent < BENT * line_n).then_some(bent);
+        least(slips, least(smooth, bent))
     }
 }
 
