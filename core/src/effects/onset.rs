@@ -31,15 +31,17 @@ pub(crate) fn term_n(shape: &Shape, since_onset: f32) -> f32 {
 }
 
 impl Onset {
+    /// How possible the term is, 0 to 1.
+    pub(crate) fn possible(&self) -> f32 {
+        let value = self.0.value();
+        let limit = POSSIBLE * POSSIBLE * self.0.variance();
+        if self.0.counts() { surely(value * value, limit) } else { 0.0 }
+    }
+
     /// Variance of `Fs`, N², by what the term would move it in an event, as far as it is possible.
     pub(crate) fn static_n2(&self, event: &Score) -> f32 {
-        if !self.0.counts() {
-            return 0.0;
-        }
-        let (value, variance) = (self.0.value(), self.0.variance());
-        let square = value * value;
-        let by_n = dot(&event.response, &STATIC.0);
-        COURSE * surely(square, POSSIBLE * POSSIBLE * variance) * square * by_n * by_n
+        let by_n = self.0.value() * dot(&event.response, &STATIC.0);
+        COURSE * self.possible() * by_n * by_n
     }
 
     /// The amplitude, if it is significant.

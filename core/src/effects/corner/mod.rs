@@ -112,22 +112,31 @@ impl CornerEstimator {
         if missing_n > lacking_n { range_n * math::ln(missing_n / lacking_n) } else { 0.0 }
     }
 
-    /// Takes what an event's residuals tell.
+    /// Takes what an event's residuals tell. With a `doubt` above 0, up to 1, the slips depart
+    /// from the model in another way as well: as far as the cause may be that one, `Fp` is as
+    /// unsure as the corners move it.
     pub(crate) fn learn(
         &mut self,
         data: &Data<'_>,
         fit: &Fit,
         alone: &Alone,
         noise_n2: f32,
+        doubt: f32,
     ) -> Correction {
         self.events = self.events.wrapping_add(1);
         let is_sharp = data.corner.is_sharp() && self.possible.iter().all(|&v| v <= 0.0);
         if is_sharp && self.events > FIRST && !self.events.is_multiple_of(SELDOM) {
             return Correction::default();
         }
-        let effect = Score::of(data, fit, alone).and_then(|score| self.take(&score, noise_n2));
-        let effect = effect.unwrap_or_default();
+        let score = Score::of(data, fit, alone);
+        let effect = score.as_ref().and_then(|score| self.take(score, noise_n2));
+        let mut effect = effect.unwrap_or_default();
         let Corner { smoothing, missing_n, range_n } = self.corner;
+        if let Some(score) = &score {
+            let [by_smoothing, by_missing, _] = score.by(&DYNAMIC.0);
+            let moved_n = by_smoothing * smoothing + by_missing * missing_n;
+            effect.dynamic_n2 += doubt * moved_n * moved_n;
+        }
         if effect.is_finite() && (smoothing + missing_n + range_n).is_finite() {
             return effect;
         }
