@@ -94,9 +94,11 @@ const SAW: f32 = 0.06;
 /// Most noise of slips, parts of their usual fall in a sample: with more of it none could
 /// be told from noise.
 const SLIP: f32 = 1.0 / 12.0;
-/// A bent line: the second differences leave less than this part of its innovations. Tuned: a
-/// larger one takes a slow swing of the force for slips.
-const BENT: f32 = 0.1;
+/// A bent line: so many times what the second differences leave is less than this part of its
+/// innovations. Tuned: a larger part takes a slow swing of the force for slips. A line that is no
+/// guide cannot tell the range of the noise from a slip: the caution does.
+const BENT: f32 = 0.3;
+const CAUTION: f32 = 3.0;
 /// A smooth swing: the same for the fourth difference.
 const SWING: f32 = 0.5;
 
@@ -204,7 +206,7 @@ impl Noise {
             smallest.filter(|&smallest| smallest < SAW * second),
             fourth.filter(|&fourth| fourth < SWING * second),
         );
-        let bent = second + step_n;
+        let bent = CAUTION * (second + step_n);
         let bent = line_n.is_some_and(|line_n| bent < BENT * line_n).then_some(bent);
         least(slips, least(smooth, bent))
     }
@@ -260,7 +262,7 @@ mod tests {
         let (mut noise, mut state) = (Noise::new(), 5);
         for i in 0..20_000 {
             noise.see(normal(&mut state), true);
-            assert_eq!(noise.without_line_n(), None, "{i}");
+            assert_eq!(noise.without_line_n(None), None, "{i}");
         }
     }
 
@@ -271,7 +273,7 @@ mod tests {
             let saw = 2000.0 * (i as f32 * (2.0 / 7.0)).fract();
             noise.see(saw + 2.0 * normal(&mut state), true);
         });
-        let std = noise.without_line_n().unwrap();
+        let std = noise.without_line_n(None).unwrap();
         assert!((1.0..40.0).contains(&std), "{std}");
     }
 
