@@ -34,11 +34,13 @@ pub enum Effect {
     /// Losses in the cable or the air: they widen, and shift nothing. Bit 8 was that of an effect
     /// which paid nowhere; the bits of logs stay what they were.
     Damping = 9,
+    /// Slips whose force departs from the ellipse along the way: they widen, and shift nothing.
+    Onset,
 }
 
 impl Effect {
     /// All of them, in the order of their bits.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 10] = [
         Self::Corner,
         Self::Sag,
         Self::Stiffening,
@@ -48,6 +50,7 @@ impl Effect {
         Self::Flop,
         Self::Ripple,
         Self::Damping,
+        Self::Onset,
     ];
 
     /// As in `--effects`, JSON and `docs/effects.md`.
@@ -63,6 +66,7 @@ impl Effect {
             Self::Flop => "flop",
             Self::Ripple => "ripple",
             Self::Damping => "damping",
+            Self::Onset => "onset",
         }
     }
 
@@ -103,7 +107,8 @@ impl Effects {
         .with(Effect::Drift, cfg!(feature = "drift"))
         .with(Effect::Flop, cfg!(feature = "flop"))
         .with(Effect::Ripple, cfg!(feature = "ripple"))
-        .with(Effect::Damping, cfg!(feature = "damping"));
+        .with(Effect::Damping, cfg!(feature = "damping"))
+        .with(Effect::Onset, cfg!(feature = "onset"));
 
     /// Every effect there is.
     const ALL: Self = {
@@ -190,8 +195,8 @@ mod tests {
             let others = Effect::ALL.into_iter().filter(|other| *other != effect);
             assert!(others.into_iter().all(|other| !alone.has(other)));
         }
-        // The bits of logs that were written before: all but 8 of the first ten.
-        assert_eq!(Effects::from_mask(u32::MAX).mask(), 0b10_1111_1111);
+        // The bits of logs that were written before: all but 8 of the first eleven.
+        assert_eq!(Effects::from_mask(u32::MAX).mask(), 0b110_1111_1111);
         assert_eq!(Effects::NONE.with(Effect::Damping, true).mask(), 1 << 9);
         assert_eq!(Effect::named("gravity"), None);
     }

@@ -5,8 +5,8 @@ use crate::effect::{Effect, Effects, Parameter};
 use crate::effects::corner::CornerEstimator;
 use crate::effects::damping::Damping;
 use crate::effects::mass_change::{Mass, Told, Verdict};
+use crate::effects::onset::Onset;
 use crate::effects::sag::Sag;
-use crate::fit::correction::Correction;
 use crate::fit::posterior::Posterior;
 use crate::fit::residuals::Residuals;
 use crate::fit::slip_scatter::SlipScatter;
@@ -21,7 +21,7 @@ use crate::stats::prior::{Prior, without_prior};
 /// Loading rate, swing `1/ω` and bend that the events share, and the noise.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Expectations {
-    effects: Effects,
+    pub(super) effects: Effects,
     pub(crate) rate: FadingTrend,
     pub(crate) mass: Mass,
     pub(super) rate_change: FadingTrend,
@@ -32,6 +32,7 @@ pub(crate) struct Expectations {
     pub(crate) residuals: Residuals,
     pub(crate) slip: SlipScatter,
     pub(crate) damping: Damping,
+    pub(crate) onset: Onset,
     /// Events in a row that did not fit.
     pub(super) misfits: u8,
     /// The residuals are those of weighted samples.
@@ -236,24 +237,6 @@ impl Expectations {
         }
         told.inverse_omega = own_swing(LEAST_OWN).filter(|_| !on_trial || is_clear(posterior));
         self.mass.learn(&told).unwrap_or(verdict)
-    }
-
-    /// Carries what the event's residuals tell of losses and of the corners to the next ones. All
-    /// that was learnt moves along with the corners.
-    pub(crate) fn learn_terms(&mut self, data: &Data<'_>, fit: &Fit, noise_n2: f32) -> Correction {
-        let Some(alone) = fit.alone(data) else { return Correction::default() };
-        if self.effects.has(Effect::Damping) {
-            self.damping.learn(data, fit, &alone, noise_n2);
-        }
-        if !self.effects.has(Effect::Corner) {
-            return Correction::default();
-        }
-        let effect = self.corner.learn(data, fit, &alone, noise_n2);
-        let [_, rate, _, _, inverse_omega, rate_change] = effect.moved;
-        self.rate.translate(rate);
-        self.mass.translate(inverse_omega);
-        self.rate_change.translate(rate_change);
-        effect
     }
 
     /// Periods before an onset in which the force lacks more than a fifth of the noise.

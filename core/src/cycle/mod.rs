@@ -18,6 +18,7 @@ mod outcome;
 mod readings;
 mod refusal;
 mod slip_record;
+mod terms;
 
 use core::ops::ControlFlow;
 

@@ -41,6 +41,7 @@ impl CycleTracker {
         match effect {
             Effect::Corner => self.learnt.corner.parameters(self.site.rate_hz),
             Effect::Damping => [self.learnt.damping.parameter(), None],
+            Effect::Onset => [self.learnt.onset.parameter(), None],
             Effect::Sag => [self.learnt.sag.parameter(), None],
             Effect::Stiffening => [self.learnt.stiffening(), None],
             Effect::Mass => {

@@ -79,7 +79,8 @@ impl Detector {
             | Effect::Mass
             | Effect::Level
             | Effect::Drift
-            | Effect::Damping => false,
+            | Effect::Damping
+            | Effect::Onset => false,
         }
     }
 

@@ -4,7 +4,9 @@ pub mod corner;
 pub(crate) mod damping;
 pub mod level_shift;
 pub mod mass_change;
+pub(crate) mod onset;
 pub(crate) mod sag;
+pub(crate) mod score;
 pub(crate) mod zero_drift;
 
 #[cfg(test)]

@@ -60,7 +60,8 @@ impl Pipeline {
                 | Effect::Sag
                 | Effect::Stiffening
                 | Effect::Mass
-                | Effect::Damping => parameters.iter().any(Option::is_some),
+                | Effect::Damping
+                | Effect::Onset => parameters.iter().any(Option::is_some),
             };
             Finding { effect, enabled, found: enabled && found, parameters }
         })

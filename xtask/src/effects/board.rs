@@ -24,6 +24,7 @@ fn own(effect: Effect) -> &'static str {
         Effect::Flop => "hard/flop",
         Effect::Ripple => "hard/ripple",
         Effect::Damping => "honesty/damping_2",
+        Effect::Onset => "honesty/falling",
     }
 }
 
@@ -40,6 +41,7 @@ fn files(effect: Effect) -> &'static [&'static str] {
         Effect::Flop => &["noise/flop.rs"],
         Effect::Ripple => &["noise/ripple.rs"],
         Effect::Damping => &["effects/damping.rs"],
+        Effect::Onset => &["effects/onset.rs"],
     }
 }
 

@@ -1,0 +1,49 @@
+//! What an event's residuals tell of the force terms that its fit lacks.
+
+use crate::cycle::expectations::Expectations;
+use crate::effect::Effect;
+use crate::effects::score::Score;
+use crate::effects::{damping, onset};
+use crate::fit::correction::Correction;
+use crate::fit::{Alone, Data, Fit};
+
+impl Expectations {
+    /// Carries what the event's residuals tell of losses and of the corners to the next ones. All
+    /// that was learnt moves along with the corners.
+    pub(crate) fn learn_terms(&mut self, data: &Data<'_>, fit: &Fit, noise_n2: f32) -> Correction {
+        let Some(alone) = fit.alone(data) else { return Correction::default() };
+        let onset_n2 = self.learn_scores(data, fit, &alone, noise_n2);
+        if !self.effects.has(Effect::Corner) {
+            return Correction { static_n2: onset_n2, ..Correction::default() };
+        }
+        let mut effect = self.corner.learn(data, fit, &alone, noise_n2);
+        effect.static_n2 += onset_n2;
+        let [_, rate, _, _, inverse_omega, rate_change] = effect.moved;
+        self.rate.translate(rate);
+        self.mass.translate(inverse_omega);
+        self.rate_change.translate(rate_change);
+        effect
+    }
+
+    /// What the event tells of the terms that widen; gives the variance of `Fs` by them, N².
+    fn learn_scores(&mut self, data: &Data<'_>, fit: &Fit, alone: &Alone, noise_n2: f32) -> f32 {
+        let [asks_losses, asks_onset] =
+            [Effect::Damping, Effect::Onset].map(|it| self.effects.has(it));
+        if !asks_losses && !asks_onset {
+            return 0.0;
+        }
+        let shape = fit.cycle.shape();
+        let losses_n = damping::term_n(&shape);
+        let [losses, smooth] = Score::of(data, &shape, alone, |since_onset, gradient| {
+            [losses_n(since_onset, gradient), onset::term_n(&shape, since_onset)]
+        });
+        if asks_losses {
+            self.damping.0.learn(&losses, noise_n2);
+        }
+        if !asks_onset {
+            return 0.0;
+        }
+        self.onset.0.learn(&smooth, noise_n2);
+        self.onset.static_n2(&smooth)
+    }
+}

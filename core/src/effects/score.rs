@@ -1,0 +1,125 @@
+//! What the events' residuals tell of a term that the fit lacks: Rao's score, one event after the
+//! other.
+//!
+//! A force term of amplitude `A` adds `A c(t)` to the samples of a slip. With the weights `W`, the
+//! residuals `r` and the model's derivatives `U`, an event's own unknowns free, its score is
+//! `cᵀ W r − Rᵀ Uᵀ W r` and its information `cᵀ W c − Rᵀ Uᵀ W c`, `R = (Uᵀ W U)⁻¹ Uᵀ W c`: an
+//! amplitude of one that the fit does not know moves its unknowns by `−R`. The scores and the
+//! information of the events add up, and `A` is one over the other.
+
+use crate::fit::{Alone, Data};
+use crate::model::Shape;
+use crate::num::math;
+use crate::stats::normal_equations::{Gradient, dot};
+
+/// Information that is left when the unknowns are free, of the whole: less is rounding.
+const LEAST_OWN: f32 = 1e-4;
+/// Events before which nothing counts.
+const LEAST_EVENTS: f32 = 4.0;
+/// Part that is left of the past with every event.
+const FADE: f32 = 1.0 - 1.0 / 200.0;
+/// Standard errors beyond which an amplitude is found.
+const SIGNIFICANT: f32 = 3.0;
+
+/// What one event tells of one term.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Score {
+    score: f32,
+    information: f32,
+    /// By how much the unknowns fall when the amplitude grows by one.
+    pub(crate) response: Gradient,
+}
+
+impl Score {
+    /// Of some terms at the shape of a fit: `by_n` gives their forces for amplitudes of one at a
+    /// time since the onset, with the model's derivatives there. Only the samples of a slip on a
+    /// taut cable are asked; a term that they do not tell has no information.
+    pub(crate) fn of<const TERMS: usize>(
+        data: &Data<'_>,
+        shape: &Shape,
+        alone: &Alone,
+        by_n: impl Fn(f32, &Gradient) -> [f32; TERMS],
+    ) -> [Self; TERMS] {
+        let mut scores = [Self::default(); TERMS];
+        if shape.is_slack() {
+            return scores;
+        }
+        for (time, force_n, weight) in data.levels() {
+            let since_onset = time - shape.cycle().onset;
+            if since_onset > 0.0 && since_onset < shape.slide_time() {
+                let (off_n, gradient) = data.residual(shape, time, force_n);
+                for (term, by_n) in scores.iter_mut().zip(by_n(since_onset, &gradient)) {
+                    term.add(off_n, &gradient, by_n, weight);
+                }
+            }
+        }
+        scores.map(|term| term.alone(alone))
+    }
+
+    /// Takes a sample.
+    fn add(&mut self, off_n: f32, gradient: &Gradient, by_n: f32, weight: f32) {
+        let by = weight * by_n;
+        self.response.iter_mut().zip(gradient).for_each(|(sum, g)| *sum += by * g);
+        self.information += by * by_n;
+        self.score += by * off_n;
+    }
+
+    /// With the unknowns free.
+    fn alone(self, alone: &Alone) -> Self {
+        let response = alone.factor.solve(&self.response);
+        let information = self.information - dot(&self.response, &response);
+        let is_told = information > LEAST_OWN * self.information;
+        let score = self.score - dot(&response, &alone.right);
+        Self { score, information: if is_told { information } else { 0.0 }, response }
+    }
+}
+
+/// What the events of a fading past tell of an amplitude.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct ScoreSum {
+    count: f32,
+    /// Sums over events, in units of the noise.
+    information: f32,
+    score: f32,
+    /// Sum of the squared scores over their information: 1 an event, if the noise is all.
+    surprise: f32,
+}
+
+impl ScoreSum {
+    /// Takes what an event tells.
+    pub(crate) fn learn(&mut self, event: &Score, noise_n2: f32) {
+        let (score, information) = (event.score / noise_n2, event.information / noise_n2);
+        let off = score - self.value() * information;
+        let square = off * off / information;
+        // Also not without information.
+        if !(score + information + square).is_finite() {
+            return;
+        }
+        let fade = |sum: &mut f32, by: f32| *sum = FADE * *sum + by;
+        fade(&mut self.count, 1.0);
+        fade(&mut self.score, score);
+        fade(&mut self.information, information);
+        fade(&mut self.surprise, square);
+    }
+
+    /// The amplitude.
+    pub(crate) fn value(&self) -> f32 {
+        if self.information > 0.0 { self.score / self.information } else { 0.0 }
+    }
+
+    /// Its variance; scores that scatter by more than the noise tell so much less.
+    pub(crate) fn variance(&self) -> f32 {
+        (self.surprise / self.count).max(1.0) / self.information
+    }
+
+    /// Do enough events tell it?
+    pub(crate) fn counts(&self) -> bool {
+        self.count > LEAST_EVENTS
+    }
+
+    /// The amplitude and its standard deviation, if it is significant.
+    pub(crate) fn found(&self) -> Option<(f32, f32)> {
+        let (value, std) = (self.value(), math::sqrt(self.variance()));
+        (self.counts() && value.abs() > SIGNIFICANT * std).then_some((value, std))
+    }
+}
