@@ -1,15 +1,23 @@
 //! What all Parquet files of Floe have in common.
 
+use std::io;
 use std::sync::Arc;
 
 use parquet::basic::Compression;
 use parquet::data_type::ByteArray;
+use parquet::errors::ParquetError;
 use parquet::file::metadata::KeyValue;
 use parquet::file::properties::{EnabledStatistics, WriterProperties, WriterPropertiesPtr};
 
 /// Bytes of a dictionary, at most: a column with more values than this holds has hardly one
 /// twice, and to look for them takes most of the time of writing.
 const DICTIONARY: usize = 1 << 16;
+
+/// What went wrong in its own words, without the library's in front.
+pub(crate) fn io_error(error: ParquetError) -> io::Error {
+    let ParquetError::External(cause) = error else { return io::Error::other(error) };
+    cause.downcast().map_or_else(io::Error::other, |cause| *cause)
+}
 
 /// Texts as values of a column; one that stands again and again is copied once.
 pub(crate) fn texts<'a>(texts: impl Iterator<Item = &'a str>) -> Vec<ByteArray> {

@@ -107,7 +107,8 @@ pub fn number(cell: &[u8], decimal: Decimal) -> Option<f64> {
 /// A leading plus, a decimal comma, or the minus of typesetting, which some spreadsheets write.
 #[cold]
 fn unusual_number(cell: &[u8], decimal: Decimal) -> Option<f64> {
-    let text = std::str::from_utf8(cell).ok()?;
+    // Blanks that are not ASCII are around it.
+    let text = std::str::from_utf8(cell).ok()?.trim();
     if let Some(size) = text.strip_prefix('\u{2212}') {
         let size = size.starts_with(|first: char| first.is_ascii_digit()).then_some(size)?;
         return number(size.as_bytes(), decimal).map(|size| -size);

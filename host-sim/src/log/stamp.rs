@@ -25,6 +25,9 @@ pub enum TimeUnit {
     /// Microseconds.
     #[value(name = "us")]
     Microsecond,
+    /// Nanoseconds.
+    #[value(name = "ns")]
+    Nanosecond,
     /// Minutes.
     #[value(name = "min")]
     Minute,
@@ -46,6 +49,7 @@ impl TimeUnit {
             }
             "ms" | "msec" | "millisecond" | "milliseconds" => Some(Self::Millisecond),
             "us" | "µs" | "μs" | "microsecond" | "microseconds" => Some(Self::Microsecond),
+            "ns" | "nsec" | "nanosecond" | "nanoseconds" => Some(Self::Nanosecond),
             "min" | "mins" | "minute" | "minutes" | "minuten" => Some(Self::Minute),
             _ => None,
         }
@@ -58,6 +62,7 @@ impl TimeUnit {
             Self::Second => "s",
             Self::Millisecond => "ms",
             Self::Microsecond => "us",
+            Self::Nanosecond => "ns",
             Self::Minute => "min",
             Self::Iso => "iso",
             Self::Epoch => "epoch",
@@ -79,12 +84,19 @@ impl TimeUnit {
             Self::Second => number()?,
             Self::Millisecond => number()? * 1e-3,
             Self::Microsecond => number()? * 1e-6,
+            Self::Nanosecond => number()? * 1e-9,
             Self::Minute => number()? * 60.0,
             Self::Iso => return date_time_seconds(cell),
             Self::Epoch => epoch_seconds(number()?),
             Self::Excel => (number()? - EXCEL_DAYS_1970) * DAY_S,
         })
     }
+}
+
+/// Whether so many seconds, counted since 1970, lead to a day from 1995 to 5138.
+#[must_use]
+pub fn is_since_1970(seconds: f64) -> bool {
+    (8e8..1e11).contains(&seconds)
 }
 
 /// Seconds from a count since 1970 whose unit shows in its size.

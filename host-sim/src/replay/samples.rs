@@ -144,7 +144,7 @@ pub fn table<'a, W: Write + Send + 'a>(
     about: &[(&str, String)],
 ) -> io::Result<Box<dyn Table + 'a>> {
     if parquet {
-        return Ok(Box::new(Parquet::new(out, about).map_err(io::Error::other)?));
+        return Ok(Box::new(Parquet::new(out, about).map_err(columnar::io_error)?));
     }
     let mut writer = csv::Writer::from_writer(out);
     writer.write_record(COLUMNS).map_err(io::Error::other)?;
@@ -244,11 +244,12 @@ impl<W: Write + Send> Table for Parquet<W> {
         if self.rows.len() < GROUP {
             return Ok(());
         }
-        self.write_group().map_err(io::Error::other)
+        self.write_group().map_err(columnar::io_error)
     }
 
     fn finish(&mut self) -> io::Result<()> {
-        self.write_group().map_err(io::Error::other)?;
-        self.writer.take().map_or(Ok(()), |w| w.close().map(drop)).map_err(io::Error::other)
+        self.write_group().map_err(columnar::io_error)?;
+        let closed = self.writer.take().map_or(Ok(()), |writer| writer.close().map(drop));
+        closed.map_err(columnar::io_error)
     }
 }

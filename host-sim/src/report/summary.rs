@@ -38,7 +38,9 @@ fn notices(result: &ReplayResult) -> String {
     };
     let zero = |zero_n| format!("<p class=\"notice\">Zero: {}.</p>", zero_sentence(zero_n));
     let steady = result.stretches.steady.iter().map(|it| it.sentence(result.test.slope_rad));
-    let steady = steady.map(|it| format!("<p class=\"notice\">Steady: {}.</p>", escape(&it)));
+    let steady = steady.map(|it| {
+        format!("<p class=\"notice\">Steady: {}.</p>", escape(&it.replace("F/W -", "F/W −")))
+    });
     let unclear = result.stretches.not_understood.iter().map(NotUnderstood::sentence);
     let unclear =
         unclear.map(|it| format!("<p class=\"notice\">Not understood: {}.</p>", escape(&it)));
@@ -76,10 +78,11 @@ fn coefficient(class: &str, symbol: &str, value: &CoefficientSummary, name: &str
             let [random, systematic] = [random, systematic].map(|it| escape(&part_of(it, whole)));
             format!("random {random}, systematic {systematic} · ")
         }
+        _ if value.mean.is_none() => String::new(),
         _ => value.reason.map(|reason| format!("no ±: {reason} · ")).unwrap_or_default(),
     };
     let spread = match (value.mean, value.spread) {
-        (None, _) => "not measured".into(),
+        (None, _) => format!("not measured: {}", value.reason.unwrap_or("no event gives a value")),
         (_, Some(spread)) if spread <= 0.0 => "no spread between events beyond the noise".into(),
         (_, Some(spread)) => format!("spread between events {}", show(spread)),
         (_, None) => "spread between events unknown".into(),
