@@ -71,13 +71,18 @@ impl Rows {
     ///
     /// # Errors
     /// A row that cannot be used, with its line number.
+    #[inline]
     pub fn next_row(&mut self) -> Result<Option<Row>, InputError> {
+        let Some(row) = self.plain_row() else { return self.next_odd_row() };
+        let line = row.line;
+        let placed = self.follow(row, None).map(Some);
+        placed.map_err(|error| error.within(format_args!("line {line}")))
+    }
+
+    /// The next row, which is not of the usual kind.
+    #[inline(never)]
+    fn next_odd_row(&mut self) -> Result<Option<Row>, InputError> {
         loop {
-            if let Some(row) = self.plain_row() {
-                let line = row.line;
-                let placed = self.follow(row, None).map(Some);
-                return placed.map_err(|error| error.within(format_args!("line {line}")));
-            }
             let Some(line) = self.lines.next_line()? else { return Ok(None) };
             let (number, ended) = (line.number, line.ended);
             let result = match line.bytes.trim_ascii_start().first() {
@@ -145,6 +150,7 @@ impl Rows {
     }
 
     /// Checks a row against the one before.
+    #[inline]
     fn follow(&mut self, mut row: Row, record: Option<f64>) -> Result<Row, InputError> {
         if let TimeCells::Count { rate_hz } = self.layout.time {
             row.time_s = self.count as f64 / rate_hz;
@@ -160,10 +166,7 @@ impl Rows {
             self.days_s += DAY_S;
         }
         if row.time_s < self.last_time_s - jitter_s {
-            return Err(InputError::new(format!(
-                "time goes back by {:.6} s; cut the log there, or sort it",
-                self.last_time_s - row.time_s
-            )));
+            return Err(goes_back(self.last_time_s - row.time_s));
         }
         self.last_time_s = row.time_s;
         if let (Some(last), Some(record)) = (self.last_record, record) {
@@ -178,4 +181,9 @@ impl Rows {
         let undated = matches!(self.layout.time, TimeCells::DateAndClock { date: None, .. });
         undated && self.last_time_s - time_s > 0.5 * DAY_S
     }
+}
+
+#[cold]
+fn goes_back(seconds: f64) -> InputError {
+    InputError::new(format!("time goes back by {seconds:.6} s; cut the log there, or sort it"))
 }

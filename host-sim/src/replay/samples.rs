@@ -16,6 +16,8 @@ use crate::columnar;
 /// The columns, in CSV and in Parquet.
 pub const COLUMNS: [&str; 7] =
     ["time_s", "force_n", "rate_n_per_s", "phase", "block_m_per_s", "flag", "index"];
+/// Those of numbers that hardly repeat.
+const MEASURED: [&str; 4] = ["time_s", "rate_n_per_s", "block_m_per_s", "index"];
 /// Samples that are held back until their rate is known and they can be no spike.
 const HELD: usize = 4;
 /// Rows in a group of a Parquet file.
@@ -188,7 +190,11 @@ impl<W: Write + Send> Parquet<W> {
         };
         let fields: ParquetResult<Vec<_>> = COLUMNS.iter().zip(kinds).map(field).collect();
         let schema = Type::group_type_builder("sample").with_fields(fields?).build()?;
-        let writer = SerializedFileWriter::new(out, Arc::new(schema), columnar::properties(about))?;
+        let writer = SerializedFileWriter::new(
+            out,
+            Arc::new(schema),
+            columnar::properties(about, MEASURED.into_iter()),
+        )?;
         Ok(Self { writer: Some(writer), rows: Vec::new() })
     }
 
