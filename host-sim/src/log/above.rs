@@ -47,7 +47,7 @@ pub fn refuse_no_table(
         )));
     }
     if !comments_only {
-        return Ok(());
+        return refuse_quoted_lines(lines);
     }
     let whole = head.len() < MAX_LINE - LONGEST_END;
     Err(InputError::new(match (whole, head.contains(&end)) {
@@ -60,6 +60,39 @@ pub fn refuse_no_table(
             MAX_LINE / 1024
         ),
     }))
+}
+
+/// Refuses lines that are in quotes as a whole.
+fn refuse_quoted_lines(lines: &[Content<'_>]) -> Result<(), InputError> {
+    let is_one_cell = |line: &[u8]| match line.trim_ascii() {
+        [b'"', inside @ .., b'"'] => {
+            !inside.contains(&b'"') && SEPARATORS.iter().any(|cut| inside.contains(cut))
+        }
+        _ => false,
+    };
+    let rows = lines.iter().filter(|(_, line)| comment(line).is_none());
+    let quoted = rows.clone().count() > 1 && rows.clone().all(|(_, line)| is_one_cell(line));
+    match rows.clone().next().filter(|_| quoted) {
+        Some((number, _)) => Err(InputError::new(format!(
+            "line {number}: the whole line is in quotes, like those after it: take them away"
+        ))),
+        None => Ok(()),
+    }
+}
+
+/// Refuses names that go on over several lines, in quotes.
+///
+/// # Errors
+/// The line above the first row ends a quote that it does not begin.
+pub fn refuse_broken_names(content: &[Content<'_>], first: usize) -> Result<(), InputError> {
+    let above = first.checked_sub(1).and_then(|above| content.get(above));
+    let quotes = |line: &[u8]| line.iter().filter(|&&byte| byte == b'"').count();
+    match above.filter(|(_, line)| !quotes(line).is_multiple_of(2)) {
+        Some((number, _)) => Err(InputError::new(format!(
+            "line {number}: a name in quotes goes on over several lines: write each name into one"
+        ))),
+        None => Ok(()),
+    }
 }
 
 /// Less than a head ends with a line that was not looked at.

@@ -84,11 +84,18 @@ pub fn find(head: &[u8], end: u8, skip: u64, separator: Option<u8>) -> Result<He
         .collect();
     let content: Vec<Content<'_>> =
         lines.iter().copied().filter(|(_, line)| comment(line).is_none()).collect();
+    if lines.is_empty() && skip > 0 {
+        return Err(InputError::new(format!(
+            "no line is left of the first {} KiB after --skip-lines {skip}",
+            MAX_LINE / 1024
+        )));
+    }
     let tried = separator.map_or(SEPARATORS.to_vec(), |one| vec![one]);
     let Some((separator, first)) = begin_of_rows(&content, &tried) else {
         above::refuse_no_table(head, end, &lines, content.is_empty())?;
         return Ok(without_rows(&content, separator));
     };
+    above::refuse_broken_names(&content, first)?;
     let header = header_above(&lines, &content, separator, first)?;
     let other = (header.names.is_none() && header.width > 2)
         .then(|| named_otherwise(&content, first, &tried))

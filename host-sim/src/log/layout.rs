@@ -141,6 +141,8 @@ impl Layout {
             "the rows before have another decimal mark: write all with the same".to_string()
         } else if is_grouped(cell) {
             "write it without marks between the thousands".to_string()
+        } else if cell.iter().any(|byte| b",;\t".contains(byte)) {
+            format!("{CORRECT}, or is the separator another? (--delimiter)")
         } else {
             format!("{CORRECT}; NaN marks a bad reading")
         };
@@ -168,6 +170,11 @@ impl Layout {
     }
 }
 
+/// Whether it may be a date with a time of day written without marks: 20120229T120000.
+fn is_basic(cell: &[u8]) -> bool {
+    cell.get(8) == Some(&b'T') && cell.iter().take(8).all(u8::is_ascii_digit)
+}
+
 /// Whether a line is nothing but separators between empty cells.
 #[must_use]
 pub fn is_empty(line: &[u8], separator: u8) -> bool {
@@ -178,7 +185,7 @@ pub fn is_empty(line: &[u8], separator: u8) -> bool {
 fn no_time(cell: &[u8]) -> InputError {
     let colons = cell.iter().filter(|&&byte| byte == b':').count();
     let remedy = match (colons, text(cell).contains([' ', 'T', '-'])) {
-        (0, _) => CORRECT,
+        (0, _) if !is_basic(cell) => CORRECT,
         (1, false) => "write hours, minutes and seconds: 00:12:34.5",
         _ => "write 2012-02-29 12:00:00 or 29.02.2012 12:00:00",
     };

@@ -69,6 +69,9 @@ pub fn refuse_binary(head: &[u8]) -> Result<(), InputError> {
     if zeros_between(head) {
         return refuse("looks like UTF-16 text without its mark, or UTF-32; save it as UTF-8");
     }
+    if text.starts_with(b"%PDF") {
+        return refuse("is a PDF; write its table as CSV");
+    }
     if is_json(text) {
         return refuse("is JSON; write its times and forces as CSV");
     }

@@ -185,5 +185,12 @@ impl Rows {
 
 #[cold]
 fn goes_back(seconds: f64) -> InputError {
-    InputError::new(format!("time goes back by {seconds:.6} s; cut the log there, or sort it"))
+    const NEAR_S: f64 = 10.0;
+    let by = |hours: f64| (seconds - 3600.0 * hours).abs() < NEAR_S;
+    let why = match (by(1.0), by(12.0)) {
+        (true, _) => " (a clock set back by an hour? write its zone with each time)",
+        (_, true) => " (twelve hours: are AM and PM missing?)",
+        _ => "",
+    };
+    InputError::new(format!("time goes back by {seconds:.6} s{why}; cut the log there, or sort it"))
 }

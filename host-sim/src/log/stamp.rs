@@ -6,6 +6,8 @@
 use time::{Date, Month};
 
 use super::number::{Decimal, finite, number};
+use super::timing::RATES_HZ;
+use crate::error::InputError;
 
 /// Seconds of a day.
 pub const DAY_S: f64 = 86_400.0;
@@ -91,6 +93,22 @@ impl TimeUnit {
             Self::Excel => (number()? - EXCEL_DAYS_1970) * DAY_S,
         })
     }
+}
+
+/// The error for a rate that is none, with the unit in which it would be one.
+#[must_use]
+pub fn no_rate(rate_hz: f64) -> InputError {
+    let units =
+        [("ms", 1e3), ("us", 1e6), ("ns", 1e9), ("min", 1.0 / 60.0), ("excel", 1.0 / 86_400.0)];
+    let fits = |(_, seconds): &&(&str, f64)| RATES_HZ.contains(&(rate_hz * seconds));
+    let unit = units.iter().find(fits).map_or_else(
+        || "--time-unit".to_string(),
+        |(unit, seconds)| format!("--time-unit, such as {unit} ({:.3} Hz),", rate_hz * seconds),
+    );
+    InputError::new(format!(
+        "the time stamps say {rate_hz:.6} samples per second, not 1 to 2000; is time in seconds? else \
+         give {unit} or --rate-hz"
+    ))
 }
 
 /// Whether so many seconds, counted since 1970, lead to a day from 1995 to 5138.

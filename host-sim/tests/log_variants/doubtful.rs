@@ -179,3 +179,52 @@ pub fn said() -> Vec<Form> {
         ),
     ]
 }
+
+/// Times that go back, and other makes of text.
+pub fn more() -> Vec<Form> {
+    let back = |hour: fn(f64) -> &'static str| {
+        table("Time,Force (N)\n", move |t, f| {
+            let (minute, second) = if t < 5.0 { (59, 55.0 + t) } else { (0, t - 5.0) };
+            format!("2024-10-27 {}:{minute:02}:{second:07.4},{f}", hour(t))
+        })
+    };
+    let noon = |t: f64| if t < 5.0 { "12" } else { "01" };
+    let days = |t: f64| t / 86_400.0 + 0.5;
+    vec![
+        form("the end of summer time", back(|_| "02"), Refused(&["set back by an hour?", "zone"])),
+        form("twelve o'clock, then one", back(noon), Refused(&["are AM and PM missing?"])),
+        form(
+            "parts of a day",
+            table("Time,Force (N)\n", |t, f| format!("{:.12},{f}", days(t))),
+            Refused(&["such as excel (16.000 Hz)"]),
+        ),
+        form(
+            "20120229T120000",
+            table("Time,Force (N)\n", |t, f| {
+                format!("20120229T{}Z,{f}", super::clock(t).replace(':', ""))
+            }),
+            Refused(&["write 2012-02-29 12:00:00"]),
+        ),
+        form(
+            "names over two lines",
+            table("\"Time\n(s)\",\"Force\n(kN)\"\n", |t, f| format!("{t},{f}")),
+            Refused(&["line 3", "goes on over several lines"]),
+        ),
+        form(
+            "lines in quotes",
+            table("\"time_s,force_n\"\n", |t, f| format!("\"{t},{f}\"")),
+            Refused(&["line 1: the whole line is in quotes"]),
+        ),
+        form("a force beyond all numbers", plain().replacen(",100\n", ",1e39\n", 1), Noted("")),
+        form("PDF", b"%PDF-1.4\n1 0 obj\nendobj\n".repeat(20), Refused(&["is a PDF"])),
+        form("--skip-lines beyond the end", plain(), Refused(&["after --skip-lines 9999"]))
+            .with(|options| options.skip_lines = 9999),
+        form("another --delimiter", plain(), Refused(&["is the separator another?"])).with(
+            |options| {
+                options.delimiter = Some(b';');
+                options.rate_hz = Some(16.0);
+                options.column = Some("1".to_string());
+            },
+        ),
+    ]
+}

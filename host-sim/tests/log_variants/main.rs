@@ -107,6 +107,7 @@ fn forms() -> Vec<Form> {
         doubtful::forces(),
         doubtful::lines(),
         doubtful::said(),
+        doubtful::more(),
     ]
     .into_iter()
     .flatten()
