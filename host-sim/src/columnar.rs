@@ -1,15 +1,26 @@
 //! What all Parquet files of Floe have in common.
 
+use std::io;
 use std::sync::Arc;
 
 use parquet::basic::Compression;
 use parquet::data_type::ByteArray;
+use parquet::errors::ParquetError;
 use parquet::file::metadata::KeyValue;
-use parquet::file::properties::{EnabledStatistics, WriterProperties, WriterPropertiesPtr};
+use parquet::file::properties::{
+    EnabledStatistics, WriterProperties, WriterPropertiesBuilder, WriterPropertiesPtr,
+};
+use parquet::schema::types::ColumnPath;
 
 /// Bytes of a dictionary, at most: a column with more values than this holds has hardly one
 /// twice, and to look for them takes most of the time of writing.
 const DICTIONARY: usize = 1 << 16;
+
+/// What went wrong in its own words, without the library's in front.
+pub(crate) fn io_error(error: ParquetError) -> io::Error {
+    let ParquetError::External(cause) = error else { return io::Error::other(error) };
+    cause.downcast().map_or_else(io::Error::other, |cause| *cause)
+}
 
 /// Texts as values of a column; one that stands again and again is copied once.
 pub(crate) fn texts<'a>(texts: impl Iterator<Item = &'a str>) -> Vec<ByteArray> {
@@ -24,7 +35,11 @@ pub(crate) fn texts<'a>(texts: impl Iterator<Item = &'a str>) -> Vec<ByteArray> 
 }
 
 /// Compressed, with who wrote it and what it is about: keys are `floe.schema` and the like.
-pub(crate) fn properties(about: &[(&str, String)]) -> WriterPropertiesPtr {
+/// No dictionary is tried for `measured` columns, whose values are hardly ever the same.
+pub(crate) fn properties<'a>(
+    about: &[(&str, String)],
+    measured: impl Iterator<Item = &'a str>,
+) -> WriterPropertiesPtr {
     const VERSION: &str = env!("CARGO_PKG_VERSION");
     let about =
         about.iter().map(|(key, value)| KeyValue::new(format!("floe.{key}"), value.clone()));
@@ -35,5 +50,8 @@ pub(crate) fn properties(about: &[(&str, String)]) -> WriterPropertiesPtr {
         .set_dictionary_page_size_limit(DICTIONARY)
         .set_statistics_enabled(EnabledStatistics::Chunk)
         .set_key_value_metadata(Some(about.chain([version]).collect()));
-    Arc::new(properties.build())
+    let plain = |properties: WriterPropertiesBuilder, name| {
+        properties.set_column_dictionary_enabled(ColumnPath::from(name), false)
+    };
+    Arc::new(measured.fold(properties, plain).build())
 }

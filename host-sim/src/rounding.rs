@@ -6,7 +6,15 @@ pub const LEAST: f64 = 1e-7;
 /// Decimals that give a number of this size four digits.
 #[must_use]
 pub fn decimals(size: f64) -> usize {
-    (3.0 - size.abs().log10().floor()).clamp(0.0, 8.0) as usize
+    let size = size.abs();
+    if size > 0.0 { (3.0 - size.log10().floor()).clamp(0.0, 8.0) as usize } else { 0 }
+}
+
+/// A number of things: `1 event`, `2 events`.
+#[must_use]
+pub fn counted(count: impl Into<u64>, thing: &str) -> String {
+    let count = count.into();
+    if count == 1 { format!("1 {thing}") } else { format!("{count} {thing}s") }
 }
 
 /// Decimals that show two digits of an uncertainty.
@@ -56,7 +64,12 @@ mod tests {
         assert_eq!(plus_minus(22_942.3, 292.0), "22942 ± 292");
         assert_eq!(plus_minus(0.779, 0.000_234), "0.77900 ± 0.00023");
         assert_eq!(plus_minus(15.0, 0.0), "15.00 ± 0.00");
-        assert_eq!(plus_minus(0.0, 0.0), "0.00000000 ± 0.00000000");
+        assert_eq!(plus_minus(0.0, 0.0), "0 ± 0");
+    }
+
+    #[test]
+    fn things_are_counted() {
+        assert_eq!([0_u32, 1, 2].map(|n| counted(n, "test")), ["0 tests", "1 test", "2 tests"]);
     }
 
     #[test]

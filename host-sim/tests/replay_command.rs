@@ -61,7 +61,7 @@ fn bad_files_are_refused_in_one_line() {
         ("no_time", b"x,force_n\n0,1\n".to_vec(), vec!["line 1", "time_s", "x, force_n"]),
         ("not_a_number", broken(12, "0.625,abc"), vec!["line 12", "'abc'", "not a number"]),
         ("bad_time", broken(12, "nan,5"), vec!["line 12", "time", "'nan'"]),
-        ("short_row", broken(12, "0.625"), vec!["line 12", "1 cells instead of 2"]),
+        ("short_row", broken(12, "0.625"), vec!["line 12", "1 cell instead of 2"]),
         ("long_row", broken(12, "0.625,1,2"), vec!["line 12", "3 cells instead of 2"]),
         ("open_quote", broken(12, "0.625,\"1"), vec!["line 12", "quote"]),
         ("backwards", broken(12, "0.25,5"), vec!["line 12", "time goes back"]),

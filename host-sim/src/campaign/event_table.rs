@@ -83,6 +83,25 @@ const COLUMNS: [(&str, Column); 44] = [
     ("supply_v", Maybe(|(t, _)| t.supply_v)),
 ];
 
+/// Numbers that are the same in all events of a test.
+const OF_TEST: [&str; 7] = [
+    "weight_n",
+    "winch_m_per_s",
+    "slope_rad",
+    "snow_mm",
+    "cable_length_m",
+    "temperature_c",
+    "supply_v",
+];
+
+/// Columns of numbers that are an event's own.
+fn measured() -> impl Iterator<Item = &'static str> {
+    let is_number = |column: &Column| matches!(column, Number(_) | Maybe(_));
+    let own =
+        COLUMNS.iter().filter(move |(name, column)| is_number(column) && !OF_TEST.contains(name));
+    own.map(|(name, _)| *name)
+}
+
 fn schema() -> Result<TypePtr> {
     let fields: Result<Vec<TypePtr>> =
         COLUMNS.iter().map(|(name, column)| field(name, column)).collect();
@@ -123,7 +142,8 @@ impl<W: Write + Send> EventTable<W> {
     /// Of the writer.
     pub fn new(out: W, about: &[(&str, String)]) -> Result<Self> {
         let about = [&[("schema", SCHEMA.to_string())], about].concat();
-        let writer = SerializedFileWriter::new(out, schema()?, columnar::properties(&about))?;
+        let properties = columnar::properties(&about, measured());
+        let writer = SerializedFileWriter::new(out, schema()?, properties)?;
         Ok(Self { writer, waiting: Vec::new(), events: 0 })
     }
 

@@ -11,8 +11,10 @@ use crate::campaign::event_table::EventTable;
 use crate::campaign::manifest::{self, Entry};
 use crate::campaign::summary::Summary;
 use crate::campaign::{TestRecord, programme, recorded};
+use crate::columnar;
 use crate::error::InputError;
 use crate::report::render_campaign;
+use crate::rounding::counted;
 
 use super::json::Json;
 use super::{output, progress};
@@ -146,7 +148,8 @@ pub fn run(args: &Args) -> Result<(), InputError> {
         0 => String::new(),
         count => format!(", {count} left out"),
     };
-    output::tell(&format!("{} tests, {events} events in {seconds:.2} s{left_out}", tests.len()));
+    let (tests, events) = (counted(tests.len() as u64, "test"), counted(events, "event"));
+    output::tell(&format!("{tests}, {events} in {seconds:.2} s{left_out}"));
     Ok(())
 }
 
@@ -191,15 +194,18 @@ fn evaluate_all(
     let mut problem = None;
     let mut left_out = Vec::new();
     let written = output::stream(path, |out| {
-        let mut table = EventTable::new(out, &about(args)).map_err(io::Error::other)?;
+        let mut table = EventTable::new(out, &about(args)).map_err(columnar::io_error)?;
         let evaluated = in_order(args, source, |test| {
             keep(without_events(&test));
-            table.push(test).map_err(|e| InputError::new(e.to_string()))
+            table.push(test).map_err(|error| {
+                let cause = columnar::io_error(error);
+                InputError::new(format!("cannot be written: {cause}")).within(path.display())
+            })
         });
         match evaluated {
             Ok(problems) => {
                 left_out = problems;
-                table.finish().map_err(io::Error::other)
+                table.finish().map_err(columnar::io_error)
             }
             Err(error) => {
                 problem = Some(error);

@@ -5,7 +5,7 @@ use std::path::Path;
 use crate::error::InputError;
 use crate::log::inspection::{Inspection, inspect};
 use crate::log::{Log, LogOptions};
-use crate::rounding::decimals;
+use crate::rounding::{counted, decimals};
 
 use super::input::{STANDARD, open};
 use super::json::Json;
@@ -62,7 +62,8 @@ fn text(found: &Inspection) -> String {
     lines.push(("samples", samples(found)));
     if let (Some(lowest), Some(highest)) = (found.lowest, found.highest) {
         let unit = if found.force_unit == "counts" { "counts" } else { "N" };
-        let decimals = decimals(highest - lowest);
+        let spread = Some(highest - lowest).filter(|spread| *spread > 0.0);
+        let decimals = decimals(spread.unwrap_or(highest));
         lines.push(("range", format!("{lowest:.decimals$} to {highest:.decimals$} {unit}")));
     }
     lines.extend(found.warnings.iter().map(|warning| ("note", warning.clone())));
@@ -71,12 +72,15 @@ fn text(found: &Inspection) -> String {
 
 fn form(found: &Inspection) -> String {
     let separator = match found.delimiter {
-        '\t' => "tabs".to_string(),
-        ' ' => "blanks".to_string(),
-        other => format!("'{other}'"),
+        _ if found.columns.len() == 1 || found.time_unit.is_none() && found.columns.is_empty() => {
+            "one cell a line".to_string()
+        }
+        '\t' => "cells between tabs".to_string(),
+        ' ' => "cells between blanks".to_string(),
+        other => format!("cells between '{other}'"),
     };
     let decimal = found.decimal.map(|mark| format!(", decimal mark '{mark}'")).unwrap_or_default();
-    format!("{}, cells between {separator}{decimal}", found.format)
+    format!("{}, {separator}{decimal}", found.format)
 }
 
 fn places(found: &Inspection) -> String {
@@ -94,6 +98,10 @@ fn time(found: &Inspection) -> String {
     };
     let columns: Vec<String> = found.time_columns.iter().map(|&at| column(found, at)).collect();
     let start = found.start.as_ref().map(|start| format!(", from {start}")).unwrap_or_default();
+    if found.samples < 2 {
+        let columns: Vec<String> = found.time_columns.iter().map(|&at| column(found, at)).collect();
+        return format!("{}, {unit}; one sample, which tells no rate", columns.join(" and "));
+    }
     let shared = if found.shared_stamps { ", several samples share a stamp" } else { "" };
     format!("{}, {unit}{start}; {rate} samples a second{shared}", columns.join(" and "))
 }
@@ -107,7 +115,11 @@ fn column(found: &Inspection, number: usize) -> String {
 
 fn samples(found: &Inspection) -> String {
     format!(
-        "{} in {:.2} s, {} missing, {} duplicates, {} bad",
-        found.samples, found.duration_s, found.missing, found.duplicates, found.bad
+        "{} in {:.2} s, {} missing, {}, {} bad",
+        found.samples,
+        found.duration_s,
+        found.missing,
+        counted(found.duplicates, "duplicate"),
+        found.bad
     )
 }

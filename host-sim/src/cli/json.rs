@@ -5,13 +5,12 @@ use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
-use serde_json::Serializer;
 
 use crate::error::InputError;
 
-use super::indented::Indented;
 use super::input::STANDARD;
 use super::output;
+use super::pretty::Pretty;
 
 /// The option.
 #[derive(Clone, Debug, Default, clap::Args)]
@@ -79,7 +78,7 @@ impl Json {
 /// A result with a line end.
 fn write(result: &impl Serialize, out: &mut dyn Write) -> io::Result<()> {
     let mut out = BufWriter::new(out);
-    result.serialize(&mut Serializer::with_formatter(&mut out, Indented::default()))?;
+    result.serialize(Pretty::new(&mut out)).map_err(|failure| failure.0)?;
     out.write_all(b"\n")?;
     out.flush()
 }

@@ -6,9 +6,9 @@ use super::LogOptions;
 use super::csv::{agreed, agreed_time, find, there_are};
 use super::header::Header;
 use super::label::{Label, bare_unit};
+use super::layout::TimeCells;
 use super::number::{Decimal, Unit, number};
-use super::rows::TimeCells;
-use super::stamp::{TimeUnit, clock_seconds, date_seconds, date_time_seconds};
+use super::stamp::{TimeUnit, clock_seconds, date_seconds, date_time_seconds, is_since_1970};
 use super::timing::RATES_HZ;
 
 /// Names that are taken before any other, in this order.
@@ -32,6 +32,29 @@ impl<'a> Columns<'a> {
         Self { header, names, labels }
     }
 
+    /// What the names say.
+    #[must_use]
+    pub fn labels(&self) -> &[Label] {
+        &self.labels
+    }
+
+    /// Name of a column.
+    #[must_use]
+    pub fn name(&self, column: usize) -> &str {
+        self.header.name(column)
+    }
+
+    /// The cells of a column in the first rows.
+    pub fn cells(&self, column: usize) -> impl Iterator<Item = &str> {
+        self.header.cells(column)
+    }
+
+    /// The unit of force that a column states.
+    #[must_use]
+    pub fn stated_force(&self, column: usize) -> Option<Unit> {
+        self.stated(column).find_map(Unit::from_label)
+    }
+
     /// The unit in the row below the names.
     fn unit_below(&self, column: usize) -> Option<&str> {
         let (_, units) = self.header.units.as_ref()?;
@@ -50,13 +73,13 @@ impl<'a> Columns<'a> {
     /// Of the column that is named, or two of the name.
     pub fn time(&self, options: &LogOptions) -> Result<Option<usize>, InputError> {
         if let Some(name) = &options.time_column {
-            return self.header.column(name).map(Some);
+            return self.header.column(name, "--time-column").map(Some);
         }
         if self.names.is_empty() {
             return self.time_without_header(options);
         }
         for name in TIME_COLUMNS {
-            if let Some(place) = find(&self.names, name)? {
+            if let Some(place) = find(&self.names, name, "--time-column")? {
                 return Ok(Some(place));
             }
         }
@@ -64,7 +87,7 @@ impl<'a> Columns<'a> {
         let Some(place) = self.labels.iter().position(Label::is_time) else {
             return Ok(self.dated().or_else(|| self.only_in_time_units()));
         };
-        find(&self.names, &self.names[place]).map(|_| Some(place))
+        find(&self.names, &self.names[place], "--time-column").map(|_| Some(place))
     }
 
     /// The only column in a unit of time, whatever it is called.
@@ -124,22 +147,19 @@ impl<'a> Columns<'a> {
     /// It is not there, or one of several.
     pub fn force(&self, options: &LogOptions, time: Option<usize>) -> Result<usize, InputError> {
         if let Some(name) = &options.column {
-            return self.header.column(name);
+            return self.header.column(name, "--column");
         }
         if self.names.is_empty() {
             return Ok(self.header.width - 1);
         }
         for name in FORCE_COLUMNS {
-            if let Some(place) = find(&self.names, name)? {
+            if let Some(place) = find(&self.names, name, "--column")? {
                 return Ok(place);
             }
         }
         let others = || (0..self.names.len()).filter(|&place| Some(place) != time);
         let named = others().filter(|&i| self.labels.get(i).is_some_and(Label::is_force));
-        let in_newtons = others().filter(|&i| {
-            let mut units = self.stated(i).filter_map(Unit::from_label);
-            units.next().is_some()
-        });
+        let in_newtons = others().filter(|&i| self.stated_force(i).is_some());
         let named: Vec<usize> = named.collect();
         let found = if named.is_empty() { in_newtons.collect() } else { named };
         match found.as_slice() {
@@ -148,11 +168,18 @@ impl<'a> Columns<'a> {
                 "no column force_n or force_kn: give --column NAME; {}",
                 there_are(&self.names)
             ))),
-            _ => Err(InputError::new(format!(
-                "which column is the force? give --column NAME; {}",
-                there_are(&self.names)
-            ))),
+            several => Err(self.which(several)),
         }
+    }
+
+    /// The error for several columns that may be the force.
+    fn which(&self, places: &[usize]) -> InputError {
+        let name = |place: &usize| self.names.get(*place);
+        let twice = places.iter().any(|a| places.iter().any(|b| a != b && name(a) == name(b)));
+        let numbers = places.iter().map(|place| format!("--column {}", place + 1));
+        let numbers = numbers.collect::<Vec<_>>().join(" or ");
+        let by = if twice { numbers } else { "--column NAME".to_string() };
+        InputError::new(format!("which column is the force? give {by}; {}", there_are(&self.names)))
     }
 
     /// The unit of the force, and a note if it is assumed.
@@ -235,17 +262,25 @@ impl<'a> Columns<'a> {
         let unit = match (options.time_unit, units.as_slice()) {
             (Some(given), _) if given.is_calendar() => given,
             (given, units) => match (agreed_time(name, units, given)?, stated.first()) {
-                (Some(unit), _) => unit,
+                (Some(unit), _) => self.since_1970(column, unit, decimal).unwrap_or(unit),
                 (None, Some(label)) => {
                     return Err(InputError::new(format!(
                         "the unit of column '{name}' is '{label}': \
-                         give --time-unit s|ms|us|min|iso|epoch|excel"
+                         give --time-unit s|ms|us|ns|min|iso|epoch|excel"
                     )));
                 }
                 (None, None) => self.unit_by_size(column, decimal),
             },
         };
         Ok(TimeCells::Number { cell: column, unit })
+    }
+
+    /// A column in a unit of time may count from 1970.
+    fn since_1970(&self, column: usize, unit: TimeUnit, decimal: Decimal) -> Option<TimeUnit> {
+        let first = self.header.cells(column).next()?;
+        let counts = unit != TimeUnit::Minute
+            && unit.seconds(first.as_bytes(), decimal).is_some_and(is_since_1970);
+        counts.then_some(TimeUnit::Epoch)
     }
 
     /// A time of day without a date, or with one in a column of its own.
@@ -285,17 +320,21 @@ impl<'a> Columns<'a> {
 
     /// The error for rows without a time.
     #[must_use]
-    pub fn no_time(&self) -> InputError {
+    pub fn no_time(&self, force: usize) -> InputError {
         if self.names.is_empty() {
             return InputError::new(
                 "no header and one column only: give --rate-hz R for forces without a time",
             );
         }
-        let first = self.names.first().map_or("NAME", String::as_str);
-        let first: String = first.chars().take(40).flat_map(char::escape_debug).collect();
+        let known = "no time column (time_s, t_s, t or time): give";
+        let rate = "--rate-hz R for rows without a time";
+        let mut others = (0..self.names.len()).filter(|&place| place != force);
+        let Some(other) = others.next().and_then(|place| self.names.get(place)) else {
+            return InputError::new(format!("{known} {rate}; {}", there_are(&self.names)));
+        };
+        let such: String = other.chars().take(40).flat_map(char::escape_debug).collect();
         InputError::new(format!(
-            "no time column (time_s, t_s, t or time): give --time-column NAME, such as '{first}', \
-             or --rate-hz R for rows without a time; {}",
+            "{known} --time-column NAME, such as '{such}', or {rate}; {}",
             there_are(&self.names)
         ))
     }

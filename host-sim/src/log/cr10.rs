@@ -9,8 +9,8 @@ use crate::error::InputError;
 
 use super::LogOptions;
 use super::cells::Cells;
+use super::layout::{Layout, TimeCells, cr10_time};
 use super::number::{Decimal, Unit, finite};
-use super::rows::{Layout, TimeCells, cr10_time};
 
 /// The logger's clock resolves an eighth of a second.
 const RESOLUTION_S: f64 = 0.125;

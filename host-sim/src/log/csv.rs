@@ -5,8 +5,8 @@ use crate::error::InputError;
 use super::LogOptions;
 use super::columns::Columns;
 use super::header::Header;
+use super::layout::{Layout, TimeCells};
 use super::number::Unit;
-use super::rows::{Layout, TimeCells};
 use super::stamp::TimeUnit;
 
 /// A layout, and what was assumed to find it.
@@ -35,11 +35,14 @@ pub fn layout(
     }
     let (unit, mut notes) = columns.force_unit(force, options)?;
     let decimal = columns.decimal(force, time, options)?;
+    if options.column.is_none() {
+        notes.extend(columns.other_forces(force, unit, decimal)?);
+    }
     let time = match time {
         Some(time) => columns.time_cells(time, options, decimal)?,
         None => match rate_hz {
             Some(rate_hz) => TimeCells::Count { rate_hz },
-            None => return Err(columns.no_time()),
+            None => return Err(columns.no_time(force)),
         },
     };
     if header.names.is_none() {
@@ -114,7 +117,7 @@ fn one_of<T: Copy + PartialEq>(
 ///
 /// # Errors
 /// Two columns have the name.
-pub fn find(names: &[String], name: &str) -> Result<Option<usize>, InputError> {
+pub fn find(names: &[String], name: &str, option: &str) -> Result<Option<usize>, InputError> {
     let exact = |n: &String| n == name;
     let alike = |n: &String| n.eq_ignore_ascii_case(name);
     let places = |is: &dyn Fn(&String) -> bool| {
@@ -126,7 +129,7 @@ pub fn find(names: &[String], name: &str) -> Result<Option<usize>, InputError> {
         [only] => Ok(Some(*only)),
         [first, second, ..] => Err(InputError::new(format!(
             "columns {} and {} are both called '{name}': name the one by its number, e.g. \
-             --column {}",
+             {option} {}",
             first + 1,
             second + 1,
             second + 1

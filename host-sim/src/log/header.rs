@@ -12,6 +12,7 @@
 
 use crate::error::{InputError, excerpt};
 
+use super::above;
 use super::cells::texts;
 use super::label::{Label, is_unit_cell};
 use super::lines::MAX_LINE;
@@ -21,10 +22,10 @@ use super::stamp::{clock_seconds, date_seconds, date_time_seconds};
 /// Rows whose cells are looked at.
 const LOOKED_AT: usize = 64;
 /// Rows that have to follow each other to be a table's.
-const IN_A_ROW: usize = 4;
+pub(super) const IN_A_ROW: usize = 4;
 /// Separators in the order in which they are tried: what comes first is not part of a
 /// number or a stamp, what comes last may be.
-const SEPARATORS: [u8; 5] = *b";\t|, ";
+pub(super) const SEPARATORS: [u8; 5] = *b";\t|, ";
 
 /// The head of a text table.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -43,18 +44,15 @@ pub struct Header {
     pub rows: Vec<Vec<String>>,
 }
 
-/// A line that is neither empty nor a comment.
-type Content<'a> = (u64, &'a [u8]);
-
 /// What the text of a cell looks like.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Kind {
+pub(super) enum Kind {
     Value,
     Empty,
     Text,
 }
 
-fn kind(cell: &str) -> Kind {
+pub(super) fn kind(cell: &str) -> Kind {
     let is_stamp = || {
         date_time_seconds(cell.as_bytes()).or(date_seconds(cell)).or(clock_seconds(cell)).is_some()
     };
@@ -70,6 +68,9 @@ fn is_number(cell: &str) -> bool {
     finite(cell.as_bytes()).is_some() || cell.parse::<f64>().is_ok()
 }
 
+/// A line and its number.
+pub(super) type Content<'a> = (u64, &'a [u8]);
+
 /// Finds the rows and their header in the beginning of a log, whose lines end with
 /// `end`. The first `skip` lines are not looked at.
 ///
@@ -83,13 +84,18 @@ pub fn find(head: &[u8], end: u8, skip: u64, separator: Option<u8>) -> Result<He
         .collect();
     let content: Vec<Content<'_>> =
         lines.iter().copied().filter(|(_, line)| comment(line).is_none()).collect();
-    if content.is_empty() {
-        return Err(InputError::new("ends before its header does"));
+    if lines.is_empty() && skip > 0 {
+        return Err(InputError::new(format!(
+            "no line is left of the first {} KiB after --skip-lines {skip}",
+            MAX_LINE / 1024
+        )));
     }
     let tried = separator.map_or(SEPARATORS.to_vec(), |one| vec![one]);
     let Some((separator, first)) = begin_of_rows(&content, &tried) else {
+        above::refuse_no_table(head, end, &lines, content.is_empty())?;
         return Ok(without_rows(&content, separator));
     };
+    above::refuse_broken_names(&content, first)?;
     let header = header_above(&lines, &content, separator, first)?;
     let other = (header.names.is_none() && header.width > 2)
         .then(|| named_otherwise(&content, first, &tried))
@@ -119,7 +125,7 @@ fn named_otherwise(content: &[Content<'_>], first: usize, separators: &[u8]) -> 
 }
 
 /// The text of a comment: `#`, or `%` as MATLAB has it.
-fn comment(line: &[u8]) -> Option<&[u8]> {
+pub(super) fn comment(line: &[u8]) -> Option<&[u8]> {
     match line.trim_ascii_start() {
         [b'#' | b'%', text @ ..] => Some(text.trim_ascii_start()),
         _ => None,
@@ -178,7 +184,8 @@ fn with_broken_rows(content: &[Content<'_>], separator: u8, mut first: usize) ->
 fn without_rows(content: &[Content<'_>], separator: Option<u8>) -> Header {
     let (number, line) = content.first().copied().unwrap_or((1, b""));
     let found = || SEPARATORS.into_iter().find(|s| *s != b' ' && line.contains(s));
-    let separator = separator.or_else(found).unwrap_or(b',');
+    let blanks = || Some(b' ').filter(|blank| are_known(&texts(line, *blank)));
+    let separator = separator.or_else(found).or_else(blanks).unwrap_or(b',');
     let names = texts(line, separator);
     Header {
         separator,
@@ -209,7 +216,7 @@ fn header_above(
             (Some(names), Some(units))
         }
         (_, Some(names)) if is_names(&names.1, width) => (Some(names), None),
-        _ => (commented_names(lines, first_row, separator, width), None),
+        _ => (above::commented_names(lines, first_row, separator, width), None),
     };
     let mut header = Header { separator, names, units, first_row, width, rows };
     header.check()?;
@@ -231,21 +238,9 @@ fn is_names(cells: &[String], width: usize) -> bool {
     text && (cells.len() == width || (cells.len() > 1 && are_known(cells)))
 }
 
-fn are_known(cells: &[String]) -> bool {
+pub(super) fn are_known(cells: &[String]) -> bool {
     let mut labels = cells.iter().map(|name| Label::new(name));
     labels.any(|label| label.is_time() || label.is_force())
-}
-
-/// Names in the comment right above the rows, as numpy writes them.
-fn commented_names(
-    lines: &[Content<'_>],
-    first_row: u64,
-    separator: u8,
-    width: usize,
-) -> Option<(u64, Vec<String>)> {
-    let (number, line) = lines.iter().rev().find(|(number, _)| *number < first_row)?;
-    let names = texts(comment(line)?, separator);
-    (names.len() == width && are_known(&names)).then_some((*number, names))
 }
 
 impl Header {
@@ -288,10 +283,10 @@ impl Header {
     ///
     /// # Errors
     /// No such column, or several of the name.
-    pub fn column(&self, wanted: &str) -> Result<usize, InputError> {
+    pub fn column(&self, wanted: &str, option: &str) -> Result<usize, InputError> {
         let empty = Vec::new();
         let names = self.names.as_ref().map_or(&empty, |(_, names)| names);
-        match super::csv::find(names, wanted)? {
+        match super::csv::find(names, wanted, option)? {
             Some(place) => Ok(place),
             None => match wanted.parse::<usize>() {
                 Ok(number) if (1..=self.width).contains(&number) => Ok(number - 1),

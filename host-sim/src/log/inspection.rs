@@ -6,9 +6,9 @@ use serde::Serialize;
 use crate::error::InputError;
 
 use super::Log;
+use super::layout::TimeCells;
 use super::metadata::Said;
 use super::number::Decimal;
-use super::rows::TimeCells;
 
 /// Name and version of this format; changes when a meaning changes.
 pub const SCHEMA: &str = "floe-inspect/1";

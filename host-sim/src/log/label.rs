@@ -15,9 +15,10 @@ pub struct Label {
 }
 
 /// Words for the time.
-const TIME: [&str; 24] = [
+const TIME: [&str; 25] = [
     "time",
     "t",
+    "ts",
     "zeit",
     "timestamp",
     "time stamp",

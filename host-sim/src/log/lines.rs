@@ -127,7 +127,7 @@ impl Lines {
 
     fn too_long(&self) -> InputError {
         InputError::new(format!(
-            "line {}: longer than {} KiB, so this is not a text log",
+            "line {}: longer than {} KiB, as no line of a text log is: shorten it, or take it out",
             self.number + 1,
             MAX_LINE / 1024
         ))

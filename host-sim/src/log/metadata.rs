@@ -3,7 +3,7 @@
 use crate::error::{InputError, excerpt};
 use crate::replay::known::{KnownMetadata, WeightFrom};
 
-use super::number::finite;
+use super::number::{STANDARD_GRAVITY, finite};
 
 /// The keys that are known; every other comment is skipped.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -52,6 +52,8 @@ pub struct Metadata {
     pub synthetic: Option<String>,
     /// Every known key in the order of the log.
     pub said: Vec<Said>,
+    /// What looks like a known key and is none.
+    pub notes: Vec<String>,
 }
 
 /// Where a key was said first.
@@ -72,7 +74,9 @@ impl Metadata {
     /// A known key whose value is not a finite number, or not what an earlier line says.
     pub fn take(&mut self, line: &[u8], number: u64) -> Result<(), InputError> {
         let text = String::from_utf8_lossy(line);
-        let Some((key, value)) = text.trim_start_matches('#').split_once(':') else {
+        let text = text.trim().trim_start_matches(['#', '%']).trim();
+        let Some((key, value)) = text.split_once(':') else {
+            self.look_at(text, number);
             return Ok(());
         };
         let (key, value) = (key.trim().to_ascii_lowercase(), value.trim());
@@ -94,7 +98,10 @@ impl Metadata {
                     let value = finite(value.as_bytes()).ok_or_else(|| not_a_number(key, value))?;
                     replaced(field, Some(value))
                 }
-                None => return Ok(()),
+                None => {
+                    self.look_at(text, number);
+                    return Ok(());
+                }
             },
         };
         match self.line(&key) {
@@ -106,8 +113,38 @@ impl Metadata {
             Some(_) => Ok(()),
             None => {
                 self.said.push(Said { key, value: value.to_string(), line: number });
-                Ok(())
+                self.weigh(number)
             }
+        }
+    }
+
+    /// Refuses a weight that is not that of the mass, but for what gravity differs by.
+    fn weigh(&self, number: u64) -> Result<(), InputError> {
+        const DIFFERS: f64 = 0.005;
+        let (Some(weight_n), Some(mass_kg)) = (self.weight_n, self.mass_kg) else { return Ok(()) };
+        let (weight, mass) = (self.line("weight_n"), self.line("mass_kg"));
+        let (Some(weight), Some(mass)) = (weight, mass) else { return Ok(()) };
+        let of_mass_n = mass_kg * STANDARD_GRAVITY;
+        if weight.max(mass) != number || (of_mass_n - weight_n).abs() <= DIFFERS * weight_n.abs() {
+            return Ok(());
+        }
+        Err(InputError::new(format!(
+            "'# weight_n: {weight_n}' in line {weight} is not the weight of '# mass_kg: {mass_kg}' in \
+             line {mass}, {of_mass_n:.1} N: correct the one that is wrong"
+        )))
+    }
+
+    /// Notes what was meant to say what a known key says.
+    fn look_at(&mut self, text: &str, number: u64) {
+        const MEANT: [(&str, &str); 3] =
+            [("weight", "weight_n: 630"), ("mass", "mass_kg: 64.2"), ("slope", "slope_deg: 1.5")];
+        let (key, value) = text.split_once([':', '=']).unwrap_or((text, ""));
+        let key = key.trim().to_ascii_lowercase();
+        let is_value = value.trim_start().starts_with(|first: char| first.is_ascii_digit());
+        let meant = MEANT.iter().find(|(start, _)| key.starts_with(start) && is_value);
+        if let Some((_, write)) = meant {
+            let said = excerpt(text.as_bytes());
+            self.notes.push(format!("line {number}: {said} is not read: write '# {write}'"));
         }
     }
 
@@ -146,7 +183,7 @@ fn replaced<T: PartialEq>(field: &mut Option<T>, value: Option<T>) -> bool {
 }
 
 fn not_a_number(key: &str, value: &str) -> InputError {
-    InputError::new(format!("'# {key}:' has {}, not a number", excerpt(value.as_bytes())))
+    InputError::new(format!("'# {key}:' has {}: write the number alone", excerpt(value.as_bytes())))
 }
 
 #[cfg(test)]
@@ -178,8 +215,37 @@ mod tests {
     #[test]
     fn a_value_that_is_no_number_is_an_error() {
         let error = Metadata::default().take(b"# weight_n: heavy", 1).unwrap_err();
-        assert_eq!(error.to_string(), "'# weight_n:' has 'heavy', not a number");
+        assert_eq!(error.to_string(), "'# weight_n:' has 'heavy': write the number alone");
         assert!(Metadata::default().take(b"# rate_hz: nan", 1).is_err());
+    }
+
+    #[test]
+    fn weight_and_mass_agree_or_both_lines_are_named() {
+        let mut metadata = Metadata::default();
+        metadata.take(b"# weight_n: 630", 2).unwrap();
+        metadata.take(b"# mass_kg: 64.2", 3).unwrap();
+        let mut metadata = Metadata::default();
+        metadata.take(b"# mass_kg: 100", 2).unwrap();
+        let error = metadata.take(b"# weight_n: 630", 7).unwrap_err().to_string();
+        let both =
+            "'# weight_n: 630' in line 7 is not the weight of '# mass_kg: 100' in line 2, 980.7 N";
+        assert!(error.starts_with(both), "{error}");
+    }
+
+    #[test]
+    fn what_was_meant_for_a_key_is_noted() {
+        let mut metadata = Metadata::default();
+        let lines = ["# weight_kn: 0.63", "# weight_n=630", "# Mass: 64 kg", "# weighed: twice"];
+        for (number, line) in (1..).zip(lines) {
+            metadata.take(line.as_bytes(), number).unwrap();
+        }
+        assert_eq!(
+            metadata.notes[0],
+            "line 1: 'weight_kn: 0.63' is not read: write '# weight_n: 630'"
+        );
+        assert_eq!(metadata.notes.len(), 3);
+        metadata.take(b"% weight_n: 630", 9).unwrap();
+        assert_eq!(metadata.weight_n, Some(630.0));
     }
 
     #[test]

@@ -6,7 +6,7 @@
 //! ```
 //!
 //! What differs between the formats is only where a row keeps its stamp and its
-//! force ([`rows::Layout`]); each format's module finds that out.
+//! force ([`layout::Layout`]); each format's module finds that out.
 //!
 //! A reading that a logger marks as bad (-6999, 6999, -99999, NaN, infinite or
 //! empty) is a sample without a force, counted as rejected. Anything else that
@@ -20,7 +20,9 @@ use floe_firmware::record::MAGIC;
 
 use crate::card;
 use crate::error::InputError;
+use crate::rounding::counted;
 
+pub mod above;
 pub mod cells;
 pub mod clock;
 pub mod columns;
@@ -29,11 +31,13 @@ pub mod csv;
 pub mod header;
 pub mod inspection;
 pub mod label;
+pub mod layout;
 pub mod lines;
 pub mod metadata;
 pub mod number;
 pub mod open;
 pub mod options;
+pub mod other_forces;
 pub mod plain;
 pub mod rows;
 pub mod stamp;
@@ -43,12 +47,13 @@ pub mod toa5;
 
 use clock::Clock;
 use header::Header;
+use layout::Layout;
 use lines::Lines;
 use metadata::Metadata;
 pub use number::{Decimal, STANDARD_GRAVITY, Unit};
 use open::{begin, peek, recognise, refuse_binary, utf8};
 pub use options::LogOptions;
-use rows::{Layout, Row, Rows};
+use rows::{Row, Rows};
 use start::Start;
 
 /// Rows read ahead to find rate, phase and metadata.
@@ -248,12 +253,19 @@ impl Log {
         let truncated = self.rows.truncated().map(|line| {
             format!("line {line}, the last, is cut off and was left out; all before it is used")
         });
-        let misfits = self.clock.misfits();
-        let rate_hz = self.rate_hz();
+        let left_out = Some(self.rows.left_out()).filter(|&count| count > 0).map(|count| {
+            format!(
+                "{} between rows without a time left out: where a reading is missing, write NaN",
+                counted(count, "empty line")
+            )
+        });
+        let said = self.rows.metadata.notes.iter().cloned();
+        let (misfits, rate_hz) = (self.clock.misfits(), self.rate_hz());
         let misfits = (misfits > 0)
             .then(|| format!("{misfits} time stamps do not fit {rate_hz} samples per second"));
         let told = self.told.warnings();
-        self.head.notes.iter().cloned().chain(truncated).chain(misfits).chain(told).collect()
+        let found = self.head.notes.iter().cloned().chain(said).chain(truncated).chain(left_out);
+        found.chain(misfits).chain(told).collect()
     }
 
     /// Reads the head and finds the timing in it.

@@ -107,7 +107,8 @@ pub fn number(cell: &[u8], decimal: Decimal) -> Option<f64> {
 /// A leading plus, a decimal comma, or the minus of typesetting, which some spreadsheets write.
 #[cold]
 fn unusual_number(cell: &[u8], decimal: Decimal) -> Option<f64> {
-    let text = std::str::from_utf8(cell).ok()?;
+    // Blanks that are not ASCII are around it.
+    let text = std::str::from_utf8(cell).ok()?.trim();
     if let Some(size) = text.strip_prefix('\u{2212}') {
         let size = size.starts_with(|first: char| first.is_ascii_digit()).then_some(size)?;
         return number(size.as_bytes(), decimal).map(|size| -size);
@@ -159,7 +160,8 @@ pub fn is_grouped(cell: &[u8]) -> bool {
     let text = String::from_utf8_lossy(cell);
     let mut groups = text.trim_start_matches(['+', '-']).split(MARKS);
     let digits = |group: &str| !group.is_empty() && group.bytes().all(|b| b.is_ascii_digit());
-    let first = groups.next().is_some_and(|group| digits(group) && group.len() < 4);
+    let leads = |group: &str| digits(group) && group.len() < 4 && !group.starts_with('0');
+    let first = groups.next().is_some_and(leads);
     first && groups.next().is_some_and(|group| digits(group) && group.len() == 3)
 }
 
@@ -167,14 +169,12 @@ pub fn is_grouped(cell: &[u8]) -> bool {
 #[must_use]
 pub fn reading_of(value: f64, unit: Unit) -> Option<Reading> {
     const BAD: Reading = Reading::Bad(Fault::Sentinel);
-    if !value.is_finite() {
-        return Some(BAD);
-    }
-    let Some(newtons) = unit.newtons() else { return counts(value) };
-    if is_sentinel(value) {
-        return Some(BAD);
-    }
-    Some(Reading::Force(Newtons((value * newtons) as f32)))
+    let Some(newtons) = unit.newtons() else {
+        return if value.is_finite() { counts(value) } else { Some(BAD) };
+    };
+    let force = (value * newtons) as f32;
+    let good = force.is_finite() && !is_sentinel(value);
+    Some(if good { Reading::Force(Newtons(force)) } else { BAD })
 }
 
 #[allow(clippy::float_cmp)] // a marker is written exactly
@@ -230,9 +230,11 @@ mod tests {
 
     #[test]
     fn markers_are_bad_samples_and_text_is_an_error() {
-        let bad = ["-6999", "6999", "-99999", "-6999.0", "NAN", "nan", "", "inf", "-INF", "1e999"]
-            .into_iter()
-            .chain(["N/A", "#n/a", "NULL", "#DIV/0!", "-1.#IND"]);
+        let bad = [
+            "-6999", "6999", "-99999", "-6999.0", "NAN", "nan", "", "inf", "-INF", "1e999", "1e39",
+        ]
+        .into_iter()
+        .chain(["N/A", "#n/a", "NULL", "#DIV/0!", "-1.#IND"]);
         for text in bad {
             let expected = Some(Reading::Bad(Fault::Sentinel));
             assert_eq!(reading(text.as_bytes(), Unit::Newton, Decimal::Any), expected, "{text}");

@@ -8,10 +8,11 @@ use crate::error::{InputError, excerpt};
 
 use super::cells::texts;
 use super::header;
+use super::layout::Layout;
 use super::lines::Lines;
 use super::metadata::Metadata;
 use super::options::LogOptions;
-use super::rows::{Layout, Rows};
+use super::rows::Rows;
 use super::{Format, Recognised, cr10, csv, toa5};
 
 /// The first bytes of a stream, and the whole of it.
@@ -66,7 +67,10 @@ pub fn refuse_binary(head: &[u8]) -> Result<(), InputError> {
         }
     }
     if zeros_between(head) {
-        return refuse("looks like UTF-16 text without its mark; save it as UTF-8");
+        return refuse("looks like UTF-16 text without its mark, or UTF-32; save it as UTF-8");
+    }
+    if text.starts_with(b"%PDF") {
+        return refuse("is a PDF; write its table as CSV");
     }
     if is_json(text) {
         return refuse("is JSON; write its times and forces as CSV");

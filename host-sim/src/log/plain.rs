@@ -4,8 +4,8 @@
 
 use memchr::memchr3;
 
+use super::layout::{Layout, TimeCells};
 use super::number::{Decimal, Unit};
-use super::rows::{Layout, TimeCells};
 use super::stamp::TimeUnit;
 
 /// Where a plain row has its time, in seconds, and its force.

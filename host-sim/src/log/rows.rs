@@ -2,87 +2,14 @@
 
 use floe_core::Reading;
 
-use crate::error::{InputError, excerpt};
+use crate::error::InputError;
 
 use super::cells::Cells;
+use super::layout::{Layout, TimeCells, is_empty};
 use super::lines::Lines;
 use super::metadata::Metadata;
-use super::number::{Decimal, Unit, finite, is_grouped, number, reading, reading_of};
-use super::plain::{Plain, PlainRow};
-use super::stamp::{DAY_S, TimeUnit, clock_seconds, cr10_seconds, date_seconds, has_zone};
-
-/// What to do about a line that cannot be read.
-const CORRECT: &str = "correct the line or take it out";
-/// Largest time that is taken, s: 31 000 years.
-const LATEST_S: f64 = 1e12;
-
-/// Where in a row everything is; found from the header, or given.
-///
-/// Cells are counted from 0.
-#[derive(Clone, Debug)]
-pub struct Layout {
-    /// Separator of the cells; a blank stands for any number of blanks.
-    pub separator: u8,
-    /// Decimal mark of the numbers.
-    pub decimal: Decimal,
-    /// Cells in a row; `None`: as many as the first row has.
-    pub width: Option<usize>,
-    /// The time stamp.
-    pub time: TimeCells,
-    /// The force.
-    pub force: usize,
-    /// Its unit.
-    pub unit: Unit,
-    /// The record number, if there is one.
-    pub record: Option<usize>,
-    /// Only rows that begin with this number belong to the log.
-    pub array_id: Option<u32>,
-    /// Step of the stamps if the format has coarse ones, s.
-    pub resolution_s: Option<f64>,
-}
-
-/// How a row tells its time.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum TimeCells {
-    /// One cell.
-    Number {
-        /// Which.
-        cell: usize,
-        /// Its unit or form.
-        unit: TimeUnit,
-    },
-    /// A time of day in one cell, perhaps a date in another.
-    DateAndClock {
-        /// The date.
-        date: Option<usize>,
-        /// The time of day.
-        clock: usize,
-    },
-    /// Not at all: rows follow each other.
-    Count {
-        /// Rows a second.
-        rate_hz: f64,
-    },
-    /// Year, day and hhmm in cells 1 to 3, perhaps seconds in cell 4.
-    Cr10 {
-        /// Cell 4 holds seconds.
-        seconds: bool,
-    },
-}
-
-impl TimeCells {
-    /// Whether stamps say the date, so that the log's own time begins with its first
-    /// sample.
-    #[must_use]
-    pub fn is_calendar(self) -> bool {
-        match self {
-            Self::Number { unit, .. } => unit.is_calendar(),
-            Self::DateAndClock { date, .. } => date.is_some(),
-            Self::Count { .. } => false,
-            Self::Cr10 { .. } => true,
-        }
-    }
-}
+use super::plain::Plain;
+use super::stamp::{DAY_S, TimeUnit};
 
 /// One row of a log.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -112,6 +39,9 @@ pub struct Rows {
     last_record: Option<f64>,
     truncated: Option<u64>,
     count: u64,
+    /// Empty lines between rows that nothing but their order dates, and those since the last.
+    left_out: u64,
+    empty: u64,
     /// Whether the first row's time is in UTC; `None` before that.
     utc: Option<bool>,
 }
@@ -131,6 +61,8 @@ impl Rows {
             last_record: None,
             truncated: None,
             count: 0,
+            left_out: 0,
+            empty: 0,
             utc: None,
         }
     }
@@ -139,20 +71,32 @@ impl Rows {
     ///
     /// # Errors
     /// A row that cannot be used, with its line number.
+    #[inline]
     pub fn next_row(&mut self) -> Result<Option<Row>, InputError> {
+        let Some(row) = self.plain_row() else { return self.next_odd_row() };
+        let line = row.line;
+        let placed = self.follow(row, None).map(Some);
+        placed.map_err(|error| error.within(format_args!("line {line}")))
+    }
+
+    /// The next row, which is not of the usual kind.
+    #[inline(never)]
+    fn next_odd_row(&mut self) -> Result<Option<Row>, InputError> {
         loop {
-            if let Some(row) = self.plain_row() {
-                let line = row.line;
-                let placed = self.follow(row, None).map(Some);
-                return placed.map_err(|error| error.within(format_args!("line {line}")));
-            }
             let Some(line) = self.lines.next_line()? else { return Ok(None) };
             let (number, ended) = (line.number, line.ended);
             let result = match line.bytes.trim_ascii_start().first() {
-                None => Ok(None),
+                None => {
+                    self.empty += 1;
+                    Ok(None)
+                }
                 Some(b'#') => self.metadata.take(line.bytes, number).map(|()| None),
                 Some(_) => self.layout.row(line.bytes, ended, &mut self.cells),
             };
+            if result.is_err() && is_empty(line.bytes, self.layout.separator) {
+                // What a spreadsheet leaves of an empty row.
+                continue;
+            }
             if let (Ok(Some(_)), None) = (&result, self.utc) {
                 self.utc = Some(self.layout.says_zone(line.bytes, &self.cells));
             }
@@ -185,6 +129,12 @@ impl Rows {
         self.truncated
     }
 
+    /// Empty lines that may have been readings: rows on both sides that have no times.
+    #[must_use]
+    pub fn left_out(&self) -> u64 {
+        self.left_out
+    }
+
     /// Whether times are UTC: counted from 1970, or in a zone that the first row says.
     #[must_use]
     pub fn is_utc(&self) -> bool {
@@ -200,9 +150,12 @@ impl Rows {
     }
 
     /// Checks a row against the one before.
+    #[inline]
     fn follow(&mut self, mut row: Row, record: Option<f64>) -> Result<Row, InputError> {
         if let TimeCells::Count { rate_hz } = self.layout.time {
             row.time_s = self.count as f64 / rate_hz;
+            self.left_out += if self.count > 0 { self.empty } else { 0 };
+            self.empty = 0;
         }
         self.count += 1;
         // A scan at the edge of a clock step may carry the step before.
@@ -213,10 +166,7 @@ impl Rows {
             self.days_s += DAY_S;
         }
         if row.time_s < self.last_time_s - jitter_s {
-            return Err(InputError::new(format!(
-                "time goes back by {:.6} s; cut the log there, or sort it",
-                self.last_time_s - row.time_s
-            )));
+            return Err(goes_back(self.last_time_s - row.time_s));
         }
         self.last_time_s = row.time_s;
         if let (Some(last), Some(record)) = (self.last_record, record) {
@@ -233,114 +183,14 @@ impl Rows {
     }
 }
 
-impl Layout {
-    /// A row of two numbers; `None` if they cannot be a time and a force.
-    fn plain_row(&self, &PlainRow { time_s, force, .. }: &PlainRow) -> Option<Row> {
-        let reading = reading_of(force, self.unit)?;
-        (time_s.abs() <= LATEST_S).then_some(Row { time_s, reading, records: 1, line: 0 })
-    }
-
-    /// A row with its record number; `None` for a row of another array.
-    fn row(
-        &mut self,
-        line: &[u8],
-        ended: bool,
-        cells: &mut Cells,
-    ) -> Result<Option<(Row, Option<f64>)>, InputError> {
-        if !cells.cut(line, self.separator) {
-            return Err(InputError::new(
-                "a quote is not closed; correct the line, and write a cell that goes on over several \
-                 lines into one",
-            ));
-        }
-        if self.array_id.is_some_and(|id| !begins_with(cells.get(line, 0), id)) {
-            return Ok(None);
-        }
-        let width = *self.width.get_or_insert(cells.len());
-        if cells.len() != width {
-            let cells = cells.len();
-            return Err(InputError::new(format!("{cells} cells instead of {width}; {CORRECT}")));
-        }
-        let force = cells.get(line, self.force).unwrap_or_default();
-        if !ended && force.is_empty() {
-            return Err(InputError::new("the force is cut off"));
-        }
-        let reading =
-            reading(force, self.unit, self.decimal).ok_or_else(|| self.no_force(force))?;
-        let row = Row { time_s: self.time_s(line, cells)?, reading, records: 1, line: 0 };
-        let record = self.record.and_then(|cell| finite(cells.get(line, cell)?));
-        Ok(Some((row, record)))
-    }
-
-    /// Whether a row's time is in a zone that it says.
-    fn says_zone(&self, line: &[u8], cells: &Cells) -> bool {
-        let cell = |index| text(cells.get(line, index).unwrap_or_default());
-        match self.time {
-            TimeCells::Number { cell: index, unit: TimeUnit::Iso } => {
-                cell(index).split_once([' ', 'T']).is_some_and(|(_, clock)| has_zone(clock))
-            }
-            TimeCells::DateAndClock { clock, .. } => has_zone(cell(clock)),
-            TimeCells::Number { .. } | TimeCells::Count { .. } | TimeCells::Cr10 { .. } => false,
-        }
-    }
-
-    #[cold]
-    fn no_force(&self, cell: &[u8]) -> InputError {
-        let kind = if self.unit == Unit::Counts { "whole number of counts" } else { "number" };
-        let (place, held) = (self.force + 1, excerpt(cell));
-        let remedy = if number(cell, Decimal::Any).is_some() && self.unit != Unit::Counts {
-            "the rows before have another decimal mark: write all with the same".to_string()
-        } else if is_grouped(cell) {
-            "write it without marks between the thousands".to_string()
-        } else {
-            format!("{CORRECT}; NaN marks a bad reading")
-        };
-        InputError::new(format!("force cell {place} holds {held}, not a {kind}; {remedy}"))
-    }
-
-    fn time_s(&self, line: &[u8], cells: &Cells) -> Result<f64, InputError> {
-        let cell = |index| cells.get(line, index).unwrap_or_default();
-        let (text, time) = match self.time {
-            TimeCells::Number { cell: index, unit } => {
-                (cell(index), unit.seconds(cell(index), self.decimal))
-            }
-            TimeCells::DateAndClock { date, clock } => {
-                let date = date.map_or(Some(0.0), |date| date_seconds(text(cell(date))));
-                let clock_s = clock_seconds(text(cell(clock)));
-                (cell(clock), date.zip(clock_s).map(|(date, clock)| date + clock))
-            }
-            // Told by the rows before.
-            TimeCells::Count { .. } => return Ok(0.0),
-            TimeCells::Cr10 { seconds } => (line, cr10_time(line, cells, seconds)),
-        };
-        // Times further out leave no room for a fraction of a second.
-        let time = time.filter(|time_s| time_s.abs() <= LATEST_S);
-        time.ok_or_else(|| no_time(text))
-    }
-}
-
 #[cold]
-fn no_time(cell: &[u8]) -> InputError {
-    let remedy = if cell.contains(&b':') {
-        "write 2012-02-29 12:00:00 or 29.02.2012 12:00:00"
-    } else {
-        CORRECT
+fn goes_back(seconds: f64) -> InputError {
+    const NEAR_S: f64 = 10.0;
+    let by = |hours: f64| (seconds - 3600.0 * hours).abs() < NEAR_S;
+    let why = match (by(1.0), by(12.0)) {
+        (true, _) => " (a clock set back by an hour? write its zone with each time)",
+        (_, true) => " (twelve hours: are AM and PM missing?)",
+        _ => "",
     };
-    InputError::new(format!("no time can be read from {}; {remedy}", excerpt(cell)))
-}
-
-fn text(cell: &[u8]) -> &str {
-    std::str::from_utf8(cell).unwrap_or_default()
-}
-
-fn begins_with(cell: Option<&[u8]>, id: u32) -> bool {
-    cell.and_then(finite).is_some_and(|value| (value - f64::from(id)).abs() < 0.5)
-}
-
-/// The time of a mixed-array row, its stamp in cells 1 to 3 or 1 to 4.
-#[must_use]
-pub fn cr10_time(line: &[u8], cells: &Cells, seconds: bool) -> Option<f64> {
-    let cell = |index| cells.get(line, index).and_then(finite);
-    let second = if seconds { cell(4)? } else { 0.0 };
-    cr10_seconds(cell(1)?, cell(2)?, cell(3)?, second)
+    InputError::new(format!("time goes back by {seconds:.6} s{why}; cut the log there, or sort it"))
 }

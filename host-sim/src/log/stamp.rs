@@ -6,6 +6,8 @@
 use time::{Date, Month};
 
 use super::number::{Decimal, finite, number};
+use super::timing::RATES_HZ;
+use crate::error::InputError;
 
 /// Seconds of a day.
 pub const DAY_S: f64 = 86_400.0;
@@ -25,6 +27,9 @@ pub enum TimeUnit {
     /// Microseconds.
     #[value(name = "us")]
     Microsecond,
+    /// Nanoseconds.
+    #[value(name = "ns")]
+    Nanosecond,
     /// Minutes.
     #[value(name = "min")]
     Minute,
@@ -46,6 +51,7 @@ impl TimeUnit {
             }
             "ms" | "msec" | "millisecond" | "milliseconds" => Some(Self::Millisecond),
             "us" | "µs" | "μs" | "microsecond" | "microseconds" => Some(Self::Microsecond),
+            "ns" | "nsec" | "nanosecond" | "nanoseconds" => Some(Self::Nanosecond),
             "min" | "mins" | "minute" | "minutes" | "minuten" => Some(Self::Minute),
             _ => None,
         }
@@ -58,6 +64,7 @@ impl TimeUnit {
             Self::Second => "s",
             Self::Millisecond => "ms",
             Self::Microsecond => "us",
+            Self::Nanosecond => "ns",
             Self::Minute => "min",
             Self::Iso => "iso",
             Self::Epoch => "epoch",
@@ -79,12 +86,35 @@ impl TimeUnit {
             Self::Second => number()?,
             Self::Millisecond => number()? * 1e-3,
             Self::Microsecond => number()? * 1e-6,
+            Self::Nanosecond => number()? * 1e-9,
             Self::Minute => number()? * 60.0,
             Self::Iso => return date_time_seconds(cell),
             Self::Epoch => epoch_seconds(number()?),
             Self::Excel => (number()? - EXCEL_DAYS_1970) * DAY_S,
         })
     }
+}
+
+/// The error for a rate that is none, with the unit in which it would be one.
+#[must_use]
+pub fn no_rate(rate_hz: f64) -> InputError {
+    let units =
+        [("ms", 1e3), ("us", 1e6), ("ns", 1e9), ("min", 1.0 / 60.0), ("excel", 1.0 / 86_400.0)];
+    let fits = |(_, seconds): &&(&str, f64)| RATES_HZ.contains(&(rate_hz * seconds));
+    let unit = units.iter().find(fits).map_or_else(
+        || "--time-unit".to_string(),
+        |(unit, seconds)| format!("--time-unit, such as {unit} ({:.3} Hz),", rate_hz * seconds),
+    );
+    InputError::new(format!(
+        "the time stamps say {rate_hz:.6} samples per second, not 1 to 2000; is time in seconds? else \
+         give {unit} or --rate-hz"
+    ))
+}
+
+/// Whether so many seconds, counted since 1970, lead to a day from 1995 to 5138.
+#[must_use]
+pub fn is_since_1970(seconds: f64) -> bool {
+    (8e8..1e11).contains(&seconds)
 }
 
 /// Seconds from a count since 1970 whose unit shows in its size.

@@ -7,6 +7,7 @@
 use crate::error::InputError;
 
 use super::rows::Row;
+use super::stamp::no_rate;
 
 /// Used when the stamps cannot tell.
 pub const DEFAULT_RATE_HZ: f64 = 16.0;
@@ -63,11 +64,7 @@ pub fn find(
     if RATES_HZ.contains(&timing.rate_hz) {
         return Ok(timing);
     }
-    Err(InputError::new(format!(
-        "the time stamps say {:.6} samples per second, not 1 to 2000; is time in seconds? \
-         else give --time-unit or --rate-hz",
-        timing.rate_hz
-    )))
+    Err(no_rate(timing.rate_hz))
 }
 
 /// Every stamp is the same: right for a single sample or for coarse stamps, and

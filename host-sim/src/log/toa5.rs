@@ -6,8 +6,8 @@ use super::LogOptions;
 use super::cells::texts;
 use super::csv::{agreed, find, no_column, there_are};
 use super::label::Label;
+use super::layout::{Layout, TimeCells};
 use super::number::{Decimal, Unit};
-use super::rows::{Layout, TimeCells};
 use super::stamp::TimeUnit;
 
 /// Name of the table in a test whose logger knew no date.
@@ -30,11 +30,11 @@ pub fn layout(names: &[u8], units: &[u8], options: &LogOptions) -> Result<Layout
         return Err(InputError::new(message));
     }
     let time_column = options.time_column.as_deref().unwrap_or("TIMESTAMP");
-    let time = find(&names, time_column)?.ok_or_else(|| {
+    let time = find(&names, time_column, "--time-column")?.ok_or_else(|| {
         InputError::new(format!("no {time_column} column; {}", there_are(&names)))
     })?;
     let force = match &options.column {
-        Some(name) => find(&names, name)?.ok_or_else(|| no_column(name, &names))?,
+        Some(name) => find(&names, name, "--column")?.ok_or_else(|| no_column(name, &names))?,
         None => default_force(&names, &units)?,
     };
     let label = units.get(force).map_or("", String::as_str);
@@ -52,7 +52,7 @@ pub fn layout(names: &[u8], units: &[u8], options: &LogOptions) -> Result<Layout
         time: TimeCells::Number { cell: time, unit: TimeUnit::Iso },
         force,
         unit,
-        record: find(&names, "RECORD")?,
+        record: find(&names, "RECORD", "--column")?,
         array_id: None,
         resolution_s: None,
     })
@@ -64,10 +64,16 @@ fn unit(label: &str) -> Option<Unit> {
 }
 
 fn default_force(names: &[String], units: &[String]) -> Result<usize, InputError> {
-    for name in ["force_n", "force_kn"] {
-        if let Some(place) = find(names, name)? {
-            return Ok(place);
+    let both = ["force_n", "force_kn"].map(|name| find(names, name, "--column"));
+    match both {
+        [Ok(Some(place)), Ok(None)] | [Ok(None), Ok(Some(place))] => return Ok(place),
+        [Ok(Some(_)), Ok(Some(_))] => {
+            return Err(InputError::new(
+                "force_n and force_kn are both there: give --column NAME of the one to read",
+            ));
         }
+        [Ok(None), Ok(None)] => {}
+        [Err(error), _] | [_, Err(error)] => return Err(error),
     }
     let is_force = |&i: &usize| {
         units.get(i).and_then(|u| Unit::from_label(u)).is_some_and(|u| u.newtons().is_some())
@@ -91,6 +97,14 @@ mod tests {
         let stamp = TimeCells::Number { cell: 0, unit: TimeUnit::Iso };
         assert_eq!((layout.time, layout.record), (stamp, Some(1)));
         Ok((layout.force, layout.unit))
+    }
+
+    #[test]
+    fn a_force_in_both_units_is_asked_for() {
+        let names = ["TIMESTAMP", "force_n", "force_kn"].map(str::to_string);
+        let error = default_force(&names, &[]).unwrap_err().to_string();
+        assert!(error.contains("--column NAME"), "{error}");
+        assert_eq!(default_force(&names[..2], &[]).unwrap(), 1);
     }
 
     #[test]

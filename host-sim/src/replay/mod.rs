@@ -7,6 +7,7 @@ use crate::log::{Log, Sample};
 
 pub mod batches;
 pub mod budget;
+pub mod doubts;
 pub mod events;
 pub mod known;
 pub mod quantities;
@@ -102,7 +103,7 @@ pub fn replay_with(
         format: log.format().name().to_string(),
         rate_hz: log.rate_hz(),
         duration_s: timeline.duration_s(),
-        warnings: log.warnings(),
+        warnings: [log.warnings(), doubts::doubts(log, config, &report)].concat(),
         synthetic: log.metadata().synthetic.clone(),
         ..LogSummary::from(report.counters)
     };

@@ -16,6 +16,8 @@ use crate::columnar;
 /// The columns, in CSV and in Parquet.
 pub const COLUMNS: [&str; 7] =
     ["time_s", "force_n", "rate_n_per_s", "phase", "block_m_per_s", "flag", "index"];
+/// Those of numbers that hardly repeat.
+const MEASURED: [&str; 4] = ["time_s", "rate_n_per_s", "block_m_per_s", "index"];
 /// Samples that are held back until their rate is known and they can be no spike.
 const HELD: usize = 4;
 /// Rows in a group of a Parquet file.
@@ -144,7 +146,7 @@ pub fn table<'a, W: Write + Send + 'a>(
     about: &[(&str, String)],
 ) -> io::Result<Box<dyn Table + 'a>> {
     if parquet {
-        return Ok(Box::new(Parquet::new(out, about).map_err(io::Error::other)?));
+        return Ok(Box::new(Parquet::new(out, about).map_err(columnar::io_error)?));
     }
     let mut writer = csv::Writer::from_writer(out);
     writer.write_record(COLUMNS).map_err(io::Error::other)?;
@@ -188,7 +190,11 @@ impl<W: Write + Send> Parquet<W> {
         };
         let fields: ParquetResult<Vec<_>> = COLUMNS.iter().zip(kinds).map(field).collect();
         let schema = Type::group_type_builder("sample").with_fields(fields?).build()?;
-        let writer = SerializedFileWriter::new(out, Arc::new(schema), columnar::properties(about))?;
+        let writer = SerializedFileWriter::new(
+            out,
+            Arc::new(schema),
+            columnar::properties(about, MEASURED.into_iter()),
+        )?;
         Ok(Self { writer: Some(writer), rows: Vec::new() })
     }
 
@@ -244,11 +250,12 @@ impl<W: Write + Send> Table for Parquet<W> {
         if self.rows.len() < GROUP {
             return Ok(());
         }
-        self.write_group().map_err(io::Error::other)
+        self.write_group().map_err(columnar::io_error)
     }
 
     fn finish(&mut self) -> io::Result<()> {
-        self.write_group().map_err(io::Error::other)?;
-        self.writer.take().map_or(Ok(()), |w| w.close().map(drop)).map_err(io::Error::other)
+        self.write_group().map_err(columnar::io_error)?;
+        let closed = self.writer.take().map_or(Ok(()), |writer| writer.close().map(drop));
+        closed.map_err(columnar::io_error)
     }
 }

@@ -9,7 +9,7 @@ use super::result::{
     zero_sentence,
 };
 use super::stretches::Stretches;
-use crate::rounding::{self, LEAST, decimals, digits, own_digits, part_of};
+use crate::rounding::{self, LEAST, counted, decimals, digits, own_digits, part_of};
 
 /// Events, then the result with its uncertainty, then what to know about it.
 ///
@@ -71,10 +71,10 @@ fn header(out: &mut String, result: &ReplayResult, force: usize) -> std::fmt::Re
     let (log, test) = (&result.log, &result.test);
     writeln!(
         out,
-        "log    {} ({}), {} samples at {} Hz, {:.2} s",
+        "log    {} ({}), {} at {} Hz, {:.2} s",
         log.path,
         log.format,
-        log.samples,
+        counted(log.samples, "sample"),
         significant(log.rate_hz),
         log.duration_s
     )?;
@@ -281,8 +281,12 @@ fn number(value: Option<f64>) -> String {
 fn samples(out: &mut String, log: &LogSummary) -> std::fmt::Result {
     writeln!(
         out,
-        "samples       {} read, {} missing, {} duplicates, {} rejected, {} saturated",
-        log.samples, log.missing, log.duplicates, log.rejected, log.saturated
+        "samples       {} read, {} missing, {}, {} rejected, {} saturated",
+        log.samples,
+        log.missing,
+        counted(log.duplicates, "duplicate"),
+        log.rejected,
+        log.saturated
     )?;
     log.warnings.iter().try_for_each(|warning| writeln!(out, "note          {warning}"))
 }

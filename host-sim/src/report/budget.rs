@@ -29,14 +29,18 @@ pub(super) fn budget(result: &ReplayResult) -> String {
         .iter()
         .map(|mean| cells(&BudgetShare { sensitivity: None, contribution: mean.std_error }, mean))
         .collect();
-    let head = "<th scope=\"col\" class=\"more\">per unit</th><th scope=\"col\">±</th><th scope=\"col\">share</th>";
+    let head = |coefficient: &str| {
+        format!(
+            "<th scope=\"col\" class=\"more\">{coefficient} per unit</th><th scope=\"col\">± of \
+             {coefficient}</th><th scope=\"col\">share</th>"
+        )
+    };
+    let (mu_s, mu) = (head("<i>μ</i><sub>s</sub>"), head("<i>μ</i>"));
     format!(
         "<h2>What limits the result</h2><div class=\"scroll budget\" tabindex=\"0\" role=\"region\" \
-         aria-label=\"Error budget\"><table><thead><tr class=\"of\"><th></th><th class=\"more\"></th>\
-         <th class=\"more\"></th><th class=\"more\"></th><th colspan=\"2\">in <i>μ</i><sub>s</sub></th>\
-         <th class=\"more\"></th><th colspan=\"2\">in <i>μ</i></th></tr>\
-         <tr><th scope=\"col\">input</th><th scope=\"col\" class=\"more\">value</th>\
-         <th scope=\"col\" class=\"more\">± of it</th>{head}{head}</tr></thead>\
+         aria-label=\"Error budget\"><table><thead><tr><th scope=\"col\">input</th>\
+         <th scope=\"col\" class=\"more\">value</th><th scope=\"col\" class=\"more\">± of it</th>\
+         {mu_s}{mu}</tr></thead>\
          <tbody>\n{rows}<tr><th scope=\"row\">random: noise and variation between events</th>\
          <td class=\"more\">–</td><td class=\"more\">–</td>{random}</tr></tbody></table></div><p>All are \
          one standard deviation; only the random part gets smaller with more events.</p>"

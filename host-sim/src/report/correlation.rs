@@ -6,6 +6,7 @@ use super::number::fixed;
 use super::plot::{Axis, Layout, Plot, Spec};
 use super::scale::{Steps, extent};
 use crate::replay::result::EventSummary;
+use crate::rounding::digits;
 
 /// Fewest events that show a correlation.
 const FEWEST: usize = 5;
@@ -27,16 +28,22 @@ pub(super) fn correlation(context: &Context<'_>) -> Option<Figure> {
     let found = Correlation::of(&pairs)?;
     let drawing = both(|layout| draw(&pairs, &found, layout));
     let keys = vec![dot_key("sample", "events"), line_key("moment", "means of the events")];
-    let [low, high] = found.ci95.map(|r| fixed(r, 2));
+    let decimals = decimals(found.ci95);
+    let [low, high] = found.ci95.map(|r| fixed(r, decimals));
     let caption = format!(
         "<i>μ</i> against <i>μ</i><sub>s</sub> of the {} events that have both: correlation {} (95 % \
          interval {low} to {high}, from Fisher's transformation; events counted as independent). The \
          errors of an event are in it as well: <i>F</i><sub>s</sub> is in both coefficients, and a \
          wrong weight or zero moves both alike.",
         pairs.len(),
-        fixed(found.value, 2),
+        fixed(found.value, decimals),
     );
     Some(Figure { class: "pair", drawings: vec![drawing], keys, caption })
+}
+
+/// Decimals that show how wide an interval is.
+fn decimals([low, high]: [f64; 2]) -> usize {
+    digits((high - low) / 4.0).saturating_sub(1).clamp(2, 6)
 }
 
 fn pair(event: &EventSummary) -> Option<(f64, f64)> {
@@ -105,6 +112,12 @@ mod tests {
         assert!((found.ci95[1] - (1.098_612_f64 + 1.385_929).tanh()).abs() < 1e-5);
         assert!(Correlation::of(&pairs[..4]).is_none());
         assert!(Correlation::of(&[(1.0, 1.0); 9]).is_none(), "what does not scatter has none");
+    }
+
+    #[test]
+    fn an_interval_near_one_is_told_from_one() {
+        let intervals = [[-0.23, 0.16], [0.976, 0.986], [0.999_1, 0.999_5], [1.0, 1.0]];
+        assert_eq!(intervals.map(decimals), [2, 3, 4, 2]);
     }
 
     #[test]

@@ -36,9 +36,13 @@ fn notices(result: &ReplayResult) -> String {
     let change = |c: &ChangeSummary| {
         format!("<p class=\"notice\">Change: {}.</p>", escape(&c.sentence(result.test.weight_n)))
     };
-    let zero = |zero_n| format!("<p class=\"notice\">Zero: {}.</p>", zero_sentence(zero_n));
+    let zero = |zero_n| {
+        format!("<p class=\"notice\">Zero: {}.</p>", with_whole_options(&zero_sentence(zero_n)))
+    };
     let steady = result.stretches.steady.iter().map(|it| it.sentence(result.test.slope_rad));
-    let steady = steady.map(|it| format!("<p class=\"notice\">Steady: {}.</p>", escape(&it)));
+    let steady = steady.map(|it| {
+        format!("<p class=\"notice\">Steady: {}.</p>", escape(&it.replace("F/W -", "F/W −")))
+    });
     let unclear = result.stretches.not_understood.iter().map(NotUnderstood::sentence);
     let unclear =
         unclear.map(|it| format!("<p class=\"notice\">Not understood: {}.</p>", escape(&it)));
@@ -46,6 +50,15 @@ fn notices(result: &ReplayResult) -> String {
         + &steady.chain(unclear).collect::<String>()
         + &result.changes.iter().map(change).collect::<String>()
         + &result.zero_n.map(zero).unwrap_or_default()
+}
+
+/// A line does not break within the name of an option.
+fn with_whole_options(text: &str) -> String {
+    let whole = |word: &str| match word.starts_with("--") {
+        true => format!("<span class=\"option\">{word}</span>"),
+        false => word.to_string(),
+    };
+    text.split_inclusive([' ', '(']).map(whole).collect()
 }
 
 /// Said plainly when there is no result.
@@ -76,10 +89,11 @@ fn coefficient(class: &str, symbol: &str, value: &CoefficientSummary, name: &str
             let [random, systematic] = [random, systematic].map(|it| escape(&part_of(it, whole)));
             format!("random {random}, systematic {systematic} · ")
         }
+        _ if value.mean.is_none() => String::new(),
         _ => value.reason.map(|reason| format!("no ±: {reason} · ")).unwrap_or_default(),
     };
     let spread = match (value.mean, value.spread) {
-        (None, _) => "not measured".into(),
+        (None, _) => format!("not measured: {}", value.reason.unwrap_or("no event gives a value")),
         (_, Some(spread)) if spread <= 0.0 => "no spread between events beyond the noise".into(),
         (_, Some(spread)) => format!("spread between events {}", show(spread)),
         (_, None) => "spread between events unknown".into(),
@@ -203,4 +217,17 @@ fn facts(name: &str, facts: &[Fact]) -> String {
     };
     let items: String = facts.iter().map(item).collect();
     format!("<h2>{name}</h2><dl class=\"facts\">{items}</dl>")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_name_of_an_option_stays_on_one_line() {
+        let said = with_whole_options("take it (--zero-before-n, --zero-after-n)");
+        let [before, after] = ["--zero-before-n, ", "--zero-after-n)"]
+            .map(|name| format!("<span class=\"option\">{name}</span>"));
+        assert_eq!(said, format!("take it ({before}{after}"));
+    }
 }

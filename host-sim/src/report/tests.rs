@@ -219,6 +219,7 @@ fn little_to_show_is_shown_sensibly() {
     let document = parsed(&page);
     let seen = all_text(document.root());
     assert!(seen.contains("No event gives a coefficient") && seen.contains("too few samples"));
+    assert!(seen.contains("not measured: no event gives a value") && !seen.contains("no ±"));
     assert_eq!(elements(&document, "figure").len(), 4, "no convergence");
 }
 

@@ -3,6 +3,7 @@
 //! `FLOE_TABLE=write cargo test -p floe --test log_variants` writes it.
 
 mod columns;
+mod doubtful;
 mod people;
 mod texts;
 
@@ -103,6 +104,10 @@ fn forms() -> Vec<Form> {
         people::cells(),
         people::names(),
         people::wholes(),
+        doubtful::forces(),
+        doubtful::lines(),
+        doubtful::said(),
+        doubtful::more(),
     ]
     .into_iter()
     .flatten()

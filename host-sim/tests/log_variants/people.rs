@@ -177,7 +177,7 @@ pub fn wholes() -> Vec<Form> {
         form(
             "a comment of % in the middle",
             plain().replacen("\n5,", "\n% tea\n5,", 1),
-            Refused(&["line 82", "1 cells instead of 2", "take it out"]),
+            Refused(&["line 82", "1 cell instead of 2", "take it out"]),
         ),
         form("a row there twice", twice, Noted("")),
         form(
@@ -188,12 +188,12 @@ pub fn wholes() -> Vec<Form> {
         form(
             "a comma, then semicolons",
             plain().replacen("5,", "5;", 30),
-            Refused(&["cells instead of 2"]),
+            Refused(&["line 18", "1 cell instead of 2"]),
         ),
         form(
             "words at the end",
             plain() + "End of data\n",
-            Refused(&["line 202", "1 cells instead of 2", "take it out"]),
+            Refused(&["line 202", "1 cell instead of 2", "take it out"]),
         ),
         form(
             "a line break in quotes",

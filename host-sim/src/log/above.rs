@@ -1,0 +1,136 @@
+//! Comments above the rows of a text table: names in them, or all there is.
+
+use crate::error::InputError;
+
+use super::cells::texts;
+use super::header::{Content, IN_A_ROW, Kind, SEPARATORS, are_known, comment, kind};
+use super::lines::MAX_LINE;
+
+/// Names in the comment right above the rows, as numpy and MATLAB's users write them.
+pub fn commented_names(
+    lines: &[Content<'_>],
+    first_row: u64,
+    separator: u8,
+    width: usize,
+) -> Option<(u64, Vec<String>)> {
+    let (number, line) = lines.iter().rev().find(|(number, _)| *number < first_row)?;
+    let names = texts(comment(line)?, separator);
+    let names = if names.len() > width { with_units(names) } else { names };
+    (names.len() == width && are_known(&names)).then_some((*number, names))
+}
+
+/// A unit in brackets belongs to the name before it, where blanks cut them apart.
+fn with_units(cells: Vec<String>) -> Vec<String> {
+    let mut names: Vec<String> = Vec::new();
+    for cell in cells {
+        match names.last_mut() {
+            Some(name) if cell.starts_with(['(', '[']) => *name = format!("{name} {cell}"),
+            _ => names.push(cell),
+        }
+    }
+    names
+}
+
+/// Refuses a beginning of a log that holds no rows, where it can be said why.
+///
+/// # Errors
+/// The rows are comments, or all of it is, or one line.
+pub fn refuse_no_table(
+    head: &[u8],
+    end: u8,
+    lines: &[Content<'_>],
+    comments_only: bool,
+) -> Result<(), InputError> {
+    if let Some((number, mark)) = commented_rows(lines) {
+        return Err(InputError::new(format!(
+            "the rows from line {number} on begin with '{mark}', the mark of a comment: take it away"
+        )));
+    }
+    if !comments_only {
+        return refuse_quoted_lines(lines);
+    }
+    let whole = head.len() < MAX_LINE - LONGEST_END;
+    Err(InputError::new(match (whole, head.contains(&end)) {
+        (true, _) => "ends before its header does".to_string(),
+        (false, true) => {
+            format!("the first {} KiB hold no table: shorten what is above it", MAX_LINE / 1024)
+        }
+        (false, false) => format!(
+            "line 1: longer than {} KiB, as no line of a text log is: shorten it, or take it out",
+            MAX_LINE / 1024
+        ),
+    }))
+}
+
+/// Refuses lines that are in quotes as a whole.
+fn refuse_quoted_lines(lines: &[Content<'_>]) -> Result<(), InputError> {
+    let is_one_cell = |line: &[u8]| match line.trim_ascii() {
+        [b'"', inside @ .., b'"'] => {
+            !inside.contains(&b'"') && SEPARATORS.iter().any(|cut| inside.contains(cut))
+        }
+        _ => false,
+    };
+    let rows = lines.iter().filter(|(_, line)| comment(line).is_none());
+    let quoted = rows.clone().count() > 1 && rows.clone().all(|(_, line)| is_one_cell(line));
+    match rows.clone().next().filter(|_| quoted) {
+        Some((number, _)) => Err(InputError::new(format!(
+            "line {number}: the whole line is in quotes, like those after it: take them away"
+        ))),
+        None => Ok(()),
+    }
+}
+
+/// Refuses names that go on over several lines, in quotes.
+///
+/// # Errors
+/// The line above the first row ends a quote that it does not begin.
+pub fn refuse_broken_names(content: &[Content<'_>], first: usize) -> Result<(), InputError> {
+    let above = first.checked_sub(1).and_then(|above| content.get(above));
+    let quotes = |line: &[u8]| line.iter().filter(|&&byte| byte == b'"').count();
+    match above.filter(|(_, line)| !quotes(line).is_multiple_of(2)) {
+        Some((number, _)) => Err(InputError::new(format!(
+            "line {number}: a name in quotes goes on over several lines: write each name into one"
+        ))),
+        None => Ok(()),
+    }
+}
+
+/// Less than a head ends with a line that was not looked at.
+const LONGEST_END: usize = 4096;
+
+/// Line and mark of the first comment of several that are rows.
+fn commented_rows(lines: &[Content<'_>]) -> Option<(u64, char)> {
+    let is_row = |line: &[u8]| {
+        comment(line).is_some_and(|text| SEPARATORS.iter().any(|&cut| are_values(text, cut)))
+    };
+    let mut run = lines.windows(IN_A_ROW).filter(|run| run.iter().all(|(_, line)| is_row(line)));
+    let (number, line) = run.next()?.first()?;
+    let mark = line.trim_ascii_start().first().copied().map_or('#', char::from);
+    Some((*number, mark))
+}
+
+fn are_values(text: &[u8], separator: u8) -> bool {
+    let cells = texts(text, separator);
+    cells.len() > 1 && cells.iter().all(|cell| kind(cell) == Kind::Value)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn units_that_blanks_cut_off_go_back_to_their_names() {
+        let cells = ["time", "(s)", "F", "[kN]"].map(str::to_string).to_vec();
+        assert_eq!(with_units(cells), ["time (s)", "F [kN]"]);
+    }
+
+    #[test]
+    fn rows_behind_a_mark_are_seen() {
+        let rows: Vec<String> = (0..5).map(|i| format!("#{i},0.{i},1.5")).collect();
+        let lines: Vec<Content<'_>> = (7..).zip(rows.iter().map(|row| row.as_bytes())).collect();
+        assert_eq!(commented_rows(&lines), Some((7, '#')));
+        assert_eq!(commented_rows(&lines[..3]), None);
+        let words: Vec<Content<'_>> = (1..9).map(|i| (i, &b"# weight_n: 630"[..])).collect();
+        assert_eq!(commented_rows(&words), None);
+    }
+}

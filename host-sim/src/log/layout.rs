@@ -1,0 +1,209 @@
+//! Where a row of a text log has its cells, and what they say.
+
+use crate::error::{InputError, excerpt};
+
+use super::cells::Cells;
+use super::number::{Decimal, Unit, finite, is_grouped, number, reading, reading_of};
+use super::plain::PlainRow;
+use super::rows::Row;
+use super::stamp::{TimeUnit, clock_seconds, cr10_seconds, date_seconds, has_zone};
+
+/// What to do about a line that cannot be read.
+const CORRECT: &str = "correct the line or take it out";
+/// Largest time that is taken, s: 31 000 years.
+const LATEST_S: f64 = 1e12;
+
+/// Where in a row everything is; found from the header, or given.
+///
+/// Cells are counted from 0.
+#[derive(Clone, Debug)]
+pub struct Layout {
+    /// Separator of the cells; a blank stands for any number of blanks.
+    pub separator: u8,
+    /// Decimal mark of the numbers.
+    pub decimal: Decimal,
+    /// Cells in a row; `None`: as many as the first row has.
+    pub width: Option<usize>,
+    /// The time stamp.
+    pub time: TimeCells,
+    /// The force.
+    pub force: usize,
+    /// Its unit.
+    pub unit: Unit,
+    /// The record number, if there is one.
+    pub record: Option<usize>,
+    /// Only rows that begin with this number belong to the log.
+    pub array_id: Option<u32>,
+    /// Step of the stamps if the format has coarse ones, s.
+    pub resolution_s: Option<f64>,
+}
+
+/// How a row tells its time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum TimeCells {
+    /// One cell.
+    Number {
+        /// Which.
+        cell: usize,
+        /// Its unit or form.
+        unit: TimeUnit,
+    },
+    /// A time of day in one cell, perhaps a date in another.
+    DateAndClock {
+        /// The date.
+        date: Option<usize>,
+        /// The time of day.
+        clock: usize,
+    },
+    /// Not at all: rows follow each other.
+    Count {
+        /// Rows a second.
+        rate_hz: f64,
+    },
+    /// Year, day and hhmm in cells 1 to 3, perhaps seconds in cell 4.
+    Cr10 {
+        /// Cell 4 holds seconds.
+        seconds: bool,
+    },
+}
+
+impl TimeCells {
+    /// Whether stamps say the date, so that the log's own time begins with its first
+    /// sample.
+    #[must_use]
+    pub fn is_calendar(self) -> bool {
+        match self {
+            Self::Number { unit, .. } => unit.is_calendar(),
+            Self::DateAndClock { date, .. } => date.is_some(),
+            Self::Count { .. } => false,
+            Self::Cr10 { .. } => true,
+        }
+    }
+}
+
+impl Layout {
+    /// A row of two numbers; `None` if they cannot be a time and a force.
+    pub(super) fn plain_row(&self, &PlainRow { time_s, force, .. }: &PlainRow) -> Option<Row> {
+        let reading = reading_of(force, self.unit)?;
+        (time_s.abs() <= LATEST_S).then_some(Row { time_s, reading, records: 1, line: 0 })
+    }
+
+    /// A row with its record number; `None` for a row of another array.
+    pub(super) fn row(
+        &mut self,
+        line: &[u8],
+        ended: bool,
+        cells: &mut Cells,
+    ) -> Result<Option<(Row, Option<f64>)>, InputError> {
+        if !cells.cut(line, self.separator) {
+            return Err(InputError::new(
+                "a quote is not closed; correct the line, and write a cell that goes on over several \
+                 lines into one",
+            ));
+        }
+        if self.array_id.is_some_and(|id| !begins_with(cells.get(line, 0), id)) {
+            return Ok(None);
+        }
+        let width = *self.width.get_or_insert(cells.len());
+        if cells.len() != width {
+            let count = cells.len();
+            let cells = if count == 1 { "cell" } else { "cells" };
+            return Err(InputError::new(format!("{count} {cells} instead of {width}; {CORRECT}")));
+        }
+        let force = cells.get(line, self.force).unwrap_or_default();
+        if !ended && force.is_empty() {
+            return Err(InputError::new("the force is cut off"));
+        }
+        let reading =
+            reading(force, self.unit, self.decimal).ok_or_else(|| self.no_force(force))?;
+        let row = Row { time_s: self.time_s(line, cells)?, reading, records: 1, line: 0 };
+        let record = self.record.and_then(|cell| finite(cells.get(line, cell)?));
+        Ok(Some((row, record)))
+    }
+
+    /// Whether a row's time is in a zone that it says.
+    pub(super) fn says_zone(&self, line: &[u8], cells: &Cells) -> bool {
+        let cell = |index| text(cells.get(line, index).unwrap_or_default());
+        match self.time {
+            TimeCells::Number { cell: index, unit: TimeUnit::Iso } => {
+                cell(index).split_once([' ', 'T']).is_some_and(|(_, clock)| has_zone(clock))
+            }
+            TimeCells::DateAndClock { clock, .. } => has_zone(cell(clock)),
+            TimeCells::Number { .. } | TimeCells::Count { .. } | TimeCells::Cr10 { .. } => false,
+        }
+    }
+
+    #[cold]
+    fn no_force(&self, cell: &[u8]) -> InputError {
+        let kind = if self.unit == Unit::Counts { "whole number of counts" } else { "number" };
+        let (place, held) = (self.force + 1, excerpt(cell));
+        let remedy = if number(cell, Decimal::Any).is_some() && self.unit != Unit::Counts {
+            "the rows before have another decimal mark: write all with the same".to_string()
+        } else if is_grouped(cell) {
+            "write it without marks between the thousands".to_string()
+        } else if cell.iter().any(|byte| b",;\t".contains(byte)) {
+            format!("{CORRECT}, or is the separator another? (--delimiter)")
+        } else {
+            format!("{CORRECT}; NaN marks a bad reading")
+        };
+        InputError::new(format!("force cell {place} holds {held}, not a {kind}; {remedy}"))
+    }
+
+    fn time_s(&self, line: &[u8], cells: &Cells) -> Result<f64, InputError> {
+        let cell = |index| cells.get(line, index).unwrap_or_default();
+        let (text, time) = match self.time {
+            TimeCells::Number { cell: index, unit } => {
+                (cell(index), unit.seconds(cell(index), self.decimal))
+            }
+            TimeCells::DateAndClock { date, clock } => {
+                let date = date.map_or(Some(0.0), |date| date_seconds(text(cell(date))));
+                let clock_s = clock_seconds(text(cell(clock)));
+                (cell(clock), date.zip(clock_s).map(|(date, clock)| date + clock))
+            }
+            // Told by the rows before.
+            TimeCells::Count { .. } => return Ok(0.0),
+            TimeCells::Cr10 { seconds } => (line, cr10_time(line, cells, seconds)),
+        };
+        // Times further out leave no room for a fraction of a second.
+        let time = time.filter(|time_s| time_s.abs() <= LATEST_S);
+        time.ok_or_else(|| no_time(text))
+    }
+}
+
+/// Whether it may be a date with a time of day written without marks: 20120229T120000.
+fn is_basic(cell: &[u8]) -> bool {
+    cell.get(8) == Some(&b'T') && cell.iter().take(8).all(u8::is_ascii_digit)
+}
+
+/// Whether a line is nothing but separators between empty cells.
+#[must_use]
+pub fn is_empty(line: &[u8], separator: u8) -> bool {
+    line.iter().all(|&byte| byte == separator || byte == b'"' || byte.is_ascii_whitespace())
+}
+
+#[cold]
+fn no_time(cell: &[u8]) -> InputError {
+    let colons = cell.iter().filter(|&&byte| byte == b':').count();
+    let remedy = match (colons, text(cell).contains([' ', 'T', '-'])) {
+        (0, _) if !is_basic(cell) => CORRECT,
+        (1, false) => "write hours, minutes and seconds: 00:12:34.5",
+        _ => "write 2012-02-29 12:00:00 or 29.02.2012 12:00:00",
+    };
+    InputError::new(format!("no time can be read from {}; {remedy}", excerpt(cell)))
+}
+
+fn text(cell: &[u8]) -> &str {
+    std::str::from_utf8(cell).unwrap_or_default()
+}
+
+fn begins_with(cell: Option<&[u8]>, id: u32) -> bool {
+    cell.and_then(finite).is_some_and(|value| (value - f64::from(id)).abs() < 0.5)
+}
+
+/// The time of a mixed-array row, its stamp in cells 1 to 3 or 1 to 4.
+#[must_use]
+pub fn cr10_time(line: &[u8], cells: &Cells, seconds: bool) -> Option<f64> {
+    let cell = |index| cells.get(line, index).and_then(finite);
+    let second = if seconds { cell(4)? } else { 0.0 };
+    cr10_seconds(cell(1)?, cell(2)?, cell(3)?, second)
+}

@@ -1,0 +1,130 @@
+//! Forces beside the one that is read: the same one in another unit, or another one.
+
+use crate::error::InputError;
+
+use super::columns::Columns;
+use super::label::Label;
+use super::number::{Decimal, Unit, number};
+
+/// A conversion that was written with few digits is off by so much.
+const ROUGH: f64 = 1e-3;
+
+impl Columns<'_> {
+    /// What to say of other columns of force: the same one in another unit, as far as the first
+    /// rows show, or another one.
+    ///
+    /// # Errors
+    /// It should be the same one and is not.
+    pub fn other_forces(
+        &self,
+        force: usize,
+        unit: Unit,
+        decimal: Decimal,
+    ) -> Result<Vec<String>, InputError> {
+        let labels = self.labels();
+        let Some(own) = labels.get(force) else { return Ok(Vec::new()) };
+        let is_other = |(place, label): &(usize, &Label)| *place != force && label.is_force();
+        let others = labels.iter().enumerate().filter(is_other);
+        let note = |(place, label): (usize, &Label)| {
+            let (name, other) = (self.name(force), self.name(place));
+            let newtons = |unit: &Unit| unit.newtons().is_some();
+            let is_same = own.quantity == label.quantity && newtons(&unit);
+            let its_unit = self.stated_force(place).filter(newtons).filter(|_| is_same);
+            let Some(its_unit) = its_unit else {
+                return Ok(format!("'{name}' is read, not '{other}': --column takes another"));
+            };
+            let rows = self.compare((force, unit), (place, its_unit), decimal)?;
+            Ok(format!(
+                "'{name}' and '{other}' are the same in the first {rows} rows: '{name}' is read"
+            ))
+        };
+        others.map(note).collect()
+    }
+
+    /// How many rows say the same in both columns.
+    fn compare(
+        &self,
+        (first, unit): (usize, Unit),
+        (second, its_unit): (usize, Unit),
+        decimal: Decimal,
+    ) -> Result<usize, InputError> {
+        let rows = self.cells(first).zip(self.cells(second));
+        let mut count = 0;
+        for (a, b) in rows {
+            count += 1;
+            let (Some(a), Some(b)) = (force(a, unit, decimal), force(b, its_unit, decimal)) else {
+                continue;
+            };
+            let size = a.newtons.abs().max(b.newtons.abs());
+            if (a.newtons - b.newtons).abs() > a.step_n + b.step_n + ROUGH * size {
+                return Err(InputError::new(format!(
+                    "'{}' and '{}' say {} N and {} N in row {count}: give --column NAME of the one \
+                     that is right",
+                    self.name(first),
+                    self.name(second),
+                    shown(a.newtons),
+                    shown(b.newtons)
+                )));
+            }
+        }
+        Ok(count)
+    }
+}
+
+/// A force, and the step of its last digit, in newtons.
+struct Force {
+    newtons: f64,
+    step_n: f64,
+}
+
+fn force(cell: &str, unit: Unit, decimal: Decimal) -> Option<Force> {
+    let value = number(cell.as_bytes(), decimal).filter(|value| value.is_finite())?;
+    let scale = unit.newtons()?;
+    let digits = |(_, behind): (&str, &str)| behind.bytes().take_while(u8::is_ascii_digit).count();
+    let decimals = cell.split_once(['.', ',']).map_or(0, digits);
+    let exponent = cell.split_once(['e', 'E']).and_then(|(_, text)| text.parse().ok());
+    let step = 10_f64.powi(exponent.unwrap_or(0) - decimals as i32);
+    Some(Force { newtons: value * scale, step_n: step * scale })
+}
+
+fn shown(newtons: f64) -> String {
+    format!("{newtons:.*}", crate::rounding::decimals(newtons))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{LogOptions, csv, header};
+
+    fn notes(text: &str) -> Result<Vec<String>, String> {
+        let header = header::find(text.as_bytes(), b'\n', 0, None).map_err(|e| e.to_string())?;
+        let found = csv::layout(&header, &LogOptions::default(), None);
+        found.map(|(_, notes)| notes).map_err(|e| e.to_string())
+    }
+
+    #[test]
+    fn the_same_force_in_another_unit_is_said() {
+        let row = |i: u32| format!("{i},{},{:.2}\n", 100 * i, f64::from(i) * 0.1);
+        let rows: String = (0..9).map(row).collect();
+        let said = notes(&format!("time_s,force_n,force_kn\n{rows}")).unwrap();
+        assert_eq!(
+            said,
+            ["'force_n' and 'force_kn' are the same in the first 9 rows: 'force_n' is read"]
+        );
+    }
+
+    #[test]
+    fn a_force_that_contradicts_the_other_is_refused() {
+        let rows: String = (1..9).map(|i| format!("{i},{},{}\n", 100 * i, i)).collect();
+        let error = notes(&format!("time_s,force_n,force_kn\n{rows}")).unwrap_err();
+        assert!(
+            error.starts_with("'force_n' and 'force_kn' say 200.0 N and 2000 N in row 2"),
+            "{error}"
+        );
+    }
+
+    #[test]
+    fn another_force_is_said() {
+        let said = notes("time_s,load_n,force_n\n0,1,2\n1,1,3\n2,1,4\n3,1,5\n").unwrap();
+        assert_eq!(said, ["'force_n' is read, not 'load_n': --column takes another"]);
+    }
+}

@@ -1,0 +1,40 @@
+//! What makes a reader ask whether the log and what is said of it belong together.
+
+use floe_core::{Config, Report};
+
+use crate::log::Log;
+
+/// Static coefficients beyond these are hardly friction of anything on ice.
+const FRICTION: std::ops::RangeInclusive<f32> = 0.004..=20.0;
+/// Weights within this share of each other are the same.
+const SAME: f64 = 0.005;
+
+/// One sentence each.
+#[must_use]
+pub fn doubts(log: &Log, config: &Config, report: &Report) -> Vec<String> {
+    other_weight(log, config).into_iter().chain(no_friction(log, config, report)).collect()
+}
+
+/// The caller's weight is not the log's.
+fn other_weight(log: &Log, config: &Config) -> Option<String> {
+    let metadata = log.metadata();
+    let said = metadata.weight_n.filter(|_| metadata.normal_n.is_none())?;
+    let given = f64::from(config.weight_n);
+    let line = metadata.line("weight_n")?;
+    ((given / said - 1.0).abs() > SAME).then(|| {
+        format!("weight {given:.1} N as given, not the '# weight_n: {said}' of line {line}")
+    })
+}
+
+/// Forces of another order than the weight.
+fn no_friction(log: &Log, config: &Config, report: &Report) -> Option<String> {
+    let mu_s = report.mu_s?.mean;
+    if FRICTION.contains(&mu_s.abs()) {
+        return None;
+    }
+    Some(format!(
+        "mu_s {mu_s:.2e} is hardly friction: is the force in {}, and the weight {:.1} N?",
+        log.unit().name(),
+        config.weight_n
+    ))
+}

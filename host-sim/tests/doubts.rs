@@ -1,0 +1,65 @@
+//! What a replay asks about, and what it says of a table that cannot be written.
+
+use std::fs;
+use std::process::{Command, Output};
+
+#[path = "support/command.rs"]
+mod command;
+use command::{assert_refused, directory, text};
+
+fn floe(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_floe")).args(arguments).output().unwrap()
+}
+
+#[test]
+fn what_hardly_belongs_together_is_asked_about() {
+    let dir = directory("doubts");
+    let log = fs::read_to_string("logs/fig6-7.csv").unwrap();
+    let kilonewtons = log.replacen("force_n", "force", 1).replacen("# weight_n: 630", "", 1);
+    let path = dir.join("kilonewtons.csv");
+    fs::write(&path, kilonewtons).unwrap();
+    let said = |arguments: &[&str]| {
+        let output = floe(&[&["replay", path.to_str().unwrap(), "--json"], arguments].concat());
+        json_with_warnings(&output)
+    };
+    let small = said(&["--weight-n", "630000"]);
+    assert!(
+        small.contains("hardly friction: is the force in N, and the weight 630000.0 N?"),
+        "{small}"
+    );
+    let right = said(&["--weight-n", "630", "--unit", "N"]);
+    assert!(!right.contains("hardly"), "{right}");
+    let other = floe(&["replay", "logs/fig6-7.csv", "--weight-n", "700", "--json"]);
+    let other = json_with_warnings(&other);
+    assert!(
+        other.contains("weight 700.0 N as given, not the '# weight_n: 630' of line 5"),
+        "{other}"
+    );
+}
+
+fn json_with_warnings(output: &Output) -> String {
+    let said = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(0), "{said}");
+    let json: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    json["log"]["warnings"].to_string()
+}
+
+/// The library that writes Parquet has words of its own for it.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_table_that_does_not_fit_says_so_plainly() {
+    let dir = directory("full");
+    let full = dir.join("full.parquet");
+    std::os::unix::fs::symlink("/dev/full", &full).unwrap();
+    let full = full.to_str().unwrap();
+    fs::write(dir.join("list.txt"), concat!(env!("CARGO_MANIFEST_DIR"), "/logs/fig6-7.csv\n"))
+        .unwrap();
+    let list = dir.join("list.txt");
+    for arguments in [
+        ["replay", "logs/fig6-7.csv", "--samples", full],
+        ["campaign", list.to_str().unwrap(), "--parquet", full],
+    ] {
+        let refused = floe(&arguments);
+        assert_refused(&refused, &["full.parquet: cannot be written: No space left"]);
+    }
+}
