@@ -18,9 +18,10 @@ const SEEDS: u64 = 12;
 const SHORT_SEEDS: u64 = 100;
 
 /// All classes in the order of the table.
-const CLASSES: [(&str, Kind); 45] = [
+const CLASSES: [(&str, Kind); 47] = [
     ("base", Kind::Events),
     ("tightened_held", Kind::Events),
+    ("tightened_low", Kind::Events),
     ("held_only", Kind::Nothing),
     ("noise_only", Kind::Nothing),
     ("steady_sliding", Kind::Nothing),
@@ -64,6 +65,7 @@ const CLASSES: [(&str, Kind); 45] = [
     ("falling", Kind::Events),
     ("stribeck", Kind::Events),
     ("rate_and_state", Kind::Events),
+    ("rate_and_state_64", Kind::Events),
 ];
 
 struct Row {

@@ -87,12 +87,12 @@ pub(crate) fn is_aliased(earlier: u64, later: u64) -> bool {
 
 /// Why a measured event is not believed.
 pub(crate) fn of_event(event: &Event) -> Option<Reason> {
-    let (mu_s, mu) = event.mu_s.zip(event.mu)?;
-    if event.slack && mu.value < LEAST_RATIO * mu_s.value {
+    let (mu_s, mu) = (event.mu_s?, event.mu);
+    if event.slack && mu.is_some_and(|mu| mu.value < LEAST_RATIO * mu_s.value) {
         return Some(Reason::LetGo);
     }
     let is_possible = |c: &Coefficient| c.value < LARGEST && c.value > -SURE * c.combined_std();
-    (!is_possible(&mu_s) || !is_possible(&mu)).then_some(Reason::Implausible)
+    (!is_possible(&mu_s) || mu.is_some_and(|mu| !is_possible(&mu))).then_some(Reason::Implausible)
 }
 
 /// Does the force fall as evenly as a winch that turns back lets it? Then it lies on a straight

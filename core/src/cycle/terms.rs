@@ -16,7 +16,8 @@ impl Expectations {
         if !self.effects.has(Effect::Corner) {
             return Correction { static_n2: onset_n2, ..Correction::default() };
         }
-        let mut effect = self.corner.learn(data, fit, &alone, noise_n2);
+        let other_n2 = self.onset.largest_n2(fit.cycle.half_drop_n);
+        let mut effect = self.corner.learn(data, fit, &alone, noise_n2, other_n2);
         effect.static_n2 += onset_n2;
         let [_, rate, _, _, inverse_omega, rate_change] = effect.moved;
         self.rate.translate(rate);

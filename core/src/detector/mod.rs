@@ -232,6 +232,10 @@ impl Detector {
         let peak = self.stick.highest;
         let wait = SlackWait::under(self.lowest, drop, self.std_n);
         let low = if wait.is_some() { self.first_low(peak.index) } else { self.lowest };
+        if self.usual_drop_n <= 0.0 && !self.line_fits() {
+            // What strayed from the first line may be the line's own bend.
+            self.ripple = Ripple::default();
+        }
         self.update_usual(drop, (low.index - peak.index) as f32);
         // Only now is it known how late the first slip was seen.
         self.shorten_line();

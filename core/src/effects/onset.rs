@@ -14,8 +14,10 @@ use crate::model::Shape;
 use crate::stats::normal_equations::dot;
 use crate::stats::prior::surely;
 
-/// Standard errors beyond which the term is possible. Tuned: a smaller one widens linear scenes.
+/// Standard errors beyond which the term is possible, and beyond which it is so in the first
+/// events. Tuned: smaller ones widen linear scenes.
 const POSSIBLE: f32 = 1.8;
+const POSSIBLE_EARLY: f32 = 3.0;
 
 /// Times the variance: the cause has another course than the term, and moves `Fs` by as much again
 /// where the term does not see it.
@@ -31,15 +33,24 @@ pub(crate) fn term_n(shape: &Shape, since_onset: f32) -> f32 {
 }
 
 impl Onset {
+    /// Square of the term's largest force, N², for half a drop, as far as it is possible.
+    pub(crate) fn largest_n2(&self, half_drop_n: f32) -> f32 {
+        let largest_n = self.0.value() * half_drop_n;
+        self.possible() * largest_n * largest_n
+    }
+
+    /// How possible the term is, 0 to 1.
+    fn possible(&self) -> f32 {
+        let value = self.0.value();
+        let errors = if self.0.counts() { POSSIBLE } else { POSSIBLE_EARLY };
+        // Also not before the first event.
+        surely(value * value, errors * errors * self.0.variance())
+    }
+
     /// Variance of `Fs`, N², by what the term would move it in an event, as far as it is possible.
     pub(crate) fn static_n2(&self, event: &Score) -> f32 {
-        if !self.0.counts() {
-            return 0.0;
-        }
-        let (value, variance) = (self.0.value(), self.0.variance());
-        let square = value * value;
-        let by_n = dot(&event.response, &STATIC.0);
-        COURSE * surely(square, POSSIBLE * POSSIBLE * variance) * square * by_n * by_n
+        let by_n = self.0.value() * dot(&event.response, &STATIC.0);
+        COURSE * self.possible() * by_n * by_n
     }
 
     /// The amplitude, if it is significant.

@@ -81,7 +81,8 @@ pub(crate) struct ScoreSum {
     /// Sums over events, in units of the noise.
     information: f32,
     score: f32,
-    /// Sum of the squared scores over their information: 1 an event, if the noise is all.
+    /// Sum of the squared surprises of the scores over their variances: 1 an event after the first,
+    /// if the noise is all.
     surprise: f32,
 }
 
@@ -90,7 +91,9 @@ impl ScoreSum {
     pub(crate) fn learn(&mut self, event: &Score, noise_n2: f32) {
         let (score, information) = (event.score / noise_n2, event.information / noise_n2);
         let off = score - self.value() * information;
-        let square = off * off / information;
+        // What the others told is as unsure as the score itself, at first.
+        let (known, all) = (self.information, self.information + information);
+        let square = off * off / information * known / all;
         // Also not without information.
         if !(score + information + square).is_finite() {
             return;
@@ -109,7 +112,7 @@ impl ScoreSum {
 
     /// Its variance; scores that scatter by more than the noise tell so much less.
     pub(crate) fn variance(&self) -> f32 {
-        (self.surprise / self.count).max(1.0) / self.information
+        (self.surprise / (self.count - 1.0)).max(1.0) / self.information
     }
 
     /// Do enough events tell it?

@@ -10,7 +10,9 @@
 //! measures do, until the first fits are there: the smallest second differences, if
 //! they are far smaller than the usual one (a steep saw: some triples lie on one
 //! tooth), or the fourth difference, if it is small against the second (a smooth
-//! swing). White noise shows neither. The third is how fast slips fall (`arrow.rs`).
+//! swing). White noise shows neither. The third is how fast slips fall (`time_asymmetry.rs`).
+//! Where the innovations are far larger than what the second differences leave, the line was bent
+//! before the noise was known: a cable that was tightened, held, and pulled. The noise is theirs.
 
 use crate::noise::time_asymmetry::TimeAsymmetry;
 use crate::num::math::{larger, smaller};
@@ -92,6 +94,11 @@ const SAW: f32 = 0.06;
 /// Most noise of slips, parts of their usual fall in a sample: with more of it none could
 /// be told from noise.
 const SLIP: f32 = 1.0 / 12.0;
+/// A bent line: so many times what the second differences leave is less than this part of its
+/// innovations. Tuned: a larger part takes a slow swing of the force for slips. A line that is no
+/// guide cannot tell the range of the noise from a slip: the caution does.
+const BENT: f32 = 0.3;
+const CAUTION: f32 = 3.0;
 /// A smooth swing: the same for the fourth difference.
 const SWING: f32 = 0.5;
 
@@ -179,13 +186,13 @@ impl Noise {
         let samples = line.map(|line| larger(line, upper.map_or(0.0, std)));
         // The fits allow for what a line does not.
         let fitted = self.fitted_n.map(|fitted| 1.5 * fitted);
-        let own = if self.fits < TRUSTED { self.without_line_n() } else { None };
+        let own = if self.fits < TRUSTED { self.without_line_n(line) } else { None };
         let bound = least(fitted, own).map(|std| larger(std, floor));
         (line, least(samples, bound))
     }
 
-    /// Standard deviation where there is no line to be followed, N.
-    fn without_line_n(&self) -> Option<f32> {
+    /// Standard deviation where there is no line to be followed, N, or one of these innovations.
+    fn without_line_n(&self, line_n: Option<f32>) -> Option<f32> {
         if !self.fourth.is_settled() {
             return None;
         }
@@ -199,7 +206,9 @@ impl Noise {
             smallest.filter(|&smallest| smallest < SAW * second),
             fourth.filter(|&fourth| fourth < SWING * second),
         );
-        least(slips, smooth)
+        let bent = CAUTION * (second + step_n);
+        let bent = line_n.is_some_and(|line_n| bent < BENT * line_n).then_some(bent);
+        least(slips, least(smooth, bent))
     }
 }
 
@@ -253,7 +262,7 @@ mod tests {
         let (mut noise, mut state) = (Noise::new(), 5);
         for i in 0..20_000 {
             noise.see(normal(&mut state), true);
-            assert_eq!(noise.without_line_n(), None, "{i}");
+            assert_eq!(noise.without_line_n(None), None, "{i}");
         }
     }
 
@@ -264,7 +273,7 @@ mod tests {
             let saw = 2000.0 * (i as f32 * (2.0 / 7.0)).fract();
             noise.see(saw + 2.0 * normal(&mut state), true);
         });
-        let std = noise.without_line_n().unwrap();
+        let std = noise.without_line_n(None).unwrap();
         assert!((1.0..40.0).contains(&std), "{std}");
     }
 

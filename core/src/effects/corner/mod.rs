@@ -61,6 +61,9 @@ const HELD: f32 = 1e12;
 /// variance of its logarithm.
 const RANGE: f32 = 1.5;
 const RANGE_KNOWN: f32 = 2.0;
+/// Part of the square of what the corners move `Fp` by that is its variance where they may not be
+/// the cause: it is somewhere on the way. Tuned with the smooth onsets of the honesty scenes.
+const PART: f32 = 0.5;
 /// Largest `κ`, periods²: a mean over more than a period.
 const MOST_SMOOTHING: f32 = 0.1;
 /// Least range, parts of `h`.
@@ -112,22 +115,35 @@ impl CornerEstimator {
         if missing_n > lacking_n { range_n * math::ln(missing_n / lacking_n) } else { 0.0 }
     }
 
-    /// Takes what an event's residuals tell.
+    /// Takes what an event's residuals tell. Where the slips depart from the model in another way
+    /// as well, by a force of which this is the square: as far as that is as large as what the
+    /// corners lack they may not be the cause, and `Fp` is as unsure as they move it.
     pub(crate) fn learn(
         &mut self,
         data: &Data<'_>,
         fit: &Fit,
         alone: &Alone,
         noise_n2: f32,
+        other_n2: f32,
     ) -> Correction {
         self.events = self.events.wrapping_add(1);
         let is_sharp = data.corner.is_sharp() && self.possible.iter().all(|&v| v <= 0.0);
         if is_sharp && self.events > FIRST && !self.events.is_multiple_of(SELDOM) {
             return Correction::default();
         }
-        let effect = Score::of(data, fit, alone).and_then(|score| self.take(&score, noise_n2));
-        let effect = effect.unwrap_or_default();
+        let score = Score::of(data, fit, alone);
+        let effect = score.as_ref().and_then(|score| self.take(score, noise_n2));
+        let mut effect = effect.unwrap_or_default();
         let Corner { smoothing, missing_n, range_n } = self.corner;
+        if let Some(score) = &score {
+            let [by_smoothing, by_missing, _] = score.by(&DYNAMIC.0);
+            let moved_n = by_smoothing * smoothing + by_missing * missing_n;
+            let doubt = math::smaller(other_n2, missing_n * missing_n) / (missing_n * missing_n);
+            // Not without creep, whose onset the other departure is taken for.
+            if missing_n > 0.0 {
+                effect.dynamic_n2 += PART * doubt * moved_n * moved_n;
+            }
+        }
         if effect.is_finite() && (smoothing + missing_n + range_n).is_finite() {
             return effect;
         }
@@ -284,7 +300,7 @@ mod tests {
             let noise_n2 = NOISE_N * NOISE_N;
             let Some(fit) = data.fit(cycle, noise_n2) else { return };
             let Some(alone) = fit.alone(&data) else { return };
-            learnt.learn(&data, &fit, &alone, noise_n2);
+            learnt.learn(&data, &fit, &alone, noise_n2, 0.0);
             round += u16::from(!learnt.corner.is_sharp());
         });
         (round, learnt)
