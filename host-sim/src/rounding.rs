@@ -26,8 +26,10 @@ pub fn digits(std: f64) -> usize {
 /// A value with two digits of its uncertainty: `1.2401 ± 0.0035`.
 #[must_use]
 pub fn plus_minus(value: f64, std: f64) -> String {
-    let exact = std < LEAST * value.abs().max(f64::MIN_POSITIVE);
-    let decimals = if exact { decimals(value) } else { digits(std) };
+    if std < LEAST * value.abs().max(f64::MIN_POSITIVE) {
+        return format!("{value:.*} ± 0", decimals(value));
+    }
+    let decimals = digits(std);
     format!("{value:.decimals$} ± {std:.decimals$}")
 }
 
@@ -63,7 +65,7 @@ mod tests {
         assert_eq!(plus_minus(1.240_13, 0.003_52), "1.2401 ± 0.0035");
         assert_eq!(plus_minus(22_942.3, 292.0), "22942 ± 292");
         assert_eq!(plus_minus(0.779, 0.000_234), "0.77900 ± 0.00023");
-        assert_eq!(plus_minus(15.0, 0.0), "15.00 ± 0.00");
+        assert_eq!(plus_minus(15.0, 0.0), "15.00 ± 0");
         assert_eq!(plus_minus(0.0, 0.0), "0 ± 0");
     }
 

@@ -142,3 +142,26 @@ fn what_nobody_reads_is_no_panic() {
     }
     fs::remove_dir_all(folder).unwrap();
 }
+
+/// A long name moves all columns; two equal tests scatter by nothing, and there is no trend.
+#[test]
+fn columns_stand_below_their_heads() {
+    let folder = folder("columns");
+    let log = include_str!("../logs/dff8-13.csv");
+    for name in ["DFF8-13, the second pull of the day", "b"] {
+        let log = log.replace("# test_id: DFF8-13", &format!("# test_id: {name}"));
+        fs::write(folder.join(format!("{}.csv", name.len())), log).unwrap();
+    }
+    let output = floe(&folder, &["campaign", "."]);
+    let said = String::from_utf8(output.stdout).unwrap();
+    let lines: Vec<&str> = said.lines().collect();
+    let end = lines[0].find("weight").unwrap() + "weight".len();
+    for row in &lines[2..4] {
+        assert!(row[..end].ends_with(" 630") && row[end..].starts_with(' '), "{said}");
+    }
+    assert!(
+        said.contains(" ± 0  ") && !said.contains("± 0.0000") && !said.contains("trend"),
+        "{said}"
+    );
+    fs::remove_dir_all(folder).unwrap();
+}

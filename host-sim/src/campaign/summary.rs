@@ -118,7 +118,9 @@ impl Summary {
                 published(group.published_mu_s),
             );
         }
-        let _ = writeln!(text, "\n{:<39}slope", "trend");
+        if !self.trends.is_empty() {
+            let _ = writeln!(text, "\n{:<39}slope", "trend");
+        }
         for t in &self.trends {
             let (name, unit) = t.against.name();
             let what = format!("{} against {name}, {}", t.coefficient.name(), t.group.name());
@@ -133,15 +135,19 @@ impl Summary {
         if self.records.is_empty() {
             return String::new();
         }
-        let mut text =
-            "test                 weight   pull   snow  events  mu                 mu_s\n"
-                .to_owned();
-        text += "                          N   mm/s     mm\n";
+        const LONGEST: usize = 48;
+        let longest = self.records.iter().map(|test| test.test_id.chars().count()).max();
+        let wide = longest.unwrap_or(0).clamp(18, LONGEST);
+        let mut text = format!(
+            "{:<wide$}   weight   pull   snow  events  mu                 mu_s\n{:<wide$}        N   \
+             mm/s     mm\n",
+            "test", ""
+        );
         let known = |x: Option<f64>| x.map_or("-".to_owned(), |x| format!("{x:.1}"));
         for test in &self.records {
             let _ = writeln!(
                 text,
-                "{:<18}  {:>7.0}  {:>5}  {:>5}  {:>6}  {:<17}  {}",
+                "{:<wide$}  {:>7.0}  {:>5}  {:>5}  {:>6}  {:<17}  {}",
                 test.test_id,
                 test.weight_n,
                 known(test.winch_m_per_s.map(|w| w * 1e3)),
