@@ -175,9 +175,7 @@ impl Sums {
         for (unknown, entry) in unknowns.iter_mut().enumerate() {
             *entry = variance(unknown + 2);
         }
-        // What the event is unsure of beyond the noise the places do not know.
-        let (more_static_n2, more_dynamic_n2) = best.wider_n2(noise_n2);
-        let (static_n2, dynamic_n2) = (variance(0) + more_static_n2, variance(1) + more_dynamic_n2);
+        let (static_n2, dynamic_n2) = (variance(0), variance(1));
         let (slide_time, common_n2) = (cycle.slide_time(), (0.0, 0.0));
         let over = Posterior { cycle, slide_time, static_n2, dynamic_n2, common_n2, unknowns };
         // An onset that is known better than the places are apart: few places have all the
