@@ -246,7 +246,11 @@ impl CycleFit {
         };
         let noise_n2 = learnt.noise_n2(&self.pending);
         let data = learnt.data(&self.pending, &self.after, noise_n2);
-        if let ControlFlow::Break(posterior) = places.step(&data, fit, noise_n2) {
+        if let ControlFlow::Break(mut posterior) = places.step(&data, fit, noise_n2) {
+            if *strain != Strain::None {
+                // That the event leaves far more than the noise the places do not know.
+                posterior = posterior.widened(&Posterior::at(fit, noise_n2));
+            }
             self.stage = Stage::Telling(*fit, posterior, *strain);
             self.fitted_n2 = noise_n2;
         }

@@ -78,6 +78,7 @@ impl Posterior {
     }
 
     /// With no variance less than another's.
+    #[inline(never)]
     pub(crate) fn widened(mut self, other: &Self) -> Self {
         self.static_n2 = self.static_n2.max(other.static_n2);
         self.dynamic_n2 = self.dynamic_n2.max(other.dynamic_n2);
