@@ -91,6 +91,8 @@ const STD_PER_FOURTH: f32 = 1.0 / 5.643;
 /// A steep saw: the smallest second differences are below this part of what white
 /// noise would give.
 const SAW: f32 = 0.06;
+/// A smooth swing: the same for the fourth difference.
+const SWING: f32 = 0.5;
 /// Most noise of slips, parts of their usual fall in a sample: with more of it none could
 /// be told from noise.
 const SLIP: f32 = 1.0 / 12.0;
@@ -99,8 +101,6 @@ const SLIP: f32 = 1.0 / 12.0;
 /// guide cannot tell the range of the noise from a slip: the caution does.
 const BENT: f32 = 0.3;
 const CAUTION: f32 = 3.0;
-/// A smooth swing: the same for the fourth difference.
-const SWING: f32 = 0.5;
 
 impl Noise {
     /// Nothing known.

@@ -99,7 +99,6 @@ fn time(found: &Inspection) -> String {
     let columns: Vec<String> = found.time_columns.iter().map(|&at| column(found, at)).collect();
     let start = found.start.as_ref().map(|start| format!(", from {start}")).unwrap_or_default();
     if found.samples < 2 {
-        let columns: Vec<String> = found.time_columns.iter().map(|&at| column(found, at)).collect();
         return format!("{}, {unit}; one sample, which tells no rate", columns.join(" and "));
     }
     let shared = if found.shared_stamps { ", several samples share a stamp" } else { "" };

@@ -4,7 +4,7 @@ use crate::error::InputError;
 
 use super::cells::texts;
 use super::header::{Content, IN_A_ROW, Kind, SEPARATORS, are_known, comment, kind};
-use super::lines::MAX_LINE;
+use super::lines::{MAX_LINE, too_long};
 
 /// Names in the comment right above the rows, as numpy and MATLAB's users write them.
 pub fn commented_names(
@@ -50,16 +50,14 @@ pub fn refuse_no_table(
         return refuse_quoted_lines(lines);
     }
     let whole = head.len() < MAX_LINE - LONGEST_END;
-    Err(InputError::new(match (whole, head.contains(&end)) {
-        (true, _) => "ends before its header does".to_string(),
-        (false, true) => {
-            format!("the first {} KiB hold no table: shorten what is above it", MAX_LINE / 1024)
-        }
-        (false, false) => format!(
-            "line 1: longer than {} KiB, as no line of a text log is: shorten it, or take it out",
+    Err(match (whole, head.contains(&end)) {
+        (true, _) => InputError::new("ends before its header does"),
+        (false, true) => InputError::new(format!(
+            "the first {} KiB hold no table: shorten what is above it",
             MAX_LINE / 1024
-        ),
-    }))
+        )),
+        (false, false) => too_long(1),
+    })
 }
 
 /// Refuses lines that are in quotes as a whole.

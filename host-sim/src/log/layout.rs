@@ -1,6 +1,7 @@
 //! Where a row of a text log has its cells, and what they say.
 
 use crate::error::{InputError, excerpt};
+use crate::rounding::counted;
 
 use super::cells::Cells;
 use super::number::{Decimal, Unit, finite, is_grouped, number, reading, reading_of};
@@ -106,9 +107,8 @@ impl Layout {
         }
         let width = *self.width.get_or_insert(cells.len());
         if cells.len() != width {
-            let count = cells.len();
-            let cells = if count == 1 { "cell" } else { "cells" };
-            return Err(InputError::new(format!("{count} {cells} instead of {width}; {CORRECT}")));
+            let cells = counted(cells.len() as u64, "cell");
+            return Err(InputError::new(format!("{cells} instead of {width}; {CORRECT}")));
         }
         let force = cells.get(line, self.force).unwrap_or_default();
         if !ended && force.is_empty() {

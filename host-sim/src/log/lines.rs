@@ -87,7 +87,7 @@ impl Lines {
             }
             searched = self.end - self.start;
             if searched > MAX_LINE {
-                return Err(self.too_long());
+                return Err(too_long(self.number + 1));
             }
             if !self.refill()? {
                 break (searched, false);
@@ -97,7 +97,7 @@ impl Lines {
             return Ok(None);
         }
         if length > MAX_LINE {
-            return Err(self.too_long());
+            return Err(too_long(self.number + 1));
         }
         let begin = self.start;
         self.start += length + usize::from(ended);
@@ -125,14 +125,6 @@ impl Lines {
         self.buffer.get(self.start..self.end).unwrap_or_default()
     }
 
-    fn too_long(&self) -> InputError {
-        InputError::new(format!(
-            "line {}: longer than {} KiB, as no line of a text log is: shorten it, or take it out",
-            self.number + 1,
-            MAX_LINE / 1024
-        ))
-    }
-
     /// Reads more behind what is unread; false at the end of the stream.
     fn refill(&mut self) -> Result<bool, InputError> {
         if self.exhausted {
@@ -152,6 +144,14 @@ impl Lines {
         self.end += count;
         Ok(count > 0)
     }
+}
+
+/// The error for a line that does not end within [`MAX_LINE`].
+pub(super) fn too_long(number: u64) -> InputError {
+    InputError::new(format!(
+        "line {number}: longer than {} KiB, as no line of a text log is: shorten it, or take it out",
+        MAX_LINE / 1024
+    ))
 }
 
 #[cfg(test)]

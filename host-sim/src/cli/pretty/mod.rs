@@ -2,30 +2,21 @@
 //! but line breaks and the names of fields: they are written at once, and a name that stands in
 //! the program is not searched for what JSON has to escape.
 
+mod items;
+
 use std::fmt;
 use std::io::{self, Write};
 
 use serde::ser::{self, Impossible, Serialize, Serializer};
 use serde_json::Serializer as Plain;
 
-/// What comes before a value, and room for the indentation.
-const LINE: &[u8] = b",\n                        ";
-const INDENT: &[u8] = b"  ";
+use self::items::Items;
 
 /// Writes one value.
 #[derive(Debug)]
 pub struct Pretty<'a, W> {
     out: &'a mut W,
     depth: usize,
-}
-
-/// Writes what is between two brackets.
-#[derive(Debug)]
-pub struct Items<'a, W> {
-    out: &'a mut W,
-    depth: usize,
-    is_empty: bool,
-    bracket: u8,
 }
 
 /// Writing failed, with the cause as it was.
@@ -69,36 +60,7 @@ impl<'a, W: Write> Pretty<'a, W> {
     fn open(self, brackets: [u8; 2]) -> Result<Items<'a, W>, Failure> {
         let [bracket, close] = brackets;
         self.out.write_all(&[bracket])?;
-        Ok(Items { out: self.out, depth: self.depth + 1, is_empty: true, bracket: close })
-    }
-}
-
-impl<W: Write> Items<'_, W> {
-    fn begin_line(&mut self) -> io::Result<()> {
-        let comma = usize::from(std::mem::take(&mut self.is_empty));
-        if let Some(line) = LINE.get(comma..2 + INDENT.len() * self.depth) {
-            return self.out.write_all(line);
-        }
-        self.out.write_all(LINE.get(comma..2).unwrap_or_default())?;
-        (0..self.depth).try_for_each(|_| self.out.write_all(INDENT))
-    }
-
-    fn value<T: Serialize + ?Sized>(&mut self, value: &T) -> Done {
-        value.serialize(Pretty { out: &mut *self.out, depth: self.depth })
-    }
-
-    fn item<T: Serialize + ?Sized>(&mut self, value: &T) -> Done {
-        self.begin_line()?;
-        self.value(value)
-    }
-
-    fn close(mut self) -> Done {
-        self.depth -= 1;
-        if !self.is_empty {
-            self.is_empty = true;
-            self.begin_line()?;
-        }
-        Ok(self.out.write_all(&[self.bracket])?)
+        Ok(Items::new(self.out, self.depth + 1, close))
     }
 }
 
@@ -212,65 +174,6 @@ impl<'a, W: Write> Serializer for Pretty<'a, W> {
         _: usize,
     ) -> Result<Self::SerializeStructVariant, Failure> {
         Err(ser::Error::custom(name))
-    }
-}
-
-macro_rules! items {
-    ($($kind:ident::$method:ident;)*) => {
-        $(impl<W: Write> ser::$kind for Items<'_, W> {
-            type Ok = ();
-            type Error = Failure;
-
-            fn $method<T: Serialize + ?Sized>(&mut self, value: &T) -> Done {
-                self.item(value)
-            }
-
-            fn end(self) -> Done {
-                self.close()
-            }
-        })*
-    };
-}
-
-items! {
-    SerializeSeq::serialize_element;
-    SerializeTuple::serialize_element;
-    SerializeTupleStruct::serialize_field;
-}
-
-impl<W: Write> ser::SerializeMap for Items<'_, W> {
-    type Ok = ();
-    type Error = Failure;
-
-    /// A text.
-    fn serialize_key<T: Serialize + ?Sized>(&mut self, key: &T) -> Done {
-        self.item(key)
-    }
-
-    fn serialize_value<T: Serialize + ?Sized>(&mut self, value: &T) -> Done {
-        self.out.write_all(b": ")?;
-        self.value(value)
-    }
-
-    fn end(self) -> Done {
-        self.close()
-    }
-}
-
-impl<W: Write> ser::SerializeStruct for Items<'_, W> {
-    type Ok = ();
-    type Error = Failure;
-
-    fn serialize_field<T: Serialize + ?Sized>(&mut self, key: &'static str, value: &T) -> Done {
-        self.begin_line()?;
-        self.out.write_all(b"\"")?;
-        self.out.write_all(key.as_bytes())?;
-        self.out.write_all(b"\": ")?;
-        self.value(value)
-    }
-
-    fn end(self) -> Done {
-        self.close()
     }
 }
 
