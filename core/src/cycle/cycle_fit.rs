@@ -119,7 +119,8 @@ impl CycleFit {
     }
 
     /// What there is when no time is left: what was measured, or no fit. An onset whose places
-    /// were not all looked at may be anywhere, unless samples enough lie in the slip.
+    /// were not looked at as far as it is likely may be anywhere, unless samples enough lie in the
+    /// slip.
     pub(crate) fn cut(&mut self, learnt: &mut Expectations) -> Outcome {
         for _ in 0..LEFT * self.iterations_of(1, 4) {
             if matches!(self.stage, Stage::Places(..) | Stage::Telling(..)) {
@@ -133,12 +134,15 @@ impl CycleFit {
         let data = learnt.data(&self.pending, &self.after, noise_n2);
         let (fit, posterior, strain) = match self.stage {
             Stage::Telling(fit, posterior, strain) => (fit, posterior, strain),
-            Stage::Places(_, fit, strain) => {
-                let mut at = Posterior::at(&fit, noise_n2);
-                if self.pending.fall() < TELLING {
-                    at.begin_anywhere();
-                }
-                (fit, at, strain)
+            Stage::Places(ref places, fit, strain) => {
+                let anywhere = || {
+                    let mut at = Posterior::at(&fit, noise_n2);
+                    if self.pending.fall() < TELLING {
+                        at.begin_anywhere();
+                    }
+                    at
+                };
+                (fit, places.so_far(&fit, noise_n2).unwrap_or_else(anywhere), strain)
             }
             Stage::New | Stage::Free(_) | Stage::Expected(_) => {
                 return Outcome::Failed(Reason::TooShort);

@@ -80,6 +80,7 @@ pub struct CycleTracker {
 impl CycleTracker {
     /// Before the first event.
     #[must_use]
+    #[inline(never)]
     pub fn new(site: Site) -> Self {
         Self {
             site,

@@ -47,6 +47,8 @@ pub struct OverOnset {
     place: i16,
     from: CycleParams,
     fitting: Option<Fitting>,
+    /// The newest place is one that the samples rule out.
+    is_beyond: bool,
 }
 
 impl OverOnset {
@@ -57,7 +59,7 @@ impl OverOnset {
         let slide = best.cycle.slide_time();
         let fine = if slide < RESOLVED { FINE } else { 1 };
         let (sums, place, from) = (Sums::default(), 0, best.cycle);
-        (slide < least).then_some(Self { sums, fine, place, from, fitting: None })
+        (slide < least).then_some(Self { sums, fine, place, from, fitting: None, is_beyond: false })
     }
 
     /// One iteration; breaks with the result after the last place.
@@ -74,6 +76,11 @@ impl OverOnset {
         };
         self.fitting = None;
         self.take(data, best, fit, noise_n2)
+    }
+
+    /// What the places so far tell, if those on either side of them are beyond all that is likely.
+    pub fn so_far(&self, best: &Fit, noise_n2: f32) -> Option<Posterior> {
+        (self.place < -1 && self.is_beyond).then(|| self.sums.posterior(best, noise_n2))
     }
 
     /// Takes the fit of one place.
@@ -94,7 +101,8 @@ impl OverOnset {
                 data.onset.weight * (onset - data.onset.mean) * (onset - data.onset.mean);
             let cost = fit.cost() + expected - best.cost();
             let likelihood = math::exp(-0.5 * cost / noise_n2);
-            ends = likelihood < UNLIKELY && self.fine == 1;
+            self.is_beyond = likelihood < UNLIKELY;
+            ends = self.is_beyond && self.fine == 1;
             self.sums.add(width * likelihood, &Posterior::at(fit, noise_n2), best);
         }
         let Some(next) = following(self.place, STEPS + self.fine - 1, ends) else {
@@ -155,6 +163,7 @@ impl Sums {
         }
     }
 
+    #[inline(never)]
     fn posterior(&self, best: &Fit, noise_n2: f32) -> Posterior {
         if self.weight <= 0.0 {
             return Posterior::at(best, noise_n2);

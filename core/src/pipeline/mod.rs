@@ -109,6 +109,7 @@ impl Pipeline {
     ///
     /// # Errors
     /// A configuration value out of its range.
+    #[inline(never)]
     pub fn new(config: &Config) -> Result<Self, ConfigError> {
         config.validate()?;
         let decimator = Decimator::new(config.rate_hz);

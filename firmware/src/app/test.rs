@@ -67,7 +67,10 @@ impl<P: Read + ReadReady + Write, S: Store> App<'_, P, S> {
     // On its own: while it is made, a good part of it is on the stack.
     #[inline(never)]
     pub(super) fn make_pipeline(&mut self) -> Result<(), &'static str> {
-        *self.pipeline = Some(Pipeline::new(&self.settings.core_config()).map_err(config_error)?);
+        match Pipeline::new(&self.settings.core_config()) {
+            Ok(pipeline) => *self.pipeline = Some(pipeline),
+            Err(error) => return Err(config_error(error)),
+        }
         Ok(())
     }
 
