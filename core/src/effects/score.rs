@@ -9,7 +9,7 @@
 
 use crate::fit::{Alone, Data};
 use crate::model::Shape;
-use crate::num::math;
+use crate::num::math::{self, larger};
 use crate::stats::normal_equations::{Gradient, dot};
 
 /// Information that is left when the unknowns are free, of the whole: less is rounding.
@@ -113,6 +113,13 @@ impl ScoreSum {
     /// Its variance; scores that scatter by more than the noise tell so much less.
     pub(crate) fn variance(&self) -> f32 {
         (self.surprise / (self.count - 1.0)).max(1.0) / self.information
+    }
+
+    /// Variance that is left of what was possible beforehand: all of it with the first event, none
+    /// from the fourth on.
+    pub(crate) fn untold(&self, before: f32) -> f32 {
+        const TELLING: f32 = 2.5;
+        before * before * larger(1.0 - (self.count - 1.0) / TELLING, 0.0)
     }
 
     /// Do enough events tell it?
