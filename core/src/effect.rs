@@ -76,6 +76,11 @@ impl Effect {
         Self::ALL.into_iter().find(|effect| effect.name() == name)
     }
 
+    /// Room for what it keeps: one where it is compiled in, none where it is not.
+    pub(crate) const fn room(self) -> usize {
+        (Effects::COMPILED.0 >> self as u8 & 1) as usize
+    }
+
     const fn bit(self) -> u32 {
         1 << self as u8
     }
@@ -84,6 +89,34 @@ impl Effect {
 impl fmt::Display for Effect {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(self.name())
+    }
+}
+
+/// What an effect keeps from sample to sample, or from event to event: nothing, in no bytes, where
+/// the effect is not compiled in. `ROOM` is its [`Effect::room`].
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Kept<T, const ROOM: usize>([T; ROOM]);
+
+impl<T, const ROOM: usize> Kept<T, ROOM> {
+    /// What is there, if there is room.
+    pub(crate) fn get(&self) -> Option<&T> {
+        self.0.first()
+    }
+
+    /// The answer to a question, or the default where there is nobody to ask.
+    pub(crate) fn ask<R: Default>(&self, question: impl FnOnce(&T) -> R) -> R {
+        self.get().map_or_else(R::default, question)
+    }
+
+    /// The same of a question that teaches something.
+    pub(crate) fn tell<R: Default>(&mut self, question: impl FnOnce(&mut T) -> R) -> R {
+        self.0.first_mut().map_or_else(R::default, question)
+    }
+}
+
+impl<T: Default, const ROOM: usize> Default for Kept<T, ROOM> {
+    fn default() -> Self {
+        Self(core::array::from_fn(|_| T::default()))
     }
 }
 
@@ -144,7 +177,7 @@ impl Effects {
     #[must_use]
     #[inline]
     pub const fn has(self, effect: Effect) -> bool {
-        Self::COMPILED.0 & effect.bit() != 0 && self.0 & effect.bit() != 0
+        effect.room() > 0 && self.0 & effect.bit() != 0
     }
 }
 
@@ -184,6 +217,19 @@ pub struct Finding {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_is_left_out_keeps_nothing_and_answers_the_default() {
+        let (mut some, mut none) = (Kept::<u32, 1>::default(), Kept::<u32, 0>::default());
+        let add = |sum: &mut u32| {
+            *sum += 7;
+            *sum
+        };
+        assert_eq!((some.tell(add), none.tell(add)), (7, 0));
+        assert_eq!((some.ask(|sum| 2 * sum), none.ask(|sum| 2 * sum)), (14, 0));
+        assert_eq!((some.get(), none.get()), (Some(&7), None));
+        assert_eq!((size_of_val(&some), size_of_val(&none)), (4, 0));
+    }
 
     #[test]
     fn names_and_bits_are_those_of_one_effect_each() {

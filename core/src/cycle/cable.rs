@@ -3,6 +3,7 @@
 use crate::cycle::CycleTracker;
 use crate::cycle::slip_record::SlipRecord;
 use crate::effect::Effect;
+use crate::effects::corner::CornerEstimator;
 use crate::effects::sag::Rest;
 use crate::fit::posterior::Posterior;
 use crate::model::{CycleParams, Shape};
@@ -23,21 +24,22 @@ impl CycleTracker {
             return;
         };
         let to = SampleTime::after(pending.origin, cycle.onset);
-        self.learnt.sag.learn(&Rest {
+        let rest = Rest {
             time: to.periods_since(from),
             from_n,
             // Where the line goes on to: what creep takes from it is not the cable's.
-            to_n: cycle.static_n + self.learnt.corner.missing_n(),
+            to_n: cycle.static_n + self.learnt.corner.ask(CornerEstimator::missing_n),
             rate,
             rate_variance,
             rate_at_n: pending.before.level_n,
-        });
+        };
+        self.learnt.sag.tell(|sag| sag.learn(&rest));
     }
 
     /// How far the cable takes `Fp` below the middle of `Fs` and `Fe`, N, and its variance. A
     /// line that is not straight tells nothing of a cable that gets stiffer by sliding.
     pub(super) fn shift(&self, pending: &SlipRecord, cycle: &CycleParams) -> (f32, f32) {
-        let (sag_n, sag_n2) = self.learnt.sag.shift(cycle);
+        let (sag_n, sag_n2) = self.learnt.sag.ask(|sag| sag.shift(cycle));
         if sag_n <= 0.0 && pending.wander.is_quick() {
             // A quick swing bends no rest: it says nothing of a sag that only may be.
             return (0.0, 0.0);

@@ -4,9 +4,8 @@ use crate::coefficient::Coefficient;
 use crate::cycle::expectations::{Expectations, is_clear};
 use crate::cycle::slip_record::SlipRecord;
 use crate::cycle::{CycleTracker, Finished};
-use crate::effect::Effect;
-use crate::effects::corner::CornerEstimator;
-use crate::effects::level_shift::{Cause, Change};
+use crate::effect::{Effect, Kept};
+use crate::effects::level_shift::{Cause, Change, Levels};
 use crate::effects::mass_change::Verdict;
 use crate::event::{Event, Reason};
 use crate::fit::posterior::Posterior;
@@ -38,7 +37,7 @@ impl Expectations {
             self.misfits = 0;
             [self.rate, self.rate_change] = [FadingTrend::default(); 2];
             self.mass.forget_all();
-            self.corner = CornerEstimator::default();
+            self.corner = Kept::default();
         }
     }
 }
@@ -83,7 +82,8 @@ impl CycleTracker {
                 let CycleParams { static_n, .. } = posterior.cycle;
                 let dynamic_n = posterior.cycle.dynamic_n();
                 let follows = self.site.effects.has(Effect::Level);
-                let shift = follows.then(|| self.levels.take(static_n, dynamic_n))??;
+                let shift = follows
+                    .then(|| self.levels.tell(|levels| levels.take(static_n, dynamic_n)))??;
                 let first = (event.index.saturating_sub(shift.events_ago), event.onset);
                 let watches = self.site.effects.has(Effect::Mass);
                 if watches && is_clear(posterior) && self.learnt.mass.doubt(shift.dynamic_before_n)
@@ -97,7 +97,7 @@ impl CycleTracker {
             Verdict::SameMass => (Cause::Friction, suspect.unwrap_or(here)),
             Verdict::Unknown => (Cause::Unknown, suspect.unwrap_or(here)),
         };
-        self.levels.forget();
+        self.levels.tell(Levels::forget);
         let (weight_ratio, relative) = self.learnt.mass.weight_ratio();
         let weight_ratio_std = relative * weight_ratio;
         Some(Change { event: first, onset, cause, weight_ratio, weight_ratio_std })

@@ -6,7 +6,7 @@ use core::ops::ControlFlow;
 use crate::cycle::expectations::{Expectations, is_clear, is_strained, own_residuals};
 use crate::cycle::refusal::SURE;
 use crate::cycle::slip_record::SlipRecord;
-use crate::effects::corner::CornerEstimator;
+use crate::effect::Kept;
 use crate::effects::mass_change::Verdict;
 use crate::event::Reason;
 use crate::fit::over_onset::OverOnset;
@@ -197,7 +197,7 @@ impl CycleFit {
         let holds = |fit: &Fit| fit.converged && pending.holds(&fit.cycle);
         let Some(mut fit) = fit.filter(holds) else {
             // Corners that are not there may be why.
-            learnt.corner = CornerEstimator::default();
+            learnt.corner = Kept::default();
             learnt.contradict();
             return ControlFlow::Break(Outcome::Failed(Reason::NoFit));
         };

@@ -1,7 +1,7 @@
 //! What the events of a test have told so far, as expectations for the next one.
 
 use crate::cycle::slip_record::SlipRecord;
-use crate::effect::{Effect, Effects, Parameter};
+use crate::effect::{Effect, Effects, Kept, Parameter};
 use crate::effects::corner::CornerEstimator;
 use crate::effects::damping::Damping;
 use crate::effects::mass_change::{Mass, Told, Verdict};
@@ -25,14 +25,14 @@ pub(crate) struct Expectations {
     pub(crate) rate: FadingTrend,
     pub(crate) mass: Mass,
     pub(super) rate_change: FadingTrend,
-    pub(crate) corner: CornerEstimator,
-    pub(crate) sag: Sag,
+    pub(crate) corner: Kept<CornerEstimator, { Effect::Corner.room() }>,
+    pub(crate) sag: Kept<Sag, { Effect::Sag.room() }>,
     /// Loading rate as the newest event alone tells it, and its variance.
     pub(crate) own_rate: Option<(f32, f32)>,
     pub(crate) residuals: Residuals,
     pub(crate) slip: SlipScatter,
-    pub(crate) damping: Damping,
-    pub(crate) onset: Onset,
+    pub(crate) damping: Kept<Damping, { Effect::Damping.room() }>,
+    pub(crate) onset: Kept<Onset, { Effect::Onset.room() }>,
     /// Events in a row that did not fit.
     pub(super) misfits: u8,
     /// The residuals are those of weighted samples.
@@ -121,7 +121,7 @@ impl Expectations {
                 .bend_prior(rough.rate, has_lines, noise_n2)
                 .loosened(4.0 * pending.wander.slope),
             onset: rough.onset(noise_n2),
-            corner: self.corner.expected(rate.mean, inverse_omega.mean),
+            corner: self.corner.ask(|corner| corner.expected(rate.mean, inverse_omega.mean)),
         }
     }
 
@@ -193,7 +193,7 @@ impl Expectations {
             *posterior;
         self.rate.forget();
         self.rate_change.forget();
-        self.sag.forget();
+        self.sag.tell(Sag::forget);
         if posterior.is_resolved() {
             self.mass.forget();
         }
@@ -243,8 +243,11 @@ impl Expectations {
     pub(crate) fn creep_periods(&self) -> f32 {
         const PART: f32 = 0.2;
         let known = self.rate.mean().zip(self.residuals.variance_n2());
-        known
-            .map_or(0.0, |(rate, noise_n2)| self.corner.creep_n(PART * math::sqrt(noise_n2)) / rate)
+        let creep = |(rate, noise_n2)| {
+            let least_n = PART * math::sqrt(noise_n2);
+            self.corner.ask(|corner| corner.creep_n(least_n)) / rate
+        };
+        known.map_or(0.0, creep)
     }
 
     /// Is the loading rate what it was, as far as winches turn steadily?

@@ -27,6 +27,7 @@ use crate::cycle::cycle_fit::CycleFit;
 use crate::cycle::expectations::Expectations;
 use crate::cycle::slip_record::{SlipRecord, UNSURE};
 use crate::detector::{Detector, Stick};
+use crate::effect::{Effect, Kept};
 use crate::effects::level_shift::{Change, Levels};
 use crate::event::{Event, Reason};
 use crate::model::CycleParams;
@@ -64,7 +65,7 @@ pub struct CycleTracker {
     finishing: Option<CycleFit>,
     /// First answer on the slip that has just ended, and the index of its time zero.
     early: Option<(u64, CycleParams)>,
-    levels: Levels,
+    levels: Kept<Levels, { Effect::Level.room() }>,
     /// The first event after what may be a change.
     suspect: Option<(u32, SampleTime)>,
     /// Stop of the last event, and when its cable began to load.
@@ -88,7 +89,7 @@ impl CycleTracker {
             pending: None,
             finishing: None,
             early: None,
-            levels: Levels::default(),
+            levels: Kept::default(),
             suspect: None,
             last_stop: None,
             last_load: None,

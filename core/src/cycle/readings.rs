@@ -4,6 +4,9 @@ use crate::coefficient::Site;
 use crate::cycle::CycleTracker;
 use crate::cycle::expectations::Expectations;
 use crate::effect::{Effect, Parameter};
+use crate::effects::damping::Damping;
+use crate::effects::onset::Onset;
+use crate::effects::sag::Sag;
 use crate::num::math;
 use crate::stats::quantity::Quantity;
 
@@ -39,10 +42,10 @@ impl CycleTracker {
     #[must_use]
     pub fn parameters(&self, effect: Effect) -> [Option<Parameter>; 2] {
         match effect {
-            Effect::Corner => self.learnt.corner.parameters(self.site.rate_hz),
-            Effect::Damping => [self.learnt.damping.parameter(), None],
-            Effect::Onset => [self.learnt.onset.parameter(), None],
-            Effect::Sag => [self.learnt.sag.parameter(), None],
+            Effect::Corner => self.learnt.corner.ask(|corner| corner.parameters(self.site.rate_hz)),
+            Effect::Damping => [self.learnt.damping.ask(Damping::parameter), None],
+            Effect::Onset => [self.learnt.onset.ask(Onset::parameter), None],
+            Effect::Sag => [self.learnt.sag.ask(Sag::parameter), None],
             Effect::Stiffening => [self.learnt.stiffening(), None],
             Effect::Mass => {
                 let (value, relative) = self.learnt.mass.weight_ratio();
@@ -69,7 +72,7 @@ impl CycleTracker {
     /// Standard deviation of the damping ratio where it is stated to be so much.
     #[must_use]
     pub fn damping_std(&self, stated: f32) -> f32 {
-        self.learnt.damping.std(stated)
+        self.learnt.damping.get().map_or(stated, |damping| damping.std(stated))
     }
 
     /// Weight in use over the given one, and its relative standard deviation.

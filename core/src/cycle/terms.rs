@@ -16,8 +16,9 @@ impl Expectations {
         if !self.effects.has(Effect::Corner) {
             return Correction { static_n2: onset_n2, ..Correction::default() };
         }
-        let other_n2 = self.onset.largest_n2(fit.cycle.half_drop_n);
-        let mut effect = self.corner.learn(data, fit, &alone, noise_n2, other_n2);
+        let other_n2 = self.onset.ask(|onset| onset.largest_n2(fit.cycle.half_drop_n));
+        let mut effect =
+            self.corner.tell(|corner| corner.learn(data, fit, &alone, noise_n2, other_n2));
         effect.static_n2 += onset_n2;
         let [_, rate, _, _, inverse_omega, rate_change] = effect.moved;
         self.rate.translate(rate);
@@ -39,12 +40,14 @@ impl Expectations {
             [losses_n(since_onset, gradient), onset::term_n(&shape, since_onset)]
         });
         if asks_losses {
-            self.damping.0.learn(&losses, noise_n2);
+            self.damping.tell(|damping| damping.0.learn(&losses, noise_n2));
         }
         if !asks_onset {
             return 0.0;
         }
-        self.onset.0.learn(&smooth, noise_n2);
-        self.onset.static_n2(&smooth)
+        self.onset.tell(|onset| {
+            onset.0.learn(&smooth, noise_n2);
+            onset.static_n2(&smooth)
+        })
     }
 }

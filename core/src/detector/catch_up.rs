@@ -2,7 +2,7 @@
 //! to be far less than was thought, the whole window is looked at again, a few samples a step.
 
 use crate::detector::{Detector, Transition};
-use crate::noise::ripple::Ripple;
+use crate::effect::Kept;
 use crate::num::math::larger;
 use crate::sample::{ForcePoint, Phase};
 
@@ -44,7 +44,7 @@ impl Detector {
         let Some(std) = self.std_n.filter(|_| undecided) else { return };
         if std < LESS_NOISE * self.judged_with_n {
             self.judged_with_n = std;
-            self.ripple = Ripple::default();
+            self.ripple = Kept::default();
             self.next = 0;
             self.phase = Phase::Unknown;
         } else {

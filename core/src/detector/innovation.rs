@@ -28,7 +28,7 @@ impl Detector {
 
     /// Variance of a resting block's sample over that of a late one.
     pub(super) fn variance(&self, index: u64) -> f32 {
-        self.profile.variance(since(self.stick.origin, index))
+        self.profile.get().map_or(1.0, |it| it.variance(since(self.stick.origin, index)))
     }
 
     /// Does the stick line describe the force, or does the block never rest long

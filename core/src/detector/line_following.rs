@@ -4,7 +4,8 @@
 use crate::detector::onset::OFF_LINE;
 use crate::detector::stick_line::Stick;
 use crate::detector::{Detector, slack_wait};
-use crate::effect::Effect;
+use crate::effect::{Effect, Kept};
+use crate::noise::flop::FlopProfile;
 use crate::noise::ripple::Ripple;
 use crate::num::math::larger;
 use crate::sample::ForcePoint;
@@ -39,8 +40,9 @@ impl Detector {
     /// that strays from them had that in it.
     pub(super) fn look_at_line_end(&mut self) {
         const KEPT: f32 = 0.1;
-        if self.ripple.newest().is_some_and(|innovation| self.line_end.take(innovation)) {
-            self.ripple.fade(KEPT);
+        let newest = self.ripple.ask(Ripple::newest);
+        if newest.is_some_and(|innovation| self.line_end.take(innovation)) {
+            self.ripple.tell(|ripple| ripple.fade(KEPT));
         }
     }
 
@@ -81,7 +83,7 @@ impl Detector {
                 return self.strike(sample.index, relative);
             }
             if self.effects.has(Effect::Ripple) {
-                self.ripple.add(relative, weight);
+                self.ripple.tell(|ripple| ripple.add(relative, weight));
             }
         }
         self.stick.strikes = 0;
@@ -104,7 +106,7 @@ impl Detector {
         stick.next = start;
         stick.start_line(start);
         // A cable that flops leaves the line as well.
-        stick.broken = self.profile.is_flat();
+        stick.broken = self.profile.get().is_none_or(FlopProfile::is_flat);
         // What was higher before, a spike perhaps, is not of this line.
         stick.highest = ForcePoint { index: start, force_n: f32::NEG_INFINITY };
         for past in start..=self.last.index {
@@ -130,15 +132,20 @@ impl Detector {
     /// Takes the stick line so far into the profile.
     pub(super) fn learn_profile(&mut self) {
         let (Stick { origin, next, .. }, window) = (self.stick, &self.window);
-        let was_flat = self.profile.is_flat();
-        let looks = self.effects.has(Effect::Flop);
-        if !looks || window.first_from(origin) != origin || !self.profile.is_due() {
+        if !self.effects.has(Effect::Flop) || window.first_from(origin) != origin {
             return;
         }
-        self.profile.learn((origin..next).map(|index| window.get(index)));
-        if was_flat && !self.profile.is_flat() {
+        let begins = self.profile.tell(|profile| {
+            if !profile.is_due() {
+                return false;
+            }
+            let was_flat = profile.is_flat();
+            profile.learn((origin..next).map(|index| window.get(index)));
+            was_flat && !profile.is_flat()
+        });
+        if begins {
             // What the innovations told had the swing in it.
-            self.ripple = Ripple::default();
+            self.ripple = Kept::default();
         }
     }
 }

@@ -45,7 +45,7 @@ use crate::detector::line_end::LineEnd;
 use crate::detector::line_following::{PROFILE, line_delay, whole};
 use crate::detector::slack_wait::SlackWait;
 use crate::detector::stick_line::LINE_POINTS;
-use crate::effect::Effects;
+use crate::effect::{Effect, Effects, Kept};
 use crate::noise::flop::FlopProfile;
 use crate::noise::ripple::Ripple;
 use crate::noise::scale::Noise;
@@ -87,8 +87,8 @@ pub struct Detector {
     /// The noise's standard deviations at the newest sample, N.
     std_n: Option<f32>,
     line_std_n: Option<f32>,
-    ripple: Ripple,
-    profile: FlopProfile,
+    ripple: Kept<Ripple, { Effect::Ripple.room() }>,
+    profile: Kept<FlopProfile, { Effect::Flop.room() }>,
     phase: Phase,
     stick: Stick,
     ended: Stick,
@@ -132,8 +132,8 @@ impl Detector {
             noise: Noise::new(),
             std_n: None,
             line_std_n: None,
-            ripple: Ripple::default(),
-            profile: FlopProfile::default(),
+            ripple: Kept::default(),
+            profile: Kept::default(),
             phase: Phase::Unknown,
             stick: Stick::default(),
             ended: Stick::default(),
@@ -235,7 +235,7 @@ impl Detector {
         let low = if wait.is_some() { self.first_low(peak.index) } else { self.lowest };
         if self.usual_drop_n <= 0.0 && !self.line_fits() {
             // What strayed from the first line may be the line's own bend.
-            self.ripple = Ripple::default();
+            self.ripple = Kept::default();
         }
         self.update_usual(drop, (low.index - peak.index) as f32);
         // Only now is it known how late the first slip was seen.
@@ -265,7 +265,7 @@ impl Detector {
         if self.stick.next < self.stick.origin + PROFILE {
             self.learn_profile();
         }
-        self.ripple.interrupt();
+        self.ripple.tell(Ripple::interrupt);
         self.ended = self.stick;
         if !self.line_fits() {
             self.ended.forget_line();

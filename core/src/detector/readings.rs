@@ -2,7 +2,7 @@
 
 use crate::detector::{Detector, Stick};
 use crate::effect::Effect;
-use crate::noise::ripple::ColoredNoise;
+use crate::noise::ripple::{ColoredNoise, Ripple};
 use crate::sample::{ForcePoint, Phase, since};
 use crate::signal::window::Window;
 
@@ -52,13 +52,14 @@ impl Detector {
     /// How the force strays from a straight stick line, beside the noise.
     #[must_use]
     pub fn wander(&self) -> ColoredNoise {
-        self.ripple.wander()
+        self.ripple.get().map_or(ColoredNoise::NONE, Ripple::wander)
     }
 
     /// Weight of the samples between the lowest one and the newest, all of them together.
     #[must_use]
     pub fn rest_weight(&self) -> f32 {
-        self.profile.weight(-0.5 * since(self.lowest.index, self.last.index))
+        let age = -0.5 * since(self.lowest.index, self.last.index);
+        self.profile.get().map_or(1.0, |profile| profile.weight(age))
     }
 
     /// Usual drop of a slip, N; zero before the first.
@@ -71,7 +72,7 @@ impl Detector {
     #[must_use]
     pub fn shows(&self, effect: Effect) -> bool {
         match effect {
-            Effect::Flop => !self.profile.is_flat(),
+            Effect::Flop => self.profile.ask(|profile| !profile.is_flat()),
             Effect::Ripple => self.wander().level > 0.0,
             Effect::Corner
             | Effect::Sag

@@ -4,6 +4,7 @@ use crate::budget::{Known, overshoot_n};
 use crate::coefficient::{Coefficient, Estimate};
 use crate::effect::{Effect, Finding};
 use crate::effects::level_shift::{Cause, Change};
+use crate::effects::zero_drift::Drift;
 use crate::num::math;
 use crate::pipeline::Pipeline;
 use crate::report::Report;
@@ -19,7 +20,7 @@ impl Pipeline {
         let (loading_rate, omega) = self.cycles.shared();
         let known = Known {
             weight_ratio: (self.cycles.weight_ratio().0, self.weight_std),
-            drift_n: self.cycles.force_n(self.drift.mean_std()),
+            drift_n: self.cycles.force_n(self.drift.ask(Drift::mean_std)),
             ..self.known()
         };
         let (mu_s, mu) = self.estimates(&known);
@@ -103,7 +104,7 @@ impl Pipeline {
             config: &self.config,
             weight_ratio: self.cycles.weight_ratio(),
             zero_n: self.config.std.zero_n(self.largest_n),
-            drift_n: self.cycles.force_n(self.drift.std()),
+            drift_n: self.cycles.force_n(self.drift.ask(Drift::std)),
             damping_std: self.cycles.damping_std(self.config.std.damping),
             overshoot_n: overshoot_n(loading_rate, omega),
         }
@@ -126,7 +127,7 @@ impl Pipeline {
 
     /// Force of the zero's drift, if it is more than the noise.
     fn zero_n(&self) -> Option<f32> {
-        let zero_n = self.cycles.force_n(self.drift.std());
+        let zero_n = self.cycles.force_n(self.drift.ask(Drift::std));
         self.noise_n().filter(|&noise_n| zero_n > noise_n).map(|_| zero_n)
     }
 

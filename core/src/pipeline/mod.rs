@@ -11,6 +11,7 @@ use crate::coefficient::Site;
 use crate::config::{Config, ConfigError};
 use crate::cycle::CycleTracker;
 use crate::detector::{Detector, Transition};
+use crate::effect::{Effect, Kept};
 use crate::effects::level_shift::Change;
 use crate::effects::zero_drift::Drift;
 use crate::estimator::Estimator;
@@ -89,7 +90,7 @@ pub struct Pipeline {
     mu_s: Estimator,
     mu: Estimator,
     /// What the zero may have moved by.
-    drift: Drift,
+    drift: Kept<Drift, { Effect::Drift.room() }>,
     /// Largest force of the events, N.
     largest_n: f32,
     /// Relative standard deviation of the weight by changes of the block: mean over events.
@@ -134,7 +135,7 @@ impl Pipeline {
             cycles: CycleTracker::new(site),
             mu_s: Estimator::default(),
             mu: Estimator::default(),
-            drift: Drift::default(),
+            drift: Kept::default(),
             largest_n: 0.0,
             weight_std: 0.0,
             events: 0,
