@@ -218,9 +218,8 @@ impl CycleFit {
         fit.scale(excess_ratio(around_n2, free - points, now_n2));
         if counts {
             // Where the noise is not known yet, the lines have it.
-            let (before_n2, before) = (pending.before.residual(), pending.before.weight - 2.0);
-            let lines_n2 = (line_n2 + before_n2) / larger(points + larger(before, 0.0), 1.0);
-            let quiet_n2 = larger(noise_n2, lines_n2);
+            let (lines_n2, lines) = pending.line_residuals(&self.after);
+            let quiet_n2 = larger(noise_n2, lines_n2 / larger(lines, 1.0));
             let (slip, wider) = data.slip_scatter(&fit, quiet_n2);
             // A force that wanders does so in the slip as well.
             if pending.wander.level <= 0.0 {

@@ -3,7 +3,7 @@
 
 use crate::cycle::slip_record::{PI, SlipRecord};
 use crate::detector::Stick;
-use crate::num::math;
+use crate::num::math::{self, larger};
 use crate::sample::{ForcePoint, since};
 use crate::signal::window::Window;
 use crate::stats::line::Line;
@@ -95,10 +95,14 @@ impl SlipRecord {
     /// detector's.
     pub(crate) fn line_noise_n2(&self, after: &Line) -> f32 {
         const BRIEF: f32 = 8.0;
-        let free = |line: &Line| (line.weight - 2.0).max(0.0);
-        let (squares_n2, free) =
-            (self.before.residual() + after.residual(), free(&self.before) + free(after));
+        let (squares_n2, free) = self.line_residuals(after);
         if free < BRIEF { self.noise_n2 } else { squares_n2 / free }
+    }
+
+    /// Squared residuals about the stick lines before and after, N², and their degrees of freedom.
+    pub(crate) fn line_residuals(&self, after: &Line) -> (f32, f32) {
+        let free = |line: &Line| larger(line.weight - 2.0, 0.0);
+        (self.before.residual() + after.residual(), free(&self.before) + free(after))
     }
 
     /// What the extremes tell together with the stick line after the slip.

@@ -86,10 +86,11 @@ impl SlipRecord {
             broken: stick.broken,
             hidden: false,
             early: None,
-            slip: (since(first, peak.index), since(first, low.index)),
+            slip: (0.0, 0.0),
             limit: f32::MAX,
             refused: None,
         };
+        pending.slip = pending.extremes();
         pending.take(window, start, now);
         pending.rough.middle = pending.crossing();
         pending.rough.edges = pending.edges();
