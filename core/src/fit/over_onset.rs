@@ -82,7 +82,8 @@ impl OverOnset {
         self.take(data, best, fit, noise_n2)
     }
 
-    /// What the places so far tell, if those on either side of them are beyond all that is likely.
+    /// What the places so far tell, if all those above the best fit were looked at, and those below
+    /// it as far as they are likely.
     pub fn so_far(&self, best: &Fit, noise_n2: f32) -> Option<Posterior> {
         (self.place < -1 && self.is_beyond).then(|| self.sums.posterior(best, noise_n2))
     }

@@ -110,6 +110,7 @@ impl Pipeline {
     ///
     /// # Errors
     /// A configuration value out of its range.
+    // In one piece: field by field, where it is called, it takes some hundred bytes of flash more.
     #[inline(never)]
     pub fn new(config: &Config) -> Result<Self, ConfigError> {
         config.validate()?;

@@ -67,6 +67,7 @@ impl<P: Read + ReadReady + Write, S: Store> App<'_, P, S> {
     // On its own: while it is made, a good part of it is on the stack.
     #[inline(never)]
     pub(super) fn make_pipeline(&mut self) -> Result<(), &'static str> {
+        // Not by way of `map_err`, which copies it field by field: 400 bytes of flash.
         match Pipeline::new(&self.settings.core_config()) {
             Ok(pipeline) => *self.pipeline = Some(pipeline),
             Err(error) => return Err(config_error(error)),
