@@ -99,6 +99,8 @@ pub struct Config {
     pub rate_hz: f32,
     /// Weight of the block, N, above zero.
     pub weight_n: f32,
+    /// Mass of the block, kg, above zero, where that is not its weight over gravity: under the ice.
+    pub mass_kg: Option<f32>,
     /// Slope of the ice along the pull, rad, uphill positive, within ±1.2.
     pub slope_rad: f32,
     /// Take-up speed of the winch, m/s, if known: gives the stiffness.
@@ -119,6 +121,7 @@ impl Default for Config {
         Self {
             rate_hz: 16.0,
             weight_n: 0.0,
+            mass_kg: None,
             slope_rad: 0.0,
             winch_m_per_s: None,
             range_n: None,
@@ -135,7 +138,7 @@ impl Default for Config {
 pub enum ConfigError {
     /// `rate_hz` is not within 1 to 2000.
     Rate,
-    /// `weight_n` is not a finite number above zero.
+    /// `weight_n`, or `mass_kg`, is not a finite number above zero.
     Weight,
     /// `slope_rad` is not within ±1.2.
     Slope,
@@ -175,6 +178,7 @@ impl Config {
         let check = |ok: bool, error| if ok { Ok(()) } else { Err(error) };
         check((1.0..=2000.0).contains(&self.rate_hz), ConfigError::Rate)?;
         check(positive(self.weight_n), ConfigError::Weight)?;
+        check(self.mass_kg.is_none_or(positive), ConfigError::Weight)?;
         check((-1.2..=1.2).contains(&self.slope_rad), ConfigError::Slope)?;
         check(self.winch_m_per_s.is_none_or(positive), ConfigError::Winch)?;
         check(self.range_n.is_none_or(positive), ConfigError::Range)?;

@@ -49,7 +49,8 @@ pub enum Reason {
     /// Omega is not that of the events before: the mass may have changed, which the
     /// next event tells.
     Suspect,
-    /// Fewer than four samples from slip to slip.
+    /// Fewer than four samples from slip to slip, or a cable that the winch shows to be far stiffer
+    /// than the slips do.
     Aliased,
     /// The force does not rise again after the fall.
     NoRest,
@@ -91,7 +92,9 @@ impl fmt::Display for Reason {
             Self::TooShort => "too few samples around the slip",
             Self::NoFit => "the model does not describe the samples",
             Self::Suspect => "omega is another than before: the block may have changed",
-            Self::Aliased => "fewer than four samples from slip to slip: sample faster",
+            Self::Aliased => {
+                "too fast for the sampling: under four samples from slip to slip, or stiffnesses that contradict (weight, winch speed)"
+            }
             Self::NoRest => {
                 "the force does not rise after it: the block slid on or the winch stood"
             }

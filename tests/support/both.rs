@@ -65,6 +65,7 @@ pub fn config(scene: &Scene) -> Config {
         weight_n: scene.weight_n as f32,
         slope_rad: scene.slope_rad() as f32,
         range_n: (scene.measurement.range_n > 0.0).then_some(range_n as f32),
+        winch_m_per_s: Some(scene.winch_m_per_s as f32),
         std: InputStd::EXACT,
         ..Config::default()
     }
@@ -77,6 +78,7 @@ fn widened(config: &Config) -> wide::Config {
     wide::Config {
         rate_hz: config.rate_hz.into(),
         weight_n: config.weight_n.into(),
+        mass_kg: config.mass_kg.map(f64::from),
         slope_rad: config.slope_rad.into(),
         winch_m_per_s: config.winch_m_per_s.map(f64::from),
         range_n: config.range_n.map(f64::from),

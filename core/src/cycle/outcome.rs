@@ -6,17 +6,21 @@ use crate::cycle::{CycleTracker, Finished, refusal};
 use crate::event::{Event, Quality, Reason};
 use crate::fit::posterior::Posterior;
 use crate::model::{CycleParams, Shape};
+use crate::num::math;
 use crate::sample::SampleTime;
+use crate::stats::quantity::Quantity;
 
 impl CycleTracker {
     /// The fit has ended: gives the event, between the end of the last one and the next.
     pub(super) fn end(&mut self, outcome: Outcome) -> Option<Finished> {
         let finishing = self.finishing.take()?;
         let pending = finishing.pending;
+        let mut doubt = None;
         let (mut finished, load) = match outcome {
             Outcome::Failed(reason) => (self.without_coefficients(&pending, reason).into(), None),
             Outcome::Fitted(measured) => {
                 let (finished, load) = self.fitted(&finishing, &measured);
+                doubt = self.of_fit(&measured.posterior, pending.limit);
                 (finished, Some(load))
             }
         };
@@ -24,7 +28,7 @@ impl CycleTracker {
         let limit = SampleTime::after(pending.origin, pending.limit);
         let overlaps = event.stop > limit || self.last_stop.is_some_and(|it| it > event.onset);
         let overlaps = overlaps.then_some(Reason::NoFit).filter(|_| event.reason.is_none());
-        if let Some(reason) = refusal::of_event(event).or(overlaps) {
+        if let Some(reason) = refusal::of_event(event).or(overlaps).or(doubt) {
             finished = self.without_coefficients(&pending, reason).into();
         }
         let event = &mut finished.event;
@@ -60,6 +64,26 @@ impl CycleTracker {
             finished.event.reason = finished.event.reason.or(Some(Reason::TooShort));
         }
         (finished, SampleTime::after(pending.origin, loads))
+    }
+
+    /// Why a fitted event is not believed: what all tell, and, where the next one follows soon, what
+    /// it tells itself.
+    fn of_fit(&self, posterior: &Posterior, next: f32) -> Option<Reason> {
+        let Posterior { cycle, unknowns, .. } = posterior;
+        let (hz, site, (rate, omega)) = (self.site.rate_hz, self.site(), self.shared());
+        let folds = |(rate, omega)| refusal::is_folded(&site, &rate, &omega);
+        let is_clear = |omega: &Quantity| core::f32::consts::PI * hz > refusal::CLEAR * omega.value;
+        let mut folded = rate.zip(omega.filter(is_clear)).is_some_and(folds);
+        if next - cycle.onset < refusal::FAST {
+            let rate = Quantity { value: cycle.rate, std: math::sqrt(unknowns[1]) }.times(hz);
+            if rate.std > rate.value {
+                return Some(Reason::TooShort);
+            }
+            let std = cycle.omega * cycle.omega * math::sqrt(unknowns[4]);
+            let omega = Quantity { value: cycle.omega, std }.times(hz);
+            folded |= posterior.tells_swing() && folds((rate, omega));
+        }
+        folded.then_some(Reason::Aliased)
     }
 
     /// An event with its coefficients; omega where the slip shows it.

@@ -57,9 +57,11 @@ impl CycleTracker {
     }
 
     /// The site with the weight as far as it is known to have changed.
-    pub(super) fn site(&self) -> Site {
+    #[must_use]
+    pub fn site(&self) -> Site {
         let (ratio, _) = self.learnt.mass.weight_ratio();
-        Site { weight_n: ratio * self.site.weight_n, ..self.site }
+        let Site { weight_n, mass_kg, .. } = self.site;
+        Site { weight_n: ratio * weight_n, mass_kg: ratio * mass_kg, ..self.site }
     }
 
     /// Force of so much of a coefficient, N.

@@ -1,12 +1,13 @@
 //! Falls of the force that are no slips, and slips that the samples cannot tell: judged
 //! by what the force does before, in and after the fall, before anything is fitted.
 
-use crate::coefficient::Coefficient;
+use crate::coefficient::{Coefficient, Site};
 use crate::cycle::slip_record::SlipRecord;
 use crate::event::{Event, Reason};
 use crate::fit::rounding_n2;
 use crate::num::math;
 use crate::stats::line::Line;
+use crate::stats::quantity::Quantity;
 
 /// Fewest periods from slip to slip: two samples of a rest and two of a slip.
 const FEWEST_PERIODS: u64 = 4;
@@ -15,6 +16,13 @@ pub(super) const SURE: f32 = 4.0;
 /// Part of the rise after it below which a fall is no slip: what the first load does to a cable
 /// that was quieter before.
 const LEAST_FALL: f32 = 0.02;
+/// Periods from slip to slip beyond which what is seen of faster ones would not keep in step.
+pub(super) const FAST: f32 = 16.0;
+/// Ratio of the stiffness by the winch to that by the slip which is no error of weight, winch or
+/// model: of the scenes that can be read none comes to 1.2.
+const STIFFER: f32 = 2.0;
+/// Periods of slips whose length the samples tell whatever they fall on.
+pub(super) const CLEAR: f32 = 2.0;
 /// Periods of a fall that shows no sample between its ends.
 const INSTANT: f32 = 1.5;
 /// Most variance of an even fall about its line, variances of the noise: that one is known from few
@@ -83,6 +91,18 @@ pub(crate) fn takes_time(slip: &SlipRecord) -> bool {
 /// Do slips follow each other too fast for the sampling?
 pub(crate) fn is_aliased(earlier: u64, later: u64) -> bool {
     later.saturating_sub(earlier) < FEWEST_PERIODS
+}
+
+/// Does a cable that the winch shows to be stiff let the block slip as slowly as a soft one? Then
+/// the slips that are seen are made of single samples of many: with time stretched by a factor,
+/// `k = F'/w` falls by it, `k = ω² M` by its square. From the loading rate, N/s, and omega, rad/s.
+pub(crate) fn is_folded(site: &Site, rate: &Quantity, omega: &Quantity) -> bool {
+    let Some(winch_m_per_s) = site.winch_m_per_s else { return false };
+    let by_slip_n_per_m = omega.value * omega.value * site.mass_kg;
+    let ratio = rate.value / (winch_m_per_s * by_slip_n_per_m);
+    // Of the root, the rate counts half.
+    let unsure = math::hypotenuse(0.5 * rate.std / rate.value, omega.std / omega.value);
+    math::sqrt(ratio) * (1.0 - SURE * unsure) > math::sqrt(STIFFER)
 }
 
 /// Why a measured event is not believed.

@@ -10,9 +10,6 @@ use crate::pipeline::Pipeline;
 use crate::report::Report;
 use crate::stats::quantity::Quantity;
 
-/// Standard gravity, m/s²: turns a weight into a mass.
-const GRAVITY: f32 = crate::units::STANDARD_GRAVITY_M_PER_S2 as f32;
-
 impl Pipeline {
     /// The result so far.
     #[must_use]
@@ -112,11 +109,9 @@ impl Pipeline {
 
     /// `k` from `F' = k w` where the winch speed is known, else from `ω² = k / M`.
     fn stiffness(&self, rate: Option<Quantity>, omega: Option<Quantity>) -> Option<f32> {
-        let (ratio, _) = self.cycles.weight_ratio();
-        let mass_kg = ratio * self.config.weight_n / GRAVITY;
         match self.config.winch_m_per_s {
             Some(winch) => rate.map(|rate| rate.value / winch),
-            None => omega.map(|omega| omega.value * omega.value * mass_kg),
+            None => omega.map(|omega| omega.value * omega.value * self.cycles.site().mass_kg),
         }
     }
 

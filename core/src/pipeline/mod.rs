@@ -24,6 +24,7 @@ use crate::signal::decimate::Decimator;
 use crate::signal::derivative::{Central, Rate};
 use crate::signal::spike::{Judged, SpikeFilter, Usual};
 use crate::stretch::{Stretch, Stretches};
+use crate::units::STANDARD_GRAVITY_M_PER_S2;
 
 /// Indices beyond this one are refused as duplicates: it takes a billion years.
 const LAST_INDEX: u64 = u64::MAX / 2;
@@ -118,8 +119,10 @@ impl Pipeline {
         let rate_hz = config.rate_hz / decimator.factor();
         let site = Site {
             weight_n: config.weight_n,
+            mass_kg: config.mass_kg.unwrap_or(config.weight_n / STANDARD_GRAVITY_M_PER_S2 as f32),
             slope: math::sin_cos(config.slope_rad),
             rate_hz,
+            winch_m_per_s: config.winch_m_per_s,
             effects: config.effects,
         };
         Ok(Self {

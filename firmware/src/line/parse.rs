@@ -59,6 +59,7 @@ fn settings(from: &mut Reader<'_>) -> Result<Settings, LineError> {
     let config = Config {
         rate_hz: from.take()?,
         weight_n: from.take()?,
+        mass_kg: None,
         slope_rad: from.take()?,
         winch_m_per_s: from.take_some()?,
         range_n: from.take_some()?,

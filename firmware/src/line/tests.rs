@@ -158,6 +158,7 @@ fn longest_settings() -> Settings {
     let config = Config {
         rate_hz: LONG,
         weight_n: LONG,
+        mass_kg: None,
         slope_rad: LONG,
         winch_m_per_s: Some(LONG),
         range_n: Some(LONG),

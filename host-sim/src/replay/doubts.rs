@@ -6,13 +6,17 @@ use crate::log::Log;
 
 /// Static coefficients beyond these are hardly friction of anything on ice.
 const FRICTION: std::ops::RangeInclusive<f32> = 0.004..=20.0;
+/// Fewer samples from slip to slip may as well be taken from several slips each.
+const FAST: f64 = 16.0;
 /// Weights within this share of each other are the same.
 const SAME: f64 = 0.005;
 
 /// One sentence each.
 #[must_use]
 pub fn doubts(log: &Log, config: &Config, report: &Report) -> Vec<String> {
-    other_weight(log, config).into_iter().chain(no_friction(log, config, report)).collect()
+    let doubts =
+        [other_weight(log, config), no_friction(log, config, report), alias(log, config, report)];
+    doubts.into_iter().flatten().collect()
 }
 
 /// The caller's weight is not the log's.
@@ -37,4 +41,15 @@ fn no_friction(log: &Log, config: &Config, report: &Report) -> Option<String> {
         log.unit().name(),
         config.weight_n
     ))
+}
+
+/// Slips that may be made of the samples of faster ones, where no speed of the winch tells.
+fn alias(log: &Log, config: &Config, report: &Report) -> Option<String> {
+    let samples = f64::from(report.recurrence_s?) * log.rate_hz();
+    (config.winch_m_per_s.is_none() && report.mu_s.is_some() && samples < FAST).then(|| {
+        format!(
+            "a slip every {samples:.1} samples may be the alias of faster ones: only the speed of the \
+             winch would tell, '# winch_m_per_s: V' in the log"
+        )
+    })
 }

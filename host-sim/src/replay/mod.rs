@@ -54,7 +54,7 @@ pub fn replay_with(
     around: Around,
     mut observe: impl FnMut(f64, &Step),
 ) -> Result<ReplayResult, InputError> {
-    let Around { zero, mass_kg, keeps_means } = around;
+    let Around { zero, keeps_means } = around;
     let refused = |error: floe_core::ConfigError| InputError::new(error.to_string());
     let mut pipeline = Pipeline::new(config).map_err(refused)?;
     let mut timeline = Timeline::new(log.rate_hz());
@@ -111,7 +111,7 @@ pub fn replay_with(
         test_id: log.metadata().test_id.clone(),
         weight_n: config.weight_n.into(),
         slope_rad: config.slope_rad.into(),
-        mass_kg,
+        mass_kg: config.mass_kg.map(f64::from),
     };
     let result = ReplayResult::new(log_summary, test, (config, &report), events, changes);
     let effects = pipeline.findings().iter().map(EffectSummary::from).collect();

@@ -57,16 +57,16 @@ pub struct Quantities {
 type Relative = (f64, f64);
 
 impl Quantities {
-    /// Of a test; `mass_kg` where that is not the weight over gravity.
+    /// Of a test.
     #[must_use]
-    pub fn new(config: &Config, report: &Report, mass_kg: Option<f64>) -> Self {
+    pub fn new(config: &Config, report: &Report) -> Self {
         let rate = relative(report.loading_rate_n_per_s);
         let omega = relative(report.omega_rad_per_s);
         let winch = config.winch_m_per_s.map(f64::from);
         let std = |of: f32| f64::from(of);
         let ratio = f64::from(report.weight_ratio);
         let of_weight = f64::from(config.weight_n) / STANDARD_GRAVITY;
-        let mass_kg = ratio * mass_kg.unwrap_or(of_weight);
+        let mass_kg = ratio * config.mass_kg.map_or(of_weight, f64::from);
         let weight = std(config.std.weight).hypot(std(report.weight_ratio_std));
         let from_rate = rate.zip(winch).map(|((rate, own), winch)| {
             (rate / winch, own.hypot(std(config.std.winch)).hypot(std(config.std.span)))

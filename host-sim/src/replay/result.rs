@@ -197,7 +197,7 @@ impl ReplayResult {
             last.weight_ratio = known.weight_ratio.into();
             last.weight_ratio_std = known.weight_ratio_std.into();
         }
-        let quantities = Quantities::new(config, report, test.mass_kg);
+        let quantities = Quantities::new(config, report);
         events.finish(quantities, [report.mu_s.into(), report.mu.into()]);
         Self {
             schema: SCHEMA,

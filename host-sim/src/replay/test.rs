@@ -89,10 +89,11 @@ fn said_effects(log: &Log) -> Result<Effects, InputError> {
 pub fn configure(log: &Log, options: &TestOptions) -> Result<Config, InputError> {
     let said = log.metadata();
     let slope_deg = options.slope_deg.or(said.slope_deg).unwrap_or(0.0);
-    let Pressed { force_n: weight_n, .. } = pressed(log, options, slope_deg)?;
+    let Pressed { force_n: weight_n, mass_kg } = pressed(log, options, slope_deg)?;
     let config = Config {
         rate_hz: log.rate_hz() as f32,
         weight_n: weight_n as f32,
+        mass_kg: mass_kg.map(|mass| mass as f32),
         slope_rad: slope_deg.to_radians() as f32,
         winch_m_per_s: said.winch_m_per_s.map(|speed| speed as f32),
         range_n: said.range_n.map(|range| range as f32),
@@ -147,8 +148,7 @@ impl TestOptions {
     /// What the core is not told.
     #[must_use]
     pub fn around(&self, log: &Log) -> Around {
-        let mass_kg = pressed(log, self, 0.0).ok().and_then(|pressed| pressed.mass_kg);
-        Around { zero: self.known.zero(log), mass_kg, keeps_means: false }
+        Around { zero: self.known.zero(log), keeps_means: false }
     }
 }
 
@@ -159,8 +159,6 @@ pub struct Around {
     pub keeps_means: bool,
     /// The zero to take off.
     pub zero: Zero,
-    /// Mass of the block, kg, where that is not its weight over gravity.
-    pub mass_kg: Option<f64>,
 }
 
 /// Converter codes to newtons, if the log is in codes.
