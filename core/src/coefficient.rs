@@ -86,14 +86,12 @@ impl Estimate {
 pub struct Site {
     /// Weight of the block, N.
     pub weight_n: f32,
-    /// Its mass, kg.
-    pub mass_kg: f32,
+    /// Its mass times the speed of the winch, N s; NaN where that is not known.
+    pub momentum_n_s: f32,
     /// Sine and cosine of the slope of the ice.
     pub slope: (f32, f32),
     /// Samples per second.
     pub rate_hz: f32,
-    /// Speed of the winch, m/s, if it is known.
-    pub winch_m_per_s: Option<f32>,
     /// What to look for beyond the linear model.
     pub effects: Effects,
 }

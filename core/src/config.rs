@@ -3,6 +3,7 @@
 use core::fmt;
 
 use crate::effect::Effects;
+use crate::units::STANDARD_GRAVITY_M_PER_S2;
 
 /// Converter codes to newtons.
 ///
@@ -86,7 +87,7 @@ impl InputStd {
     fn are_valid(&self) -> bool {
         let Self { weight, slope_rad, zero_n, span, damping, winch } = *self;
         let all = [weight, slope_rad, zero_n.unwrap_or(0.0), span, damping, winch];
-        all.iter().all(|std| std.is_finite() && *std >= 0.0)
+        all.into_iter().all(is_at_least_zero)
     }
 }
 
@@ -168,13 +169,19 @@ impl fmt::Display for ConfigError {
 
 impl core::error::Error for ConfigError {}
 
+/// Is it a finite number at or above zero? Asked a dozen times: one piece of code.
+#[inline(never)]
+fn is_at_least_zero(x: f32) -> bool {
+    x >= 0.0 && x < f32::INFINITY
+}
+
 impl Config {
     /// Checks every value.
     ///
     /// # Errors
     /// The first value that is out of its range.
     pub fn validate(&self) -> Result<(), ConfigError> {
-        let positive = |x: f32| x.is_finite() && x > 0.0;
+        let positive = |x: f32| x > 0.0 && is_at_least_zero(x);
         let check = |ok: bool, error| if ok { Ok(()) } else { Err(error) };
         check((1.0..=2000.0).contains(&self.rate_hz), ConfigError::Rate)?;
         check(positive(self.weight_n), ConfigError::Weight)?;
@@ -187,6 +194,11 @@ impl Config {
         let range = calibration.range_counts;
         check(span.is_finite() && span != 0.0 && range.0 < range.1, ConfigError::Calibration)?;
         self.validate_std()
+    }
+
+    /// Mass of the block, kg.
+    pub(crate) fn mass_kg(&self) -> f32 {
+        self.mass_kg.unwrap_or(self.weight_n / STANDARD_GRAVITY_M_PER_S2 as f32)
     }
 
     /// Checks the standard deviations alone.

@@ -6,9 +6,7 @@ use crate::cycle::{CycleTracker, Finished, refusal};
 use crate::event::{Event, Quality, Reason};
 use crate::fit::posterior::Posterior;
 use crate::model::{CycleParams, Shape};
-use crate::num::math;
 use crate::sample::SampleTime;
-use crate::stats::quantity::Quantity;
 
 impl CycleTracker {
     /// The fit has ended: gives the event, between the end of the last one and the next.
@@ -68,20 +66,19 @@ impl CycleTracker {
 
     /// Why a fitted event is not believed: what all tell, and, where the next one follows soon, what
     /// it tells itself.
+    #[inline(never)]
     fn of_fit(&self, posterior: &Posterior, next: f32) -> Option<Reason> {
         let Posterior { cycle, unknowns, .. } = posterior;
-        let (hz, site, (rate, omega)) = (self.site.rate_hz, self.site(), self.shared());
-        let folds = |(rate, omega)| refusal::is_folded(&site, &rate, &omega);
-        let is_clear = |omega: &Quantity| core::f32::consts::PI * hz > refusal::CLEAR * omega.value;
-        let mut folded = rate.zip(omega.filter(is_clear)).is_some_and(folds);
+        let (site, learnt) = (self.site(), &self.learnt);
+        let (rate, swing) = (learnt.rate.now(), learnt.mass.inverse_omega().now());
+        let is_clear = core::f32::consts::PI * swing.0 > refusal::CLEAR;
+        let mut folded = is_clear && refusal::is_folded(&site, rate, swing);
         if next - cycle.onset < refusal::FAST {
-            let rate = Quantity { value: cycle.rate, std: math::sqrt(unknowns[1]) }.times(hz);
-            if rate.std > rate.value {
+            if unknowns[1] > cycle.rate * cycle.rate {
                 return Some(Reason::TooShort);
             }
-            let std = cycle.omega * cycle.omega * math::sqrt(unknowns[4]);
-            let omega = Quantity { value: cycle.omega, std }.times(hz);
-            folded |= posterior.tells_swing() && folds((rate, omega));
+            let (rate, swing) = ((cycle.rate, unknowns[1]), (cycle.inverse_omega(), unknowns[4]));
+            folded |= posterior.tells_swing() && refusal::is_folded(&site, rate, swing);
         }
         folded.then_some(Reason::Aliased)
     }

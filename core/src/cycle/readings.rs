@@ -57,11 +57,10 @@ impl CycleTracker {
     }
 
     /// The site with the weight as far as it is known to have changed.
-    #[must_use]
-    pub fn site(&self) -> Site {
+    pub(super) fn site(&self) -> Site {
         let (ratio, _) = self.learnt.mass.weight_ratio();
-        let Site { weight_n, mass_kg, .. } = self.site;
-        Site { weight_n: ratio * weight_n, mass_kg: ratio * mass_kg, ..self.site }
+        let Site { weight_n, momentum_n_s, .. } = self.site;
+        Site { weight_n: ratio * weight_n, momentum_n_s: ratio * momentum_n_s, ..self.site }
     }
 
     /// Force of so much of a coefficient, N.

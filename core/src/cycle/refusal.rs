@@ -7,7 +7,6 @@ use crate::event::{Event, Reason};
 use crate::fit::rounding_n2;
 use crate::num::math;
 use crate::stats::line::Line;
-use crate::stats::quantity::Quantity;
 
 /// Fewest periods from slip to slip: two samples of a rest and two of a slip.
 const FEWEST_PERIODS: u64 = 4;
@@ -95,14 +94,14 @@ pub(crate) fn is_aliased(earlier: u64, later: u64) -> bool {
 
 /// Does a cable that the winch shows to be stiff let the block slip as slowly as a soft one? Then
 /// the slips that are seen are made of single samples of many: with time stretched by a factor,
-/// `k = F'/w` falls by it, `k = ω² M` by its square. From the loading rate, N/s, and omega, rad/s.
-pub(crate) fn is_folded(site: &Site, rate: &Quantity, omega: &Quantity) -> bool {
-    let Some(winch_m_per_s) = site.winch_m_per_s else { return false };
-    let by_slip_n_per_m = omega.value * omega.value * site.mass_kg;
-    let ratio = rate.value / (winch_m_per_s * by_slip_n_per_m);
+/// `k = F'/w` falls by it, `k = ω² M` by its square. From the loading rate, N per period, and the
+/// swing, periods, each with its variance. Not where the speed of the winch is not known.
+pub(crate) fn is_folded(site: &Site, rate: (f32, f32), swing: (f32, f32)) -> bool {
+    let ratio = rate.0 * swing.0 * swing.0 / (site.momentum_n_s * site.rate_hz);
+    let part = 1.0 - math::sqrt(STIFFER / ratio);
     // Of the root, the rate counts half.
-    let unsure = math::hypotenuse(0.5 * rate.std / rate.value, omega.std / omega.value);
-    math::sqrt(ratio) * (1.0 - SURE * unsure) > math::sqrt(STIFFER)
+    let unsure = 0.25 * rate.1 / (rate.0 * rate.0) + swing.1 / (swing.0 * swing.0);
+    part > 0.0 && SURE * SURE * unsure < part * part
 }
 
 /// Why a measured event is not believed.

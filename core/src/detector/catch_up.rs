@@ -34,7 +34,7 @@ impl Detector {
     /// Has it looked at all that it was given?
     #[must_use]
     pub fn is_up_to_date(&self) -> bool {
-        self.next > self.newest
+        self.next >= self.window.end()
     }
 
     /// Without any slip so far, and with far less noise than was thought: looks at

@@ -98,8 +98,6 @@ pub struct Detector {
     /// Newest sample looked at, and the index from which to look on.
     last: ForcePoint,
     next: u64,
-    /// Newest index taken.
-    newest: u64,
     /// Most noise with which the samples were looked at, N.
     judged_with_n: f32,
     /// Usual drop of a slip, N; zero before the first.
@@ -142,7 +140,6 @@ impl Detector {
             lowest: ForcePoint::default(),
             last: ForcePoint::default(),
             next: 0,
-            newest: 0,
             judged_with_n: f32::INFINITY,
             usual_drop_n: 0.0,
             usual_fall,
@@ -158,11 +155,10 @@ impl Detector {
     /// Takes a good sample with an index past all earlier ones.
     pub fn step(&mut self, index: u64, force_n: f32) -> Option<Transition> {
         let lies = self.slack_wait.is_some_and(|wait| wait.is_long());
-        self.noise.see(force_n, index == self.newest + 1 && !lies);
+        self.noise.see(force_n, index == self.window.end() && !lies);
         if self.is_up_to_date() {
             self.next = index;
         }
-        self.newest = index;
         self.window.push(index, force_n);
         (self.line_std_n, self.std_n) = self.noise.std_n(force_n);
         if self.usual_drop_n > 0.0 {

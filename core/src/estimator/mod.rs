@@ -129,12 +129,13 @@ impl Estimator {
             let (squares, noise) = (self.squares.rounded(), self.variance.rounded());
             Scatter::of(self.count, self.mean.rounded(), squares, noise)
         });
+        let seen = self.between();
         // Of few events with the prior; of more, to 48 bits.
         let between = match scatter {
             Some(scatter) if self.count <= FEW => {
                 (DoubleSingle::from(scatter.variance) - self.variance).or_zero()
             }
-            _ => self.between().unwrap_or_default(),
+            _ => seen.unwrap_or_default(),
         };
         let n = DoubleSingle::from(self.count);
         let typical = n / self.weight;
@@ -152,7 +153,7 @@ impl Estimator {
             freedom: scatter.map_or(0.0, |scatter| scatter.freedom),
             systematic_std: common_std,
             common_std,
-            spread: self.between().map(|variance| math::sqrt(variance.rounded())),
+            spread: seen.map(|variance| math::sqrt(variance.rounded())),
             events: self.count,
         })
     }

@@ -109,9 +109,10 @@ impl Pipeline {
 
     /// `k` from `F' = k w` where the winch speed is known, else from `ω² = k / M`.
     fn stiffness(&self, rate: Option<Quantity>, omega: Option<Quantity>) -> Option<f32> {
+        let mass_kg = self.cycles.weight_ratio().0 * self.config.mass_kg();
         match self.config.winch_m_per_s {
             Some(winch) => rate.map(|rate| rate.value / winch),
-            None => omega.map(|omega| omega.value * omega.value * self.cycles.site().mass_kg),
+            None => omega.map(|omega| omega.value * omega.value * mass_kg),
         }
     }
 

@@ -24,7 +24,6 @@ use crate::signal::decimate::Decimator;
 use crate::signal::derivative::{Central, Rate};
 use crate::signal::spike::{Judged, SpikeFilter, Usual};
 use crate::stretch::{Stretch, Stretches};
-use crate::units::STANDARD_GRAVITY_M_PER_S2;
 
 /// Indices beyond this one are refused as duplicates: it takes a billion years.
 const LAST_INDEX: u64 = u64::MAX / 2;
@@ -77,8 +76,8 @@ pub struct Pipeline {
     config: Config,
     calibrator: Calibrator,
     counters: Counters,
-    /// Next index, once there was one.
-    next: Option<u64>,
+    /// Next index; of the first sample any.
+    next: u64,
     /// Block of the newest saturated sample.
     last_hidden: Option<u64>,
     spikes: SpikeFilter,
@@ -119,17 +118,16 @@ impl Pipeline {
         let rate_hz = config.rate_hz / decimator.factor();
         let site = Site {
             weight_n: config.weight_n,
-            mass_kg: config.mass_kg.unwrap_or(config.weight_n / STANDARD_GRAVITY_M_PER_S2 as f32),
+            momentum_n_s: config.winch_m_per_s.map_or(f32::NAN, |winch| winch * config.mass_kg()),
             slope: math::sin_cos(config.slope_rad),
             rate_hz,
-            winch_m_per_s: config.winch_m_per_s,
             effects: config.effects,
         };
         Ok(Self {
             config: *config,
             calibrator: Calibrator::new(config),
             counters: Counters::default(),
-            next: None,
+            next: 0,
             last_hidden: None,
             spikes: SpikeFilter::new(),
             decimator,
@@ -166,12 +164,12 @@ impl Pipeline {
     fn receive(&mut self, raw: RawSample) -> ForceSample {
         let index = raw.index;
         let mut sample = ForceSample { index, force_n: None, flag: SampleFlag::Duplicate, gap: 0 };
-        let expected = self.next.unwrap_or(index);
+        let expected = if self.counters.samples > 0 { self.next } else { index };
         if index < expected || index > LAST_INDEX {
             self.counters.duplicates += 1;
             return sample;
         }
-        self.next = Some(index + 1);
+        self.next = index + 1;
         self.counters.samples += 1;
         if index > expected {
             let missing = index - expected;

@@ -40,6 +40,12 @@ impl Window {
         }
     }
 
+    /// One past the newest index; 0 before the first sample.
+    #[must_use]
+    pub fn end(&self) -> u64 {
+        self.end
+    }
+
     /// Force at an index, if it is in the window and was good.
     #[must_use]
     pub fn get(&self, index: u64) -> Option<f32> {

@@ -138,9 +138,14 @@ impl FadingTrend {
         (self.count > 0.0).then(|| self.at(NEXT).0)
     }
 
+    /// The same with its variance; that is no number below infinity before the first event.
+    pub(crate) fn now(&self) -> (f32, f32) {
+        self.at(NEXT)
+    }
+
     /// The same with its standard deviation.
     pub(crate) fn known(&self) -> Option<Quantity> {
-        let (value, variance) = self.at(NEXT);
+        let (value, variance) = self.now();
         (self.count > 0.0).then(|| Quantity { value, std: math::sqrt(variance) })
     }
 
