@@ -172,7 +172,7 @@ impl core::error::Error for ConfigError {}
 /// Is it a finite number at or above zero? Asked a dozen times: one piece of code.
 #[inline(never)]
 fn is_at_least_zero(x: f32) -> bool {
-    x >= 0.0 && x < f32::INFINITY
+    (0.0..f32::INFINITY).contains(&x)
 }
 
 impl Config {

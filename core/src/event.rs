@@ -44,6 +44,8 @@ pub enum Reason {
     Hidden,
     /// Too few samples around the slip to fit the model.
     TooShort,
+    /// More samples lie in the slip than are kept.
+    TooLong,
     /// The model does not describe the samples.
     NoFit,
     /// Omega is not that of the events before: the mass may have changed, which the
@@ -90,6 +92,7 @@ impl fmt::Display for Reason {
         f.write_str(match self {
             Self::Hidden => "a gap or saturated samples hide the slip",
             Self::TooShort => "too few samples around the slip",
+            Self::TooLong => "the slip has more samples than are kept: sample more slowly",
             Self::NoFit => "the model does not describe the samples",
             Self::Suspect => "omega is another than before: the block may have changed",
             Self::Aliased => {

@@ -142,7 +142,8 @@ impl CycleFit {
                     }
                     at
                 };
-                (fit, places.so_far(&fit, noise_n2).unwrap_or_else(anywhere), strain)
+                let so_far = places.so_far(&fit, noise_n2).unwrap_or_else(anywhere);
+                (fit, strain.around(so_far, &fit, noise_n2), strain)
             }
             Stage::New | Stage::Free(_) | Stage::Expected(_) => {
                 return Outcome::Failed(Reason::TooShort);
@@ -201,8 +202,8 @@ impl CycleFit {
             learnt.contradict();
             return ControlFlow::Break(Outcome::Failed(Reason::NoFit));
         };
-        if pending.hidden {
-            return ControlFlow::Break(Outcome::Failed(Reason::Hidden));
+        if let Some(reason) = pending.hidden {
+            return ControlFlow::Break(Outcome::Failed(reason));
         }
         let (squares_n2, free) = own_residuals(&data, &fit);
         // Without what is left around the line after it, which fits whatever the slip does.
@@ -249,11 +250,8 @@ impl CycleFit {
         };
         let noise_n2 = learnt.noise_n2(&self.pending);
         let data = learnt.data(&self.pending, &self.after, noise_n2);
-        if let ControlFlow::Break(mut posterior) = places.step(&data, fit, noise_n2) {
-            if *strain != Strain::None {
-                // That the event leaves far more than the noise the places do not know.
-                posterior = posterior.widened(&Posterior::at(fit, noise_n2));
-            }
+        if let ControlFlow::Break(posterior) = places.step(&data, fit, noise_n2) {
+            let posterior = strain.around(posterior, fit, noise_n2);
             self.stage = Stage::Telling(*fit, posterior, *strain);
             self.fitted_n2 = noise_n2;
         }
@@ -293,6 +291,17 @@ enum Strain {
     Strained,
     /// So far that the model does not describe them.
     Misfit,
+}
+
+impl Strain {
+    /// What the places of an onset tell: that the event leaves far more than the noise they do not
+    /// know.
+    fn around(self, posterior: Posterior, fit: &Fit, noise_n2: f32) -> Posterior {
+        match self {
+            Self::None => posterior,
+            Self::Strained | Self::Misfit => posterior.widened(&Posterior::at(fit, noise_n2)),
+        }
+    }
 }
 
 /// Iterations of a fit with so many samples around the slip in the time that this many samples

@@ -52,7 +52,8 @@ impl CycleTracker {
         let known = self.learnt.residuals.variance_n2().is_some();
         fit.widen(&Variances::UNSURE_SWING, self.learnt.unsure_swing(&slip, noise_n2));
         let at = Posterior::at(&fit, noise_n2);
-        (at.is_resolved() && known && !slip.hidden).then(|| self.first_answer(&slip, &at, noise_n2))
+        (at.is_resolved() && known && slip.hidden.is_none())
+            .then(|| self.first_answer(&slip, &at, noise_n2))
     }
 
     /// With all that the events so far tell of the cable and of the noise, as the event itself

@@ -125,7 +125,9 @@ impl CycleTracker {
         }
         let finished = self.complete(stick, window, peak);
         let mut next = self.slip(stick, detector, (peak, low));
-        next.hidden |= last_hidden.is_some_and(|index| index + 4 >= stick.next);
+        if last_hidden.is_some_and(|index| index + 4 >= stick.next) {
+            next.hidden = Some(Reason::Hidden);
+        }
         if let Some((origin, cycle)) = self.early.take() {
             next.know(CycleParams { onset: cycle.onset + since(next.origin, origin), ..cycle });
         }

@@ -133,6 +133,7 @@ impl Word for Reason {
     const WORDS: &'static [(Self, &'static str)] = &[
         (Self::Hidden, "hidden"),
         (Self::TooShort, "short"),
+        (Self::TooLong, "long"),
         (Self::NoFit, "nofit"),
         (Self::Suspect, "suspect"),
         (Self::Aliased, "aliased"),

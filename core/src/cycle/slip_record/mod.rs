@@ -48,8 +48,8 @@ pub(crate) struct SlipRecord {
     rest_from: f32,
     /// The rate of the rest before it broke off.
     pub(crate) broken: bool,
-    /// A saturated sample, or too many missing ones, between the lines.
-    pub(crate) hidden: bool,
+    /// Why the samples between the lines are not all there: a gap, saturated ones, or too many.
+    pub(crate) hidden: Option<Reason>,
     /// The cycle as far as it was known before the stick line after it.
     pub(crate) early: Option<CycleParams>,
     /// When the slip begins and ends, periods: as that cycle has it, or as the extremes do.
@@ -84,7 +84,7 @@ impl SlipRecord {
             rest_weight: 1.0,
             rest_from: since(first, low.index),
             broken: stick.broken,
-            hidden: false,
+            hidden: None,
             early: None,
             slip: (0.0, 0.0),
             limit: f32::MAX,
@@ -95,7 +95,8 @@ impl SlipRecord {
         pending.rough.middle = pending.crossing();
         pending.rough.edges = pending.edges();
         let missing = (first..=now).filter(|&index| window.get(index).is_none()).count();
-        pending.hidden = missing > 3 || pending.length == CORE;
+        let too_long = (pending.length == CORE).then_some(Reason::TooLong);
+        pending.hidden = if missing > 3 { Some(Reason::Hidden) } else { too_long };
         pending
     }
 
