@@ -67,8 +67,9 @@ const QUICK: f32 = 0.2;
 /// Variance of noise whose neighbours are alike, over what of it is left about a line, which takes
 /// all that is slower than itself. Tuned: with a correlation of .9 and rests of 20 samples.
 const HIDDEN: f32 = 7.0;
-/// Least correlation of such noise: with less of it a line takes little.
-const LEAST_RED: f32 = 0.5;
+/// Least correlation of such noise: with less of it a line takes little. Tuned: at .5 noise with that
+/// correlation is given twice as wide as it is, at .6 that of .9 is missed in first events.
+const LEAST_RED: f32 = 0.55;
 /// Fewest samples that show it.
 const FEWEST: f32 = 24.0;
 
@@ -141,18 +142,18 @@ impl Ripple {
         let far = self.far_steps / white * self.count / self.far_count - 2.0;
         let slope = (far / (FAR * FAR) as f32).max(if sure { step } else { 0.0 }).max(0.0);
         let white_share = white / self.squares;
-        let times = match step > QUICK * level {
-            _ if self.is_red(swing_n2) => HIDDEN,
-            true => 1.0,
+        let unsure = match step > QUICK * level {
+            _ if self.is_red(swing_n2) => HIDDEN * swing,
+            true => swing,
             false => 0.0,
         };
-        let unsure = times * swing;
         ColoredNoise { white_share, level, slope, unsure }
     }
 
-    /// Is what wanders slowly no swing, but noise whose neighbours are alike? Four samples apart
+    /// May what wanders slowly be no swing, but noise whose neighbours are alike? Four samples apart
     /// a swing has `γ₄ = A cos 4ω`; where the correlation falls by the same part `γ₂/γ₁` from
-    /// sample to sample it is `γ₁ (γ₂/γ₁)³`. The nearer of the two counts.
+    /// sample to sample it is `γ₁ (γ₂/γ₁)³`. The nearer of the two counts, and that part, as far as
+    /// so few samples tell: to a standard error.
     fn is_red(&self, swing_n2: f32) -> bool {
         let [first, second] = self.products;
         let ratio = second / first;
@@ -160,7 +161,8 @@ impl Ripple {
         let swing = swing_n2 * (1.0 - 8.0 * cos2 * (1.0 - cos2));
         let red = first * ratio * ratio * ratio;
         let seen = self.squares - 0.5 * self.far_steps * self.count / self.far_count;
-        ratio > LEAST_RED && 2.0 * seen > swing + red
+        let unsure = self.squares / math::sqrt(self.count);
+        second + unsure > LEAST_RED * first && 2.0 * (seen + unsure) > swing + red
     }
 
     /// Part of the innovations' variance that is a swing, of any length, if that is clear.
