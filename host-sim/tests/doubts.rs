@@ -37,6 +37,26 @@ fn what_hardly_belongs_together_is_asked_about() {
     );
 }
 
+/// A slip every few samples may be made of single samples of many: only the winch tells.
+#[test]
+fn fast_slips_without_the_speed_of_the_winch_are_asked_about() {
+    let dir = directory("alias");
+    let (known, unknown) = (dir.join("known.csv"), dir.join("unknown.csv"));
+    let path = |path: &std::path::Path| path.to_str().unwrap().to_owned();
+    let made = floe(&["simulate", "scenes/linear/fast.toml", "-o", &path(&known)]);
+    assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
+    let log = fs::read_to_string(&known).unwrap();
+    let lines = log.lines().filter(|line| !line.starts_with("# winch_"));
+    fs::write(&unknown, lines.collect::<Vec<_>>().join("\n")).unwrap();
+    let said = |path: &str| json_with_warnings(&floe(&["replay", path, "--json"]));
+    let asked = said(&path(&unknown));
+    assert!(asked.contains("samples may be the alias of faster ones"), "{asked}");
+    let told = said(&path(&known));
+    assert!(!told.contains("alias"), "{told}");
+    let slow = said("logs/fig6-7.csv");
+    assert!(!slow.contains("alias"), "{slow}");
+}
+
 fn json_with_warnings(output: &Output) -> String {
     let said = text(&output.stderr);
     assert_eq!(output.status.code(), Some(0), "{said}");

@@ -303,3 +303,20 @@ fn a_recurrence_of_less_than_four_samples_is_refused() {
         assert!(found || outcome.reasons() == [Reason::Scatters], "{:?}", outcome.reasons());
     }
 }
+
+/// Slips of 1.1 and of .85 samples from one to the next: those that are seen are slower, and softer
+/// than the winch has them. What the winch does not contradict is given as ever.
+#[test]
+fn slips_made_of_the_samples_of_faster_ones_are_refused_where_the_winch_tells() {
+    let fast = |stiffness_n_per_m| {
+        let scene = Scene { stiffness_n_per_m, duration_s: 120.0, ..Scene::default() };
+        let known = Config { winch_m_per_s: Some(scene.winch_m_per_s as f32), ..config() };
+        let record = pulled(&scene, 3);
+        let count = |config| read(config, record.iter().copied()).coefficients();
+        (count(&known), count(&config()))
+    };
+    let (told, not_told) = fast(1.3e6);
+    assert!(not_told > 100 && told < 10, "{told} {not_told}");
+    let (told, not_told) = fast(23e3);
+    assert!(told > 60 && told == not_told, "{told} {not_told}");
+}

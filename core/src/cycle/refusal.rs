@@ -174,3 +174,40 @@ fn is_slow(slip: &SlipRecord, swing: f32, straight: &Line, noise_n2: f32) -> boo
     let slow_n = SLOW * part * drop_n - SURELY * math::sqrt(variance_n2);
     straight.slope().is_some_and(|slope| -slope < slow_n)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::effect::Effects;
+
+    /// DFF8-13: `k w` of 360 N/s, a swing of a 19th of a second.
+    #[test]
+    fn time_that_is_stretched_is_seen_if_the_winch_is_known() {
+        let (hz, rate_n_per_s, omega) = (16.0, 360.0, 18.93_f32);
+        let mass_kg = 630.0 / 9.806_65;
+        let winch_m_per_s = rate_n_per_s / (omega * omega * mass_kg);
+        let folded = |winch_m_per_s: f32, stretched: f32, std: f32| {
+            let site = Site {
+                weight_n: 630.0,
+                momentum_n_s: mass_kg * winch_m_per_s,
+                slope: (0.0, 1.0),
+                rate_hz: hz,
+                effects: Effects::NONE,
+            };
+            let (rate, swing) = (rate_n_per_s / hz / stretched, stretched * hz / omega);
+            let variance = |value: f32| std * std * value * value;
+            is_folded(&site, (rate, variance(rate)), (swing, variance(swing)))
+        };
+        for (stretched, std, seen) in [
+            (1.0, 0.001, false),
+            (1.9, 0.001, false),
+            (2.1, 0.001, true),
+            (2.1, 0.02, false),
+            (8.0, 0.1, true),
+            (8.0, 0.2, false),
+        ] {
+            assert_eq!(folded(winch_m_per_s, stretched, std), seen, "{stretched} ± {std}");
+            assert!(!folded(f32::NAN, stretched, std));
+        }
+    }
+}
