@@ -96,7 +96,7 @@ impl fmt::Display for Reason {
             Self::NoFit => "the model does not describe the samples",
             Self::Suspect => "omega is another than before: the block may have changed",
             Self::Aliased => {
-                "slips too fast for the sampling: sample faster, or check weight and winch speed"
+                "fewer than four samples from slip to slip: sample faster, or check weight and winch speed"
             }
             Self::NoRest => {
                 "the force does not rise after it: the block slid on or the winch stood"

@@ -72,13 +72,14 @@ impl CycleTracker {
         let (site, learnt) = (self.site(), &self.learnt);
         let (rate, swing) = (learnt.rate.now(), learnt.mass.inverse_omega().now());
         let is_clear = core::f32::consts::PI * swing.0 > refusal::CLEAR;
-        let mut folded = is_clear && refusal::is_folded(&site, rate, swing);
-        if next - cycle.onset < refusal::FAST {
+        let periods = next - cycle.onset;
+        let mut folded = is_clear && refusal::is_folded(&site, rate, swing, periods);
+        if periods < refusal::FAST {
             if unknowns[1] > cycle.rate * cycle.rate {
                 return Some(Reason::TooShort);
             }
             let (rate, swing) = ((cycle.rate, unknowns[1]), (cycle.inverse_omega(), unknowns[4]));
-            folded |= posterior.tells_swing() && refusal::is_folded(&site, rate, swing);
+            folded |= posterior.tells_swing() && refusal::is_folded(&site, rate, swing, periods);
         }
         folded.then_some(Reason::Aliased)
     }

@@ -5,7 +5,7 @@ use crate::coefficient::{Coefficient, Site};
 use crate::cycle::slip_record::SlipRecord;
 use crate::event::{Event, Reason};
 use crate::fit::rounding_n2;
-use crate::num::math;
+use crate::num::math::{self, larger};
 use crate::stats::line::Line;
 
 /// Fewest periods from slip to slip: two samples of a rest and two of a slip.
@@ -94,11 +94,13 @@ pub(crate) fn is_aliased(earlier: u64, later: u64) -> bool {
 
 /// Does a cable that the winch shows to be stiff let the block slip as slowly as a soft one? Then
 /// the slips that are seen are made of single samples of many: with time stretched by a factor,
-/// `k = F'/w` falls by it, `k = ω² M` by its square. From the loading rate, N per period, and the
-/// swing, periods, each with its variance. Not where the speed of the winch is not known.
-pub(crate) fn is_folded(site: &Site, rate: (f32, f32), swing: (f32, f32)) -> bool {
+/// `k = F'/w` falls by it, `k = ω² M` by its square, and the true slips follow each other as much
+/// faster. From the loading rate, N per period, and the swing, periods, each with its variance, and
+/// the periods to the next slip. Not where the speed of the winch is not known.
+pub(crate) fn is_folded(site: &Site, rate: (f32, f32), swing: (f32, f32), periods: f32) -> bool {
     let ratio = rate.0 * swing.0 * swing.0 / (site.momentum_n_s * site.rate_hz);
-    let part = 1.0 - math::sqrt(STIFFER / ratio);
+    let least = larger(STIFFER, periods / FEWEST_PERIODS as f32);
+    let part = 1.0 - math::sqrt(least / ratio);
     // Of the root, the rate counts half.
     let unsure = 0.25 * rate.1 / (rate.0 * rate.0) + swing.1 / (swing.0 * swing.0);
     part > 0.0 && SURE * SURE * unsure < part * part
@@ -130,7 +132,7 @@ fn is_even(slip: &SlipRecord, swing: Option<f32>, after: &Line) -> bool {
     slip.fall_samples().for_each(|(time, force_n)| straight.add(time, force_n, 1.0, 1.0));
     let off_n2 = straight.residual();
     let own_n2 = off_n2 / (straight.count as f32 - 2.0);
-    let noise_n2 = math::larger(slip.line_noise_n2(after), rounding_n2(slip.peak.force_n));
+    let noise_n2 = larger(slip.line_noise_n2(after), rounding_n2(slip.peak.force_n));
     // Not for NaN.
     let is_straight = own_n2 < EVEN * noise_n2;
     if !is_straight {
@@ -144,7 +146,7 @@ fn is_even(slip: &SlipRecord, swing: Option<f32>, after: &Line) -> bool {
         cosine.add(math::sin_cos(turn * (time - peak)).1, force_n, 1.0, 1.0);
     }
     let further_n2 = cosine.residual() - off_n2;
-    let is_clear = further_n2 > LIKELIER * math::larger(own_n2, noise_n2);
+    let is_clear = further_n2 > LIKELIER * larger(own_n2, noise_n2);
     straight.count >= SHAPELY && is_clear && further_n2 > FURTHER * off_n2
 }
 
@@ -196,15 +198,16 @@ mod tests {
             };
             let (rate, swing) = (rate_n_per_s / hz / stretched, stretched * hz / omega);
             let variance = |value: f32| std * std * value * value;
-            is_folded(&site, (rate, variance(rate)), (swing, variance(swing)))
+            is_folded(&site, (rate, variance(rate)), (swing, variance(swing)), 29.0)
         };
         for (stretched, std, seen) in [
             (1.0, 0.001, false),
-            (1.9, 0.001, false),
-            (2.1, 0.001, true),
-            (2.1, 0.02, false),
-            (8.0, 0.1, true),
-            (8.0, 0.2, false),
+            (2.5, 0.001, false),
+            (7.0, 0.001, false),
+            (7.5, 0.001, true),
+            (7.5, 0.01, false),
+            (29.0, 0.1, true),
+            (29.0, 0.2, false),
         ] {
             assert_eq!(folded(winch_m_per_s, stretched, std), seen, "{stretched} ± {std}");
             assert!(!folded(f32::NAN, stretched, std));
