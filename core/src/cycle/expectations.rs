@@ -7,7 +7,7 @@ use crate::effects::damping::Damping;
 use crate::effects::mass_change::{Mass, Told, Verdict};
 use crate::effects::onset::Onset;
 use crate::effects::sag::Sag;
-use crate::fit::posterior::Posterior;
+use crate::fit::posterior::{CLEAR, Posterior};
 use crate::fit::residuals::Residuals;
 use crate::fit::slip_scatter::SlipScatter;
 use crate::fit::{Data, Fit, rounding_n2};
@@ -260,7 +260,6 @@ impl Expectations {
 /// Does the slip have samples enough to tell a small change of the swing from what the
 /// sampling makes of it?
 pub(crate) fn is_clear(posterior: &Posterior) -> bool {
-    const CLEAR: f32 = 2.0;
     posterior.slide_time > CLEAR && posterior.cycle.restick_n() > 0.0
 }
 

@@ -4,7 +4,7 @@ use crate::cycle::cycle_fit::{CycleFit, Measured, Outcome};
 use crate::cycle::slip_record::SlipRecord;
 use crate::cycle::{CycleTracker, Finished, refusal};
 use crate::event::{Event, Quality, Reason};
-use crate::fit::posterior::Posterior;
+use crate::fit::posterior::{CLEAR, Posterior};
 use crate::model::{CycleParams, Shape};
 use crate::sample::SampleTime;
 
@@ -66,12 +66,11 @@ impl CycleTracker {
 
     /// Why a fitted event is not believed: what all tell, and, where the next one follows soon, what
     /// it tells itself.
-    #[inline(never)]
     fn of_fit(&self, posterior: &Posterior, next: f32) -> Option<Reason> {
         let Posterior { cycle, unknowns, .. } = posterior;
         let (site, learnt) = (self.site(), &self.learnt);
         let (rate, swing) = (learnt.rate.now(), learnt.mass.inverse_omega().now());
-        let is_clear = core::f32::consts::PI * swing.0 > refusal::CLEAR;
+        let is_clear = core::f32::consts::PI * swing.0 > CLEAR;
         let periods = next - cycle.onset;
         let mut folded = is_clear && refusal::is_folded(&site, rate, swing, periods);
         if periods < refusal::FAST {

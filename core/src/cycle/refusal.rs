@@ -1,5 +1,6 @@
 //! Falls of the force that are no slips, and slips that the samples cannot tell: judged
-//! by what the force does before, in and after the fall, before anything is fitted.
+//! by what the force does before, in and after the fall, before anything is fitted; and fits that
+//! are not believed.
 
 use crate::coefficient::{Coefficient, Site};
 use crate::cycle::slip_record::SlipRecord;
@@ -15,13 +16,12 @@ pub(super) const SURE: f32 = 4.0;
 /// Part of the rise after it below which a fall is no slip: what the first load does to a cable
 /// that was quieter before.
 const LEAST_FALL: f32 = 0.02;
-/// Periods from slip to slip beyond which what is seen of faster ones would not keep in step.
+/// Periods from slip to slip below which one event alone may tell that it is folded, or that its rate
+/// is not known; of slower ones only all of them tell.
 pub(super) const FAST: f32 = 16.0;
 /// Ratio of the stiffness by the winch to that by the slip which is no error of weight, winch or
 /// model: of the scenes that can be read none comes to 1.2.
 const STIFFER: f32 = 2.0;
-/// Periods of slips whose length the samples tell whatever they fall on.
-pub(super) const CLEAR: f32 = 2.0;
 /// Periods of a fall that shows no sample between its ends.
 const INSTANT: f32 = 1.5;
 /// Most variance of an even fall about its line, variances of the noise: that one is known from few

@@ -7,6 +7,8 @@ use crate::stats::normal_equations::Gradient;
 
 /// Slips shorter than this are averaged over the onset, periods.
 pub(crate) const RESOLVED: f32 = 1.5;
+/// Slips longer than this show their length whatever the samples fall on, periods.
+pub(crate) const CLEAR: f32 = 2.0;
 /// A slip whose swing is less well known than this part of it is not resolved.
 const SWING_KNOWN: f32 = 0.2;
 
@@ -40,7 +42,6 @@ impl Posterior {
     /// two leaves open is no normal distribution: many such events know no more than one.
     #[must_use]
     pub(crate) fn tells_swing(&self) -> bool {
-        const CLEAR: f32 = 2.0;
         const WELL: f32 = 0.08;
         let well = WELL * self.cycle.inverse_omega();
         self.is_resolved() && (self.slide_time > CLEAR || self.unknowns[4] < well * well)

@@ -135,7 +135,7 @@ impl FadingTrend {
     /// The value now; `None` before the first event.
     #[must_use]
     pub fn mean(&self) -> Option<f32> {
-        (self.count > 0.0).then(|| self.at(NEXT).0)
+        (self.count > 0.0).then(|| self.now().0)
     }
 
     /// The same with its variance; that is no number below infinity before the first event.
@@ -167,7 +167,7 @@ impl FadingTrend {
         if !self.is_known() {
             return Prior::default();
         }
-        let (mean, variance) = self.at(NEXT);
+        let (mean, variance) = self.now();
         Prior { mean, weight: noise_n2 / (self.between + variance) }
     }
 

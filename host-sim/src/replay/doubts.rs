@@ -6,7 +6,7 @@ use crate::log::Log;
 
 /// Static coefficients beyond these are hardly friction of anything on ice.
 const FRICTION: std::ops::RangeInclusive<f32> = 0.004..=20.0;
-/// Fewer samples from slip to slip may as well be taken from several slips each.
+/// Slips that follow each other within fewer samples may be made of those of several.
 const FAST: f64 = 16.0;
 /// Weights within this share of each other are the same.
 const SAME: f64 = 0.005;
