@@ -98,7 +98,7 @@ impl CycleTracker {
             Verdict::Unknown => (Cause::Unknown, suspect.unwrap_or(here)),
         };
         self.levels.tell(Levels::forget);
-        let (weight_ratio, relative) = self.learnt.mass.weight_ratio();
+        let (weight_ratio, relative) = self.weight_ratio();
         let weight_ratio_std = relative * weight_ratio;
         Some(Change { event: first, onset, cause, weight_ratio, weight_ratio_std })
     }

@@ -87,12 +87,12 @@ impl CycleFit {
 
     /// One iteration.
     pub(crate) fn step(&mut self, learnt: &mut Expectations) -> ControlFlow<Outcome> {
-        match self.stage {
+        match &self.stage {
             Stage::New => self.start(learnt),
             Stage::Free(_) => self.free(learnt),
             Stage::Expected(_) => self.expected(learnt),
             Stage::Places(..) => self.place(learnt),
-            Stage::Telling(fit, posterior, strain) => self.tell(learnt, &fit, posterior, strain),
+            Stage::Telling(fit, posterior, strain) => self.tell(learnt, fit, *posterior, *strain),
         }
     }
 
@@ -132,24 +132,24 @@ impl CycleFit {
         }
         let noise_n2 = learnt.noise_n2(&self.pending);
         let data = learnt.data(&self.pending, &self.after, noise_n2);
-        let (fit, posterior, strain) = match self.stage {
-            Stage::Telling(fit, posterior, strain) => (fit, posterior, strain),
-            Stage::Places(ref places, fit, strain) => {
+        let (fit, posterior, strain) = match &self.stage {
+            Stage::Telling(fit, posterior, strain) => (fit, *posterior, *strain),
+            Stage::Places(places, fit, strain) => {
                 let anywhere = || {
-                    let mut at = Posterior::at(&fit, noise_n2);
+                    let mut at = Posterior::at(fit, noise_n2);
                     if self.pending.fall() < TELLING {
                         at.begin_anywhere();
                     }
                     at
                 };
-                let so_far = places.so_far(&fit, noise_n2).unwrap_or_else(anywhere);
-                (fit, strain.around(so_far, &fit, noise_n2), strain)
+                let so_far = places.so_far(fit, noise_n2).unwrap_or_else(anywhere);
+                (fit, strain.around(so_far, fit, noise_n2), *strain)
             }
             Stage::New | Stage::Free(_) | Stage::Expected(_) => {
                 return Outcome::Failed(Reason::TooShort);
             }
         };
-        outcome(measured(learnt, &data, &fit, posterior, strain, noise_n2), strain)
+        outcome(measured(learnt, &data, fit, posterior, strain, noise_n2), strain)
     }
 
     fn start(&mut self, learnt: &mut Expectations) -> ControlFlow<Outcome> {
@@ -183,8 +183,10 @@ impl CycleFit {
     }
 
     fn begin(&self, learnt: &Expectations, noise_n2: f32) -> Fitting {
-        let data = learnt.data(&self.pending, &self.after, noise_n2);
-        self.pending.begin(&data, learnt.knows_omega())
+        self.pending.begin_again(&self.after).unwrap_or_else(|| {
+            let data = learnt.data(&self.pending, &self.after, noise_n2);
+            self.pending.guess(&data, learnt.knows_omega())
+        })
     }
 
     fn expected(&mut self, learnt: &mut Expectations) -> ControlFlow<Outcome> {

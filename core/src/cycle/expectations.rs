@@ -12,7 +12,7 @@ use crate::fit::residuals::Residuals;
 use crate::fit::slip_scatter::SlipScatter;
 use crate::fit::{Data, Fit, rounding_n2};
 use crate::model::CycleParams;
-use crate::num::math;
+use crate::num::math::{self, larger};
 use crate::stats::fading_trend::FadingTrend;
 use crate::stats::line::Line;
 use crate::stats::normal_equations::UNKNOWNS;
@@ -60,7 +60,7 @@ impl Expectations {
     #[inline(never)]
     pub(crate) fn noise_n2(&self, pending: &SlipRecord) -> f32 {
         let noise_n2 = self.residuals.variance_n2().unwrap_or(pending.noise_n2);
-        (pending.white_share() * noise_n2).max(rounding_n2(pending.peak.force_n))
+        larger(pending.white_share() * noise_n2, rounding_n2(pending.peak.force_n))
     }
 
     /// Variance of what may be a swing about an event's lines, of the cable or of the cell, in units
@@ -289,7 +289,7 @@ pub(crate) fn own_residuals(data: &Data<'_>, fit: &Fit) -> (f32, f32) {
         unknowns -= prior.weight * variance;
     }
     let lines = data.before.count.min(2) as f32 + data.after.weight;
-    (squares.max(0.0), data.samples.good().count() as f32 + lines - unknowns)
+    (larger(squares, 0.0), data.samples.good().count() as f32 + lines - unknowns)
 }
 
 #[cfg(test)]

@@ -44,7 +44,7 @@ impl CycleTracker {
         let steps = most.min(iterations_within(FIRST_SAMPLES, slip.samples().forces_n.len()));
         let none = Line::default();
         let data = self.learnt.data(&slip, &none, noise_n2);
-        let mut fitting = slip.begin(&data, self.learnt.knows_omega());
+        let mut fitting = slip.guess(&data, self.learnt.knows_omega());
         let mut step = || fitting.step(&data, noise_n2).break_value();
         let fit = (0..steps).find_map(|_| step()).flatten();
         let mut fit = fit.filter(|fit| fit.converged && slip.holds(&fit.cycle))?;

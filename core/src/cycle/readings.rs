@@ -48,7 +48,7 @@ impl CycleTracker {
             Effect::Sag => [self.learnt.sag.ask(Sag::parameter), None],
             Effect::Stiffening => [self.learnt.stiffening(), None],
             Effect::Mass => {
-                let (value, relative) = self.learnt.mass.weight_ratio();
+                let (value, relative) = self.weight_ratio();
                 let ratio = Parameter { name: "weight_ratio", value, std: relative * value };
                 [(relative > 0.0).then_some(ratio), None]
             }
@@ -58,7 +58,7 @@ impl CycleTracker {
 
     /// The site with the weight as far as it is known to have changed.
     pub(super) fn site(&self) -> Site {
-        let (ratio, _) = self.learnt.mass.weight_ratio();
+        let ratio = self.learnt.mass.weight_ratio();
         let Site { weight_n, momentum_n_s, .. } = self.site;
         Site { weight_n: ratio * weight_n, momentum_n_s: ratio * momentum_n_s, ..self.site }
     }
@@ -79,6 +79,7 @@ impl CycleTracker {
     /// Weight in use over the given one, and its relative standard deviation.
     #[must_use]
     pub fn weight_ratio(&self) -> (f32, f32) {
-        self.learnt.mass.weight_ratio()
+        let mass = &self.learnt.mass;
+        (mass.weight_ratio(), mass.weight_ratio_std())
     }
 }

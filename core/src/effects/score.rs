@@ -112,7 +112,7 @@ impl ScoreSum {
 
     /// Its variance; scores that scatter by more than the noise tell so much less.
     pub(crate) fn variance(&self) -> f32 {
-        (self.surprise / (self.count - 1.0)).max(1.0) / self.information
+        larger(self.surprise / (self.count - 1.0), 1.0) / self.information
     }
 
     /// Variance that is left of what was possible beforehand: all of it with the first event, none

@@ -64,8 +64,10 @@ impl Correlation {
 
     /// Makes a value the newest one.
     fn append(&mut self, x: f32) {
-        self.last.copy_within(..LAGS - 1, 1);
-        self.last[0] = x;
+        let mut newer = x;
+        for slot in &mut self.last {
+            newer = core::mem::replace(slot, newer);
+        }
     }
 
     /// Takes the values of another one, which came after its own.

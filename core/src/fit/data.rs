@@ -5,6 +5,7 @@ use crate::fit::{Fit, Variances};
 use crate::model::corner::{Corner, Shift};
 use crate::model::{CycleParams, Shape};
 use crate::noise::ripple::ColoredNoise;
+use crate::num::math::larger;
 use crate::stats::line::Line;
 use crate::stats::normal_equations::{Gradient, Normal, UNKNOWNS, dot};
 use crate::stats::prior::{Prior, loosened};
@@ -153,7 +154,7 @@ impl Data<'_> {
             let (off_n, gradient) = self.residual(&shape, time, measured_n);
             let weighted = gradient.map(|by| by * self.samples.weight(time));
             let moved = factor.solve(&weighted);
-            let left = (1.0 - dot(&gradient, &moved)).max(0.0);
+            let left = larger(1.0 - dot(&gradient, &moved), 0.0);
             slip.add(steepness, off_n * off_n / noise_n2, left);
             for (of_other, by_other) in others.iter().take(place) {
                 slip.add_pair(steepness * of_other, dot(&gradient, by_other));

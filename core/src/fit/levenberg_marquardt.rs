@@ -5,6 +5,7 @@ use core::ops::ControlFlow;
 use crate::fit::data::Data;
 use crate::fit::{Fit, Forces, rounding_n2};
 use crate::model::CycleParams;
+use crate::num::math::{larger, smaller};
 use crate::stats::normal_equations::{Factor, Gradient, Normal, dot};
 
 /// Most iterations before giving up; one or two are usual.
@@ -76,7 +77,7 @@ impl Fitting {
     /// Starts from a guess.
     #[must_use]
     pub fn new(guess: &CycleParams) -> Self {
-        Self { left: 1, ..Self::among([*guess; GUESSES]) }
+        Self::at([limited(*guess); GUESSES], 1)
     }
 
     /// Starts from a guess, for so many steps at most.
@@ -88,12 +89,15 @@ impl Fitting {
     /// Starts from the best of some guesses.
     #[must_use]
     pub fn among(guesses: [CycleParams; GUESSES]) -> Self {
-        let guesses = guesses.map(limited);
+        Self::at(guesses.map(limited), GUESSES)
+    }
+
+    fn at(guesses: [CycleParams; GUESSES], left: usize) -> Self {
         let [cycle, ..] = guesses;
         // Whatever the first guess costs is less.
         let normal = Normal { cost: f32::INFINITY, ..Normal::default() };
         let pass = Some(Pass::at(cycle));
-        Self { guesses, left: GUESSES, cycle, normal, gain: 0.0, damping: 0.0, steps: 0, pass }
+        Self { guesses, left, cycle, normal, gain: 0.0, damping: 0.0, steps: 0, pass }
     }
 
     /// One piece. Breaks with the fit, or with `None` when the data do not determine the
@@ -162,7 +166,7 @@ impl Fitting {
         if self.damping > 0.0 && gain < SETTLED * least_n2 {
             return ControlFlow::Break(self.settled(true));
         }
-        if gain.min(data.nonlinearity_n2(&self.cycle, &step)) < SETTLED * least_n2 {
+        if smaller(data.nonlinearity_n2(&self.cycle, &step), gain) < SETTLED * least_n2 {
             (self.cycle, self.normal.cost) = (trial, self.normal.cost - gain);
             return ControlFlow::Break(self.fit(&factor, true));
         }
@@ -176,7 +180,7 @@ impl Fitting {
 
     /// Smaller steps from here on.
     fn refuse(&mut self) -> ControlFlow<Option<Fit>> {
-        self.damping = (10.0 * self.damping).max(DAMPING);
+        self.damping = larger(10.0 * self.damping, DAMPING);
         if self.damping > MOST_DAMPING || self.steps > MOST_STEPS {
             return ControlFlow::Break(None);
         }
@@ -208,7 +212,7 @@ impl Fitting {
 fn moved(cycle: &CycleParams, step: &Gradient) -> CycleParams {
     // Omega and the rate stay positive by never losing more than two thirds at once. Not
     // `clamp`, which panics at a limit that is no number.
-    let grown = |value: f32, by: f32| (value + by).max(0.33 * value).min(3.0 * value);
+    let grown = |value: f32, by: f32| smaller(larger(value + by, 0.33 * value), 3.0 * value);
     CycleParams {
         onset: cycle.onset + step[0].clamp(-1.0, 1.0),
         rate: grown(cycle.rate, step[1]),
@@ -223,10 +227,10 @@ fn moved(cycle: &CycleParams, step: &Gradient) -> CycleParams {
 #[inline(never)]
 fn limited(cycle: CycleParams) -> CycleParams {
     const TINY: f32 = 1e-12;
-    let least_n = (TINY * cycle.static_n.abs()).max(f32::MIN_POSITIVE);
+    let least_n = larger(TINY * cycle.static_n.abs(), f32::MIN_POSITIVE);
     CycleParams {
-        rate: cycle.rate.max(least_n),
-        half_drop_n: cycle.half_drop_n.max(least_n),
+        rate: larger(cycle.rate, least_n),
+        half_drop_n: larger(cycle.half_drop_n, least_n),
         omega: cycle.omega.clamp(1e-3, 60.0),
         ..cycle
     }

@@ -80,12 +80,10 @@ pub struct Forces {
 impl Forces {
     /// Of a cycle, with the factor of its information matrix.
     fn new(cycle: &CycleParams, information: &Factor) -> Self {
-        Self {
-            static_n: cycle.static_n,
-            dynamic_n: cycle.dynamic_n(),
-            static_variance: information.variance(&STATIC.0, STATIC.1),
-            dynamic_variance: information.variance(&DYNAMIC.0, DYNAMIC.1),
-        }
+        let (static_n, dynamic_n) = (cycle.static_n, cycle.dynamic_n());
+        let [static_variance, dynamic_variance] =
+            [STATIC, DYNAMIC].map(|(force, first)| information.variance(&force, first));
+        Self { static_n, dynamic_n, static_variance, dynamic_variance }
     }
 
     fn widen(&mut self, (static_variance, dynamic_variance): (f32, f32)) {
@@ -192,9 +190,8 @@ fn without(
     expected: impl IntoIterator<Item = (usize, (Prior, f32))>,
 ) -> (Normal, Gradient) {
     for (unknown, (prior, value)) in expected {
-        let diagonal = normal.matrix.get_mut(unknown).and_then(|row| row.get_mut(unknown));
-        if let (Some(diagonal), Some(right)) = (diagonal, right.get_mut(unknown)) {
-            *diagonal -= prior.weight;
+        normal.matrix.add_to_diagonal(unknown, -prior.weight);
+        if let Some(right) = right.get_mut(unknown) {
             *right -= prior.weight * (prior.mean - value);
         }
     }

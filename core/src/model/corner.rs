@@ -10,7 +10,7 @@
 //! `F + κ F''`, `κ = τ²/24`: lines stay as they are, and the ellipse shrinks by `κ ω²`.
 
 use crate::model::Shape;
-use crate::num::math;
+use crate::num::math::{self, larger, smaller};
 
 /// Numbers that describe the corners: `κ`, `h` and `ln c`.
 pub const NUMBERS: usize = 3;
@@ -48,14 +48,17 @@ impl Corner {
     #[must_use]
     pub fn shift(&self, shape: &Shape, since_onset: f32) -> Shift {
         let cycle = shape.cycle();
-        let slipping = since_onset.max(0.0).min(shape.slide_time());
+        let slipping = smaller(larger(since_onset, 0.0), shape.slide_time());
         let (sin, cos) = math::sin_cos(cycle.omega * slipping);
         let q_sin_n = cycle.rate / cycle.omega * sin;
+        // Half of τ; without any, what a usual converter has.
+        const LEAST: f32 = 0.3;
+        let half = larger(math::sqrt(6.0 * self.smoothing), LEAST);
         let by_smoothing = -cycle.omega
             * cycle.omega
             * (cycle.half_drop_n * cos + q_sin_n)
-            * self.seen(since_onset)
-            * self.seen(shape.slide_time() - since_onset);
+            * seen(since_onset / half)
+            * seen((shape.slide_time() - since_onset) / half);
 
         let (h, c) = (self.missing_n, self.range_n);
         let rise = math::exp(h / c);
@@ -78,16 +81,13 @@ impl Corner {
         shift.by[0] = by_smoothing;
         shift
     }
+}
 
-    /// Part of `κ F''` that a mean over `τ` shows at a time since `F''` began.
-    fn seen(&self, since: f32) -> f32 {
-        // Half of τ; without any, what a usual converter has.
-        const LEAST: f32 = 0.3;
-        let half = math::sqrt(6.0 * self.smoothing).max(LEAST);
-        let z = (since / half).clamp(-1.0, 1.0);
-        let inside = z.max(0.0);
-        0.5 * (1.0 + z) * (1.0 + z) * (1.0 + z) - 3.0 * inside * inside
-    }
+/// Part of `κ F''` that a mean over `τ` shows so many halves of `τ` after `F''` began.
+fn seen(halves: f32) -> f32 {
+    let z = halves.clamp(-1.0, 1.0);
+    let inside = larger(z, 0.0);
+    0.5 * (1.0 + z) * (1.0 + z) * (1.0 + z) - 3.0 * inside * inside
 }
 
 #[cfg(test)]

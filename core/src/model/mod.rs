@@ -94,7 +94,8 @@ impl CycleParams {
     /// Does the cable stay taut?
     #[must_use]
     pub fn is_taut(&self) -> bool {
-        self.amplitude_n() <= self.dynamic_n()
+        let (q, centre_n) = (self.rate / self.omega, self.dynamic_n());
+        centre_n >= 0.0 && self.half_drop_n * self.half_drop_n + q * q <= centre_n * centre_n
     }
 
     /// Time of rest that loads a taut cable from `Fe` to `Fs`, `T_static` (22).

@@ -2,7 +2,7 @@
 
 use crate::model::CycleParams;
 use crate::model::slack::{ByShape, Slack, Then};
-use crate::num::math;
+use crate::num::math::{self, larger, smaller};
 use crate::stats::normal_equations::Gradient;
 
 /// What several formulas of one [`CycleParams`] share.
@@ -146,7 +146,7 @@ impl Shape {
     #[must_use]
     pub fn by_damping(&self, since_onset: f32) -> f32 {
         let c = &self.cycle;
-        let angle = c.omega * since_onset.max(0.0).min(self.slide);
+        let angle = c.omega * smaller(larger(since_onset, 0.0), self.slide);
         let (sin, cos) = math::sin_cos(angle);
         -angle * (c.half_drop_n * cos + self.q * sin)
     }

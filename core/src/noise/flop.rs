@@ -7,7 +7,7 @@
 //! `r² − sigma²` and its mean age, tapered over the length of a stick. What is within
 //! chance, or no more than `sigma²` itself, is none: then every sample counts alike.
 
-use crate::num::math;
+use crate::num::math::{self, larger, smaller};
 use crate::stats::line::Line;
 use crate::stats::prior::surely;
 
@@ -94,8 +94,8 @@ impl FlopProfile {
             if let Some(force_n) = force_n {
                 let variance = self.variance(age);
                 let off_n = force_n - line.at(age, slope);
-                let free = (1.0 - line.leverage(age) / variance).max(0.1);
-                let square_n2 = (off_n * off_n / free).min(LARGEST * usual_n2 * variance);
+                let free = larger(1.0 - line.leverage(age) / variance, 0.1);
+                let square_n2 = smaller(off_n * off_n / free, LARGEST * usual_n2 * variance);
                 if age > half {
                     self.late_n2 += square_n2;
                     self.late += 1.0;

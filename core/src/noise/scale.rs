@@ -47,7 +47,7 @@ impl Smallest {
 
     /// `None` before two blocks are full.
     fn value(&self) -> Option<f32> {
-        (self.full > 1).then(|| self.blocks.into_iter().fold(0.0, f32::max))
+        (self.full > 1).then(|| self.blocks.into_iter().fold(0.0, larger))
     }
 }
 

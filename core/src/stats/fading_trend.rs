@@ -8,7 +8,7 @@
 //! What counts only when it is significant grows from its limit to twice that: no
 //! expectation jumps because of a last digit.
 
-use crate::num::math;
+use crate::num::math::{self, larger};
 use crate::stats::line::Line;
 use crate::stats::prior::{Prior, surely};
 use crate::stats::quantity::Quantity;
@@ -129,7 +129,7 @@ impl FadingTrend {
         let between = self.excess / self.weight_squares;
         let own = self.count * self.unit / self.line.weight;
         let feigned = own * math::sqrt(2.0 / (self.count - 1.0));
-        between.max(0.0) * surely(between, feigned)
+        larger(between, 0.0) * surely(between, feigned)
     }
 
     /// The value now; `None` before the first event.

@@ -1,5 +1,7 @@
 //! The normal equations of the event fit.
 
+use core::ops::{Index, IndexMut};
+
 /// Number of unknowns of a cycle.
 pub const UNKNOWNS: usize = 6;
 
@@ -8,14 +10,56 @@ pub const UNKNOWNS: usize = 6;
 /// few samples tell of it is close to a normal distribution.
 pub type Gradient = [f32; UNKNOWNS];
 
-/// A symmetric matrix of the fit's size.
-pub type Matrix = [[f32; UNKNOWNS]; UNKNOWNS];
+/// Entries of a symmetric matrix of the fit's size, on its diagonal and below.
+const ENTRIES: usize = UNKNOWNS * (UNKNOWNS + 1) / 2;
+
+/// A symmetric matrix of the fit's size: its lower triangle, row by row.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Symmetric([f32; ENTRIES]);
+
+impl Symmetric {
+    /// A row up to the diagonal.
+    fn row(&self, row: usize) -> &[f32] {
+        self.0.get(place(row, 0)..=place(row, row)).unwrap_or_default()
+    }
+
+    /// The same, to be changed.
+    fn row_mut(&mut self, row: usize) -> &mut [f32] {
+        self.0.get_mut(place(row, 0)..=place(row, row)).unwrap_or_default()
+    }
+
+    /// Adds to an entry of the diagonal.
+    pub(crate) fn add_to_diagonal(&mut self, unknown: usize, number: f32) {
+        if let Some(entry) = self.0.get_mut(place(unknown, unknown)) {
+            *entry += number;
+        }
+    }
+}
+
+/// Where a row's entry lies, which is not above the diagonal.
+const fn place(row: usize, column: usize) -> usize {
+    row * (row + 1) / 2 + column
+}
+
+impl Index<[usize; 2]> for Symmetric {
+    type Output = f32;
+
+    fn index(&self, [row, column]: [usize; 2]) -> &f32 {
+        &self.0[place(row, column)]
+    }
+}
+
+impl IndexMut<[usize; 2]> for Symmetric {
+    fn index_mut(&mut self, [row, column]: [usize; 2]) -> &mut f32 {
+        &mut self.0[place(row, column)]
+    }
+}
 
 /// `Σ w g gᵀ`, `Σ w g r` and `Σ w r²` of weighted residuals.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Normal {
-    /// `Σ w g gᵀ`, lower triangle.
-    pub matrix: Matrix,
+    /// `Σ w g gᵀ`.
+    pub matrix: Symmetric,
     /// `Σ w g r`.
     pub right: Gradient,
     /// `Σ w r²`.
@@ -26,10 +70,10 @@ impl Normal {
     /// Takes one residual (measured minus model) with its gradient and weight.
     pub fn add(&mut self, residual: f32, gradient: &Gradient, weight: f32) {
         self.cost += weight * residual * residual;
-        for (i, row) in self.matrix.iter_mut().enumerate() {
+        for i in 0..UNKNOWNS {
             let scaled = weight * gradient[i];
-            for (j, entry) in row.iter_mut().enumerate().take(i + 1) {
-                *entry += scaled * gradient[j];
+            for (entry, by) in self.matrix.row_mut(i).iter_mut().zip(gradient) {
+                *entry += scaled * by;
             }
             self.right[i] += scaled * residual;
         }
@@ -38,9 +82,8 @@ impl Normal {
     /// Takes a residual that depends on one unknown alone.
     pub fn add_one(&mut self, residual: f32, unknown: usize, weight: f32) {
         self.cost += weight * residual * residual;
-        let diagonal = self.matrix.get_mut(unknown).and_then(|row| row.get_mut(unknown));
-        if let (Some(diagonal), Some(right)) = (diagonal, self.right.get_mut(unknown)) {
-            *diagonal += weight;
+        self.matrix.add_to_diagonal(unknown, weight);
+        if let Some(right) = self.right.get_mut(unknown) {
             *right += weight * residual;
         }
     }
@@ -60,7 +103,7 @@ impl Normal {
 #[derive(Clone, Copy, Debug)]
 pub struct Factor {
     /// Below the diagonal.
-    lower: Matrix,
+    lower: [Gradient; UNKNOWNS],
     /// One over the diagonal of `D`.
     inverse: Gradient,
 }
@@ -69,16 +112,17 @@ pub struct Factor {
 const SMALLEST_PIVOT: f32 = 1e-6;
 
 impl Factor {
-    fn new(matrix: &Matrix, damping: f32) -> Option<Self> {
-        let mut lower = Matrix::default();
+    fn new(matrix: &Symmetric, damping: f32) -> Option<Self> {
+        let mut lower = [Gradient::default(); UNKNOWNS];
         let mut inverse = Gradient::default();
         let raise = 1.0 + damping;
         for i in 0..UNKNOWNS {
             // The row of L D first, its products with L as they are known.
             let mut row = Gradient::default();
-            let mut pivot = matrix[i][i] * raise;
-            for j in 0..i {
-                let mut sum = matrix[i][j];
+            let (diagonal, given) = matrix.row(i).split_last()?;
+            let mut pivot = diagonal * raise;
+            for (j, entry) in given.iter().enumerate().take(UNKNOWNS) {
+                let mut sum = *entry;
                 for k in 0..j {
                     sum -= row[k] * lower[j][k];
                 }
@@ -87,7 +131,7 @@ impl Factor {
                 pivot -= sum * lower[i][j];
             }
             // Also false for NaN.
-            if !(pivot > SMALLEST_PIVOT * matrix[i][i] && pivot < f32::MAX) {
+            if !(pivot > SMALLEST_PIVOT * diagonal && pivot < f32::MAX) {
                 return None;
             }
             inverse[i] = 1.0 / pivot;
@@ -120,14 +164,21 @@ impl Factor {
         core::array::from_fn(|unknown| {
             let mut unit = Gradient::default();
             unit[unknown] = 1.0;
-            self.variance(&unit, unknown)
+            self.spread(&unit, unknown)
         })
     }
 
     /// `uᵀ A⁻¹ u`, the variance of a combination of unknowns, none of them before the
     /// first one.
     #[must_use]
+    #[inline(never)]
     pub fn variance(&self, u: &Gradient, first: usize) -> f32 {
+        self.spread(u, first)
+    }
+
+    /// The same, in place: a known place makes it half as long.
+    #[inline(always)]
+    fn spread(&self, u: &Gradient, first: usize) -> f32 {
         // Σ (L⁻¹ u)² / D: forward substitution is enough.
         let (mut x, mut sum_of_squares) = (*u, 0.0);
         for i in first..UNKNOWNS {
@@ -170,7 +221,7 @@ mod tests {
         let normal = example();
         let x = normal.factor(0.0).unwrap().solve(&normal.right);
         for i in 0..UNKNOWNS {
-            let full = |i: usize, j: usize| normal.matrix[i.max(j)][i.min(j)];
+            let full = |i: usize, j: usize| normal.matrix[[i.max(j), i.min(j)]];
             let left = (0..UNKNOWNS).fold(0.0, |sum, j| sum + full(i, j) * x[j]);
             let size = (0..UNKNOWNS).fold(1e-3, |sum, j| sum + (full(i, j) * x[j]).abs());
             assert!(

@@ -1,5 +1,7 @@
 //! What is known of a quantity beforehand, and how sure a finding is.
 
+use crate::num::math::smaller;
+
 /// What is known of a quantity beforehand.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Prior {
@@ -23,7 +25,7 @@ pub(crate) fn loosened(weight: f32, variance: f32) -> f32 {
 
 /// From 0 where a size is within a limit to 1 where it is twice that.
 pub(crate) fn surely(size: f32, limit: f32) -> f32 {
-    if size > limit { (size / limit - 1.0).min(1.0) } else { 0.0 }
+    if size > limit { smaller(size / limit - 1.0, 1.0) } else { 0.0 }
 }
 
 /// What an event measured by itself, without the expectation it was fitted with.

@@ -1,6 +1,6 @@
 //! A quantile, online: moved by a constant factor up or down, no threshold.
 
-use crate::num::math::larger;
+use crate::num::math::{larger, smaller};
 
 /// A running quantile of positive numbers.
 #[derive(Clone, Copy, Debug)]
@@ -52,11 +52,11 @@ impl Quantile {
     fn start(&mut self, mut size: f32) {
         if self.count >= FEWEST {
             self.count += 1;
-            let gain = (4.0 / self.count as f32).max(SMALLEST_GAIN);
+            let gain = larger(4.0 / self.count as f32, SMALLEST_GAIN);
             return self.follow(size, gain);
         }
         for entry in &mut self.first {
-            (*entry, size) = (entry.min(size), entry.max(size));
+            (*entry, size) = (smaller(*entry, size), larger(*entry, size));
         }
         self.count += 1;
         let place = self.part * (self.count - 1) as f32 + 0.5;

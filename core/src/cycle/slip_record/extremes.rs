@@ -138,7 +138,7 @@ impl SlipRecord {
     /// Part of the drop that begins and ends the fall: beyond what the noise does.
     fn edge_part(&self) -> f32 {
         let drop_n = self.peak.force_n - self.low.force_n;
-        (0.1 + 3.0 * math::sqrt(self.noise_n2) / drop_n).min(0.3)
+        math::smaller(0.1 + 3.0 * math::sqrt(self.noise_n2) / drop_n, 0.3)
     }
 
     /// Angle at which half a cosine has fallen by that part.

@@ -5,18 +5,19 @@ use crate::fit::{Data, Fitting};
 use crate::model::CycleParams;
 use crate::num::math;
 use crate::sample::since;
+use crate::stats::line::Line;
 
 impl SlipRecord {
-    /// Begins a fit where an earlier one ended, else at a guess.
-    pub(crate) fn begin(&self, data: &Data<'_>, known_swing: bool) -> Fitting {
+    /// Begins a fit where an earlier one ended.
+    pub(crate) fn begin_again(&self, after: &Line) -> Option<Fitting> {
         // Without the line after it a slip on a slack cable is hardly determined.
-        let early = self.early.filter(|_| self.slack(data.after).is_none());
-        early.map_or_else(|| self.guess(data, known_swing), |early| Fitting::new(&early))
+        let early = self.early.filter(|_| self.slack(after).is_none());
+        early.map(|early| Fitting::new(&early))
     }
 
     /// Begins at a guess: the lines' level and slope, half-way down in time, and the
     /// slip's length that fits best of a few.
-    fn guess(&self, data: &Data<'_>, known_swing: bool) -> Fitting {
+    pub(crate) fn guess(&self, data: &Data<'_>, known_swing: bool) -> Fitting {
         let (peak_n, low_n) = (self.peak.force_n, self.low.force_n);
         let slack = self.slack(data.after);
         let centre_n = slack.map_or(0.5 * (peak_n + low_n), |slack| slack.centre_n);

@@ -94,7 +94,8 @@ impl SlipRecord {
         pending.take(window, start, now);
         pending.rough.middle = pending.crossing();
         pending.rough.edges = pending.edges();
-        let missing = (first..=now).filter(|&index| window.get(index).is_none()).count();
+        let between = pending.forces_n.iter().take(pending.length);
+        let missing = between.filter(|force_n| force_n.is_nan()).count();
         let too_long = (pending.length == CORE).then_some(Reason::TooLong);
         pending.hidden = if missing > 3 { Some(Reason::Hidden) } else { too_long };
         pending

@@ -158,7 +158,7 @@ impl CornerEstimator {
         self.best = self.numbers(corner);
         let diagonal = [0.0, 0.0, RANGE_KNOWN, 1.0, 1.0, 1.0];
         for (i, entry) in diagonal.into_iter().enumerate() {
-            self.information.matrix[i][i] = entry;
+            self.information.matrix[[i, i]] = entry;
         }
     }
 
@@ -193,7 +193,7 @@ impl CornerEstimator {
             // How far off the event was before times how far it is after it: on average
             // the variance of the noise.
             let squared = (told[k] - before[k]) * (told[k] - after[k]);
-            self.chi_square += 0.5 * squared / (score.normal.matrix[k][k] * noise_n2);
+            self.chi_square += 0.5 * squared / (score.normal.matrix[[k, k]] * noise_n2);
         }
         self.best = best;
         // More than the noise explains: so much less is known.
@@ -215,13 +215,13 @@ impl CornerEstimator {
         self.count = FADE * self.count + 1.0;
         for i in 0..NUMBERS {
             for j in 0..=i {
-                let sum = &mut self.information.matrix[i][j];
-                *sum = FADE * *sum + score.normal.matrix[i][j] / noise_n2;
+                let sum = &mut self.information.matrix[[i, j]];
+                *sum = FADE * *sum + score.normal.matrix[[i, j]] / noise_n2;
             }
             self.information.right[i] = FADE * self.information.right[i] + told[i] / noise_n2;
         }
         // While nothing tells the range it stays what it was thought to be.
-        self.information.matrix[2][2] += (1.0 - FADE) * RANGE_KNOWN;
+        self.information.matrix[[2, 2]] += (1.0 - FADE) * RANGE_KNOWN;
         self.information.right[2] += (1.0 - FADE) * RANGE_KNOWN * used[2];
     }
 
@@ -243,7 +243,7 @@ impl CornerEstimator {
             let errors = if is_early { POSSIBLE_EARLY } else { POSSIBLE };
             self.possible[k] = (1.0 - sure) * beyond(errors) * square;
             // Around zero, within its own size as far as it counts.
-            let own = &mut likely.matrix[k][k];
+            let own = &mut likely.matrix[[k, k]];
             *own += if counts[k] { 1.0 / (sure * square) } else { HELD * *own };
         }
         let factor = likely.factor(0.0)?;

@@ -47,13 +47,13 @@ impl Score {
         let response = products.map(|product| alone.factor.solve(&product));
         let mut is_lost = false;
         for i in 0..NUMBERS {
-            let whole = normal.matrix[i][i];
+            let whole = normal.matrix[[i, i]];
             for j in 0..=i {
-                normal.matrix[i][j] -= dot(&products[i], &response[j]);
+                normal.matrix[[i, j]] -= dot(&products[i], &response[j]);
             }
             normal.right[i] -= dot(&response[i], &alone.right);
             // Without creep its range is not known at all.
-            let own = normal.matrix[i][i];
+            let own = normal.matrix[[i, i]];
             if own.is_nan() {
                 return None;
             }
@@ -89,7 +89,7 @@ impl Score {
         let mut product = Gradient::default();
         for (i, sum) in product.iter_mut().enumerate().take(NUMBERS) {
             for (j, number) in numbers.iter().enumerate().take(NUMBERS) {
-                *sum += self.normal.matrix[i.max(j)][i.min(j)] * number;
+                *sum += self.normal.matrix[[i.max(j), i.min(j)]] * number;
             }
         }
         product

@@ -190,11 +190,20 @@ impl Mass {
         matches!(self.state, State::Trial(_))
     }
 
-    /// The weight over the given one, and its relative standard deviation.
+    /// The weight over the given one.
     #[must_use]
-    pub fn weight_ratio(&self) -> (f32, f32) {
-        let ratio = if self.is_on_trial() { self.base } else { self.ratio() };
-        (ratio.value, math::sqrt(ratio.variance))
+    pub fn weight_ratio(&self) -> f32 {
+        self.weight().value
+    }
+
+    /// Its relative standard deviation.
+    #[must_use]
+    pub fn weight_ratio_std(&self) -> f32 {
+        math::sqrt(self.weight().variance)
+    }
+
+    fn weight(&self) -> Ratio {
+        if self.is_on_trial() { self.base } else { self.ratio() }
     }
 
     /// What the trial says so far.
@@ -283,7 +292,7 @@ mod tests {
         let (mass, told) = taken(swings);
         assert_eq!((told[12], told[13]), (Verdict::Suspect, Verdict::Mass));
         assert_eq!(told.iter().filter(|&&verdict| verdict == Verdict::Same).count(), 28);
-        let (ratio, std) = mass.weight_ratio();
+        let (ratio, std) = (mass.weight_ratio(), mass.weight_ratio_std());
         assert!((ratio / 0.6667 - 1.0).abs() < 2.5 * std && std < 0.01, "{ratio} {std}");
     }
 
@@ -292,7 +301,8 @@ mod tests {
         let mut swings = [0.9; 40];
         swings[14..].fill(0.8);
         swings[28..].fill(0.6);
-        let (ratio, std) = taken(swings).0.weight_ratio();
+        let mass = taken(swings).0;
+        let (ratio, std) = (mass.weight_ratio(), mass.weight_ratio_std());
         assert!((ratio * 9.0 / 4.0 - 1.0).abs() < 2.5 * std && std < 0.01, "{ratio} {std}");
     }
 
@@ -302,7 +312,7 @@ mod tests {
         swings[12] = 0.6;
         let (mass, told) = taken(swings);
         assert_eq!((told[12], told[13]), (Verdict::Suspect, Verdict::Same));
-        assert_eq!(mass.weight_ratio(), (1.0, 0.0));
+        assert_eq!((mass.weight_ratio(), mass.weight_ratio_std()), (1.0, 0.0));
         assert!((mass.inverse_omega().mean().unwrap() - 0.845).abs() < 0.003);
     }
 
@@ -310,7 +320,7 @@ mod tests {
     fn a_shortening_cable_is_no_change() {
         let (mass, told) = taken(core::array::from_fn::<f32, 200, _>(|i| 0.845 - 0.001 * i as f32));
         assert!(told.iter().all(|&verdict| verdict == Verdict::Same));
-        assert_eq!(mass.weight_ratio(), (1.0, 0.0));
+        assert_eq!((mass.weight_ratio(), mass.weight_ratio_std()), (1.0, 0.0));
     }
 
     #[test]
@@ -321,7 +331,7 @@ mod tests {
             take(&mut mass, &measured(i, inverse_omega, 0.004, 490.0))
         });
         assert!(!told.contains(&Verdict::Mass) && told.contains(&Verdict::Unknown));
-        assert_eq!(mass.weight_ratio(), (1.0, 0.0));
+        assert_eq!((mass.weight_ratio(), mass.weight_ratio_std()), (1.0, 0.0));
     }
 
     /// Each swing is known to 4 % only.
@@ -333,7 +343,7 @@ mod tests {
             assert!(mass.doubt(490.0));
             let ended = (0..60).find_map(|i| mass.learn(&measured(i, inverse_omega, 0.02, 327.0)));
             assert_eq!(ended, Some(expected));
-            let (ratio, std) = mass.weight_ratio();
+            let (ratio, std) = (mass.weight_ratio(), mass.weight_ratio_std());
             let truth = if expected == Verdict::Mass { 0.6667 } else { 1.0 };
             assert!((ratio / truth - 1.0).abs() <= 2.5 * std && std < 0.15, "{ratio} {std}");
         }
