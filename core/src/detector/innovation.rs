@@ -1,8 +1,6 @@
 //! The innovation: how far a sample lies from the stick line's forecast, and how sure that is.
 
 use crate::detector::Detector;
-use crate::detector::stick_line::LINE_POINTS;
-use crate::num::math;
 use crate::sample::{ForcePoint, since};
 
 /// The line describes the force while its innovations scatter by less than this, in standard
@@ -13,22 +11,19 @@ const LINE_FITS: f32 = 2.5;
 impl Detector {
     /// Sample minus the line's forecast, N. `None` with fewer than four samples on the line.
     pub(super) fn off_line_n(&self, now: ForcePoint) -> Option<f32> {
-        let stick = &self.stick;
-        let slope = stick.line.slope().filter(|_| stick.line.count >= LINE_POINTS)?;
-        let time = since(stick.line_origin, now.index);
-        Some(now.force_n - stick.line.at(time, slope))
+        self.stick.off_n(self.stick.time(now.index), now.force_n)
     }
 
     /// Standard deviation of that in units of a late sample's noise, one or more; the
     /// sample's own variance as from [`Self::variance`].
     pub(super) fn spread(&self, now: ForcePoint, variance: f32) -> f32 {
-        let time = since(self.stick.line_origin, now.index);
-        math::rough_sqrt(variance + self.stick.line.leverage(time))
+        self.stick.spread(self.stick.time(now.index), variance)
     }
 
     /// Variance of a resting block's sample over that of a late one.
     pub(super) fn variance(&self, index: u64) -> f32 {
-        self.profile.get().map_or(1.0, |it| it.variance(since(self.stick.origin, index)))
+        let profile = self.profile.get().filter(|it| !it.is_flat());
+        profile.map_or(1.0, |it| it.variance(since(self.stick.origin, index)))
     }
 
     /// Does the stick line describe the force, or does the block never rest long

@@ -75,8 +75,9 @@ impl Detector {
     fn take_into_line(&mut self, sample: ForcePoint) {
         let variance = self.variance(sample.index);
         let weight = 1.0 / variance;
-        if let Some(innovation) = self.off_line_n(sample) {
-            let relative = innovation / self.spread(sample, variance);
+        let time = self.stick.time(sample.index);
+        if let Some(innovation) = self.stick.off_n(time, sample.force_n) {
+            let relative = innovation / self.stick.spread(time, variance);
             let std = self.line_std_n;
             self.noise.add(relative);
             if std.is_some_and(|std| relative.abs() > OFF_LINE * std) {
@@ -87,7 +88,7 @@ impl Detector {
             }
         }
         self.stick.strikes = 0;
-        self.stick.take(sample.index, sample.force_n, weight);
+        self.stick.take(time, sample.force_n, weight);
     }
 
     /// A sample off the line is left out; several on one side start a new line.

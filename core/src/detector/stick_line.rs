@@ -1,6 +1,7 @@
 //! The stick line: a straight line through the samples of a resting block, followed
 //! recursively, with its start kept.
 
+use crate::num::math;
 use crate::sample::{ForcePoint, since};
 use crate::stats::line::Line;
 
@@ -72,10 +73,26 @@ impl Stick {
         self.next = self.next.min(self.origin.max(self.highest.index.saturating_sub(3)));
     }
 
+    /// Time of an index in the line, periods.
+    pub(super) fn time(&self, index: u64) -> f32 {
+        since(self.line_origin, index)
+    }
+
+    /// Sample at such a time minus the forecast, N. `None` with fewer than four samples.
+    pub(super) fn off_n(&self, time: f32, force_n: f32) -> Option<f32> {
+        let slope = self.line.slope().filter(|_| self.line.count >= LINE_POINTS)?;
+        Some(force_n - self.line.at(time, slope))
+    }
+
+    /// Standard deviation of that in units of a late sample's noise; `variance` is the sample's.
+    pub(super) fn spread(&self, time: f32, variance: f32) -> f32 {
+        math::rough_sqrt(variance + self.line.leverage(time))
+    }
+
     /// Takes a sample into the line; its weight is one over its variance.
     #[inline]
-    pub(super) fn take(&mut self, index: u64, force_n: f32, weight: f32) {
-        self.line.add(since(self.line_origin, index), force_n, weight, weight);
+    pub(super) fn take(&mut self, time: f32, force_n: f32, weight: f32) {
+        self.line.add(time, force_n, weight, weight);
         if self.line.time >= MOST_MEAN_TIME {
             self.line.shift(MOST_MEAN_TIME);
             self.line_origin += MOST_MEAN_TIME as u64;

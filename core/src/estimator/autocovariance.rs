@@ -57,7 +57,7 @@ impl Correlation {
     /// Adds the products of a value, so many places after the next one, with the
     /// values before it.
     fn pair_with_last(&mut self, x: f32, places: usize) {
-        for (product, last) in self.products.iter_mut().skip(places).zip(self.last) {
+        for (product, last) in self.products.iter_mut().skip(places).zip(&self.last) {
             *product += x * last;
         }
     }

@@ -141,7 +141,8 @@ impl Data<'_> {
         const MOST: usize = 12;
         let (mut slip, mut wider) = (SlipResiduals::default(), Variances::default());
         let Some(factor) = fit.normal.factor(0.0) else { return (slip, wider) };
-        let apart = fit.without_swing(self.inverse_omega).unwrap_or(factor);
+        let apart = fit.without_swing(self.inverse_omega);
+        let apart = apart.as_ref().unwrap_or(&factor);
         let shape = fit.cycle.shape();
         let (from, to) = self.samples.slip;
         // Never zero, also for a slip that is no number.
@@ -176,10 +177,17 @@ impl Data<'_> {
         };
         let since_onset = before.time - cycle.onset;
         let level = shifted(since_onset, shape.before(since_onset));
-        add_line(normal, before, &self.wander, [level, shape.slope_before()]);
+        add_level(normal, before, &self.wander, &level);
+        if let Some((slope, weight)) = slope(before, &self.wander) {
+            normal.add_one(slope - cycle.rate, 1, weight);
+        }
         let since_onset = after.time - cycle.onset;
         let level = shifted(since_onset, shape.after(since_onset));
-        add_line(normal, after, &self.wander, [level, shape.slope_after()]);
+        add_level(normal, after, &self.wander, &level);
+        if let Some((slope, weight)) = slope(after, &self.wander) {
+            let (rate, by) = shape.slope_after();
+            normal.add(slope - rate, &by, weight);
+        }
         for (unknown, (prior, value)) in self.priors(cycle).into_iter().enumerate() {
             normal.add_one(prior.mean - value, unknown, prior.weight);
         }
@@ -208,22 +216,16 @@ impl Data<'_> {
     }
 }
 
-/// A line as two observations, its level and its slope, each as far off as the force
-/// wanders.
-fn add_line(
-    normal: &mut Normal,
-    line: &Line,
-    wander: &ColoredNoise,
-    [level, slope]: [(f32, Gradient); 2],
-) {
-    if line.weight <= 0.0 {
-        return;
+/// The level of a line, as far off as the force wanders, as one observation.
+fn add_level(normal: &mut Normal, line: &Line, wander: &ColoredNoise, level: &(f32, Gradient)) {
+    if line.weight > 0.0 {
+        // The rate is that next to the slip: on its way to the line's middle the force wanders off.
+        let far = wander.level + wander.slope * line.time * line.time;
+        normal.add(line.level_n - level.0, &level.1, loosened(line.weight, far));
     }
-    // The rate is that next to the slip: on its way to the line's middle the force wanders off.
-    let far = wander.level + wander.slope * line.time * line.time;
-    normal.add(line.level_n - level.0, &level.1, loosened(line.weight, far));
-    if let Some(measured) = line.slope() {
-        let weight = loosened(line.slope_weight(), wander.slope);
-        normal.add(measured - slope.0, &slope.1, weight);
-    }
+}
+
+/// Its slope, and the weight of that.
+fn slope(line: &Line, wander: &ColoredNoise) -> Option<(f32, f32)> {
+    Some((line.slope()?, loosened(line.slope_weight(), wander.slope)))
 }

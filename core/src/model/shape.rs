@@ -192,12 +192,6 @@ impl Shape {
         Rest { time: self.slide, by, force_n: c.static_n - 2.0 * d, force_by: [1.0, -2.0] }
     }
 
-    /// Slope of the line before the slip, and its gradient.
-    #[must_use]
-    pub fn slope_before(&self) -> (f32, Gradient) {
-        (self.cycle.rate, [0.0, 1.0, 0.0, 0.0, 0.0, 0.0])
-    }
-
     /// Slope of the line after the slip, and its gradient.
     #[must_use]
     pub fn slope_after(&self) -> (f32, Gradient) {

@@ -101,7 +101,7 @@ impl SpikeFilter {
         let (Some(noise_n), Some(rise_n)) = (usual.noise_n, self.rises.value()) else {
             return false;
         };
-        let rises = RISES * rise_n * span as f32 / 2.0;
+        let rises = RISES * rise_n * span as u32 as f32 / 2.0;
         let least = larger(larger(NOISES * noise_n, PART_OF_DROP * usual.drop_n), rises);
         smaller(left.abs(), right.abs()) > least
     }

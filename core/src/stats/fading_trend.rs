@@ -46,20 +46,23 @@ pub struct FadingTrend {
     between: f32,
     /// Events in a row that were far off.
     strangers: u8,
+    /// The value that the next event may expect, and the variance of that; zeros before the
+    /// first event.
+    now: (f32, f32),
 }
 
 impl FadingTrend {
     /// Lets the past count for less: once an event, whether or not it tells anything, so
     /// that no expectation, once too sure of itself, shuts out what could correct it.
-    #[inline(never)]
     pub fn forget(&mut self) {
+        self.line.shift(1.0);
         self.fade();
-        self.pass();
     }
 
     /// An event passes: a trend goes on.
     pub(crate) fn pass(&mut self) {
         self.line.shift(1.0);
+        self.now = self.at(NEXT);
     }
 
     /// The past counts for less, and no trend goes on.
@@ -70,6 +73,7 @@ impl FadingTrend {
         self.count *= FADE;
         self.excess *= FADE;
         self.weight_squares *= FADE;
+        self.now = self.at(NEXT);
     }
 
     /// Takes the newest event's own measurement and its variance.
@@ -104,6 +108,7 @@ impl FadingTrend {
             self.weight_squares += square;
             self.between = self.significant_excess();
         }
+        self.now = self.at(NEXT);
     }
 
     /// Is a measurement not one of these?
@@ -135,17 +140,17 @@ impl FadingTrend {
     /// The value now; `None` before the first event.
     #[must_use]
     pub fn mean(&self) -> Option<f32> {
-        (self.count > 0.0).then(|| self.now().0)
+        (self.count > 0.0).then_some(self.now.0)
     }
 
-    /// The same with its variance; that is no number below infinity before the first event.
+    /// The same with its variance; both are zero before the first event.
     pub(crate) fn now(&self) -> (f32, f32) {
-        self.at(NEXT)
+        self.now
     }
 
     /// The same with its standard deviation.
     pub(crate) fn known(&self) -> Option<Quantity> {
-        let (value, variance) = self.now();
+        let (value, variance) = self.now;
         (self.count > 0.0).then(|| Quantity { value, std: math::sqrt(variance) })
     }
 
@@ -167,13 +172,14 @@ impl FadingTrend {
         if !self.is_known() {
             return Prior::default();
         }
-        let (mean, variance) = self.now();
+        let (mean, variance) = self.now;
         Prior { mean, weight: noise_n2 / (self.between + variance) }
     }
 
     /// Every event would have told so much more.
     pub fn translate(&mut self, by: f32) {
         self.line.level_n += by;
+        self.now.0 += by;
     }
 
     /// The same for a quantity that is zero unless the events say otherwise.

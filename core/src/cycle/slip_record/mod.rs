@@ -191,8 +191,10 @@ impl SlipRecord {
     pub(crate) fn lengthen_line(&mut self, previous: &Self, stick: &Stick) {
         let was_slack = previous.slack(&stick.first_from(previous.origin)).is_some();
         let is_steady = self.rest_weight >= 1.0 && self.has_straight(stick, &self.before);
-        let Some(early) = previous.early.filter(|_| is_steady && !was_slack) else { return };
-        let (stop, end) = (early.shape().stop() + UNSURE, since(previous.origin, stick.origin));
+        if previous.early.is_none() || !is_steady || was_slack {
+            return;
+        }
+        let (stop, end) = (previous.slip.1 + UNSURE, since(previous.origin, stick.origin));
         let later = since(self.origin, previous.origin);
         for (time, force_n) in previous.samples().good() {
             if time > stop && time < end {
