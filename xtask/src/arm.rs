@@ -93,8 +93,13 @@ impl Route {
         hidden.push(root().join("target/arm").join(TARGET).join("firmware/build"));
         let remap = |path: &PathBuf| format!("--remap-path-prefix={}/=", path.display());
         let mut flags: Vec<String> = hidden.iter().map(remap).collect();
-        // Code that occurs again and again becomes a function.
-        flags.push("-Cllvm-args=--inline-threshold=6 --enable-machine-outliner=always".into());
+        // Code that occurs again and again becomes a function; of loops only those over the six
+        // unknowns are written out.
+        flags.push(
+            "-Cllvm-args=--inline-threshold=6 --enable-machine-outliner=always \
+             --unroll-full-max-count=6"
+                .into(),
+        );
         if self == Self::Debian {
             flags.extend(DEBIAN_FLAGS.map(String::from));
         }

@@ -12,6 +12,7 @@ use crate::fit::residuals::Residuals;
 use crate::fit::slip_scatter::SlipScatter;
 use crate::fit::{Data, Fit, rounding_n2};
 use crate::model::CycleParams;
+use crate::model::corner::Corner;
 use crate::num::math::{self, larger};
 use crate::stats::fading_trend::FadingTrend;
 use crate::stats::line::Line;
@@ -37,6 +38,36 @@ pub(crate) struct Expectations {
     pub(super) misfits: u8,
     /// The residuals are those of weighted samples.
     weighted: bool,
+}
+
+/// What is expected of one event.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Expected {
+    /// Variance of the noise that the weights are relative to, N².
+    pub(crate) noise_n2: f32,
+    rate: Prior,
+    inverse_omega: Prior,
+    rate_change: Prior,
+    onset: Prior,
+    corner: Corner,
+}
+
+impl Expected {
+    /// The event's samples and lines with that.
+    pub(crate) fn data<'a>(&self, pending: &'a SlipRecord, after: &'a Line) -> Data<'a> {
+        let Self { rate, inverse_omega, rate_change, onset, corner, .. } = *self;
+        Data {
+            before: &pending.before,
+            samples: pending.samples(),
+            after,
+            wander: pending.wander,
+            rate,
+            inverse_omega,
+            rate_change,
+            onset,
+            corner,
+        }
+    }
 }
 
 /// Least part of a fitted precision that has to be the event's own: a smaller part is
@@ -88,13 +119,8 @@ impl Expectations {
         }
     }
 
-    /// An event's samples and lines with what is expected of it.
-    pub(crate) fn data<'a>(
-        &self,
-        pending: &'a SlipRecord,
-        after: &'a Line,
-        noise_n2: f32,
-    ) -> Data<'a> {
+    /// What is expected of an event with such a line after it.
+    pub(crate) fn of(&self, pending: &SlipRecord, after: &Line, noise_n2: f32) -> Expected {
         let rough = pending.rough(after);
         let has_lines =
             pending.before.count.min(after.count) >= LINE && pending.wander.level <= 0.0;
@@ -110,11 +136,8 @@ impl Expectations {
             rough.slide_std * core::f32::consts::FRAC_1_PI,
             noise_n2,
         );
-        Data {
-            before: &pending.before,
-            samples: pending.samples(),
-            after,
-            wander: pending.wander,
+        Expected {
+            noise_n2,
             rate: rate.loosened(pending.wander.slope),
             inverse_omega,
             rate_change: self

@@ -16,7 +16,7 @@ const FIRST_STEPS: usize = 5;
 /// most iterations. These are the longest steps there are.
 const STEPS_UNKNOWN: usize = 12;
 /// Samples that all steps together may look at: the time there is.
-const FIRST_SAMPLES: usize = 240;
+const FIRST_SAMPLES: usize = 120;
 
 impl CycleTracker {
     /// The slip has begun: a first value of `mu_s`, between the last sample on the line
@@ -43,7 +43,7 @@ impl CycleTracker {
         let most = if self.learnt.knows_omega() { FIRST_STEPS } else { STEPS_UNKNOWN };
         let steps = most.min(iterations_within(FIRST_SAMPLES, slip.samples().forces_n.len()));
         let none = Line::default();
-        let data = self.learnt.data(&slip, &none, noise_n2);
+        let data = self.learnt.of(&slip, &none, noise_n2).data(&slip, &none);
         let mut fitting = slip.guess(&data, self.learnt.knows_omega());
         let mut step = || fitting.step(&data, noise_n2).break_value();
         let fit = (0..steps).find_map(|_| step()).flatten();

@@ -1,0 +1,139 @@
+//! What is made of an event's fit, a step each: how far its samples are from it, what it tells of
+//! its unknowns, and what of the force terms that it lacks.
+
+use core::ops::ControlFlow;
+
+use crate::cycle::cycle_fit::{CycleFit, Measured, Outcome, Stage};
+use crate::cycle::expectations::{Expectations, is_clear, is_strained, own_residuals};
+use crate::effects::mass_change::Verdict;
+use crate::event::Reason;
+use crate::fit::over_onset::OverOnset;
+use crate::fit::posterior::Posterior;
+use crate::fit::residuals::excess_ratio;
+use crate::fit::{Data, Fit, Variances};
+use crate::num::math::larger;
+
+impl CycleFit {
+    /// How far the samples are from the fit: noise, what slips scatter, strain.
+    pub(super) fn judge(&mut self, learnt: &mut Expectations) -> ControlFlow<Outcome> {
+        let Stage::Fitted(fit) = &mut self.stage else { return ControlFlow::Continue(()) };
+        let (pending, noise_n2) = (&self.pending, self.expected.noise_n2);
+        let data = self.expected.data(pending, &self.after);
+        let (squares_n2, free) = own_residuals(&data, fit);
+        // Without what is left around the line after it, which fits whatever the slip does.
+        let (line_n2, points) = (self.after.residual(), (self.after.weight - 2.0).max(0.0));
+        let around_n2 = squares_n2 - line_n2;
+        let misfit = learnt.is_misfit(pending, around_n2, free - points);
+        let counts = free >= 1.0 && !misfit;
+        if counts {
+            let squares_n2 = free * pending.least_n2(squares_n2 / free);
+            learnt.residuals.add(squares_n2, free, pending.noise_n2);
+        }
+        let now_n2 = learnt.noise_n2(pending);
+        fit.scale(excess_ratio(around_n2, free - points, now_n2));
+        if counts {
+            // Where the noise is not known yet, the lines have it.
+            let (lines_n2, lines) = pending.line_residuals(&self.after);
+            let quiet_n2 = larger(noise_n2, lines_n2 / larger(lines, 1.0));
+            let (slip, wider) = data.slip_scatter(fit, quiet_n2);
+            // A force that wanders does so in the slip as well.
+            if pending.wander.level <= 0.0 {
+                learnt.slip.learn(&slip);
+            }
+            fit.widen(&wider, learnt.slip.excess());
+            fit.widen(&Variances::UNSURE_SWING, learnt.unsure_swing(pending, now_n2));
+        }
+        let strained = is_strained(&data, around_n2, now_n2);
+        let strain = match (misfit, strained) {
+            (true, _) => Strain::Misfit,
+            (_, true) => Strain::Strained,
+            _ => Strain::None,
+        };
+        let places = OverOnset::new(fit, learnt.knows_omega()).filter(|_| !misfit);
+        self.stage = if let Some(places) = places {
+            self.expected = learnt.of(pending, &self.after, now_n2);
+            Stage::Places(places, *fit, strain)
+        } else {
+            Stage::Telling(*fit, Posterior::at(fit, now_n2), strain)
+        };
+        ControlFlow::Continue(())
+    }
+
+    /// Carries what the event tells to the next ones.
+    pub(super) fn tell(&mut self, learnt: &mut Expectations) -> ControlFlow<Outcome> {
+        let Stage::Telling(fit, posterior, strain) = &self.stage else {
+            return ControlFlow::Continue(());
+        };
+        let noise_n2 = learnt.noise_n2(&self.pending);
+        let data = self.expected.data(&self.pending, &self.after);
+        let measured = measured(learnt, &data, fit, *posterior, *strain, noise_n2);
+        self.stage = Stage::Terms(*fit, measured, *strain);
+        ControlFlow::Continue(())
+    }
+
+    /// The same of the force terms that its fit lacks.
+    pub(super) fn terms(&mut self, learnt: &mut Expectations) -> ControlFlow<Outcome> {
+        let Stage::Terms(fit, measured, strain) = &mut self.stage else {
+            return ControlFlow::Continue(());
+        };
+        let posterior = &mut measured.posterior;
+        let shows = posterior.is_resolved() && is_clear(posterior);
+        // A slip of two samples shows nothing of its corners.
+        if measured.verdict == Verdict::Same && *strain == Strain::None && shows {
+            let data = self.expected.data(&self.pending, &self.after);
+            let correction = learnt.learn_terms(&data, fit, measured.noise_n2);
+            posterior.take(&correction);
+            if let Some(alone) = &mut measured.alone {
+                alone.take(&correction, measured.noise_n2);
+            }
+        }
+        self.stage = Stage::Told(*measured, *strain);
+        ControlFlow::Continue(())
+    }
+}
+
+/// How far the samples around the slip are from the fit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Strain {
+    None,
+    /// Too far to learn from.
+    Strained,
+    /// So far that the model does not describe them.
+    Misfit,
+}
+
+impl Strain {
+    /// What the places of an onset tell: that the event leaves far more than the noise they do not
+    /// know.
+    pub(super) fn around(self, posterior: Posterior, fit: &Fit, noise_n2: f32) -> Posterior {
+        match self {
+            Self::None => posterior,
+            Self::Strained | Self::Misfit => posterior.widened(&Posterior::at(fit, noise_n2)),
+        }
+    }
+}
+
+fn measured(
+    learnt: &mut Expectations,
+    data: &Data<'_>,
+    fit: &Fit,
+    mut posterior: Posterior,
+    strain: Strain,
+    noise_n2: f32,
+) -> Measured {
+    if data.wander.level <= 0.0 {
+        posterior.common_n2 = fit.wider_n2(noise_n2);
+    }
+    let alone = fit.forces_alone(data.rate).filter(|_| posterior.is_resolved());
+    let strained = posterior.is_resolved() && strain != Strain::None;
+    let verdict = learnt.learn(data, &posterior, noise_n2, strained);
+    Measured { posterior, alone, noise_n2, verdict }
+}
+
+/// A misfit counts only as a sign of another block.
+pub(super) fn outcome(measured: &Measured, strain: Strain) -> Outcome {
+    if strain == Strain::Misfit && measured.verdict != Verdict::Suspect {
+        return Outcome::Failed(Reason::NoFit);
+    }
+    Outcome::Fitted(*measured)
+}
