@@ -112,6 +112,10 @@ pub(crate) fn of_event(event: &Event) -> Option<Reason> {
     if event.slack && mu.is_some_and(|mu| mu.value < LEAST_RATIO * mu_s.value) {
         return Some(Reason::LetGo);
     }
+    // What is not known to itself says nothing.
+    if mu_s.std > mu_s.value.abs() {
+        return Some(Reason::TooShort);
+    }
     let is_possible = |c: &Coefficient| c.value < LARGEST && c.value > -SURE * c.combined_std();
     (!is_possible(&mu_s) || mu.is_some_and(|mu| !is_possible(&mu))).then_some(Reason::Implausible)
 }

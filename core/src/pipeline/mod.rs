@@ -230,16 +230,20 @@ impl Pipeline {
         let slips = self.detector.phase() == Phase::Slip;
         // A sample of a block is no block: there the answer comes with the block itself.
         let is_block = self.block_root > 1.0;
-        if is_block && slips {
-            step.provisional = self.turned(block);
+        let mut turns = is_block && self.detector.turns_with(block);
+        if turns {
+            step.provisional = self.cycles.turned(&self.detector);
         }
         let transition = self.detect(block);
-        if transition.is_some() || !self.cycles.is_idle() {
-            step.event = self.follow(transition);
+        if transition == Some(Transition::Onset) && !is_block {
+            step.provisional = self.cycles.onset(&self.detector);
+        } else if slips && !is_block && self.detector.turns_with(newest) {
+            turns = true;
+            step.provisional = self.cycles.turned(&self.detector);
         }
-        if !is_block && self.detector.phase() == Phase::Slip {
-            step.provisional =
-                if slips { self.turned(newest) } else { self.cycles.onset(&self.detector) };
+        // A first answer takes as long as a sample has time for: the fit under way waits.
+        if transition.is_some() || !(turns || self.cycles.is_idle()) {
+            step.event = self.follow(transition);
         }
     }
 
@@ -248,11 +252,6 @@ impl Pipeline {
             self.detector.stays_below(self.stretches.ceiling_n());
         }
         self.detector.step(sample.index, sample.force_n)
-    }
-
-    /// A first answer if the slip is over with the next sample.
-    fn turned(&mut self, next: ForcePoint) -> Option<Provisional> {
-        if self.detector.turns_with(next) { self.cycles.turned(&self.detector) } else { None }
     }
 
     /// Takes what the detector saw to the cycles.
