@@ -132,7 +132,8 @@ impl Detector {
 
     /// Takes the stick line so far into the profile.
     pub(super) fn learn_profile(&mut self) {
-        let (Stick { origin, next, .. }, window) = (self.stick, &self.window);
+        let (stick, window) = (&self.stick, &self.window);
+        let (origin, next) = (stick.origin, stick.next);
         if !self.effects.has(Effect::Flop) || window.first_from(origin) != origin {
             return;
         }
@@ -141,7 +142,8 @@ impl Detector {
                 return false;
             }
             let was_flat = profile.is_flat();
-            profile.learn((origin..next).map(|index| window.get(index)));
+            let line = stick.is_straight().then(|| stick.line_from(origin));
+            profile.learn(line, (origin..next).map(|index| window.get(index)));
             was_flat && !profile.is_flat()
         });
         if begins {

@@ -74,16 +74,24 @@ impl FlopProfile {
         !self.is_flat() || self.sticks < SETTLED || self.seen.is_multiple_of(SELDOM)
     }
 
-    /// Takes a stick: its forces, N, one a period; `None` is missing.
-    pub fn learn(&mut self, forces_n: impl Iterator<Item = Option<f32>> + Clone) {
+    /// Takes a stick: its line, if all samples were followed by one, and its forces, N, one a
+    /// period; `None` is missing.
+    pub fn learn(
+        &mut self,
+        line: Option<Line>,
+        forces_n: impl Iterator<Item = Option<f32>> + Clone,
+    ) {
         let samples = || (0_u16..).map(f32::from).zip(forces_n.clone());
-        let mut line = Line::default();
-        for (age, force_n) in samples() {
-            let weight = self.weight(age);
-            if let Some(force_n) = force_n {
-                line.add(age, force_n, weight, weight);
+        let line = line.unwrap_or_else(|| {
+            let mut line = Line::default();
+            for (age, force_n) in samples() {
+                let weight = self.weight(age);
+                if let Some(force_n) = force_n {
+                    line.add(age, force_n, weight, weight);
+                }
             }
-        }
+            line
+        });
         let Some(slope) = line.slope().filter(|_| line.count >= FEWEST) else { return };
         let usual_n2 = if self.late > 0.0 { self.late_n2 / self.late } else { f32::INFINITY };
         self.fade();
@@ -177,7 +185,7 @@ mod tests {
                 let inverse_omega = (-decay * age).exp() * (1.3 * age + 3.0).sin();
                 (i % 11 != 5).then(|| 200.0 + 22.0 * age + amplitude_n * inverse_omega + noise_n())
             });
-            profile.learn(forces_n.into_iter().take(length));
+            profile.learn(None, forces_n.into_iter().take(length));
         }
         profile
     }
@@ -208,7 +216,7 @@ mod tests {
         assert!(seen(30.0, 0.2, 26, 1).is_flat());
         assert!(seen(30.0, 0.2, 7, 50).is_flat());
         let mut profile = FlopProfile::default();
-        (0..20).for_each(|_| profile.learn((0..20).map(|_| Some(5.0))));
+        (0..20).for_each(|_| profile.learn(None, (0..20).map(|_| Some(5.0))));
         assert!(profile.is_flat(), "a force without noise");
     }
 }

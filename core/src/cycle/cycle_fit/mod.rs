@@ -113,7 +113,7 @@ impl CycleFit {
     pub(crate) fn iterations(&self) -> usize {
         match self.stage {
             Stage::Places(..) => self.iterations_of(3, 5),
-            Stage::New | Stage::Free(_) | Stage::Expected(_) => self.iterations_of(1, 2),
+            Stage::New | Stage::Free(_) | Stage::Expected(_) => self.iterations_of(1, 3),
             Stage::Fitted(_) | Stage::Telling(..) | Stage::Terms(..) | Stage::Told(..) => 1,
         }
     }
@@ -136,7 +136,7 @@ impl CycleFit {
     /// were not looked at as far as it is likely may be anywhere, unless samples enough lie in the
     /// slip.
     pub(crate) fn cut(&mut self, learnt: &mut Expectations) -> Outcome {
-        for _ in 0..LEFT * self.iterations_of(1, 2) {
+        for _ in 0..LEFT * self.iterations_of(1, 3) {
             if matches!(self.stage, Stage::Places(..)) || self.is_judged() {
                 break;
             }
