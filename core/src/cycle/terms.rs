@@ -8,17 +8,22 @@ use crate::fit::correction::Correction;
 use crate::fit::{Alone, Data, Fit};
 
 impl Expectations {
-    /// Carries what the event's residuals tell of losses and of the corners to the next ones. All
-    /// that was learnt moves along with the corners.
-    pub(crate) fn learn_terms(&mut self, data: &Data<'_>, fit: &Fit, noise_n2: f32) -> Correction {
-        let Some(alone) = fit.alone(data) else { return Correction::default() };
-        let onset_n2 = self.learn_scores(data, fit, &alone, noise_n2);
+    /// Carries what the event's residuals tell of the corners to the next ones, and all that was
+    /// learnt along with it; `onset_n2` as from [`Self::learn_scores`].
+    pub(crate) fn learn_corner(
+        &mut self,
+        data: &Data<'_>,
+        fit: &Fit,
+        alone: &Alone,
+        noise_n2: f32,
+        onset_n2: f32,
+    ) -> Correction {
         if !self.effects.has(Effect::Corner) {
             return Correction { static_n2: onset_n2, ..Correction::default() };
         }
         let other_n2 = self.onset.ask(|onset| onset.largest_n2(fit.cycle.half_drop_n));
         let mut effect =
-            self.corner.tell(|corner| corner.learn(data, fit, &alone, noise_n2, other_n2));
+            self.corner.tell(|corner| corner.learn(data, fit, alone, noise_n2, other_n2));
         effect.static_n2 += onset_n2;
         let [_, rate, _, _, inverse_omega, rate_change] = effect.moved;
         self.rate.translate(rate);
@@ -28,7 +33,13 @@ impl Expectations {
     }
 
     /// What the event tells of the terms that widen; gives the variance of `Fs` by them, N².
-    fn learn_scores(&mut self, data: &Data<'_>, fit: &Fit, alone: &Alone, noise_n2: f32) -> f32 {
+    pub(crate) fn learn_scores(
+        &mut self,
+        data: &Data<'_>,
+        fit: &Fit,
+        alone: &Alone,
+        noise_n2: f32,
+    ) -> f32 {
         let [asks_losses, asks_onset] =
             [Effect::Damping, Effect::Onset].map(|it| self.effects.has(it));
         if !asks_losses && !asks_onset {

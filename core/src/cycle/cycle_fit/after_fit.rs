@@ -73,21 +73,36 @@ impl CycleFit {
 
     /// The same of the force terms that its fit lacks.
     pub(super) fn terms(&mut self, learnt: &mut Expectations) -> ControlFlow<Outcome> {
-        let Stage::Terms(fit, measured, strain) = &mut self.stage else {
+        let Stage::Terms(fit, measured, strain) = &self.stage else {
             return ControlFlow::Continue(());
         };
-        let posterior = &mut measured.posterior;
+        let posterior = &measured.posterior;
         let shows = posterior.is_resolved() && is_clear(posterior);
+        let data = self.expected.data(&self.pending, &self.after);
         // A slip of two samples shows nothing of its corners.
-        if measured.verdict == Verdict::Same && *strain == Strain::None && shows {
-            let data = self.expected.data(&self.pending, &self.after);
-            let correction = learnt.learn_terms(&data, fit, measured.noise_n2);
-            posterior.take(&correction);
-            if let Some(alone) = &mut measured.alone {
-                alone.take(&correction, measured.noise_n2);
-            }
+        let asked = measured.verdict == Verdict::Same && *strain == Strain::None && shows;
+        let alone = if asked { fit.alone(&data) } else { None };
+        self.stage = if let Some(alone) = alone {
+            let onset_n2 = learnt.learn_scores(&data, fit, &alone, measured.noise_n2);
+            Stage::Corner(*fit, *measured, alone, onset_n2)
+        } else {
+            Stage::Told(*measured, *strain)
+        };
+        ControlFlow::Continue(())
+    }
+
+    /// The same of its corners, which move its forces.
+    pub(super) fn corner(&mut self, learnt: &mut Expectations) -> ControlFlow<Outcome> {
+        let Stage::Corner(fit, measured, alone, onset_n2) = &mut self.stage else {
+            return ControlFlow::Continue(());
+        };
+        let (data, noise_n2) = (self.expected.data(&self.pending, &self.after), measured.noise_n2);
+        let correction = learnt.learn_corner(&data, fit, alone, noise_n2, *onset_n2);
+        measured.posterior.take(&correction);
+        if let Some(alone) = &mut measured.alone {
+            alone.take(&correction, noise_n2);
         }
-        self.stage = Stage::Told(*measured, *strain);
+        self.stage = Stage::Told(*measured, Strain::None);
         ControlFlow::Continue(())
     }
 }

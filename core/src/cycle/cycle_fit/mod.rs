@@ -14,7 +14,7 @@ use crate::effects::mass_change::Verdict;
 use crate::event::Reason;
 use crate::fit::over_onset::OverOnset;
 use crate::fit::posterior::Posterior;
-use crate::fit::{Fit, Fitting, Forces};
+use crate::fit::{Alone, Fit, Fitting, Forces};
 use crate::num::math::{self, larger};
 use crate::stats::line::Line;
 
@@ -56,6 +56,8 @@ enum Stage {
     Telling(Fit, Posterior, Strain),
     /// Measured; what the slip's samples tell of other force terms is still to be learnt.
     Terms(Fit, Measured, Strain),
+    /// The same, and of its corners; with the variance of `Fs` by the other terms, N².
+    Corner(Fit, Measured, Alone, f32),
     /// All is known.
     Told(Measured, Strain),
 }
@@ -103,18 +105,18 @@ impl CycleFit {
             Stage::Places(..) => self.place(),
             Stage::Telling(..) => self.tell(learnt),
             Stage::Terms(..) => self.terms(learnt),
+            Stage::Corner(..) => self.corner(learnt),
             Stage::Told(measured, strain) => ControlFlow::Break(outcome(measured, *strain)),
         }
     }
 
-    /// Iterations a sample: as many as one has time for, two of a usual slip; of the places of an
-    /// onset, which are many, more. With fewer, unresolved slips in quick succession have no
-    /// place of their onset in time, and first events no fit.
+    /// Steps a sample: as many as one has time for. With fewer iterations, unresolved slips in quick
+    /// succession have no place of their onset in time, and first events no fit.
     pub(crate) fn iterations(&self) -> usize {
         match self.stage {
             Stage::Places(..) => self.iterations_of(3, 5),
             Stage::New | Stage::Free(_) | Stage::Expected(_) => self.iterations_of(1, 3),
-            Stage::Fitted(_) | Stage::Telling(..) | Stage::Terms(..) | Stage::Told(..) => 1,
+            _ => 1,
         }
     }
 
@@ -125,19 +127,25 @@ impl CycleFit {
 
     /// Is the next step as long as all that a sample has time for?
     pub(crate) fn is_long(&self) -> bool {
-        self.is_judged() || matches!(self.stage, Stage::Fitted(_))
+        self.is_measured() || matches!(self.stage, Stage::Fitted(_) | Stage::Telling(..))
     }
 
-    fn is_judged(&self) -> bool {
-        matches!(self.stage, Stage::Telling(..) | Stage::Terms(..) | Stage::Told(..))
+    fn is_measured(&self) -> bool {
+        matches!(self.stage, Stage::Terms(..) | Stage::Corner(..) | Stage::Told(..))
     }
 
     /// What there is when no time is left: what was measured, or no fit. An onset whose places
     /// were not looked at as far as it is likely may be anywhere, unless samples enough lie in the
     /// slip.
     pub(crate) fn cut(&mut self, learnt: &mut Expectations) -> Outcome {
+        // What is measured is soon known.
+        while self.is_measured() {
+            if let ControlFlow::Break(outcome) = self.step(learnt) {
+                return outcome;
+            }
+        }
         for _ in 0..LEFT * self.iterations_of(1, 3) {
-            if matches!(self.stage, Stage::Places(..)) || self.is_judged() {
+            if matches!(self.stage, Stage::Places(..) | Stage::Telling(..)) {
                 break;
             }
             if let ControlFlow::Break(outcome) = self.step(learnt) {
@@ -157,13 +165,9 @@ impl CycleFit {
             let posterior = strain.around(so_far, fit, noise_n2);
             self.stage = Stage::Telling(*fit, posterior, *strain);
         }
-        if let Stage::Telling(..) = &self.stage {
-            let _ = self.tell(learnt);
-        }
+        let _ = self.tell(learnt);
         match &self.stage {
-            Stage::Terms(_, measured, strain) | Stage::Told(measured, strain) => {
-                outcome(measured, *strain)
-            }
+            Stage::Terms(_, measured, strain) => outcome(measured, *strain),
             _ => Outcome::Failed(Reason::TooShort),
         }
     }
