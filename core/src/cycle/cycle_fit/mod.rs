@@ -114,7 +114,7 @@ impl CycleFit {
     /// succession have no place of their onset in time, and first events no fit.
     pub(crate) fn iterations(&self) -> usize {
         match self.stage {
-            Stage::Places(..) => self.iterations_of(3, 5),
+            Stage::Places(..) => self.iterations_of(3, 8),
             Stage::New | Stage::Free(_) | Stage::Expected(_) => self.iterations_of(1, 3),
             _ => 1,
         }
