@@ -18,7 +18,7 @@ const PULLED: u64 = 1040;
 const SLACK: u64 = 2000;
 
 /// When the result so far is asked for, and when the display has surely shown it.
-pub const ASKED: u64 = 1970;
+pub const ASKED: u64 = 1978;
 /// Before the next event ends.
 pub const LOOKED: u64 = 1984;
 

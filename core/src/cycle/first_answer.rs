@@ -14,7 +14,7 @@ use crate::stats::line::Line;
 const FIRST_STEPS: usize = 5;
 /// The same for the first three events of a test, whose omega is unknown: five guesses and
 /// most iterations. These are the longest steps there are.
-const STEPS_UNKNOWN: usize = 8;
+const STEPS_UNKNOWN: usize = 10;
 /// Samples that all steps together may look at: the time there is.
 const FIRST_SAMPLES: usize = 120;
 

@@ -113,11 +113,11 @@ impl CycleFit {
     /// Steps a sample: as many as one has time for. With fewer iterations, unresolved slips in quick
     /// succession have no place of their onset in time, and first events no fit.
     pub(crate) fn iterations(&self) -> usize {
-        match self.stage {
-            Stage::Places(..) => self.iterations_of(3, 8),
-            Stage::New | Stage::Free(_) | Stage::Expected(_) => self.iterations_of(1, 3),
-            _ => 1,
+        if self.is_long() {
+            return 1;
         }
+        let is_place = matches!(self.stage, Stage::Places(..));
+        if is_place { self.iterations_of(3, 8) } else { self.iterations_of(1, 3) }
     }
 
     fn iterations_of(&self, times: usize, most: usize) -> usize {
@@ -166,10 +166,10 @@ impl CycleFit {
             self.stage = Stage::Telling(*fit, posterior, *strain);
         }
         let _ = self.tell(learnt);
-        match &self.stage {
-            Stage::Terms(_, measured, strain) => outcome(measured, *strain),
-            _ => Outcome::Failed(Reason::TooShort),
-        }
+        let Stage::Terms(_, measured, strain) = &self.stage else {
+            return Outcome::Failed(Reason::TooShort);
+        };
+        outcome(measured, *strain)
     }
 
     fn start(&mut self, learnt: &mut Expectations) -> ControlFlow<Outcome> {
