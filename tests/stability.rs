@@ -124,6 +124,31 @@ fn quiet_cells() {
     }
 }
 
+/// A heavy block, a slow winch and a quiet cell: each of the 3800 samples of a rest moves the mean
+/// of its line by nearly as much.
+#[test]
+fn rests_of_minutes() {
+    println!("{TABLE}");
+    let mut scene = Scene {
+        weight_n: 15_587.434_297_8,
+        mu_s: 1.169_126_4,
+        mu: 0.724_747_05,
+        stiffness_n_per_m: 23_043.966_1,
+        winch_m_per_s: 0.002_515_903_5,
+        duration_s: 2600.0,
+        ..Scene::default()
+    };
+    scene.measurement.white_n = 4.5;
+    let mut differences = Differences::default();
+    for seed in 1..=4 {
+        let mut both = Both::new(&both::config(&scene));
+        Run::new(&scene, seed).unwrap().for_each(|s| both.force(s.index, s.force_n));
+        both.finish();
+        differences.add(&both.events);
+    }
+    check("rests of 240 s, noise 4.5 N of 15.6 kN", &differences, 0.1);
+}
+
 /// Errors over the stated standard deviations, and of the onset in sampling periods.
 #[derive(Default)]
 struct Errors {

@@ -79,6 +79,9 @@ impl CycleTracker {
             }
             let (rate, swing) = ((cycle.rate, unknowns[1]), (cycle.inverse_omega(), unknowns[4]));
             folded |= posterior.tells_swing() && refusal::is_folded(&site, rate, swing, periods);
+            if refusal::is_lame(&site, rate, swing) {
+                return Some(Reason::NoFit);
+            }
         }
         folded.then_some(Reason::Aliased)
     }

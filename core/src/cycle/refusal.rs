@@ -98,9 +98,25 @@ pub(crate) fn is_aliased(earlier: u64, later: u64) -> bool {
 /// faster. From the loading rate, N per period, and the swing, periods, each with its variance, and
 /// the periods to the next slip. Not where the speed of the winch is not known.
 pub(crate) fn is_folded(site: &Site, rate: (f32, f32), swing: (f32, f32), periods: f32) -> bool {
-    let ratio = rate.0 * swing.0 * swing.0 / (site.momentum_n_s * site.rate_hz);
+    let ratio = stiffness_ratio(site, rate.0, swing.0);
     let least = larger(STIFFER, periods / FEWEST_PERIODS as f32);
-    let part = 1.0 - math::sqrt(least / ratio);
+    exceeds(1.0 - math::sqrt(least / ratio), rate, swing)
+}
+
+/// Does the winch pull so much more slowly on a cable that the swing shows to be stiff, or the block
+/// weigh so much less, that the fit must be another slip than the samples'?
+pub(crate) fn is_lame(site: &Site, rate: (f32, f32), swing: (f32, f32)) -> bool {
+    let ratio = stiffness_ratio(site, rate.0, swing.0);
+    exceeds(1.0 - math::sqrt(STIFFER * ratio), rate, swing)
+}
+
+/// `k = F'/w` over `k = ω² M`; NaN where the speed of the winch is not known.
+fn stiffness_ratio(site: &Site, rate: f32, swing: f32) -> f32 {
+    rate * swing * swing / (site.momentum_n_s * site.rate_hz)
+}
+
+/// Is a part of the root of that ratio more than chance?
+fn exceeds(part: f32, rate: (f32, f32), swing: (f32, f32)) -> bool {
     // Of the root, the rate counts half.
     let unsure = 0.25 * rate.1 / (rate.0 * rate.0) + swing.1 / (swing.0 * swing.0);
     part > 0.0 && SURE * SURE * unsure < part * part

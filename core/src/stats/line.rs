@@ -17,6 +17,8 @@ pub struct Line {
     pub time: f32,
     /// Weighted mean force, N.
     pub level_n: f32,
+    /// What rounding has left out of it.
+    lost_n: f32,
     /// Σ w (t − mean)².
     tt: f32,
     /// Slope, N per period; zero before it is known.
@@ -41,7 +43,12 @@ impl Line {
         let rest = self.weight * share;
         let tt = self.tt + rest * dt * dt;
         let mean = self.time + share * dt;
-        self.level_n = self.at(mean, self.slope) + share * off_n;
+        // In a long rest every sample moves the mean by nearly as much: what that is rounded by is
+        // no noise, and adds up (Kahan).
+        let step_n = self.slope * (mean - self.time) + share * off_n + self.lost_n;
+        let level_n = self.level_n + step_n;
+        self.lost_n = step_n - (level_n - self.level_n);
+        self.level_n = level_n;
         self.time = mean;
         if tt > 0.0 {
             let inverse = 1.0 / tt;
