@@ -67,6 +67,19 @@ fn a_small_drop_in_much_noise_slips_for_long() {
     check("small drop", &scene([4900.0, 9e3, 0.074], [0.48, 0.41], 44.0, 400.0), 0.97);
 }
 
+/// Its few samples also fit a cable that goes slack in every slip, at half the loading rate: the
+/// winch tells that it is none.
+#[test]
+fn a_taut_cable_that_looks_slack() {
+    for seed in 1..=40 {
+        let tried = run(&scene([8047.0, 264e3, 0.381], [0.77, 0.39], 24.0, 10.0), seed);
+        let means = [(tried.report.mu_s, 0.77), (tried.report.mu, 0.39)];
+        let offs = means
+            .map(|(mean, truth)| mean.filter(|it| it.events > 1).map(|it| off(Some(it), truth)));
+        assert!(offs.iter().flatten().all(|z| z.abs() < 5.0), "{seed}: off {offs:?}");
+    }
+}
+
 /// One sample at most lies in a slip: its events are unsure, and their mean says so.
 #[test]
 fn slips_of_less_than_a_sample_between_brief_rests() {

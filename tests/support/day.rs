@@ -18,9 +18,9 @@ const PULLED: u64 = 1040;
 const SLACK: u64 = 2000;
 
 /// When the result so far is asked for, and when the display has surely shown it.
-pub const ASKED: u64 = 1978;
+pub const ASKED: u64 = 1950;
 /// Before the next event ends.
-pub const LOOKED: u64 = 1984;
+pub const LOOKED: u64 = 1969;
 
 /// The block on the tripod: 630 N, 5 degrees, 2 s, 2 N of noise.
 #[must_use]

@@ -6,7 +6,7 @@
 //! ```
 //!
 //! While a slip's stick line grows it is *pending*; when the next slip has ended that
-//! line it is *finishing*: its fit is made one iteration a sample. A first answer,
+//! line it is *finishing*: its fit is made, some iterations a sample. A first answer,
 //! from what the other events tell, is there as soon as the force has turned.
 
 mod cable;

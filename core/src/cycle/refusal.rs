@@ -103,11 +103,14 @@ pub(crate) fn is_folded(site: &Site, rate: (f32, f32), swing: (f32, f32), period
     exceeds(1.0 - math::sqrt(least / ratio), rate, swing)
 }
 
-/// Does the winch pull so much more slowly on a cable that the swing shows to be stiff, or the block
-/// weigh so much less, that the fit must be another slip than the samples'?
+/// Is the loading rate far too low for the swing? A winch of known speed loads the cable that the
+/// swing shows by `ω² M w`; two thirds of that are another slip than the one in the samples, which a fit
+/// with few of them may find. As [`is_folded`] where that speed is not known.
 pub(crate) fn is_lame(site: &Site, rate: (f32, f32), swing: (f32, f32)) -> bool {
+    // Weight and speed of a winch are known better than that.
+    const SOFTER: f32 = 1.5;
     let ratio = stiffness_ratio(site, rate.0, swing.0);
-    exceeds(1.0 - math::sqrt(STIFFER * ratio), rate, swing)
+    exceeds(1.0 - math::sqrt(SOFTER * ratio), rate, swing)
 }
 
 /// `k = F'/w` over `k = ω² M`; NaN where the speed of the winch is not known.

@@ -1,5 +1,11 @@
-//! The last fit of an event whose lines are complete, spread over the samples that
-//! follow: one iteration a step, so that no sample has to wait for a whole fit.
+//! The last fit of an event whose lines are complete, and what is made of it, spread over the
+//! samples that follow, so that none has to wait for a whole fit.
+//!
+//! ```text
+//!        iterations                                 a step each
+//! New ──► Free ──► Expected ──► Fitted ──► Telling ──► Terms ──► Corner ──► Told
+//!                                  └► Places ┘  hardly resolved: averaged over the onset
+//! ```
 
 mod after_fit;
 
@@ -95,7 +101,7 @@ impl CycleFit {
         self.after.count > 0 || risen_n > SURE * math::sqrt(self.pending.noise_n2)
     }
 
-    /// One iteration.
+    /// One step: an iteration, or what comes after the fit.
     pub(crate) fn step(&mut self, learnt: &mut Expectations) -> ControlFlow<Outcome> {
         match &self.stage {
             Stage::New => self.start(learnt),
