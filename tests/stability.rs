@@ -37,6 +37,18 @@ fn quantile(values: &[f64], part: f64) -> f64 {
     sizes.get((part * (sizes.len().max(1) - 1) as f64) as usize).copied().unwrap_or(0.0)
 }
 
+/// The events of a scene's first seeds in both precisions.
+fn compared(scene: &Scene, seeds: u64) -> Differences {
+    let mut differences = Differences::default();
+    for seed in 1..=seeds {
+        let mut both = Both::new(&both::config(scene));
+        Run::new(scene, seed).unwrap().for_each(|s| both.force(s.index, s.force_n));
+        both.finish();
+        differences.add(&both.events);
+    }
+    differences
+}
+
 fn row(name: &str, differences: &Differences) {
     let cells = differences
         .coefficients
@@ -62,14 +74,7 @@ const TABLE: &str =
 fn rounding_is_small_against_the_error_on_every_scene() {
     println!("{TABLE}");
     for name in names() {
-        let scene = scenes::stored(&name);
-        let mut differences = Differences::default();
-        for seed in 1..=10 {
-            let mut both = Both::new(&both::config(&scene));
-            Run::new(&scene, seed).unwrap().for_each(|s| both.force(s.index, s.force_n));
-            both.finish();
-            differences.add(&both.events);
-        }
+        let differences = compared(&scenes::stored(&name), 10);
         check(&name, &differences, LIMIT);
         // An onset between the same two samples may be placed at either end of them.
         let (alone, events) = (differences.alone, differences.onset.len());
@@ -116,15 +121,9 @@ fn a_large_tare_costs_nothing() {
 fn quiet_cells() {
     println!("{TABLE}");
     for (noise_n, limit) in [(2.0, LIMIT), (0.2, LIMIT), (0.02, LIMIT), (0.006, 0.1)] {
-        let mut differences = Differences::default();
-        for seed in 1..=10 {
-            let mut scene = scenes::stored("dff8-13");
-            scene.measurement.white_n = noise_n;
-            let mut both = Both::new(&both::config(&scene));
-            Run::new(&scene, seed).unwrap().for_each(|s| both.force(s.index, s.force_n));
-            differences.add(&both.events);
-        }
-        check(&format!("noise {noise_n} N of 630 N"), &differences, limit);
+        let mut scene = scenes::stored("dff8-13");
+        scene.measurement.white_n = noise_n;
+        check(&format!("noise {noise_n} N of 630 N"), &compared(&scene, 10), limit);
     }
 }
 
@@ -143,14 +142,7 @@ fn rests_of_minutes() {
         ..Scene::default()
     };
     scene.measurement.white_n = 4.5;
-    let mut differences = Differences::default();
-    for seed in 1..=4 {
-        let mut both = Both::new(&both::config(&scene));
-        Run::new(&scene, seed).unwrap().for_each(|s| both.force(s.index, s.force_n));
-        both.finish();
-        differences.add(&both.events);
-    }
-    check("rests of 240 s, noise 4.5 N of 15.6 kN", &differences, 0.1);
+    check("rests of 240 s, noise 4.5 N of 15.6 kN", &compared(&scene, 4), 0.1);
 }
 
 /// Errors over the stated standard deviations, and of the onset in sampling periods.
