@@ -1,5 +1,6 @@
 //! What the events of a test have told so far, as expectations for the next one.
 
+use crate::coefficient::Site;
 use crate::cycle::slip_record::SlipRecord;
 use crate::effect::{Effect, Effects, Kept, Parameter};
 use crate::effects::corner::CornerEstimator;
@@ -38,6 +39,8 @@ pub(crate) struct Expectations {
     pub(super) misfits: u8,
     /// The residuals are those of weighted samples.
     weighted: bool,
+    /// Take-up speed of the winch times the mass, N periods; NaN where it is not known.
+    momentum: f32,
 }
 
 /// What is expected of one event.
@@ -82,8 +85,9 @@ const LINE: u32 = 8;
 
 impl Expectations {
     /// Before the first event.
-    pub(crate) fn new(effects: Effects) -> Self {
-        Self { effects, ..Self::default() }
+    pub(crate) fn new(site: &Site) -> Self {
+        let momentum = site.momentum_n_s * site.rate_hz;
+        Self { effects: site.effects, momentum, ..Self::default() }
     }
 
     /// Variance of the noise, as if it were white: from the fits so far, else the
@@ -130,12 +134,10 @@ impl Expectations {
         } else {
             Prior::default()
         };
-        let inverse_omega = expected(
-            known_swing,
-            rough.slide * core::f32::consts::FRAC_1_PI,
-            rough.slide_std * core::f32::consts::FRAC_1_PI,
-            noise_n2,
-        );
+        // `1/ω² = M / k`, where the winch loads the cable by `k w`.
+        let by_winch = math::sqrt(self.mass.weight_ratio() * self.momentum / rate.mean);
+        let (guess, spread) = rough.swing(by_winch);
+        let inverse_omega = expected(known_swing, guess, spread, noise_n2);
         Expected {
             noise_n2,
             rate: rate.loosened(pending.wander.slope),
@@ -228,7 +230,7 @@ impl Expectations {
         let own_swing = |least| {
             let own = own(cycle.inverse_omega(), inverse_omega, data.inverse_omega, least)
                 .filter(positive);
-            own.filter(|_| posterior.tells_swing())
+            own.filter(|own| posterior.tells_swing(own.1))
         };
         let mut told = Told {
             // A known swing hides another one: little of its own is enough to judge. A

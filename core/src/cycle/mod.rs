@@ -86,7 +86,7 @@ impl CycleTracker {
     pub fn new(site: Site) -> Self {
         Self {
             site,
-            learnt: Expectations::new(site.effects),
+            learnt: Expectations::new(&site),
             pending: None,
             finishing: None,
             early: None,

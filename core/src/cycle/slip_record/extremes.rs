@@ -2,6 +2,7 @@
 //! them hardly resolve.
 
 use crate::cycle::slip_record::{PI, SlipRecord};
+use crate::fit::posterior::CLEAR;
 use crate::detector::Stick;
 use crate::num::math::{self, larger};
 use crate::sample::{ForcePoint, since};
@@ -14,14 +15,18 @@ use crate::stats::prior::Prior;
 pub(crate) struct Rough {
     pub(crate) rate: f32,
     /// Time of sliding and its standard deviation, periods.
-    pub(crate) slide: f32,
-    pub(crate) slide_std: f32,
+    slide: f32,
+    slide_std: f32,
+    is_slack: bool,
     /// Half-way down, periods from the event's origin.
     pub(crate) middle: f32,
     /// The last sample before that which is still high, and the first one after it which is
     /// low: the highest and the lowest sample may lie anywhere on a slow line.
     pub(super) edges: (f32, f32),
 }
+
+/// How well winch and weight tell the swing. Tuned: half of it.
+const WINCH: f32 = 0.05;
 
 /// A slip that ended on a slack cable.
 #[derive(Clone, Copy, Debug)]
@@ -57,6 +62,17 @@ impl Rough {
         let turn = core::f32::consts::FRAC_2_PI * fall / (peak.force_n - low.force_n);
         let longer = 1.0 + core::f32::consts::FRAC_2_PI * math::atan2(rate * turn, 1.0);
         Self { rate, slide: slide * longer, slide_std: slide_std * longer, ..Self::default() }
+    }
+
+    /// The swing `1/ω` and its standard deviation, periods. Where the samples hardly show how long the
+    /// slip was, it is the one that the winch asks for, unless they contradict that: NaN where its
+    /// speed is not known.
+    pub(crate) fn swing(&self, by_winch: f32) -> (f32, f32) {
+        let (seen, std) = (self.slide / PI, self.slide_std / PI);
+        let hides = self.is_slack || PI * by_winch < CLEAR;
+        // Also not for NaN.
+        let agrees = (by_winch - seen).abs() < std;
+        if hides && agrees { (by_winch, WINCH * by_winch) } else { (seen, std) }
     }
 
     /// The slip lies around its middle: as much as one sample in between can tell,
@@ -111,7 +127,7 @@ impl SlipRecord {
         // From the highest sample, less than one off the onset, to the first at zero.
         let fall = self.fall();
         let (slide, slide_std) = ((fall - 0.5) / part, (0.6 + 0.15 * fall) / part);
-        Rough { slide, slide_std, ..self.rough }
+        Rough { slide, slide_std, is_slack: true, ..self.rough }
     }
 
     /// Periods from the highest sample to the lowest.
