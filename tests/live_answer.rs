@@ -36,10 +36,9 @@ const HARD: [&str; 22] = [
     "uphill",
     "varying",
 ];
-const NOT_YET: [(&str, &str); 3] = [
+const NOT_YET: [(&str, &str); 2] = [
     ("creep", "how the force bends over is learnt from whole events"),
     ("drift", "a zero that moved is learnt from whole events"),
-    ("unresolved", "slips of a sample or two: noise passes for a longer one"),
 ];
 /// Scenes in which the model holds.
 const LINEAR: [&str; 5] = ["dff8-13", "linear/fast", "linear/heavy", "linear/light", "linear/snow"];

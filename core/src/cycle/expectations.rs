@@ -39,7 +39,7 @@ pub(crate) struct Expectations {
     pub(super) misfits: u8,
     /// The residuals are those of weighted samples.
     weighted: bool,
-    /// Take-up speed of the winch times the mass, N periods; NaN where it is not known.
+    /// Speed of the winch times the mass, N periods; NaN where it is not known.
     momentum: f32,
 }
 

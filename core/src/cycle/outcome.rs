@@ -78,7 +78,8 @@ impl CycleTracker {
                 return Some(Reason::TooShort);
             }
             let (rate, swing) = ((cycle.rate, unknowns[1]), (cycle.inverse_omega(), unknowns[4]));
-            folded |= posterior.tells_swing(unknowns[4]) && refusal::is_folded(&site, rate, swing, periods);
+            folded |= posterior.tells_swing(unknowns[4])
+                && refusal::is_folded(&site, rate, swing, periods);
             if refusal::is_lame(&site, rate, swing) {
                 return Some(Reason::NoFit);
             }

@@ -39,12 +39,13 @@ impl Posterior {
     }
 
     /// Does it tell the next events how long a slip is? What one sample in a slip of less than
-    /// two leaves open is no normal distribution: many such events know no more than one.
+    /// two leaves open is no normal distribution: many such events know no more than one. With the
+    /// variance of its swing, without what was expected of that.
     #[must_use]
-    pub(crate) fn tells_swing(&self, own: f32) -> bool {
+    pub(crate) fn tells_swing(&self, variance: f32) -> bool {
         const WELL: f32 = 0.08;
         let well = WELL * self.cycle.inverse_omega();
-        self.is_resolved() && (self.slide_time > CLEAR || own < well * well)
+        self.is_resolved() && (self.slide_time > CLEAR || variance < well * well)
     }
 
     /// Takes what is known of the corners since the fit.

@@ -1,0 +1,53 @@
+//! Slips whose samples hardly show how long they took: shorter than two samples, or ended on a slack
+//! cable. Where the speed of the winch is known, it and the weight tell the swing, within what such
+//! speeds are off.
+
+use floe_core::Config;
+use floe_tests::both;
+use floe_tests::scenes::stored;
+use floe_tests::score::{Errors, Record};
+
+const RECORDS: u64 = 8;
+
+/// Errors of `mu_s` and `mu` where the core is told so much of the winch's speed.
+fn read(name: &str, of_winch: Option<f32>) -> [Errors; 2] {
+    let scene = stored(name);
+    let config = both::config(&scene);
+    let winch_m_per_s = config.winch_m_per_s.zip(of_winch).map(|(speed, part)| part * speed);
+    let config = Config { winch_m_per_s, ..config };
+    let mut errors = [Errors::default(), Errors::default()];
+    for seed in 1..=RECORDS {
+        let tried = Record::of(&scene, seed, |_| 0.0).read(&config);
+        for &(t, f) in &tried.pairs {
+            let (truth, found) = (&tried.truths[t], &tried.found[f]);
+            errors[0].add(found.mu_s, truth.mu_s, None);
+            errors[1].add(found.mu, truth.mu, None);
+        }
+    }
+    errors
+}
+
+#[test]
+fn the_winch_tells_what_the_samples_do_not() {
+    for name in ["hard/slack", "hard/unresolved", "honesty/short_slips"] {
+        let ([mu_s, mu], [mu_s_alone, mu_alone]) = (read(name, Some(1.0)), read(name, None));
+        for (what, with, alone) in [("mu_s", &mu_s, &mu_s_alone), ("mu", &mu, &mu_alone)] {
+            println!("{name}, {what}: {:.3} % and {:.3} %", with.p95(), alone.p95());
+            assert!(with.count() >= alone.count() * 99 / 100, "{name}: {what} is read less often");
+            assert!(with.p95() < 0.8 * alone.p95(), "{name}: {what}");
+        }
+    }
+}
+
+#[test]
+fn a_speed_that_is_a_tenth_off_is_within_the_intervals() {
+    for name in ["hard/slack", "hard/unresolved", "honesty/short_slips"] {
+        for of_winch in [0.9, 1.1] {
+            for (what, errors) in ["mu_s", "mu"].into_iter().zip(read(name, Some(of_winch))) {
+                let coverage = errors.coverage();
+                println!("{name}, {of_winch} of the speed, {what}: {coverage:.3}");
+                assert!(coverage > 0.9, "{name}, {of_winch} of the speed, {what}: {coverage}");
+            }
+        }
+    }
+}
