@@ -15,8 +15,8 @@
 //! - mean `m = λ m_w + (1 − λ) m_1`: `m_w` weighted by `1/s_i²`, `m_1` plain,
 //!   `λ = s̄²/(s̄² + τ²)` with `s̄²` the harmonic mean of `s_i²`; either is the best
 //!   mean at its end of the scale;
-//! - errors that are common to the events stay in the mean, with their mean size, and are
-//!   told apart from the random ones;
+//! - errors that are common to the events stay in the mean, with their mean size ([`Common`]), and
+//!   are told apart from the random ones;
 //! - variance of `m` from the same weights, times `1 + 2 Σ ρ_k` with the correlations
 //!   `ρ_k` of the events in order: two neighbours share the stick line between them,
 //!   and real friction wanders.
@@ -31,6 +31,24 @@ use crate::num::double_single::DoubleSingle;
 use crate::num::math;
 
 const ONE: DoubleSingle = DoubleSingle::ONE;
+
+/// Parts of an event's standard deviation that others have as well.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Common {
+    /// By what the events learn of the model: it weighs in the mean as the event does.
+    pub shared: f32,
+    /// By what all take for granted where samples are few. Those that know least say it, and those
+    /// that seem to know take it for granted as well: it counts in the mean with every event alike.
+    pub granted: f32,
+}
+
+impl Common {
+    /// A step of a running mean.
+    fn follow(&mut self, event: Self, share: f32) {
+        self.shared += share * (event.shared - self.shared);
+        self.granted += share * (event.granted - self.granted);
+    }
+}
 
 /// Running mean of one coefficient over events.
 #[derive(Clone, Copy, Debug, Default)]
@@ -49,20 +67,22 @@ pub struct Estimator {
     weighted_squares: DoubleSingle,
     weight_pairs: DoubleSingle,
     correlation: Correlation,
-    /// Mean of the parts of the events' standard deviations that are common to them.
-    common: DoubleSingle,
+    /// Plain means of the parts of the events' standard deviations that are common to them, and the
+    /// weighted mean of what they share.
+    common: Common,
+    weighted_shared: f32,
 }
 
 impl Estimator {
     /// Takes an event's coefficient. One without a finite value, or with a standard
     /// deviation that is nothing (below 1e-9) or all (above 1e9), is left out.
     pub fn add(&mut self, event: Coefficient) {
-        self.add_with_common(event, 0.0);
+        self.add_with_common(event, Common::default());
     }
 
     /// The same, for an event that shares a part of its standard deviation with
     /// others: however many there are, the mean keeps that part.
-    pub fn add_with_common(&mut self, event: Coefficient, common_std: f32) {
+    pub fn add_with_common(&mut self, event: Coefficient, common: Common) {
         if !(event.value.is_finite() && (1e-9..=1e9).contains(&event.std)) {
             return;
         }
@@ -78,7 +98,7 @@ impl Estimator {
         self.squares += n * share * step * step;
         self.mean += share * step;
         self.variance += share * from(self.variance, variance);
-        self.common += share * from(self.common, common_std);
+        self.common.follow(common, share);
         let weight = 1.0 / variance;
         let before = self.weight.rounded();
         self.weight_pairs += before * weight;
@@ -86,6 +106,7 @@ impl Estimator {
         let (share, step) = (weight / self.weight.rounded(), from(self.weighted_mean, value));
         self.weighted_squares += before * share * step * step;
         self.weighted_mean += share * step;
+        self.weighted_shared += share * (common.shared - self.weighted_shared);
         self.weight_squares += weight * weight;
     }
 
@@ -101,12 +122,13 @@ impl Estimator {
         self.squares += later.squares + n * share * step * step;
         self.mean += share * step;
         self.variance += share * (later.variance - self.variance);
-        self.common += share * (later.common - self.common);
+        self.common.follow(later.common, share.rounded());
         self.weight_pairs += later.weight_pairs + self.weight * later.weight;
         let weight = self.weight + later.weight;
         let (share, step) = (later.weight / weight, later.weighted_mean - self.weighted_mean);
         self.weighted_squares += later.weighted_squares + self.weight * share * step * step;
         self.weighted_mean += share * step;
+        self.weighted_shared += share.rounded() * (later.weighted_shared - self.weighted_shared);
         self.weight = weight;
         self.weight_squares += later.weight_squares;
         self.count = self.count.saturating_add(later.count);
@@ -146,7 +168,9 @@ impl Estimator {
         let noise = typical + rest * rest * (self.variance - typical);
         let independent = (noise + between + between * square * uneven) / n;
         let variance = independent * self.inflation(lambda.rounded()).into();
-        let common_std = self.common.rounded();
+        let Common { shared, granted } = self.common;
+        let shared = shared + lambda.rounded() * (self.weighted_shared - shared);
+        let common_std = math::hypotenuse(shared, granted);
         Some(Estimate {
             mean: mean.rounded(),
             std_error: scatter.map(|_| math::sqrt(variance.rounded())),
@@ -265,6 +289,22 @@ mod tests {
         let real = all(&[(1.0, 0.001), (1.5, 0.01), (0.5, 0.01), (1.4, 0.01)]).estimate().unwrap();
         assert!((real.mean - 1.1).abs() < 1e-3, "{}", real.mean);
         assert!(real.std_error.unwrap() > 0.15);
+    }
+
+    /// What the first events share stays in the mean as far as they do themselves.
+    #[test]
+    fn what_unsure_events_share_weighs_no_more_than_they_do() {
+        let of = |common: Common| {
+            let mut e = Estimator::default();
+            (0..3).for_each(|_| e.add_with_common(coefficient(1.0, 0.01), common));
+            (0..60).for_each(|_| e.add(coefficient(1.0, 0.001)));
+            e.estimate().unwrap().common_std
+        };
+        // Σ w c / Σ w and Σ c / n.
+        let shared = of(Common { shared: 0.01, granted: 0.0 });
+        assert!((shared / 5e-6 - 1.0).abs() < 0.01, "{shared}");
+        let granted = of(Common { shared: 0.0, granted: 0.01 });
+        assert!((granted / (0.03 / 63.0) - 1.0).abs() < 0.01, "{granted}");
     }
 
     #[test]

@@ -3,6 +3,7 @@
 use crate::cycle::Finished;
 use crate::effect::Effect;
 use crate::effects::level_shift::Change;
+use crate::estimator::Common;
 use crate::event::{Event, Quality};
 use crate::num::math;
 use crate::pipeline::Pipeline;
@@ -45,10 +46,10 @@ impl Pipeline {
         let rest = event.stick_s.map_or(f32::MAX, |rest_s| rest_s * self.config.rate_hz);
         let granted = granted(event.quality, rest);
         if let Some(it) = mu_s {
-            self.mu_s.add_with_common(it, math::hypotenuse(common.0, granted * it.std));
+            self.mu_s.add_with_common(it, Common { shared: common.0, granted: granted * it.std });
         }
         if let Some(it) = mu {
-            self.mu.add_with_common(it, math::hypotenuse(common.1, granted * it.std));
+            self.mu.add_with_common(it, Common { shared: common.1, granted: granted * it.std });
         }
         self.largest_n = math::larger(self.largest_n, event.peak_force_n.abs());
         if mu_s.or(mu).is_some() {
