@@ -81,7 +81,7 @@ fn batch(events: &[Coefficient]) -> [f64; 3] {
     let independent = sum(&|e| share(e).powi(2) * (variance(e) + between));
     let shared_line = if events.len() > 1 { 1.0 + 0.44 * lambda } else { 1.0 };
     let inflation = if events.len() >= 30 && squares > 0.0 {
-        (1.0 + 2.0 * correlations(events, plain, squares / n)).max(shared_line)
+        wandering(events, plain, squares / n).max(shared_line)
     } else {
         shared_line
     };
@@ -89,20 +89,21 @@ fn batch(events: &[Coefficient]) -> [f64; 3] {
     [mean, (independent * inflation).sqrt(), between.sqrt()]
 }
 
-/// `Σ ρ_k` over the lags up to the first one within two standard errors of none.
-fn correlations(events: &[Coefficient], mean: f64, variance: f64) -> f64 {
+/// `1 + 2 Σ ρ_k` over the lags up to the first one within one and a half standard errors of none, with
+/// what the estimated mean takes from the variance and from the covariances.
+fn wandering(events: &[Coefficient], mean: f64, variance: f64) -> f64 {
     let n = events.len();
     let from_mean = |i: usize| f64::from(events[i].value) - mean;
     let correlation = |lag: usize| {
         let products = (lag..n).map(|i| from_mean(i) * from_mean(i - lag)).sum::<f64>();
-        products / (n - lag) as f64 / variance
+        (products / (n - lag) as f64 / variance).min(1.0)
     };
-    let least = 2.0 / (n as f64).sqrt();
-    (1..=(n / 4).min(floe_core::estimator::autocovariance::LAGS))
-        .map(correlation)
-        .take_while(|c| *c > least)
-        .map(|c| c.min(1.0))
-        .sum()
+    let lags = 1..=(n / 4).min(floe_core::estimator::autocovariance::LAGS);
+    let n = n as f64;
+    let seen: Vec<f64> = lags.map(correlation).take_while(|c| *c > 1.5 / n.sqrt()).collect();
+    let (sum, missing) = (seen.iter().sum::<f64>(), seen.iter().map(|c| 1.0 - c).sum::<f64>());
+    let inflation = (1.0 + 2.0 * sum) / (1.0 - 2.0 * missing / n);
+    inflation * (n - 1.0) / (n - inflation.min(0.5 * n))
 }
 
 fn result(estimator: &Estimator) -> [f64; 3] {

@@ -18,8 +18,8 @@
 //! - errors that are common to the events stay in the mean, with their mean size ([`Common`]), and
 //!   are told apart from the random ones;
 //! - variance of `m` from the same weights, times `1 + 2 Σ ρ_k` with the correlations
-//!   `ρ_k` of the events in order: two neighbours share the stick line between them,
-//!   and real friction wanders.
+//!   `ρ_k` of the events in order, and degrees of freedom divided by that: two neighbours share the
+//!   stick line between them, and real friction wanders.
 
 pub mod autocovariance;
 mod scatter;
@@ -167,14 +167,16 @@ impl Estimator {
         let uneven = typical * typical * self.weight_squares / n - ONE;
         let noise = typical + rest * rest * (self.variance - typical);
         let independent = (noise + between + between * square * uneven) / n;
-        let variance = independent * self.inflation(lambda.rounded()).into();
+        let inflation = self.inflation(lambda.rounded());
+        let variance = independent * inflation.into();
         let Common { shared, granted } = self.common;
         let shared = shared + lambda.rounded() * (self.weighted_shared - shared);
         let common_std = math::hypotenuse(shared, granted);
         Some(Estimate {
             mean: mean.rounded(),
             std_error: scatter.map(|_| math::sqrt(variance.rounded())),
-            freedom: scatter.map_or(0.0, |scatter| scatter.freedom),
+            // Correlated values tell their scatter as so many fewer do.
+            freedom: scatter.map_or(0.0, |scatter| scatter.freedom / inflation),
             systematic_std: common_std,
             common_std,
             spread: seen.map(|variance| math::sqrt(variance.rounded())),
