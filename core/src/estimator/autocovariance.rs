@@ -230,8 +230,7 @@ mod tests {
         assert!((alternating.inflation(0.5_f32.into(), 0.25_f32.into()) - 1.0).abs() < 1e-9);
     }
 
-    /// Rows of 134 values, each .9 of the one before and noise: nine of ten intervals hold the mean,
-    /// where those of independent values hold it in a third.
+    /// Rows of 134 values, each .9 of the one before and noise: nine of ten intervals hold the mean.
     #[test]
     fn intervals_of_rows_that_wander_hold_their_mean() {
         const ROWS: usize = 400;
