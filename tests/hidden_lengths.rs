@@ -5,9 +5,10 @@
 use floe_core::Config;
 use floe_tests::both;
 use floe_tests::scenes::stored;
-use floe_tests::score::{Errors, Record};
+use floe_tests::score::{Errors, Record, Score};
 
 const RECORDS: u64 = 8;
+const SCENES: [&str; 3] = ["hard/slack", "hard/unresolved", "honesty/short_slips"];
 
 /// Errors of `mu_s` and `mu` where the core is told so much of the winch's speed.
 fn read(name: &str, of_winch: Option<f32>) -> [Errors; 2] {
@@ -15,21 +16,16 @@ fn read(name: &str, of_winch: Option<f32>) -> [Errors; 2] {
     let config = both::config(&scene);
     let winch_m_per_s = config.winch_m_per_s.zip(of_winch).map(|(speed, part)| part * speed);
     let config = Config { winch_m_per_s, ..config };
-    let mut errors = [Errors::default(), Errors::default()];
+    let mut score = Score::default();
     for seed in 1..=RECORDS {
-        let tried = Record::of(&scene, seed, |_| 0.0).read(&config);
-        for &(t, f) in &tried.pairs {
-            let (truth, found) = (&tried.truths[t], &tried.found[f]);
-            errors[0].add(found.mu_s, truth.mu_s, None);
-            errors[1].add(found.mu, truth.mu, None);
-        }
+        score.add(&Record::of(&scene, seed, |_| 0.0).read(&config));
     }
-    errors
+    score.errors
 }
 
 #[test]
 fn the_winch_tells_what_the_samples_do_not() {
-    for name in ["hard/slack", "hard/unresolved", "honesty/short_slips"] {
+    for name in SCENES {
         let ([mu_s, mu], [mu_s_alone, mu_alone]) = (read(name, Some(1.0)), read(name, None));
         for (what, with, alone) in [("mu_s", &mu_s, &mu_s_alone), ("mu", &mu, &mu_alone)] {
             println!("{name}, {what}: {:.3} % and {:.3} %", with.p95(), alone.p95());
@@ -41,7 +37,7 @@ fn the_winch_tells_what_the_samples_do_not() {
 
 #[test]
 fn a_speed_that_is_a_tenth_off_is_within_the_intervals() {
-    for name in ["hard/slack", "hard/unresolved", "honesty/short_slips"] {
+    for name in SCENES {
         for of_winch in [0.9, 1.1] {
             for (what, errors) in ["mu_s", "mu"].into_iter().zip(read(name, Some(of_winch))) {
                 let coverage = errors.coverage();

@@ -4,9 +4,9 @@
 //! `cargo run --release -p floe-tests --example means -- [SEEDS]` (400 unless given); `docs/means.md`
 //! is what the default prints.
 
-use floe::sim::{Scene, TrueEvent};
+use floe::sim::Scene;
 use floe_core::Estimate;
-use floe_tests::score::{Tried, rms, run};
+use floe_tests::score::{Tried, average, rms, run};
 
 /// Errors of the means of a coefficient in their combined standard deviations, and how
 /// many of the 95 % intervals hold the truth.
@@ -44,11 +44,7 @@ allows for what the samples of a test cannot tell (a ripple, a corner, a zero th
 fn means(scene: &Scene, seeds: u64) -> [Means; 2] {
     let mut means = [Means::default(), Means::default()];
     let tests: Vec<Tried> = (1..=seeds).map(|seed| run(scene, seed)).collect();
-    let events: Vec<&TrueEvent> = tests.iter().flat_map(|test| &test.truths).collect();
-    let average = |of: fn(&TrueEvent) -> f64| {
-        events.iter().map(|event| of(event)).sum::<f64>() / events.len().max(1) as f64
-    };
-    let (mu_s, mu) = (average(|event| event.mu_s), average(|event| event.mu));
+    let [mu_s, mu] = average(tests.iter().flat_map(|test| &test.truths));
     for Tried { report, .. } in &tests {
         means[0].add(report.mu_s, mu_s);
         means[1].add(report.mu, mu);

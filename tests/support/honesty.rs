@@ -10,7 +10,7 @@ use floe::sim::{Scene, Simulation, TrueEvent, simulate};
 use floe_core::{Coefficient, Config, Estimate, Event, InputStd, Report};
 
 use crate::normal::Normal;
-use crate::score::{pair, quantile, rms};
+use crate::score::{average, pair, quantile, rms};
 use crate::{both, feed};
 
 /// Time after a stop that an event needs to be judged, s: some of the line after it.
@@ -231,11 +231,7 @@ fn population(scene: &Scene, records: &[Record]) -> [f64; 2] {
         let (mu_s, mu) = scene.coefficients();
         return [mu_s, mu];
     }
-    let events: Vec<&TrueEvent> = records.iter().flat_map(|r| &r.simulation.events).collect();
-    let mean = |of: fn(&TrueEvent) -> f64| {
-        events.iter().map(|e| of(e)).sum::<f64>() / events.len().max(1) as f64
-    };
-    [mean(|e| e.mu_s), mean(|e| e.mu)]
+    average(records.iter().flat_map(|r| &r.simulation.events))
 }
 
 /// Errors of weight, slope, zero and span of a record, in the units of [`INPUTS`].

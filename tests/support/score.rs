@@ -200,6 +200,14 @@ pub fn rms(values: &[f64]) -> f64 {
     (values.iter().map(|x| x * x).sum::<f64>() / values.len().max(1) as f64).sqrt()
 }
 
+/// Mean `mu_s` and `mu` of true events.
+#[must_use]
+pub fn average<'a>(events: impl Iterator<Item = &'a TrueEvent>) -> [f64; 2] {
+    let sums = events.fold([0.0; 3], |[n, mu_s, mu], e| [n + 1.0, mu_s + e.mu_s, mu + e.mu]);
+    let count = sums[0].max(1.0);
+    [sums[1] / count, sums[2] / count]
+}
+
 /// A scene's score over many tests.
 #[derive(Clone, Debug, Default)]
 pub struct Score {
