@@ -3,4 +3,5 @@
 pub mod flop;
 pub mod ripple;
 pub mod scale;
+mod swing;
 mod time_asymmetry;

@@ -9,13 +9,14 @@
 //! noise. Where it never does, the line does not describe the force, and three other
 //! measures do, until the first fits are there: the smallest second differences, if
 //! they are far smaller than the usual one (a steep saw: some triples lie on one
-//! tooth), or the fourth difference, if it is small against the second (a smooth
-//! swing). White noise shows neither. The third is how fast slips fall (`time_asymmetry.rs`).
+//! tooth), or what is left of them when a swing is taken off, if that is little (`swing.rs`).
+//! White noise shows neither. The third is how fast slips fall (`time_asymmetry.rs`).
 //! Where the innovations are far larger than what the second differences leave, the line was bent
 //! before the noise was known: a cable that was tightened, held, and pulled. The noise is theirs.
 
+use crate::noise::swing::Swing;
 use crate::noise::time_asymmetry::TimeAsymmetry;
-use crate::num::math::{larger, smaller};
+use crate::num::math::{self, larger, smaller};
 use crate::stats::quantile::Quantile;
 
 /// The larger of the last two blocks' third smallest of 32 numbers.
@@ -61,7 +62,7 @@ pub struct Noise {
     smallest: Smallest,
     arrow: TimeAsymmetry,
     second: Quantile,
-    fourth: Quantile,
+    swing: Swing,
     /// The newest samples in a row, newest last.
     row: [f32; 5],
     filled: usize,
@@ -86,12 +87,10 @@ const QUARTILE: f32 = 1.150_35;
 const STD_PER_SMALLEST: f32 = 1.0 / 0.42;
 /// Noise over the upper quartile of |second difference|, 1.150 √6.
 const STD_PER_SECOND: f32 = 1.0 / 2.818;
-/// Noise over the median of |fourth difference|, 0.6745 √70.
-const STD_PER_FOURTH: f32 = 1.0 / 5.643;
 /// A steep saw: the smallest second differences are below this part of what white
 /// noise would give.
 const SAW: f32 = 0.06;
-/// A smooth swing: the same for the fourth difference.
+/// A smooth swing: the same of what is left without it.
 const SWING: f32 = 0.5;
 /// Most noise of slips, parts of their usual fall in a sample: with more of it none could
 /// be told from noise.
@@ -112,7 +111,7 @@ impl Noise {
             smallest: Smallest::new(),
             arrow: TimeAsymmetry::new(),
             second: Quantile::new(0.75),
-            fourth: Quantile::new(0.5),
+            swing: Swing::new(),
             row: [0.0; 5],
             filled: 0,
             resolution_n: 0.0,
@@ -168,7 +167,7 @@ impl Noise {
             self.smallest.add(second);
         }
         if self.filled >= 5 {
-            self.fourth.add((a - 4.0 * b + 6.0 * c - 4.0 * d + e).abs());
+            self.swing.add(a - 2.0 * (b - c + d) + e, b - 2.0 * c + d);
         }
     }
 
@@ -193,18 +192,15 @@ impl Noise {
 
     /// Standard deviation where there is no line to be followed, N, or one of these innovations.
     fn without_line_n(&self, line_n: Option<f32>) -> Option<f32> {
-        if !self.fourth.is_settled() {
-            return None;
-        }
+        let swing = math::rough_sqrt(self.swing.noise_n2()?);
         let second = self.second.value()? * STD_PER_SECOND;
         // Coarse steps make differences of zero: they are as large as a step.
         let step_n = if self.repeats { self.resolution_n } else { 0.0 };
         let smallest = self.smallest.value().map(|size| (size + step_n) * STD_PER_SMALLEST);
-        let fourth = self.fourth.value().map(|size| size * STD_PER_FOURTH);
         let slips = self.arrow.slip_n().map(|slip_n| SLIP * slip_n);
         let smooth = least(
             smallest.filter(|&smallest| smallest < SAW * second),
-            fourth.filter(|&fourth| fourth < SWING * second),
+            (swing < SWING * second).then_some(swing),
         );
         let bent = CAUTION * (second + step_n);
         let bent = line_n.is_some_and(|line_n| bent < BENT * line_n).then_some(bent);

@@ -73,12 +73,6 @@ impl Quantile {
         }
     }
 
-    /// Are its steps the final ones?
-    #[must_use]
-    pub fn is_settled(&self) -> bool {
-        self.count >= SETTLED
-    }
-
     /// The quantile so far; `None` until eight numbers were seen.
     #[must_use]
     pub fn value(&self) -> Option<f32> {
