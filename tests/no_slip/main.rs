@@ -293,14 +293,12 @@ fn a_weight_that_cannot_be_is_said() {
 /// Three samples from slip to slip, and two.
 #[test]
 fn a_recurrence_of_less_than_four_samples_is_refused() {
-    for (rate_hz, found) in [(1.7, true), (1.235, false)] {
+    for rate_hz in [1.7, 1.235] {
         let scene = Scene { rate_hz, duration_s: 600.0, ..Scene::default() };
         let config = Config { rate_hz: rate_hz as f32, ..config() };
         let outcome = read(&config, pulled(&scene, 1));
-        assert_eq!(!outcome.events.is_empty(), found, "{rate_hz}");
         let aliased = outcome.events.iter().filter(|e| e.reason == Some(Reason::Aliased)).count();
-        assert!(aliased * 50 >= outcome.events.len() * 49, "{rate_hz} {aliased}");
-        assert!(found || outcome.reasons() == [Reason::Scatters], "{:?}", outcome.reasons());
+        assert!(aliased > 0 && aliased * 50 >= outcome.events.len() * 49, "{rate_hz} {aliased}");
     }
 }
 

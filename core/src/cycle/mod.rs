@@ -25,6 +25,7 @@ use core::ops::ControlFlow;
 use crate::coefficient::{Coefficient, Site};
 use crate::cycle::cycle_fit::CycleFit;
 use crate::cycle::expectations::Expectations;
+use crate::cycle::refusal::Recurrence;
 use crate::cycle::slip_record::{SlipRecord, UNSURE};
 use crate::detector::{Detector, Stick};
 use crate::effect::{Effect, Kept};
@@ -76,6 +77,7 @@ pub struct CycleTracker {
     count: u32,
     /// A slip was seen to take time: the block slides, and no hand lets go.
     slides: bool,
+    recurrence: Recurrence,
 }
 
 impl CycleTracker {
@@ -97,6 +99,7 @@ impl CycleTracker {
             rested: None,
             count: 0,
             slides: false,
+            recurrence: Recurrence::default(),
         }
     }
 
@@ -118,7 +121,7 @@ impl CycleTracker {
         let (stick, window) = (detector.ended(), detector.window());
         let mut refused = None;
         if let Some(before) = &mut self.pending
-            && refusal::is_aliased(before.peak.index, peak.index)
+            && self.recurrence.is_aliased(since(before.peak.index, peak.index))
         {
             refused = Some(Reason::Aliased);
             before.refused = refused;

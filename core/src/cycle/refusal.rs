@@ -10,7 +10,7 @@ use crate::num::math::{self, larger};
 use crate::stats::line::Line;
 
 /// Fewest periods from slip to slip: two samples of a rest and two of a slip.
-const FEWEST_PERIODS: u64 = 4;
+const FEWEST_PERIODS: f32 = 4.0;
 /// Standard deviations of the noise that are no chance.
 pub(super) const SURE: f32 = 4.0;
 /// Part of the rise after it below which a fall is no slip: what the first load does to a cable
@@ -22,6 +22,9 @@ pub(super) const FAST: f32 = 16.0;
 /// Ratio of the stiffness by the winch to that by the slip which is no error of weight, winch or
 /// model: of the scenes that can be read none comes to 1.2.
 const STIFFER: f32 = 2.0;
+/// Standard errors by which it exceeds the limit: the true ratio is far from it. Tuned: at four, ten
+/// times as many aliases are believed.
+const LIKELY: f32 = 2.0;
 /// Periods of a fall that shows no sample between its ends.
 const INSTANT: f32 = 1.5;
 /// Most variance of an even fall about its line, variances of the noise: that one is known from few
@@ -87,9 +90,28 @@ pub(crate) fn takes_time(slip: &SlipRecord) -> bool {
     to - from >= INSTANT
 }
 
-/// Do slips follow each other too fast for the sampling?
-pub(crate) fn is_aliased(earlier: u64, later: u64) -> bool {
-    later.saturating_sub(earlier) < FEWEST_PERIODS
+/// Periods from slip to slip, a mean over those of late: of slips that follow each other every 3.8
+/// samples most are seen four apart.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Recurrence {
+    mean: f32,
+}
+
+impl Default for Recurrence {
+    fn default() -> Self {
+        Self { mean: FEWEST_PERIODS }
+    }
+}
+
+impl Recurrence {
+    /// Does the next slip, so many periods later, follow too fast for the sampling?
+    pub(super) fn is_aliased(&mut self, periods: f32) -> bool {
+        const MEMORY: f32 = 16.0;
+        // Tuned: where they follow every four samples, the mean of late is not lower than that.
+        const UNSURE: f32 = 0.05;
+        self.mean += (math::smaller(periods, FAST) - self.mean) / MEMORY;
+        periods < FEWEST_PERIODS || self.mean < FEWEST_PERIODS - UNSURE
+    }
 }
 
 /// Does a cable that the winch shows to be stiff let the block slip as slowly as a soft one? Then
@@ -99,7 +121,7 @@ pub(crate) fn is_aliased(earlier: u64, later: u64) -> bool {
 /// the periods to the next slip. Not where the speed of the winch is not known.
 pub(crate) fn is_folded(site: &Site, rate: (f32, f32), swing: (f32, f32), periods: f32) -> bool {
     let ratio = stiffness_ratio(site, rate.0, swing.0);
-    let least = larger(STIFFER, periods / FEWEST_PERIODS as f32);
+    let least = larger(STIFFER, periods / FEWEST_PERIODS);
     exceeds(1.0 - math::sqrt(least / ratio), rate, swing)
 }
 
@@ -122,7 +144,7 @@ fn stiffness_ratio(site: &Site, rate: f32, swing: f32) -> f32 {
 fn exceeds(part: f32, rate: (f32, f32), swing: (f32, f32)) -> bool {
     // Of the root, the rate counts half.
     let unsure = 0.25 * rate.1 / (rate.0 * rate.0) + swing.1 / (swing.0 * swing.0);
-    part > 0.0 && SURE * SURE * unsure < part * part
+    part > 0.0 && LIKELY * LIKELY * unsure < part * part
 }
 
 /// Why a measured event is not believed.
@@ -230,7 +252,8 @@ mod tests {
             (7.5, 0.001, true),
             (7.5, 0.01, false),
             (29.0, 0.1, true),
-            (29.0, 0.2, false),
+            (29.0, 0.2, true),
+            (29.0, 0.25, false),
         ] {
             assert_eq!(folded(winch_m_per_s, stretched, std), seen, "{stretched} ± {std}");
             assert!(!folded(f32::NAN, stretched, std));

@@ -19,39 +19,6 @@ use crate::noise::time_asymmetry::TimeAsymmetry;
 use crate::num::math::{self, larger, smaller};
 use crate::stats::quantile::Quantile;
 
-/// The larger of the last two blocks' third smallest of 32 numbers.
-#[derive(Clone, Copy, Debug)]
-struct Smallest {
-    now: [f32; 3],
-    count: u32,
-    blocks: [f32; 2],
-    full: u32,
-}
-
-impl Smallest {
-    const BLOCK: u32 = 32;
-
-    const fn new() -> Self {
-        Self { now: [f32::MAX; 3], count: 0, blocks: [0.0; 2], full: 0 }
-    }
-
-    fn add(&mut self, size: f32) {
-        let [a, b, c] = self.now;
-        self.now = [smaller(a, size), smaller(b, larger(a, size)), smaller(c, larger(b, size))];
-        self.count += 1;
-        if self.count == Self::BLOCK {
-            self.blocks = [self.blocks[1], self.now[2]];
-            (self.now, self.count) = ([f32::MAX; 3], 0);
-            self.full = self.full.saturating_add(1);
-        }
-    }
-
-    /// `None` before two blocks are full.
-    fn value(&self) -> Option<f32> {
-        (self.full > 1).then(|| self.blocks.into_iter().fold(0.0, larger))
-    }
-}
-
 /// Running robust standard deviation.
 #[derive(Clone, Copy, Debug)]
 pub struct Noise {
@@ -59,7 +26,6 @@ pub struct Noise {
     /// The same, upper quartile: of the coarse steps of a converter the median tells
     /// little. Until the first fit.
     upper: Quantile,
-    smallest: Smallest,
     arrow: TimeAsymmetry,
     second: Quantile,
     swing: Swing,
@@ -83,13 +49,8 @@ const TRUSTED: u8 = 16;
 /// Median and upper quartile of |x|, for a normal distribution.
 const MEDIAN: f32 = 0.674_49;
 const QUARTILE: f32 = 1.150_35;
-/// Noise over the mean of [`Smallest`] of |second differences|.
-const STD_PER_SMALLEST: f32 = 1.0 / 0.42;
 /// Noise over the upper quartile of |second difference|, 1.150 √6.
 const STD_PER_SECOND: f32 = 1.0 / 2.818;
-/// A steep saw: the smallest second differences are below this part of what white
-/// noise would give.
-const SAW: f32 = 0.06;
 /// A smooth swing: the same of what is left without it.
 const SWING: f32 = 0.5;
 /// Most noise of slips, parts of their usual fall in a sample: with more of it none could
@@ -108,7 +69,6 @@ impl Noise {
         Self {
             innovation: Quantile::new(0.5),
             upper: Quantile::new(0.75),
-            smallest: Smallest::new(),
             arrow: TimeAsymmetry::new(),
             second: Quantile::new(0.75),
             swing: Swing::new(),
@@ -164,7 +124,6 @@ impl Noise {
         if self.filled >= 3 {
             let second = (c - 2.0 * d + e).abs();
             self.second.add(second);
-            self.smallest.add(second);
         }
         if self.filled >= 5 {
             self.swing.add(a - 2.0 * (b - c + d) + e, b - 2.0 * c + d);
@@ -196,12 +155,8 @@ impl Noise {
         let second = self.second.value()? * STD_PER_SECOND;
         // Coarse steps make differences of zero: they are as large as a step.
         let step_n = if self.repeats { self.resolution_n } else { 0.0 };
-        let smallest = self.smallest.value().map(|size| (size + step_n) * STD_PER_SMALLEST);
         let slips = self.arrow.slip_n().map(|slip_n| SLIP * slip_n);
-        let smooth = least(
-            smallest.filter(|&smallest| smallest < SAW * second),
-            (swing < SWING * second).then_some(swing),
-        );
+        let smooth = (swing < SWING * second).then_some(swing);
         let bent = CAUTION * (second + step_n);
         let bent = line_n.is_some_and(|line_n| bent < BENT * line_n).then_some(bent);
         least(slips, least(smooth, bent))
@@ -260,17 +215,6 @@ mod tests {
             noise.see(normal(&mut state), true);
             assert_eq!(noise.without_line_n(None), None, "{i}");
         }
-    }
-
-    #[test]
-    fn a_steep_saw_shows_its_noise() {
-        let (mut noise, mut state) = (Noise::new(), 5);
-        (0..400).for_each(|i| {
-            let saw = 2000.0 * (i as f32 * (2.0 / 7.0)).fract();
-            noise.see(saw + 2.0 * normal(&mut state), true);
-        });
-        let std = noise.without_line_n(None).unwrap();
-        assert!((1.0..40.0).contains(&std), "{std}");
     }
 
     #[test]
