@@ -227,6 +227,21 @@ mod tests {
     use super::*;
     use crate::effect::Effects;
 
+    /// Slips every so many samples, seen at whole ones.
+    fn aliased_of(samples: f32) -> usize {
+        let mut recurrence = Recurrence::default();
+        let peak = |i: u16| libm::roundf(samples * f32::from(i));
+        (0..200).filter(|&i| recurrence.is_aliased(peak(i + 1) - peak(i))).count()
+    }
+
+    #[test]
+    fn slips_every_3_8_samples_are_aliased_and_every_4_are_not() {
+        for (samples, aliased) in [(2.9, 200), (3.8, 190), (4.0, 0), (4.3, 0), (29.0, 0)] {
+            let count = aliased_of(samples);
+            assert!(if aliased > 0 { count >= aliased } else { count == 0 }, "{samples} {count}");
+        }
+    }
+
     /// DFF8-13: `k w` of 360 N/s, a swing of a 19th of a second.
     #[test]
     fn time_that_is_stretched_is_seen_if_the_winch_is_known() {

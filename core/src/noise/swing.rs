@@ -49,3 +49,54 @@ impl Swing {
         (self.count >= FEWEST && self.middle_n2 > 0.0).then(|| left_n2 / (gain * self.count))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::num::math;
+
+    /// Mean over the past of late: noise of two, and a swing with an amplitude of so many newtons
+    /// and so many samples long.
+    fn seen(amplitude_n: f32, samples: f32) -> f32 {
+        let (mut swing, mut state) = (Swing::new(), 3_u32);
+        let mut noise = || {
+            (0..12).fold(-6.0, |sum, _| {
+                state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+                sum + (state >> 8) as f32 / 16_777_216.0
+            })
+        };
+        let mut last = [0.0; 5];
+        let mut mean_n2 = 0.0;
+        for i in 0..1500_u16 {
+            last.rotate_left(1);
+            let turn = core::f32::consts::TAU * f32::from(i) / samples;
+            last[4] = amplitude_n * math::sin_cos(turn % core::f32::consts::TAU).0 + 2.0 * noise();
+            let [a, b, c, d, e] = last;
+            swing.add(a - 2.0 * (b - c + d) + e, b - 2.0 * c + d);
+            if i >= 500 {
+                mean_n2 += swing.noise_n2().unwrap() / 1000.0;
+            }
+        }
+        math::sqrt(mean_n2)
+    }
+
+    #[test]
+    fn the_noise_is_left_whatever_the_swing() {
+        for (amplitude_n, samples) in
+            [(0.0, 1.0), (300.0, 3.3), (300.0, 4.03), (900.0, 6.1), (900.0, 20.0)]
+        {
+            let std_n = seen(amplitude_n, samples);
+            assert!((std_n - 2.0).abs() < 0.1, "{std_n} N, {samples} samples");
+        }
+    }
+
+    #[test]
+    fn few_samples_and_a_force_that_stands_still_tell_nothing() {
+        let mut swing = Swing::new();
+        (0..20_u8).for_each(|i| swing.add(f32::from(i % 3), f32::from(i % 2)));
+        assert!(swing.noise_n2().is_none());
+        let mut still = Swing::new();
+        (0..200).for_each(|_| still.add(0.0, 0.0));
+        assert!(still.noise_n2().is_none());
+    }
+}
