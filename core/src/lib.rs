@@ -48,3 +48,23 @@ pub use sample::{Fault, ForceSample, Phase, RawSample, Reading, SampleFlag, Samp
 pub use stats::quantity::Quantity;
 pub use stretch::{Stretch, StretchKind};
 pub use units::{Counts, Newtons};
+
+#[cfg(test)]
+mod tests {
+    /// Random numbers for unit tests, the same on every machine.
+    #[derive(Clone, Copy, Debug)]
+    pub(crate) struct Random(pub(crate) u32);
+
+    impl Random {
+        /// Even between zero and one.
+        pub(crate) fn even(&mut self) -> f32 {
+            self.0 = self.0.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            (self.0 >> 8) as f32 / 16_777_216.0
+        }
+
+        /// Nearly normal, of variance one: the sum of twelve even ones.
+        pub(crate) fn normal(&mut self) -> f32 {
+            (0..12).fold(-6.0, |sum, _| sum + self.even())
+        }
+    }
+}

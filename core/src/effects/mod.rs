@@ -19,21 +19,9 @@ mod synthetic {
     use crate::noise::ripple::ColoredNoise;
     use crate::stats::line::Line;
     use crate::stats::prior::Prior;
+    use crate::tests::Random;
 
     pub(super) const NOISE_N: f32 = 2.0;
-
-    /// Nearly normal: the sum of twelve even numbers.
-    struct Noise(u32);
-
-    impl Noise {
-        fn next_n(&mut self) -> f32 {
-            let even = (0..12).fold(0.0, |sum, _| {
-                self.0 = self.0.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-                sum + (self.0 >> 8) as f32 / 16_777_216.0
-            });
-            NOISE_N * (even - 6.0)
-        }
-    }
 
     /// Gives so many events, their onsets spread over a period, with sharp corners expected:
     /// `force_n` is the force of a cycle at a time.
@@ -42,7 +30,7 @@ mod synthetic {
         force_n: impl Fn(&CycleParams, f32) -> f32,
         mut take: impl FnMut(Data<'_>, &CycleParams),
     ) {
-        let mut noise = Noise(1);
+        let mut random = Random(1);
         for event in 0..count {
             let cycle = CycleParams {
                 onset: (0.618_034 * f32::from(event)).fract() - 1.0,
@@ -52,7 +40,7 @@ mod synthetic {
                 omega: 1.1828,
                 rate_change: 0.0,
             };
-            let mut sample_n = |time: f32| force_n(&cycle, time) + noise.next_n();
+            let mut sample_n = |time: f32| force_n(&cycle, time) + NOISE_N * random.normal();
             let mut line = |from: i16, to: i16| {
                 let mut line = Line::default();
                 (from..to).for_each(|t| line.add(t.into(), sample_n(t.into()), 1.0, 1.0));

@@ -171,23 +171,23 @@ fn mix(mean: &mut Values, event: Values, share: f32) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::tests::Random;
 
     const STD: f32 = 0.001;
 
-    /// Uniform, of variance one.
-    fn noise(state: &mut u32) -> f32 {
-        *state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-        3.464 * ((*state >> 8) as f32 / 16_777_216.0 - 0.5)
+    /// Even, of variance one.
+    fn noise(random: &mut Random) -> f32 {
+        3.464 * (random.even() - 0.5)
     }
 
     /// After events whose coefficients `(mu_s, mu)` have moved by so much, each with its
     /// noise and a scatter of its own, relative to the coefficients.
     fn after(events: u32, scatter: f32, moved: impl Fn(f32) -> (f32, f32)) -> Drift {
-        let (mut drift, mut state) = (Drift::default(), 1);
+        let (mut drift, mut random) = (Drift::default(), Random(1));
         for i in 0..events {
             let (mu_s, mu) = moved(i as f32);
             let mut measured = |value: f32| {
-                let value = value * (1.0 + scatter * noise(&mut state)) + STD * noise(&mut state);
+                let value = value * (1.0 + scatter * noise(&mut random)) + STD * noise(&mut random);
                 Coefficient::random(value, STD)
             };
             drift.take(measured(1.24 + mu_s), measured(0.78 + mu));

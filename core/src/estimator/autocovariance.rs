@@ -164,6 +164,7 @@ impl Default for Correlation {
 mod tests {
     use super::*;
     use crate::stats::student::t95;
+    use crate::tests::Random;
 
     /// A wandering row of numbers.
     fn value(i: usize) -> f64 {
@@ -234,18 +235,12 @@ mod tests {
     #[test]
     fn intervals_of_rows_that_wander_hold_their_mean() {
         const ROWS: usize = 400;
-        let mut state = 1_u32;
-        let mut noise = || {
-            (0..12).fold(-6.0_f32, |sum, _| {
-                state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-                sum + (state >> 8) as f32 / 16_777_216.0
-            })
-        };
+        let mut random = Random(1);
         let mut held = 0;
         for _ in 0..ROWS {
-            let mut x = noise() / 0.19_f32.sqrt();
+            let mut x = random.normal() / 0.19_f32.sqrt();
             let row: [f32; 134] = core::array::from_fn(|_| {
-                x = 0.9 * x + noise();
+                x = 0.9 * x + random.normal();
                 x
             });
             let mean = row.iter().sum::<f32>() / 134.0;

@@ -169,21 +169,17 @@ impl Early {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::tests::Random;
 
     /// After sticks of white noise and a swing that dies away.
     fn seen(amplitude_n: f32, decay: f32, length: usize, sticks: u32) -> FlopProfile {
-        let (mut profile, mut state) = (FlopProfile::default(), 1_u32);
-        let mut noise_n = || {
-            (0..12).fold(-6.0, |sum, _| {
-                state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-                sum + (state >> 8) as f32 / 16_777_216.0
-            })
-        };
+        let (mut profile, mut random) = (FlopProfile::default(), Random(1));
         for _ in 0..sticks {
             let forces_n: [Option<f32>; 192] = core::array::from_fn(|i| {
                 let age = i as f32;
                 let inverse_omega = (-decay * age).exp() * (1.3 * age + 3.0).sin();
-                (i % 11 != 5).then(|| 200.0 + 22.0 * age + amplitude_n * inverse_omega + noise_n())
+                (i % 11 != 5)
+                    .then(|| 200.0 + 22.0 * age + amplitude_n * inverse_omega + random.normal())
             });
             profile.learn(None, forces_n.into_iter().take(length));
         }

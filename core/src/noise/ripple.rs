@@ -201,13 +201,13 @@ impl Default for Ripple {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::tests::Random;
 
     /// White noise of variance 1/12 and a swing.
     fn seen(amplitude: f32, period: f32, samples: u32) -> ColoredNoise {
-        let (mut whiteness, mut state) = (Ripple::default(), 1_u32);
+        let (mut whiteness, mut random) = (Ripple::default(), Random(1));
         for i in 0..samples {
-            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-            let noise = (state >> 8) as f32 / 16_777_216.0 - 0.5;
+            let noise = random.even() - 0.5;
             let angle = core::f32::consts::TAU * (i as f32 / period).fract();
             whiteness.add(noise + amplitude * angle.sin(), 1.0);
         }

@@ -179,22 +179,15 @@ fn least(a: Option<f32>, b: Option<f32>) -> Option<f32> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    /// Approximately normal numbers from a fixed recurrence.
-    fn normal(state: &mut u32) -> f32 {
-        (0..12).fold(-6.0, |sum, _| {
-            *state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-            sum + (*state >> 8) as f32 / 16_777_216.0
-        })
-    }
+    use crate::tests::Random;
 
     /// Mean of 500 estimates after 2000 samples.
     fn settled(mut take: impl FnMut(&mut Noise, f32)) -> f32 {
-        let (mut noise, mut state) = (Noise::new(), 7);
-        (0..2000).for_each(|_| take(&mut noise, normal(&mut state)));
+        let (mut noise, mut random) = (Noise::new(), Random(7));
+        (0..2000).for_each(|_| take(&mut noise, random.normal()));
         (0..500)
             .map(|_| {
-                take(&mut noise, normal(&mut state));
+                take(&mut noise, random.normal());
                 noise.std_n(0.0).1.unwrap() / 500.0
             })
             .sum()
@@ -210,19 +203,19 @@ mod tests {
 
     #[test]
     fn white_noise_is_neither_a_saw_nor_a_swing() {
-        let (mut noise, mut state) = (Noise::new(), 5);
+        let (mut noise, mut random) = (Noise::new(), Random(5));
         for i in 0..20_000 {
-            noise.see(normal(&mut state), true);
+            noise.see(random.normal(), true);
             assert_eq!(noise.without_line_n(None), None, "{i}");
         }
     }
 
     #[test]
     fn a_force_that_never_rests_still_bounds_the_noise() {
-        let (mut noise, mut state) = (Noise::new(), 3);
+        let (mut noise, mut random) = (Noise::new(), Random(3));
         for i in 0..400 {
             let inverse_omega = 400.0 * (1.1 * i as f32).sin();
-            noise.see(inverse_omega + 2.0 * normal(&mut state), true);
+            noise.see(inverse_omega + 2.0 * random.normal(), true);
             // A line through it sees the swing as noise.
             noise.add(inverse_omega);
         }
@@ -231,9 +224,9 @@ mod tests {
 
     #[test]
     fn a_wild_start_and_later_outliers_do_not_stay() {
-        let (mut noise, mut state) = (Noise::new(), 9);
+        let (mut noise, mut random) = (Noise::new(), Random(9));
         noise.add(1e4);
-        (0..300).for_each(|i| noise.add(if i % 20 == 0 { 500.0 } else { normal(&mut state) }));
+        (0..300).for_each(|i| noise.add(if i % 20 == 0 { 500.0 } else { random.normal() }));
         let std = noise.std_n(0.0).1.unwrap();
         assert!((0.6..1.6).contains(&std), "{std}");
     }

@@ -54,23 +54,19 @@ impl Swing {
 mod tests {
     use super::*;
     use crate::num::math;
+    use crate::tests::Random;
 
     /// Mean over the past of late: noise of two, and a swing with an amplitude of so many newtons
     /// and so many samples long.
     fn seen(amplitude_n: f32, samples: f32) -> f32 {
-        let (mut swing, mut state) = (Swing::new(), 3_u32);
-        let mut noise = || {
-            (0..12).fold(-6.0, |sum, _| {
-                state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-                sum + (state >> 8) as f32 / 16_777_216.0
-            })
-        };
+        let (mut swing, mut random) = (Swing::new(), Random(3));
         let mut last = [0.0; 5];
         let mut mean_n2 = 0.0;
         for i in 0..1500_u16 {
             last.rotate_left(1);
             let turn = core::f32::consts::TAU * f32::from(i) / samples;
-            last[4] = amplitude_n * math::sin_cos(turn % core::f32::consts::TAU).0 + 2.0 * noise();
+            last[4] = amplitude_n * math::sin_cos(turn % core::f32::consts::TAU).0
+                + 2.0 * random.normal();
             let [a, b, c, d, e] = last;
             swing.add(a - 2.0 * (b - c + d) + e, b - 2.0 * c + d);
             if i >= 500 {
