@@ -86,8 +86,8 @@ impl Estimate {
 pub struct Site {
     /// Weight of the block, N.
     pub weight_n: f32,
-    /// Its mass times the speed of the winch, N s; NaN where that is not known.
-    pub momentum_n_s: f32,
+    /// Its mass times the speed of the winch, N periods; NaN where that is not known.
+    pub momentum: f32,
     /// Sine and cosine of the slope of the ice.
     pub slope: (f32, f32),
     /// Samples per second.

@@ -86,8 +86,7 @@ const LINE: u32 = 8;
 impl Expectations {
     /// Before the first event.
     pub(crate) fn new(site: &Site) -> Self {
-        let momentum = site.momentum_n_s * site.rate_hz;
-        Self { effects: site.effects, momentum, ..Self::default() }
+        Self { effects: site.effects, momentum: site.momentum, ..Self::default() }
     }
 
     /// Variance of the noise, as if it were white: from the fits so far, else the

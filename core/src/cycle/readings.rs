@@ -59,8 +59,8 @@ impl CycleTracker {
     /// The site with the weight as far as it is known to have changed.
     pub(super) fn site(&self) -> Site {
         let ratio = self.learnt.mass.weight_ratio();
-        let Site { weight_n, momentum_n_s, .. } = self.site;
-        Site { weight_n: ratio * weight_n, momentum_n_s: ratio * momentum_n_s, ..self.site }
+        let Site { weight_n, momentum, .. } = self.site;
+        Site { weight_n: ratio * weight_n, momentum: ratio * momentum, ..self.site }
     }
 
     /// Force of so much of a coefficient, N.

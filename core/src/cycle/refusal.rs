@@ -137,7 +137,7 @@ pub(crate) fn is_lame(site: &Site, rate: (f32, f32), swing: (f32, f32)) -> bool 
 
 /// `k = F'/w` over `k = ω² M`; NaN where the speed of the winch is not known.
 fn stiffness_ratio(site: &Site, rate: f32, swing: f32) -> f32 {
-    rate * swing * swing / (site.momentum_n_s * site.rate_hz)
+    rate * swing * swing / site.momentum
 }
 
 /// Is a part of the root of that ratio more than chance?
@@ -251,7 +251,7 @@ mod tests {
         let folded = |winch_m_per_s: f32, stretched: f32, std: f32| {
             let site = Site {
                 weight_n: 630.0,
-                momentum_n_s: mass_kg * winch_m_per_s,
+                momentum: mass_kg * winch_m_per_s * hz,
                 slope: (0.0, 1.0),
                 rate_hz: hz,
                 effects: Effects::NONE,

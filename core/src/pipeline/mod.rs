@@ -118,7 +118,7 @@ impl Pipeline {
         let rate_hz = config.rate_hz / decimator.factor();
         let site = Site {
             weight_n: config.weight_n,
-            momentum_n_s: config.winch_m_per_s.map_or(f32::NAN, |winch| winch * config.mass_kg()),
+            momentum: config.winch_m_per_s.map_or(f32::NAN, |w| w * config.mass_kg() * rate_hz),
             slope: math::sin_cos(config.slope_rad),
             rate_hz,
             effects: config.effects,
