@@ -85,7 +85,8 @@ pub fn agree(console: &str, photograph: &[String]) -> Result<[String; 2], String
     let report = last_report(console).ok_or("no result was said")?;
     let drawn = picture(&view(report));
     if photograph.get(COEFFICIENTS) != drawn.get(COEFFICIENTS) {
-        return Err(format!("the display shows\n{}", photograph.join("\n")));
+        let [shown, said] = [photograph, &drawn[..]].map(|it| it.join("\n"));
+        return Err(format!("the display shows\n{shown}\nand not\n{said}"));
     }
     let (said, words) = (coefficients(&report), live_words(console));
     for row in &said {

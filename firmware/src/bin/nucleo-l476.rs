@@ -102,30 +102,35 @@ mod target {
         }
     }
 
-    /// The display, and what it shows.
+    /// The display, what it shows, and whether some of that has yet to be sent.
     struct Screen {
         display: Display,
         picture: Picture,
+        drawn: bool,
     }
 
     impl Screen {
-        /// Draws a picture, and sends what is new if the tick leaves the time for it.
+        /// Draws a picture, and sends what is new if the tick leaves the time for it: else after
+        /// the next sample, without drawing again.
         #[inline(never)]
         fn show(&mut self, app: &Logger) -> bool {
-            let _ = self.picture.draw(&mut self.display, &app.view());
+            if !self.drawn {
+                let _ = self.picture.draw(&mut self.display, &app.view());
+            }
             let in_time = clock::since_tick() < PICTURE_LATEST_US;
             // Without a display there is nothing to see; with one, what did not arrive
             // comes with the next picture.
             if in_time && self.display.flush().is_err() {
                 self.forget();
             }
+            self.drawn = !in_time;
             in_time
         }
 
         /// The next picture is drawn and sent as a whole: what the bus has garbled goes.
         fn forget(&mut self) {
             self.display.clear_buffer();
-            self.picture = Picture::default();
+            (self.picture, self.drawn) = (Picture::default(), false);
         }
     }
 
@@ -195,7 +200,8 @@ mod target {
     fn screen(bus: Bus) -> Screen {
         let interface = I2CDisplayInterface::new(bus);
         let display = Ssd1306::new(interface, DisplaySize128x64, DisplayRotation::Rotate0);
-        Screen { display: display.into_buffered_graphics_mode(), picture: Picture::default() }
+        let display = display.into_buffered_graphics_mode();
+        Screen { display, picture: Picture::default(), drawn: false }
     }
 
     /// Only wakes.
