@@ -290,6 +290,18 @@ fn a_weight_that_cannot_be_is_said() {
     assert!(outcome.events.iter().all(|e| e.reason == Some(Reason::Implausible)));
 }
 
+/// Two teeth in seven samples.
+#[test]
+fn the_teeth_of_a_steep_saw_are_found_and_refused() {
+    for seed in 1..=SEEDS {
+        let mut noise = Normal::new(seed);
+        let saw = |i: u32| 100.0 + 400.0 * (f64::from(i) * 2.0 / 7.0).fract();
+        let outcome = read(&config(), (0..1000).map(|i| saw(i) + NOISE_N * noise.sample()));
+        assert!(outcome.events.len() > 200, "{seed} {}", outcome.events.len());
+        assert!(outcome.events.iter().all(|e| e.reason == Some(Reason::Aliased)), "{seed}");
+    }
+}
+
 /// Three samples from slip to slip, and two.
 #[test]
 fn a_recurrence_of_less_than_four_samples_is_refused() {

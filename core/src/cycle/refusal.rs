@@ -22,8 +22,8 @@ pub(super) const FAST: f32 = 16.0;
 /// Ratio of the stiffness by the winch to that by the slip which is no error of weight, winch or
 /// model: of the scenes that can be read none comes to 1.2.
 const STIFFER: f32 = 2.0;
-/// Standard errors by which it exceeds the limit: the true ratio is far from it. Tuned: at four, ten
-/// times as many aliases are believed.
+/// Standard errors by which it exceeds the limit: the true ratio is far from it. Tuned: at four, seven
+/// times as many events of `aliased_fast` and `aliased_stiff` are believed.
 const LIKELY: f32 = 2.0;
 /// Periods of a fall that shows no sample between its ends.
 const INSTANT: f32 = 1.5;
@@ -236,9 +236,11 @@ mod tests {
 
     #[test]
     fn slips_every_3_8_samples_are_aliased_and_every_4_are_not() {
-        for (samples, aliased) in [(2.9, 200), (3.8, 190), (4.0, 0), (4.3, 0), (29.0, 0)] {
+        for (samples, aliased) in
+            [(2.9, 200..=200), (3.8, 190..=200), (4.0, 0..=0), (4.3, 0..=0), (29.0, 0..=0)]
+        {
             let count = aliased_of(samples);
-            assert!(if aliased > 0 { count >= aliased } else { count == 0 }, "{samples} {count}");
+            assert!(aliased.contains(&count), "{samples} {count}");
         }
     }
 

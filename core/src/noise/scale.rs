@@ -6,11 +6,10 @@
 //! residuals of the fits.
 //!
 //! Where the block rests long enough the innovations of the stick line tell the
-//! noise. Where it never does, the line does not describe the force, and three other
-//! measures do, until the first fits are there: the smallest second differences, if
-//! they are far smaller than the usual one (a steep saw: some triples lie on one
-//! tooth), or what is left of them when a swing is taken off, if that is little (`swing.rs`).
-//! White noise shows neither. The third is how fast slips fall (`time_asymmetry.rs`).
+//! noise. Where it never does, the line does not describe the force, and two other
+//! measures do, until the first fits are there: what is left of the second differences
+//! when a swing is taken off, if that is little (`swing.rs`), and how fast slips fall
+//! (`time_asymmetry.rs`). White noise shows neither.
 //! Where the innovations are far larger than what the second differences leave, the line was bent
 //! before the noise was known: a cable that was tightened, held, and pulled. The noise is theirs.
 
