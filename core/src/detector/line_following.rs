@@ -6,8 +6,6 @@ use crate::detector::stick_line::Stick;
 use crate::detector::{Detector, slack_wait};
 use crate::effect::{Effect, Kept};
 use crate::noise::flop::FlopProfile;
-use crate::noise::ripple::Ripple;
-use crate::num::math::larger;
 use crate::sample::ForcePoint;
 use crate::signal::window::WINDOW;
 
@@ -32,18 +30,7 @@ pub(super) fn whole(periods: f32) -> u32 {
 impl Detector {
     /// The line stays as far behind as what is usual now wants it.
     pub(super) fn update_delay(&mut self) {
-        let creep_periods = larger(self.creep_periods, self.line_end.periods());
-        self.line_delay = line_delay(self.usual_fall, self.usual_rise, creep_periods);
-    }
-
-    /// Where the lines bend down before the onset they end earlier; what they told of the force
-    /// that strays from them had that in it.
-    pub(super) fn look_at_line_end(&mut self) {
-        const KEPT: f32 = 0.1;
-        let newest = self.ripple.ask(Ripple::newest);
-        if newest.is_some_and(|innovation| self.line_end.take(innovation)) {
-            self.ripple.tell(|ripple| ripple.fade(KEPT));
-        }
+        self.line_delay = line_delay(self.usual_fall, self.usual_rise, self.creep_periods);
     }
 
     /// Takes samples into the line, far enough behind the newest one that a slip

@@ -30,7 +30,6 @@
 
 mod catch_up;
 mod innovation;
-mod line_end;
 mod line_following;
 mod onset;
 mod readings;
@@ -41,7 +40,6 @@ mod stick_line;
 pub use crate::detector::stick_line::Stick;
 
 use crate::detector::catch_up::CATCH_UP;
-use crate::detector::line_end::LineEnd;
 use crate::detector::line_following::{PROFILE, line_delay, whole};
 use crate::detector::slack_wait::SlackWait;
 use crate::detector::stick_line::LINE_POINTS;
@@ -110,7 +108,6 @@ pub struct Detector {
     line_delay: u32,
     /// Time before an onset in which creep bends the line, periods.
     creep_periods: f32,
-    line_end: LineEnd,
     /// Half the usual drop below the last highest sample, N.
     middle_n: f32,
     /// A stick line that has not risen above this ends in no slip, N.
@@ -146,7 +143,6 @@ impl Detector {
             usual_rise: 0.0,
             line_delay: line_delay(usual_fall, 0.0, 0.0),
             creep_periods: 0.0,
-            line_end: LineEnd::default(),
             middle_n: 0.0,
             ceiling_n: f32::NEG_INFINITY,
         }
@@ -198,7 +194,6 @@ impl Detector {
         } else if self.slips(now) {
             self.phase = Phase::Slip;
             self.lowest = now;
-            self.look_at_line_end();
             self.shorten_line();
             return Some(Transition::Onset);
         }
