@@ -66,7 +66,7 @@ impl CycleTracker {
 
     /// Why a fitted event is not believed: what all tell, and, where the next one follows soon, what
     /// it tells itself.
-    fn of_fit(&self, posterior: &Posterior, next: f32) -> Option<Reason> {
+    fn of_fit(&mut self, posterior: &Posterior, next: f32) -> Option<Reason> {
         let Posterior { cycle, unknowns, .. } = posterior;
         let (site, learnt) = (self.site(), &self.learnt);
         let (rate, swing) = (learnt.rate.now(), learnt.mass.inverse_omega().now());
@@ -84,7 +84,7 @@ impl CycleTracker {
                 return Some(Reason::NoFit);
             }
         }
-        folded.then_some(Reason::Aliased)
+        self.recurrence.is_folded(folded).then_some(Reason::Aliased)
     }
 
     /// An event with its coefficients; omega where the slip shows it.

@@ -90,27 +90,40 @@ pub(crate) fn takes_time(slip: &SlipRecord) -> bool {
     to - from >= INSTANT
 }
 
-/// Periods from slip to slip, a mean over those of late: of slips that follow each other every 3.8
-/// samples most are seen four apart.
+/// Events of late that count.
+const MEMORY: f32 = 16.0;
+
+/// How the slips of late follow each other: periods from one to the next, a mean (of slips that follow
+/// each other every 3.8 samples most are seen four apart), and whether their fits say that many were
+/// missed in between.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Recurrence {
     mean: f32,
+    /// Part of the events of late that their own fits told to be folded.
+    folded: f32,
 }
 
 impl Default for Recurrence {
     fn default() -> Self {
-        Self { mean: FEWEST_PERIODS }
+        Self { mean: FEWEST_PERIODS, folded: 0.0 }
     }
 }
 
 impl Recurrence {
     /// Does the next slip, so many periods later, follow too fast for the sampling?
     pub(super) fn is_aliased(&mut self, periods: f32) -> bool {
-        const MEMORY: f32 = 16.0;
         // Tuned: where they follow every four samples, the mean of late is not lower than that.
         const UNSURE: f32 = 0.05;
         self.mean += (math::smaller(periods, FAST) - self.mean) / MEMORY;
         periods < FEWEST_PERIODS || self.mean < FEWEST_PERIODS - UNSURE
+    }
+
+    /// Is an event folded, as its fit tells, or as those of most events of late do?
+    pub(super) fn is_folded(&mut self, fit_tells: bool) -> bool {
+        const MOST: f32 = 0.5;
+        let now = if fit_tells { 1.0 } else { 0.0 };
+        self.folded += (now - self.folded) / MEMORY;
+        fit_tells || self.folded > MOST
     }
 }
 

@@ -66,8 +66,9 @@ impl Pipeline {
 /// granted: a third of it, so that no number of such events makes a mean sharper than that.
 /// After a rest with few samples, what other events told of rate and swing is taken for granted.
 fn granted(quality: Quality, rest: f32) -> f32 {
-    /// Samples of a rest that tells its line: two for the rate, two that the noise may hide.
-    const TELLING: f32 = 4.0;
+    /// Samples of a rest that tells its line: two for the rate, and as many at either end that the
+    /// noise may hide. With fewer, an event tells one combination of its rate and its swing.
+    const TELLING: f32 = 6.0;
     let least = match quality {
         Quality::Good | Quality::Clipped => 0.0,
         Quality::Unresolved | Quality::Slack => 1.0 / 3.0,
