@@ -34,7 +34,11 @@ impl CycleFit {
         if counts {
             // Where the noise is not known yet, the lines have it.
             let (lines_n2, lines) = pending.line_residuals(&self.after);
-            let quiet_n2 = larger(noise_n2, lines_n2 / larger(lines, 1.0));
+            let line_n2 = lines_n2 / larger(lines, 1.0);
+            let quiet_n2 = larger(noise_n2, line_n2);
+            // Where the steps leave less than they should, all samples of a line are off alike.
+            let step_n2 = larger(pending.step_n2(line_n2) - line_n2, 0.0);
+            fit.widen(&Variances::UNSURE_SWING, step_n2 / now_n2);
             let (slip, wider) = data.slip_scatter(fit, quiet_n2);
             // A force that wanders does so in the slip as well.
             if pending.wander.level <= 0.0 {

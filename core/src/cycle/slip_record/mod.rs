@@ -131,20 +131,23 @@ impl SlipRecord {
         Samples { rest_weight, rest_from, slip: self.slip, ..Samples::new(self.start, forces_n) }
     }
 
-    /// Variance of the noise as residuals tell it, N². Where they tell far less than the samples
-    /// did, the samples may lie on their lines by chance: a converter's steps leave a twelfth of
-    /// their square.
+    /// Variance of the noise as residuals tell it, N²: no less than what a converter's steps leave.
     pub(crate) fn least_n2(&self, own_n2: f32) -> f32 {
-        const FAR_LESS: f32 = 0.05;
+        larger(own_n2, self.step_n2(own_n2))
+    }
+
+    /// Variance of what a converter's steps leave, a twelfth of their square, N², where residuals
+    /// tell far less than the samples did: those may lie on their lines by chance. Else zero.
+    pub(crate) fn step_n2(&self, own_n2: f32) -> f32 {
+        const FAR_LESS: f32 = 0.2;
         const PART: f32 = 1.0 / 12.0;
         const EXACT: f32 = 1e-5;
         if own_n2 > FAR_LESS * self.noise_n2 {
-            return own_n2;
+            return 0.0;
         }
-        let samples = self.samples();
-        let forces_n = samples.good().map(|(_, force_n)| force_n);
+        let forces_n = self.samples().good().map(|(_, force_n)| force_n);
         let step_n = spacing(forces_n, EXACT * self.peak.force_n.abs());
-        larger(own_n2, PART * step_n * step_n)
+        PART * step_n * step_n
     }
 
     /// Ends the event before the next one's slip begins: with the last index before its onset,
