@@ -259,6 +259,19 @@ mod tests {
 
     /// DFF8-13: `k w` of 360 N/s, a swing of a 19th of a second.
     #[test]
+    fn most_of_late_decide_for_all() {
+        let mut recurrence = Recurrence::default();
+        // One in four by chance: each for itself.
+        assert!((0..64).all(|i| recurrence.is_folded(i % 4 == 0) == (i % 4 == 0)));
+        // Three in four: after some of them all.
+        let refused = (0..64).filter(|i| recurrence.is_folded(i % 4 != 0)).count();
+        assert!((58..=64).contains(&refused), "{refused}");
+        // It ends.
+        assert!((0..16).filter(|_| recurrence.is_folded(false)).count() < 12);
+        assert!(!recurrence.is_folded(false));
+    }
+
+    #[test]
     fn time_that_is_stretched_is_seen_if_the_winch_is_known() {
         let (hz, rate_n_per_s, omega) = (16.0, 360.0, 18.93_f32);
         let mass_kg = 630.0 / 9.806_65;
