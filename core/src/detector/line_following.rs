@@ -6,6 +6,7 @@ use crate::detector::stick_line::Stick;
 use crate::detector::{Detector, slack_wait};
 use crate::effect::{Effect, Kept};
 use crate::noise::flop::FlopProfile;
+use crate::noise::ripple::Ripple;
 use crate::sample::ForcePoint;
 use crate::signal::window::WINDOW;
 
@@ -73,6 +74,10 @@ impl Detector {
             if self.effects.has(Effect::Ripple) {
                 self.ripple.tell(|ripple| ripple.add(relative, weight));
             }
+        }
+        if self.stick.strikes > 0 {
+            // Next to samples that were left out it may be off the line as well: it does not count.
+            self.ripple.tell(Ripple::interrupt);
         }
         self.stick.strikes = 0;
         self.stick.take(time, sample.force_n, weight);
