@@ -257,7 +257,6 @@ mod tests {
         }
     }
 
-    /// DFF8-13: `k w` of 360 N/s, a swing of a 19th of a second.
     #[test]
     fn most_of_late_decide_for_all() {
         let mut recurrence = Recurrence::default();
@@ -271,6 +270,7 @@ mod tests {
         assert!(!recurrence.is_folded(false));
     }
 
+    /// DFF8-13: `k w` of 360 N/s, a swing of a 19th of a second.
     #[test]
     fn time_that_is_stretched_is_seen_if_the_winch_is_known() {
         let (hz, rate_n_per_s, omega) = (16.0, 360.0, 18.93_f32);

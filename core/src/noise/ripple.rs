@@ -67,8 +67,8 @@ const FASTEST: f32 = 0.8;
 /// anything.
 const QUICK: f32 = 0.2;
 /// Variance of noise whose neighbours are alike, over what of it is left about a line, which takes
-/// all that is slower than itself. Tuned: with a correlation of .9 and rests of 20 samples (at 7 that of .7 is
-/// given twice as wide as it is).
+/// all that is slower than itself. Tuned: with a correlation of .9 and rests of 20 samples (at 7
+/// that of .7 is given twice as wide as it is).
 const HIDDEN: f32 = 6.0;
 /// Least correlation of such noise: with less of it a line takes little. Tuned: at .5 noise with that
 /// correlation is given twice as wide as it is, at .6 that of .9 is missed in first events.
