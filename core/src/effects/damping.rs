@@ -6,17 +6,16 @@
 //! events and ±.008 after fifty.
 //!
 //! What is found is never taken off, since friction that varies along the slip looks much the
-//! same: it widens the stated prior. Beyond one standard error losses are possible, and `D̂²` is
-//! added to the stated variance; with `D ~ N(0, s²)` the events are most likely under
-//! `s² = D̂² − var D̂`, but a `D̂` that came out low by chance must not hide them. Losses that are
-//! stated to be known exactly, with 0, stay so.
+//! same: it widens the stated prior, by `D̂²` in the variance, however little is sure of it. With
+//! `D ~ N(0, s²)` the events are most likely under `s² = D̂² − var D̂`, but a `D̂` that came out low
+//! by chance must not hide losses: few events tell them to no more than a few percent, which is as
+//! much as they may be. Losses that are stated to be known exactly, with 0, stay so.
 
 use crate::effect::Parameter;
 use crate::effects::score::ScoreSum;
 use crate::model::Shape;
 use crate::num::math;
 use crate::stats::normal_equations::Gradient;
-use crate::stats::prior::surely;
 
 /// Most losses of a cable that still swings: beyond it nothing is known.
 const MOST: f32 = 0.3;
@@ -43,8 +42,7 @@ impl Damping {
         if !self.0.counts() || value <= 0.0 || stated <= 0.0 {
             return stated;
         }
-        let possible = surely(value * value, self.0.variance());
-        math::hypotenuse(stated, value * math::sqrt(possible)).min(MOST)
+        math::hypotenuse(stated, value).min(MOST)
     }
 
     /// The damping ratio, if it is significant.

@@ -15,7 +15,7 @@ use crate::stats::normal_equations::{Gradient, dot};
 /// Information that is left when the unknowns are free, of the whole: less is rounding.
 const LEAST_OWN: f32 = 1e-4;
 /// Events before which nothing counts.
-const LEAST_EVENTS: f32 = 4.0;
+const LEAST_EVENTS: f32 = 2.0;
 /// Part that is left of the past with every event.
 const FADE: f32 = 1.0 - 1.0 / 200.0;
 /// Standard errors beyond which an amplitude is found.
