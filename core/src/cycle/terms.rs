@@ -47,8 +47,9 @@ impl Expectations {
         }
         let shape = fit.cycle.shape();
         let losses_n = damping::term_n(&shape);
-        let [losses, smooth] = Score::of(data, &shape, alone, |since_onset, gradient| {
-            [losses_n(since_onset, gradient), onset::term_n(&shape, since_onset)]
+        let [losses, even, odd] = Score::of(data, &shape, alone, |since_onset, gradient| {
+            let [even_n, odd_n] = onset::terms_n(&shape, since_onset);
+            [losses_n(since_onset, gradient), even_n, odd_n]
         });
         if asks_losses {
             self.damping.tell(|damping| damping.0.learn(&losses, noise_n2));
@@ -56,9 +57,6 @@ impl Expectations {
         if !asks_onset {
             return 0.0;
         }
-        self.onset.tell(|onset| {
-            onset.0.learn(&smooth, noise_n2);
-            onset.static_n2(&smooth)
-        })
+        self.onset.tell(|onset| onset.learn(&[even, odd], noise_n2))
     }
 }

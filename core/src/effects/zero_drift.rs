@@ -25,7 +25,8 @@ const SPANS: [f32; 3] = [1.0, 4.0, 16.0];
 /// So many second differences tell a scatter beyond the stated one: with fewer it needs to
 /// be taken for more.
 const FEW: f32 = 20.0;
-/// Least part of the drop's scatter that `mu` has: a few events may happen to lie on a line.
+/// Least part of the drop's variance, stated and beyond, that `mu` scatters by: a few events may happen
+/// to lie on a line.
 const LEAST_SHARE: f32 = 0.25;
 /// Events over which the past is forgotten: how they scatter, and a move that was seen.
 const FADE: f32 = 1.0 - 1.0 / 40.0;
@@ -94,7 +95,7 @@ impl Drift {
         }
         self.bend(event, taken);
         let [of_mu, of_drop] = self.bends.map(|sum| self.scatter(sum));
-        let scatter = [math::larger(of_mu, LEAST_SHARE * of_drop), of_drop];
+        let scatter = [math::larger(of_mu, LEAST_SHARE * (of_drop + event[3])), of_drop];
         let mut moved = 0.0_f32;
         for (span, length) in self.spans.iter_mut().zip(SPANS) {
             span.take(event, taken, length);
