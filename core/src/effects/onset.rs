@@ -1,4 +1,4 @@
-//! Slips that do not begin as the model has it, from what the fits leave over.
+//! Slips that do not go as the model has it, from what the fits leave over.
 //!
 //! A smooth onset, friction that depends on speed or swings along the way, a cell that lags, a block
 //! that rocks: the force of the slip departs from the ellipse, most where it falls fastest. Two terms
@@ -14,15 +14,15 @@ use crate::fit::slip_scatter::steepness;
 use crate::model::Shape;
 use crate::stats::prior::surely;
 
-/// Standard errors beyond which a term is possible. Tuned: below 2.1 the median event of snow is given
-/// a percent wider than the noise makes it, from 2.4 on a block that rocks is too sure.
+/// Standard errors beyond which a term is possible. Tuned: with 2 the median event of snow is given a
+/// percent wider than the noise makes it, a larger one makes a block that rocks too sure.
 const POSSIBLE: f32 = 2.2;
 
 /// Times the variance: the cause has another course than the terms, and moves `Fs` by as much again
 /// where they do not see it.
 const COURSE: f32 = 2.0;
 
-/// Standard deviation of the amplitude before the events tell it. Tuned: a smaller one leaves the
+/// Standard deviation of an amplitude before the events tell it. Tuned: a smaller one leaves the
 /// first event of a slow cell or a smooth onset more than five standard deviations off, a larger one
 /// makes the first three of a test that has neither twice as wide as their errors.
 const UNTOLD: f32 = 0.06;

@@ -95,7 +95,9 @@ impl Drift {
         }
         self.bend(event, taken);
         let [of_mu, of_drop] = self.bends.map(|sum| self.scatter(sum));
-        let scatter = [math::larger(of_mu, LEAST_SHARE * (of_drop + event[3])), of_drop];
+        let [.., stated_of_drop] = event;
+        let least = LEAST_SHARE * (of_drop + stated_of_drop);
+        let scatter = [math::larger(of_mu, least), of_drop];
         let mut moved = 0.0_f32;
         for (span, length) in self.spans.iter_mut().zip(SPANS) {
             span.take(event, taken, length);
