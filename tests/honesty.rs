@@ -8,67 +8,14 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use floe::sim::Scene;
 use floe_tests::aims::{self, Check};
-use floe_tests::honesty::{Class, Intervals, Judged, Kind};
+use floe_tests::classes::{self, CLASSES};
+use floe_tests::honesty::{Class, Intervals, Kind};
 use floe_tests::parallel;
 
 /// Records of a class, and of one of the shortest.
 const SEEDS: u64 = 12;
 const SHORT_SEEDS: u64 = 100;
-
-/// All classes in the order of the table.
-const CLASSES: [(&str, Kind); 49] = [
-    ("base", Kind::Events),
-    ("tightened_held", Kind::Events),
-    ("tightened_low", Kind::Events),
-    ("held_only", Kind::Nothing),
-    ("noise_only", Kind::Nothing),
-    ("steady_sliding", Kind::Nothing),
-    ("pauses", Kind::Events),
-    ("many_pauses", Kind::Events),
-    ("first_rate_5", Kind::Events),
-    ("first_rate_20", Kind::Events),
-    ("first_rate_70", Kind::Events),
-    ("one_event", Kind::Events),
-    ("two_events", Kind::Events),
-    ("three_events", Kind::Events),
-    ("damping_1", Kind::Unseen),
-    ("damping_2", Kind::Unseen),
-    ("damping_5", Kind::Unseen),
-    ("drag_10", Kind::Unseen),
-    ("drag_50", Kind::Unseen),
-    ("drag_quadratic", Kind::Unseen),
-    ("drift_1", Kind::Unseen),
-    ("drift_5", Kind::Unseen),
-    ("wandering", Kind::Events),
-    ("ar1_50", Kind::Events),
-    ("ar1_90", Kind::Events),
-    ("hum_5", Kind::Events),
-    ("hum_20", Kind::Events),
-    ("jitter_2", Kind::Events),
-    ("jitter_10", Kind::Events),
-    ("lag_30", Kind::Events),
-    ("rocking", Kind::Events),
-    ("cogging_2_5", Kind::Events),
-    ("cogging_5", Kind::Events),
-    ("along_slip", Kind::Events),
-    ("creep_quiet", Kind::Events),
-    ("coarse_steps", Kind::Events),
-    ("short_slips", Kind::Events),
-    ("slack", Kind::Events),
-    ("short_sticks", Kind::Events),
-    ("aliased", Kind::Refused),
-    ("aliased_stiff", Kind::Refused),
-    ("aliased_fast", Kind::Refused),
-    ("winding_back", Kind::Events),
-    ("hand_released", Kind::Refused),
-    ("breakaway", Kind::Refused),
-    ("falling", Kind::Events),
-    ("stribeck", Kind::Events),
-    ("rate_and_state", Kind::Events),
-    ("rate_and_state_64", Kind::Events),
-];
 
 struct Row {
     name: &'static str,
@@ -77,14 +24,8 @@ struct Row {
     class: Class,
 }
 
-fn folder() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../host-sim/scenes/honesty")
-}
-
 fn row(&(name, kind): &(&'static str, Kind)) -> Row {
-    let text = fs::read_to_string(folder().join(format!("{name}.toml"))).unwrap();
-    let scene = Scene::from_toml(&text).unwrap_or_else(|e| panic!("{name}: {e}"));
-    let about = text.lines().next().unwrap().trim_matches(['#', ' ']).to_owned();
+    let (scene, about) = classes::scene(name);
     let seeds = if scene.duration_s < 10.0 { SHORT_SEEDS } else { SEEDS };
     Row { name, kind, about, class: Class::of(&scene, kind, seeds) }
 }
@@ -128,56 +69,6 @@ impl Row {
         ];
         format!("| {name} | {about} | {} |", cells.join(" | "))
     }
-
-    /// Its figures beside their aims.
-    fn checks(&self) -> Vec<Check> {
-        let Self { name, kind, class: Class { exact, drawn }, .. } = self;
-        let invented = exact.invented(*kind) as f64;
-        if !matches!(kind, Kind::Events | Kind::Unseen) {
-            return vec![Check::most(name, "invented", invented, 0.0)];
-        }
-        let n = exact.true_events() as f64;
-        let answered = (exact.read + exact.reasoned) as f64 / n;
-        let mut checks = vec![
-            Check::least(name, "F1", exact.detection.f1(), 0.98),
-            Check::least(name, "share with coefficients or a reason", answered, 0.95),
-        ];
-        checks.extend(self.interval_checks(exact, "", *kind == Kind::Events));
-        checks.extend(self.interval_checks(drawn, "; drawn inputs", false));
-        checks
-    }
-
-    fn interval_checks(&self, judged: &Judged, when: &str, sharp: bool) -> Vec<Check> {
-        let mut checks = Vec::new();
-        for (i, coefficient) in ["mu_s", "mu"].into_iter().enumerate() {
-            let (events, means) = (&judged.events[i], &judged.means[i]);
-            let mut check = |what: &str, value: f64, limits: (f64, f64)| {
-                let what = format!("{what} of {coefficient}{when}");
-                checks.push(Check::between(self.name, &what, value, limits));
-            };
-            // The inputs' errors are one draw a record.
-            let draws = if when.is_empty() { events.count() } else { means.count() };
-            let (least, most) = coverage_limits(draws);
-            check("coverage", events.coverage(), (least, most));
-            // A record that states no interval for its mean is not wrong.
-            if means.count() > 0 {
-                check("coverage of the mean", means.coverage(), coverage_limits(means.count()));
-            }
-            if when.is_empty() {
-                check("share beyond five", events.beyond_five(), (0.0, 0.005));
-            }
-            if sharp {
-                check("std over rms error", events.width(), (0.0, 2.0));
-            }
-        }
-        checks
-    }
-}
-
-/// .90 to .99, and what chance adds at so many draws: three standard errors.
-fn coverage_limits(draws: usize) -> (f64, f64) {
-    let chance = 3.0 * (0.95 * 0.05 / draws.max(1) as f64).sqrt();
-    (0.90 - chance, 0.99 + chance)
 }
 
 const HEAD: &str = "\
@@ -220,7 +111,8 @@ fn every_class_keeps_its_aims_or_is_known_to_miss_them() {
     let rows = rows();
     let table: Vec<String> = rows.iter().map(Row::text).collect();
     println!("{}", table.join("\n"));
-    let checks: Vec<Check> = rows.iter().flat_map(Row::checks).collect();
+    let checks: Vec<Check> =
+        rows.iter().flat_map(|row| classes::checks(row.name, row.kind, &row.class)).collect();
     let list = Path::new(env!("CARGO_MANIFEST_DIR")).join("golden/honesty-not-yet.csv");
     if std::env::var("FLOE_TABLE").is_ok_and(|what| what == "write") {
         aims::shrink(&list, &checks);
@@ -252,7 +144,7 @@ fn missed(checks: &[Check], list: &Path) -> String {
 
 #[test]
 fn every_scene_is_a_class() {
-    for file in fs::read_dir(folder()).unwrap() {
+    for file in fs::read_dir(classes::folder()).unwrap() {
         let name = file.unwrap().path().file_stem().unwrap().to_str().unwrap().to_owned();
         assert!(CLASSES.iter().any(|c| c.0 == name), "{name}");
     }

@@ -4,6 +4,7 @@ pub mod aims;
 pub mod board;
 pub mod both;
 pub mod brute;
+pub mod classes;
 pub mod day;
 pub mod fat;
 pub mod feed;
