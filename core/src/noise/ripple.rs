@@ -7,6 +7,7 @@
 //! variance), and what the innovations have beyond that wanders slowly.
 
 use crate::num::math;
+use crate::stats::prior::surely;
 
 /// How far the force wanders about its line; variances in units of that of the noise.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -75,6 +76,12 @@ const HIDDEN: f32 = 6.0;
 const LEAST_RED: f32 = 0.55;
 /// Fewest samples that show it.
 const FEWEST: f32 = 24.0;
+/// Standard errors from which on a swing counts, fully at 1.4 times as many. Tuned: a smaller number
+/// widens white noise by chance (more than 1 % of snow's median), a larger one leaves the first
+/// events of a swing too sure.
+const LIKELY: f32 = 3.4;
+/// The same of what a line hides of alike neighbours. Tuned likewise: 2.6 widens dff8-13 by 1 %.
+const LIKELY_RED: f32 = 3.0;
 
 impl Ripple {
     /// Takes the innovation of the sample after the last one, with its weight. The last one of a
@@ -124,7 +131,8 @@ impl Ripple {
         let limit = 2.0 * SIGNIFICANT * white;
         let sure = self.count >= FEWEST && slow * slow * self.count > limit * limit;
         let swing_n2 = self.swing_n2();
-        let swing = self.swing(swing_n2);
+        let is_red = self.is_red(swing_n2);
+        let swing = self.swing(swing_n2, is_red);
         let unfollowed = ColoredNoise { unsure: swing, ..ColoredNoise::NONE };
         if white <= 0.0 || slow <= 0.0 || !sure {
             return unfollowed;
@@ -138,15 +146,11 @@ impl Ripple {
         let far = self.far_steps / white * self.count / self.far_count - 2.0;
         let slope = (far / (FAR * FAR) as f32).max(if sure { step } else { 0.0 }).max(0.0);
         let white_share = white / self.squares;
-        let unsure = match step > QUICK * level {
-            _ if self.is_red(swing_n2) => HIDDEN * swing,
-            true => swing,
-            false => 0.0,
-        };
+        let unsure = if is_red || step > QUICK * level { swing } else { 0.0 };
         ColoredNoise { white_share, level, slope, unsure }
     }
 
-    /// May what wanders slowly be no swing, but noise whose neighbours are alike? Four samples apart
+    /// May what wanders be no swing, but noise whose neighbours are alike? Four samples apart
     /// a swing has `γ₄ = A cos 4ω`; where the correlation falls by the same part `γ₂/γ₁` from
     /// sample to sample it is `γ₁ (γ₂/γ₁)³`. The nearer of the two counts, and that part, as far as
     /// so few samples tell: to a standard error.
@@ -158,14 +162,20 @@ impl Ripple {
         let red = first * ratio * ratio * ratio;
         let seen = self.squares - 0.5 * self.far_steps * self.count / self.far_count;
         let unsure = self.squares / math::sqrt(self.count);
-        second + unsure > LEAST_RED * first && 2.0 * (seen + unsure) > swing + red
+        first > 0.0 && second + unsure > LEAST_RED * first && 2.0 * (seen + unsure) > swing + red
     }
 
-    /// Part of the innovations' variance that is a swing, of any length, if that is clear.
-    fn swing(&self, swing_n2: f32) -> f32 {
+    /// Part of the innovations' variance that is a swing, of any length, as far as that is likely;
+    /// of noise whose neighbours are alike with what a line hides of it.
+    fn swing(&self, swing_n2: f32, is_red: bool) -> f32 {
+        if self.count < FEWEST {
+            return 0.0;
+        }
         let part = swing_n2 / self.squares;
-        let sure = self.count >= FEWEST && part * part * self.count > SIGNIFICANT * SIGNIFICANT;
-        if sure { part } else { 0.0 }
+        let errors = part * part * self.count;
+        let hidden =
+            if is_red { (HIDDEN - 1.0) * surely(errors, LIKELY_RED * LIKELY_RED) } else { 0.0 };
+        part * (surely(errors, LIKELY * LIKELY) + hidden)
     }
 
     /// Sum of the squares of a swing.
