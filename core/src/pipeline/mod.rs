@@ -71,22 +71,27 @@ impl Step {
 }
 
 /// The whole computation for one test.
+// In this order: what every sample touches first, where the board reaches it in one instruction.
 #[derive(Clone, Debug)]
+#[repr(C)]
 pub struct Pipeline {
-    config: Config,
-    calibrator: Calibrator,
-    counters: Counters,
     /// Next index; of the first sample any.
     next: u64,
-    /// Block of the newest saturated sample.
-    last_hidden: Option<u64>,
+    counters: Counters,
     spikes: SpikeFilter,
     decimator: Decimator,
+    derivative: Central,
+    calibrator: Calibrator,
     /// Noise of a sample over that of a block.
     block_root: f32,
-    derivative: Central,
+    /// The newest change was told by a step.
+    told: bool,
+    stretches: Stretches,
     detector: Detector,
     cycles: CycleTracker,
+    config: Config,
+    /// Block of the newest saturated sample.
+    last_hidden: Option<u64>,
     mu_s: Estimator,
     mu: Estimator,
     /// What the zero may have moved by.
@@ -96,10 +101,8 @@ pub struct Pipeline {
     /// Relative standard deviation of the weight by changes of the block: mean over events.
     weight_std: f32,
     events: u32,
-    /// The newest change, and whether a step has told it.
+    /// The newest change.
     change: Option<Change>,
-    told: bool,
-    stretches: Stretches,
     /// Onset of the first event, and periods from there to the newest one.
     first_onset: SampleTime,
     since_first: f32,
@@ -164,18 +167,12 @@ impl Pipeline {
     fn receive(&mut self, raw: RawSample) -> ForceSample {
         let index = raw.index;
         let mut sample = ForceSample { index, force_n: None, flag: SampleFlag::Duplicate, gap: 0 };
-        let expected = if self.counters.samples > 0 { self.next } else { index };
-        if index < expected || index > LAST_INDEX {
-            self.counters.duplicates += 1;
-            return sample;
+        if index != self.next || index > LAST_INDEX {
+            let Some(gap) = self.skip_to(index) else { return sample };
+            sample.gap = gap;
         }
         self.next = index + 1;
         self.counters.samples += 1;
-        if index > expected {
-            let missing = index - expected;
-            self.counters.missing = self.counters.missing.saturating_add(missing);
-            sample.gap = u32::try_from(missing).unwrap_or(u32::MAX);
-        }
         match self.calibrator.force_n(raw.reading) {
             Ok(force_n) => (sample.force_n, sample.flag) = (Some(force_n), SampleFlag::Good),
             Err(flag) => {
@@ -184,6 +181,20 @@ impl Pipeline {
             }
         }
         sample
+    }
+
+    /// How many indices are missing before one that is not the next; `None` if it was there.
+    #[cold]
+    #[inline(never)]
+    fn skip_to(&mut self, index: u64) -> Option<u32> {
+        let expected = if self.counters.samples > 0 { self.next } else { index };
+        if index < expected || index > LAST_INDEX {
+            self.counters.duplicates += 1;
+            return None;
+        }
+        let missing = index - expected;
+        self.counters.missing = self.counters.missing.saturating_add(missing);
+        Some(u32::try_from(missing).unwrap_or(u32::MAX))
     }
 
     /// Counts a reading that is no force.

@@ -8,7 +8,7 @@
 
 use crate::num::math::{larger, smaller};
 use crate::sample::ForcePoint;
-use crate::stats::quantile::Quantile;
+use crate::stats::quantile::UpperQuartile;
 
 /// Standard deviations of the noise that a spike exceeds.
 const NOISES: f32 = 10.0;
@@ -34,7 +34,7 @@ pub struct SpikeFilter {
     /// How many of these two there are.
     count: u8,
     /// Upper quartile of the rises between neighbours, N.
-    rises: Quantile,
+    rises: UpperQuartile,
 }
 
 /// What became of the sample held back.
@@ -56,7 +56,7 @@ impl SpikeFilter {
             before: ForcePoint::ZERO,
             held: ForcePoint::ZERO,
             count: 0,
-            rises: Quantile::new(0.75),
+            rises: UpperQuartile::new(),
         }
     }
 

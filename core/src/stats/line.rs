@@ -76,6 +76,7 @@ impl Line {
 
     /// Slope, N per period; `None` with fewer than two different times.
     #[must_use]
+    #[inline(always)]
     pub fn slope(&self) -> Option<f32> {
         (self.tt > 0.0).then_some(self.slope)
     }
@@ -88,6 +89,7 @@ impl Line {
 
     /// Force on the line of the given slope through the mean point, N.
     #[must_use]
+    #[inline(always)]
     pub fn at(&self, time: f32, slope: f32) -> f32 {
         self.level_n + slope * (time - self.time)
     }
@@ -95,6 +97,7 @@ impl Line {
     /// Variance of the line at a time, in units of the variance of a point of
     /// weight one; infinite without points.
     #[must_use]
+    #[inline(always)]
     pub fn leverage(&self, time: f32) -> f32 {
         if self.weight <= 0.0 {
             return f32::INFINITY;

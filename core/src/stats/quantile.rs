@@ -2,16 +2,21 @@
 
 use crate::num::math::{larger, smaller};
 
-/// A running quantile of positive numbers.
+/// A running quantile of positive numbers; its probability in percent.
+// In this order: what every number touches first.
 #[derive(Clone, Copy, Debug)]
-pub struct Quantile {
+#[repr(C)]
+pub struct Quantile<const PERCENT: u8> {
     value: f32,
     count: u32,
     /// The first numbers, in order of size.
     first: [f32; FEWEST as usize],
-    /// Probability of the quantile.
-    part: f32,
 }
+
+/// Half of the numbers are smaller.
+pub type Median = Quantile<50>;
+/// Three quarters of them are.
+pub type UpperQuartile = Quantile<75>;
 
 /// Final step of a quantile: settles to 8 % within a hundred samples.
 const SMALLEST_GAIN: f32 = 0.08;
@@ -20,11 +25,14 @@ const SETTLED: u32 = 40;
 /// Fewest numbers that tell a quantile.
 const FEWEST: u32 = 8;
 
-impl Quantile {
-    /// For a probability.
+impl<const PERCENT: u8> Quantile<PERCENT> {
+    /// Part of the numbers that are smaller.
+    const PART: f32 = PERCENT as f32 / 100.0;
+
+    /// Before the first number.
     #[must_use]
-    pub const fn new(part: f32) -> Self {
-        Self { value: 0.0, count: 0, first: [f32::MAX; FEWEST as usize], part }
+    pub const fn new() -> Self {
+        Self { value: 0.0, count: 0, first: [f32::MAX; FEWEST as usize] }
     }
 
     /// Takes a number at or above zero.
@@ -38,9 +46,9 @@ impl Quantile {
     /// With factors that balance when a part of the numbers lies below the quantile.
     fn follow(&mut self, size: f32, gain: f32) {
         let factor = if size > self.value {
-            1.0 + gain * self.part
+            1.0 + gain * Self::PART
         } else {
-            1.0 / (1.0 + gain * (1.0 - self.part))
+            1.0 / (1.0 + gain * (1.0 - Self::PART))
         };
         // Zero (a noiseless start) could not grow by a factor alone.
         self.value = larger(self.value * factor, 1e-3 * size);
@@ -59,18 +67,20 @@ impl Quantile {
             (*entry, size) = (smaller(*entry, size), larger(*entry, size));
         }
         self.count += 1;
-        let place = self.part * (self.count - 1) as f32 + 0.5;
+        let place = Self::PART * (self.count - 1) as f32 + 0.5;
         self.value = self.first.get(place as usize).copied().unwrap_or(size);
     }
 
-    /// What few numbers tell may be far too small: from 2 at the first value to 1 when
-    /// settled.
+    /// The quantile over a number, with caution; infinite until eight numbers were seen. What few
+    /// tell may be far too small: the caution is 2 at the first value, and none when settled.
     #[must_use]
-    pub fn caution(&self) -> f32 {
-        match SETTLED.checked_sub(self.count) {
-            Some(missing) => 1.0 + missing as f32 / (SETTLED - FEWEST) as f32,
-            None => 1.0,
+    pub fn over(&self, number: f32) -> f32 {
+        let Some(missing) = SETTLED.checked_sub(self.count) else { return self.value / number };
+        if self.count < FEWEST {
+            return f32::INFINITY;
         }
+        let caution = 1.0 + missing as f32 / (SETTLED - FEWEST) as f32;
+        caution * (self.value / number)
     }
 
     /// The quantile so far; `None` until eight numbers were seen.
