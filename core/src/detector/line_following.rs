@@ -77,8 +77,8 @@ impl Detector {
         if self.stick.strikes > 0 {
             // Next to samples that were left out it may be off the line as well: it does not count.
             self.ripple.tell(Ripple::interrupt);
+            self.stick.strikes = 0;
         }
-        self.stick.strikes = 0;
         self.stick.take(time, sample.force_n, weight);
     }
 

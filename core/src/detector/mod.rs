@@ -152,8 +152,7 @@ impl Detector {
 
     /// Takes a good sample with an index past all earlier ones.
     pub fn step(&mut self, index: u64, force_n: f32) -> Option<Transition> {
-        let lies = self.slack_wait.is_some_and(|wait| wait.is_long());
-        self.noise.see(force_n, index == self.window.end() && !lies);
+        self.noise.see(force_n, index == self.window.end() && !self.lies_at_zero());
         if self.unseen > 0 {
             let come = u32::try_from(index - self.window.end()).unwrap_or(u32::MAX);
             self.unseen = self.unseen.saturating_add(come).saturating_add(1);
@@ -169,6 +168,12 @@ impl Detector {
             return self.catch_up(CATCH_UP);
         }
         self.look(ForcePoint { index, force_n })
+    }
+
+    /// Has the cable hung slack for some samples?
+    #[inline(always)]
+    fn lies_at_zero(&self) -> bool {
+        self.slack_wait.is_some_and(SlackWait::is_long)
     }
 
     /// Follows one sample.

@@ -42,7 +42,9 @@ impl SlackWait {
     }
 
     /// Has the force stayed down? A cell that reads no force below zero cuts the noise.
-    pub(crate) fn is_long(&self) -> bool {
+    #[cold]
+    #[inline(never)]
+    pub(crate) fn is_long(self) -> bool {
         self.count >= LONG
     }
 

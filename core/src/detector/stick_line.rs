@@ -95,7 +95,7 @@ impl Stick {
     /// Takes a sample into the line; its weight is one over its variance.
     #[inline(always)]
     pub(super) fn take(&mut self, time: f32, force_n: f32, weight: f32) {
-        self.line.add(time, force_n, weight, weight);
+        self.line.take(time, force_n, weight, weight);
         if self.line.time >= MOST_MEAN_TIME {
             self.line.shift(MOST_MEAN_TIME);
             self.line_origin += MOST_MEAN_TIME as u64;

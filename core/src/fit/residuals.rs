@@ -3,7 +3,7 @@
 
 use crate::num::math;
 use crate::stats::prior::surely;
-use crate::stats::quantile::Median;
+use crate::stats::quantile::Quantile;
 
 /// Pooled residuals of the events' fits.
 ///
@@ -13,7 +13,7 @@ use crate::stats::quantile::Median;
 pub struct Residuals {
     squares_n2: f32,
     free: f32,
-    median_n2: Median,
+    median_n2: Quantile,
 }
 
 /// Degrees of freedom after which old events fade.
@@ -30,7 +30,7 @@ impl Residuals {
     /// Nothing yet.
     #[must_use]
     pub const fn new() -> Self {
-        Self { squares_n2: 0.0, free: 0.0, median_n2: Median::new() }
+        Self { squares_n2: 0.0, free: 0.0, median_n2: Quantile::new(0.5) }
     }
 
     /// Takes an event's squared residuals and their degrees of freedom.

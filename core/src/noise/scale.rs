@@ -16,7 +16,7 @@
 use crate::noise::swing::Swing;
 use crate::noise::time_asymmetry::TimeAsymmetry;
 use crate::num::math::{self, larger, smaller};
-use crate::stats::quantile::{Median, UpperQuartile};
+use crate::stats::quantile::Quantile;
 
 /// Running robust standard deviation.
 // In this order: what every sample touches first.
@@ -36,12 +36,12 @@ pub struct Noise {
     repeats: bool,
     /// Samples in a row, up to five.
     filled: u8,
-    innovation: Median,
+    innovation: Quantile,
     /// The same, upper quartile: of the coarse steps of a converter the median tells
     /// little. Until the first fit.
-    upper: UpperQuartile,
+    upper: Quantile,
     arrow: TimeAsymmetry,
-    second: UpperQuartile,
+    second: Quantile,
     swing: Swing,
     /// The samples before the newest, newest last.
     row: [f32; 3],
@@ -80,10 +80,10 @@ impl Noise {
             fits: 0,
             repeats: false,
             filled: 0,
-            innovation: Median::new(),
-            upper: UpperQuartile::new(),
+            innovation: Quantile::new(0.5),
+            upper: Quantile::new(0.75),
             arrow: TimeAsymmetry::new(),
-            second: UpperQuartile::new(),
+            second: Quantile::new(0.75),
             swing: Swing::new(),
             row: [0.0; 3],
         }
@@ -107,14 +107,23 @@ impl Noise {
     /// Takes a sample; `in_a_row` if it follows the one before without a gap.
     pub fn see(&mut self, force_n: f32, in_a_row: bool) {
         let step_n = (force_n - self.newest_n).abs();
-        if in_a_row && step_n < self.resolution_n && step_n > 0.0 {
-            (self.resolution_n, self.hidden_n) = (step_n, 0.3 * step_n);
+        if in_a_row && step_n < self.resolution_n {
+            self.resolve(step_n);
         }
         // The differences tell the noise until the fits do.
         if self.fits < TRUSTED {
             self.difference(force_n, in_a_row);
         }
         self.newest_n = force_n;
+    }
+
+    /// Takes a step that is smaller than all before.
+    #[cold]
+    #[inline(never)]
+    fn resolve(&mut self, step_n: f32) {
+        if step_n > 0.0 {
+            (self.resolution_n, self.hidden_n) = (step_n, 0.3 * step_n);
+        }
     }
 
     /// Takes the newest samples' differences.

@@ -4,7 +4,7 @@
 //! Rises and falls are compared by their steepest steps: a slow one counts once.
 
 use crate::num::math::smaller;
-use crate::stats::quantile::UpperQuartile;
+use crate::stats::quantile::Quantile;
 
 /// Compares rises and falls, until the fits tell the noise.
 #[derive(Clone, Copy, Debug)]
@@ -14,7 +14,7 @@ pub(crate) struct TimeAsymmetry {
     /// Steepest step of the run that is going on, signed.
     steepest_n: f32,
     /// Upper quartile of the steepest steps.
-    usual_n: UpperQuartile,
+    usual_n: Quantile,
     /// Sums of the steepest steps' scores, their cubes.
     falls: f32,
     rises: f32,
@@ -28,7 +28,7 @@ impl TimeAsymmetry {
         Self {
             drift_n: 0.0,
             steepest_n: 0.0,
-            usual_n: UpperQuartile::new(),
+            usual_n: Quantile::new(0.75),
             falls: 0.0,
             rises: 0.0,
             squares: 0.0,

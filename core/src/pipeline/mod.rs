@@ -228,7 +228,9 @@ impl Pipeline {
         if !self.told {
             (step.change, self.told) = (self.change, true);
         }
-        step.stretch = self.next_stretch();
+        if let Some(stretch) = self.stretches.next() {
+            step.stretch = Some(self.in_samples(stretch));
+        }
         if let Some(Provisional { mu_s, mu }) = &mut step.provisional {
             self.add_systematic(Some(mu_s), mu.as_mut());
         }
@@ -240,8 +242,8 @@ impl Pipeline {
         let Some(block) = self.decimator.step(good) else { return };
         let slips = self.detector.phase() == Phase::Slip;
         // A sample of a block is no block: there the answer comes with the block itself.
-        let is_block = self.block_root > 1.0;
-        let mut turns = is_block && self.detector.turns_with(block);
+        let is_block = self.decimator.averages();
+        let mut turns = slips && is_block && self.detector.turns_with(block);
         if turns {
             step.provisional = self.cycles.turned(&self.detector);
         }
@@ -284,8 +286,7 @@ impl Pipeline {
 
     /// What the block is doing, with a first look at a sample that may still be a spike.
     fn phase(&self, ForceSample { index, force_n, .. }: ForceSample) -> Phase {
-        let each = self.block_root <= 1.0;
-        match force_n.filter(|_| each) {
+        match force_n.filter(|_| !self.decimator.averages()) {
             Some(force_n) if self.detector.foresees_slip(ForcePoint { index, force_n }) => {
                 Phase::Slip
             }
@@ -336,14 +337,13 @@ impl Pipeline {
     pub fn finish_stretch(&mut self) -> Option<Stretch> {
         self.stretches.interrupt(Some(u64::MAX));
         self.stretches.close();
-        self.next_stretch()
+        self.stretches.next().map(|stretch| self.in_samples(stretch))
     }
 
-    /// A complete stretch, in samples.
-    fn next_stretch(&mut self) -> Option<Stretch> {
-        let stretch = self.stretches.next()?;
+    /// A stretch of blocks, in samples.
+    fn in_samples(&self, stretch: Stretch) -> Stretch {
         let [start, stop] = [stretch.start, stretch.stop].map(|it| self.decimator.moment(it));
-        Some(Stretch { start, stop, ..stretch })
+        Stretch { start, stop, ..stretch }
     }
 }
 

@@ -8,7 +8,7 @@
 
 use crate::num::math::{larger, smaller};
 use crate::sample::ForcePoint;
-use crate::stats::quantile::UpperQuartile;
+use crate::stats::quantile::Quantile;
 
 /// Standard deviations of the noise that a spike exceeds.
 const NOISES: f32 = 10.0;
@@ -34,7 +34,7 @@ pub struct SpikeFilter {
     /// How many of these two there are.
     count: u8,
     /// Upper quartile of the rises between neighbours, N.
-    rises: UpperQuartile,
+    rises: Quantile,
 }
 
 /// What became of the sample held back.
@@ -56,7 +56,7 @@ impl SpikeFilter {
             before: ForcePoint::ZERO,
             held: ForcePoint::ZERO,
             count: 0,
-            rises: UpperQuartile::new(),
+            rises: Quantile::new(0.75),
         }
     }
 
@@ -67,12 +67,14 @@ impl SpikeFilter {
             (self.before, self.count) = (held, self.count + 1);
             return if self.count == 1 { Judged::Nothing } else { Judged::Good(held) };
         }
-        if self.stands_out(before, held, sample, usual) {
+        let (left, right) = (held.force_n - before.force_n, held.force_n - sample.force_n);
+        let is_extreme = left * right > 0.0;
+        if is_extreme && self.stands_out((left, right), sample.index - before.index, usual()) {
             return Judged::Spike(held);
         }
         self.before = held;
-        if held.force_n > before.force_n && held.index == before.index + 1 {
-            self.rises.add(held.force_n - before.force_n);
+        if left > 0.0 && held.index == before.index + 1 {
+            self.rises.add(left);
         }
         Judged::Good(held)
     }
@@ -84,20 +86,13 @@ impl SpikeFilter {
         held
     }
 
-    fn stands_out(
-        &self,
-        before: ForcePoint,
-        held: ForcePoint,
-        after: ForcePoint,
-        usual: impl FnOnce() -> Usual,
-    ) -> bool {
-        let (left, right) = (held.force_n - before.force_n, held.force_n - after.force_n);
+    /// Does a sample stand out from both its neighbours, by these forces?
+    #[inline(never)]
+    fn stands_out(&self, (left, right): (f32, f32), span: u64, usual: Usual) -> bool {
         // Neighbours further away say less: only within a few periods.
-        let span = after.index - before.index;
-        if left * right <= 0.0 || span > 4 {
+        if span > 4 {
             return false;
         }
-        let usual = usual();
         let (Some(noise_n), Some(rise_n)) = (usual.noise_n, self.rises.value()) else {
             return false;
         };

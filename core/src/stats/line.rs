@@ -32,7 +32,14 @@ pub struct Line {
 impl Line {
     /// Takes a point with a weight above zero. Its squared residual counts `trust` times:
     /// with one over its own variance the residuals have a mean of one a weight.
+    #[inline(never)]
     pub fn add(&mut self, time: f32, force_n: f32, weight: f32, trust: f32) {
+        self.take(time, force_n, weight, trust);
+    }
+
+    /// The same, in place: for the path of every sample.
+    #[inline(always)]
+    pub fn take(&mut self, time: f32, force_n: f32, weight: f32, trust: f32) {
         let total = self.weight + weight;
         let share = weight / total;
         let dt = time - self.time;

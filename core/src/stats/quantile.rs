@@ -2,21 +2,16 @@
 
 use crate::num::math::{larger, smaller};
 
-/// A running quantile of positive numbers; its probability in percent.
-// In this order: what every number touches first.
+/// A running quantile of positive numbers.
 #[derive(Clone, Copy, Debug)]
-#[repr(C)]
-pub struct Quantile<const PERCENT: u8> {
+pub struct Quantile {
     value: f32,
     count: u32,
     /// The first numbers, in order of size.
     first: [f32; FEWEST as usize],
+    /// Probability of the quantile.
+    part: f32,
 }
-
-/// Half of the numbers are smaller.
-pub type Median = Quantile<50>;
-/// Three quarters of them are.
-pub type UpperQuartile = Quantile<75>;
 
 /// Final step of a quantile: settles to 8 % within a hundred samples.
 const SMALLEST_GAIN: f32 = 0.08;
@@ -25,30 +20,26 @@ const SETTLED: u32 = 40;
 /// Fewest numbers that tell a quantile.
 const FEWEST: u32 = 8;
 
-impl<const PERCENT: u8> Quantile<PERCENT> {
-    /// Part of the numbers that are smaller.
-    const PART: f32 = PERCENT as f32 / 100.0;
-
-    /// Before the first number.
+impl Quantile {
+    /// For a probability.
     #[must_use]
-    pub const fn new() -> Self {
-        Self { value: 0.0, count: 0, first: [f32::MAX; FEWEST as usize] }
+    pub const fn new(part: f32) -> Self {
+        Self { value: 0.0, count: 0, first: [f32::MAX; FEWEST as usize], part }
     }
 
     /// Takes a number at or above zero.
+    #[inline(never)]
     pub fn add(&mut self, size: f32) {
-        if self.count < SETTLED {
-            return self.start(size);
-        }
-        self.follow(size, SMALLEST_GAIN);
+        if self.count >= SETTLED { self.follow(size, SMALLEST_GAIN) } else { self.start(size) }
     }
 
     /// With factors that balance when a part of the numbers lies below the quantile.
+    #[inline(always)]
     fn follow(&mut self, size: f32, gain: f32) {
         let factor = if size > self.value {
-            1.0 + gain * Self::PART
+            1.0 + gain * self.part
         } else {
-            1.0 / (1.0 + gain * (1.0 - Self::PART))
+            1.0 / (1.0 + gain * (1.0 - self.part))
         };
         // Zero (a noiseless start) could not grow by a factor alone.
         self.value = larger(self.value * factor, 1e-3 * size);
@@ -67,19 +58,24 @@ impl<const PERCENT: u8> Quantile<PERCENT> {
             (*entry, size) = (smaller(*entry, size), larger(*entry, size));
         }
         self.count += 1;
-        let place = Self::PART * (self.count - 1) as f32 + 0.5;
+        let place = self.part * (self.count - 1) as f32 + 0.5;
         self.value = self.first.get(place as usize).copied().unwrap_or(size);
     }
 
     /// The quantile over a number, with caution; infinite until eight numbers were seen. What few
     /// tell may be far too small: the caution is 2 at the first value, and none when settled.
     #[must_use]
+    #[inline(always)]
     pub fn over(&self, number: f32) -> f32 {
-        let Some(missing) = SETTLED.checked_sub(self.count) else { return self.value / number };
+        if self.count >= SETTLED { self.value / number } else { self.early_over(number) }
+    }
+
+    #[inline(never)]
+    fn early_over(&self, number: f32) -> f32 {
         if self.count < FEWEST {
             return f32::INFINITY;
         }
-        let caution = 1.0 + missing as f32 / (SETTLED - FEWEST) as f32;
+        let caution = 1.0 + (SETTLED - self.count) as f32 / (SETTLED - FEWEST) as f32;
         caution * (self.value / number)
     }
 
