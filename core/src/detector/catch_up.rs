@@ -19,9 +19,9 @@ impl Detector {
             if self.is_up_to_date() {
                 return None;
             }
-            let end = self.window.end();
-            let index = self.window.first_from(end.saturating_sub(self.unseen.into()));
-            self.unseen = (end - index - 1) as u32;
+            let index = self.window.first_from(self.next);
+            self.next = index + 1;
+            self.is_behind = self.next < self.window.end();
             if let Some(force_n) = self.window.get(index) {
                 let transition = self.look(ForcePoint { index, force_n });
                 if transition.is_some() {
@@ -35,7 +35,7 @@ impl Detector {
     /// Has it looked at all that it was given?
     #[must_use]
     pub fn is_up_to_date(&self) -> bool {
-        self.unseen == 0
+        !self.is_behind
     }
 
     /// Of a test without any slip so far. With far less noise than was thought: looks at
@@ -45,7 +45,7 @@ impl Detector {
         if std < LESS_NOISE * self.judged_with_n {
             self.judged_with_n = std;
             self.ripple = Kept::default();
-            self.unseen = u32::MAX;
+            (self.next, self.is_behind) = (0, true);
             self.phase = Phase::Unknown;
         } else {
             self.judged_with_n = larger(self.judged_with_n, std);

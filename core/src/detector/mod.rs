@@ -81,9 +81,8 @@ pub enum Transition {
 #[derive(Clone, Debug)]
 #[repr(C)]
 pub struct Detector {
-    /// Newest sample looked at, and how many there are after it.
+    /// Newest sample looked at.
     last: ForcePoint,
-    unseen: u32,
     /// The noise's standard deviations at the newest sample, N; infinite before they are known.
     std_n: f32,
     line_std_n: f32,
@@ -93,6 +92,8 @@ pub struct Detector {
     usual_drop_n: f32,
     effects: Effects,
     phase: Phase,
+    /// Are there samples that it has not looked at?
+    is_behind: bool,
     /// The cable may hang slack: the stick line has yet to start.
     slack_wait: Option<SlackWait>,
     stick: Stick,
@@ -100,6 +101,8 @@ pub struct Detector {
     profile: Kept<FlopProfile, { Effect::Flop.room() }>,
     noise: Noise,
     window: Window,
+    /// From this index on, where there are any.
+    next: u64,
     ended: Stick,
     lowest: ForcePoint,
     /// Most noise with which the samples were looked at, N.
@@ -138,7 +141,8 @@ impl Detector {
             slack_wait: None,
             lowest: ForcePoint::default(),
             last: ForcePoint::default(),
-            unseen: 0,
+            is_behind: false,
+            next: 0,
             judged_with_n: f32::INFINITY,
             usual_drop_n: 0.0,
             usual_fall,
@@ -152,19 +156,17 @@ impl Detector {
 
     /// Takes a good sample with an index past all earlier ones.
     pub fn step(&mut self, index: u64, force_n: f32) -> Option<Transition> {
-        self.noise.see(force_n, index == self.window.end() && !self.lies_at_zero());
-        if self.unseen > 0 {
-            let come = u32::try_from(index - self.window.end()).unwrap_or(u32::MAX);
-            self.unseen = self.unseen.saturating_add(come).saturating_add(1);
-        }
-        self.window.push(index, force_n);
-        (self.line_std_n, self.std_n) = self.noise.std_n(force_n);
+        let in_a_row = self.window.push(index, force_n);
+        self.noise.see(force_n, in_a_row && !self.lies_at_zero());
+        let (line_std_n, std_n) = self.noise.std_n(force_n);
+        self.line_std_n = line_std_n;
         if self.usual_drop_n > 0.0 {
-            self.std_n = smaller(self.std_n, MOST_NOISE * self.usual_drop_n);
+            self.std_n = smaller(std_n, MOST_NOISE * self.usual_drop_n);
         } else {
+            self.std_n = std_n;
             self.judge_again();
         }
-        if self.unseen > 0 {
+        if self.is_behind {
             return self.catch_up(CATCH_UP);
         }
         self.look(ForcePoint { index, force_n })
@@ -230,7 +232,7 @@ impl Detector {
     /// The block rests again: the usual drop is learnt, and a stick line begins.
     fn restick(&mut self, now: ForcePoint, drop: f32) -> Transition {
         let peak = self.stick.highest;
-        let wait = SlackWait::under(self.lowest, drop, self.noise_n());
+        let wait = SlackWait::under(self.lowest, drop, self.std_n);
         let low = if wait.is_some() { self.first_low(peak.index) } else { self.lowest };
         if self.usual_drop_n <= 0.0 && !self.line_fits() {
             // What strayed from the first line may be the line's own bend.

@@ -43,6 +43,11 @@ impl Detector {
         &self.ended
     }
 
+    /// The next one, infinite before it is known.
+    pub(crate) fn std_n(&self) -> f32 {
+        self.std_n
+    }
+
     /// Standard deviation of the noise, N, to about 10 %.
     #[must_use]
     pub fn noise_n(&self) -> Option<f32> {

@@ -153,11 +153,12 @@ impl Noise {
     #[must_use]
     pub fn std_n(&self, force_n: f32) -> (f32, f32) {
         let floor = larger(self.hidden_n, 4e-7 * force_n.abs());
-        let line = larger(self.innovation.over(MEDIAN), floor);
+        let innovation = self.innovation.over(MEDIAN);
+        let line = larger(innovation, floor);
         if self.fits < TRUSTED {
             return (line, self.early_std_n(line, floor));
         }
-        (line, smaller(line, larger(self.fitted_n, floor)))
+        (line, larger(smaller(innovation, self.fitted_n), floor))
     }
 
     /// The second one before there are enough fits.

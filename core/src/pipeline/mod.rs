@@ -248,6 +248,10 @@ impl Pipeline {
             step.provisional = self.cycles.turned(&self.detector);
         }
         let transition = self.detect(block);
+        // Nearly always: nothing has happened, and nothing is under way.
+        if transition.is_none() && !slips && self.cycles.is_idle() {
+            return;
+        }
         if transition == Some(Transition::Onset) && !is_block {
             step.provisional = self.cycles.onset(&self.detector);
         } else if slips && !is_block && self.detector.turns_with(newest) {
@@ -350,7 +354,6 @@ impl Pipeline {
 impl Usual {
     /// Of samples whose noise is so many times that of a block.
     fn of(detector: &Detector, block_root: f32) -> Self {
-        let noise_n = detector.noise_n().map(|noise_n| noise_n * block_root);
-        Self { noise_n, drop_n: detector.usual_drop_n() }
+        Self { noise_n: detector.std_n() * block_root, drop_n: detector.usual_drop_n() }
     }
 }

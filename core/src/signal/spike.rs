@@ -20,8 +20,8 @@ const RISES: f32 = 3.0;
 /// What the filter needs to know of the force.
 #[derive(Clone, Copy, Debug)]
 pub struct Usual {
-    /// Standard deviation of the noise, N; `None`: nothing is a spike yet.
-    pub noise_n: Option<f32>,
+    /// Standard deviation of the noise, N; infinite: nothing is a spike yet.
+    pub noise_n: f32,
     /// Usual drop of a slip, N.
     pub drop_n: f32,
 }
@@ -93,11 +93,9 @@ impl SpikeFilter {
         if span > 4 {
             return false;
         }
-        let (Some(noise_n), Some(rise_n)) = (usual.noise_n, self.rises.value()) else {
-            return false;
-        };
+        let Some(rise_n) = self.rises.value() else { return false };
         let rises = RISES * rise_n * span as u32 as f32 / 2.0;
-        let least = larger(larger(NOISES * noise_n, PART_OF_DROP * usual.drop_n), rises);
+        let least = larger(larger(NOISES * usual.noise_n, PART_OF_DROP * usual.drop_n), rises);
         smaller(left.abs(), right.abs()) > least
     }
 }
@@ -112,7 +110,7 @@ impl Default for SpikeFilter {
 mod tests {
     use super::*;
 
-    const USUAL: Usual = Usual { noise_n: Some(2.0), drop_n: 200.0 };
+    const USUAL: Usual = Usual { noise_n: 2.0, drop_n: 200.0 };
 
     /// Index of the spike after a rise of 10 N a sample to 500 N.
     fn spike_in(forces: [f32; 6], usual: &Usual) -> Option<usize> {
@@ -141,7 +139,7 @@ mod tests {
 
     #[test]
     fn nothing_is_judged_before_the_noise_is_known() {
-        let usual = Usual { noise_n: None, ..USUAL };
+        let usual = Usual { noise_n: f32::INFINITY, ..USUAL };
         assert_eq!(spike_in([500.0, 1e6, 520.0, 530.0, 540.0, 550.0], &usual), None);
     }
 

@@ -24,16 +24,21 @@ impl Window {
         Self { forces_n: [f32::NAN; WINDOW], end: 0, first: 0 }
     }
 
-    /// Takes a sample with an index past all earlier ones.
-    pub fn push(&mut self, index: u64, force_n: f32) {
-        if index != self.end {
+    /// Takes a sample with an index past all earlier ones; does it follow the one before?
+    #[inline(always)]
+    pub fn push(&mut self, index: u64, force_n: f32) -> bool {
+        let in_a_row = index == self.end;
+        if !in_a_row {
             self.skip_to(index);
         }
         self.set(index, force_n);
         self.end = index + 1;
+        in_a_row
     }
 
     /// Leaves out what was missed.
+    #[cold]
+    #[inline(never)]
     fn skip_to(&mut self, index: u64) {
         if self.end == 0 {
             self.first = index;
