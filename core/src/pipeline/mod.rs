@@ -1,10 +1,11 @@
 //! The one entry point: a sample in, what is known out.
 //!
-//! A sample takes one way: received (calibrated, counted), judged (is it a spike?), looked at by
-//! the detector, followed by the cycles; an event that comes out of that is counted (`tally`),
-//! and what all of it says is the report (`findings`).
+//! A sample takes one way: received (calibrated, counted: `receive`), judged (is it a spike?),
+//! looked at by the detector, followed by the cycles; an event that comes out of that is counted
+//! (`tally`), and what all of it says is the report (`findings`).
 
 mod findings;
+mod receive;
 mod tally;
 
 use crate::coefficient::Site;
@@ -18,15 +19,12 @@ use crate::estimator::Estimator;
 use crate::event::{Event, Provisional};
 use crate::num::math;
 use crate::report::Counters;
-use crate::sample::{ForcePoint, ForceSample, Phase, RawSample, SampleFlag, SampleTime};
+use crate::sample::{ForcePoint, ForceSample, Phase, RawSample, SampleTime};
 use crate::signal::calibrate::Calibrator;
 use crate::signal::decimate::Decimator;
 use crate::signal::derivative::{Central, Rate};
 use crate::signal::spike::{Judged, SpikeFilter, Usual};
 use crate::stretch::{Stretch, Stretches};
-
-/// Indices beyond this one are refused as duplicates: it takes a billion years.
-const LAST_INDEX: u64 = u64::MAX / 2;
 
 /// What one sample led to.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -161,50 +159,6 @@ impl Pipeline {
         let mut step = Step::of(self.receive(raw));
         self.take(&mut step);
         step
-    }
-
-    /// Calibrates, counts and flags.
-    fn receive(&mut self, raw: RawSample) -> ForceSample {
-        let index = raw.index;
-        let mut sample = ForceSample { index, force_n: None, flag: SampleFlag::Duplicate, gap: 0 };
-        if index != self.next || index > LAST_INDEX {
-            let Some(gap) = self.skip_to(index) else { return sample };
-            sample.gap = gap;
-        }
-        self.next = index + 1;
-        self.counters.samples += 1;
-        match self.calibrator.force_n(raw.reading) {
-            Ok(force_n) => (sample.force_n, sample.flag) = (Some(force_n), SampleFlag::Good),
-            Err(flag) => {
-                sample.flag = flag;
-                self.refuse(index, flag);
-            }
-        }
-        sample
-    }
-
-    /// How many indices are missing before one that is not the next; `None` if it was there.
-    #[cold]
-    #[inline(never)]
-    fn skip_to(&mut self, index: u64) -> Option<u32> {
-        let expected = if self.counters.samples > 0 { self.next } else { index };
-        if index < expected || index > LAST_INDEX {
-            self.counters.duplicates += 1;
-            return None;
-        }
-        let missing = index - expected;
-        self.counters.missing = self.counters.missing.saturating_add(missing);
-        Some(u32::try_from(missing).unwrap_or(u32::MAX))
-    }
-
-    /// Counts a reading that is no force.
-    fn refuse(&mut self, index: u64, flag: SampleFlag) {
-        if flag == SampleFlag::Saturated {
-            self.counters.saturated += 1;
-            self.last_hidden = Some(self.decimator.block(index));
-        } else {
-            self.counters.rejected += 1;
-        }
     }
 
     /// Takes a received sample. A step is long: it is filled where it lies.
