@@ -150,3 +150,9 @@ pub(crate) fn since(origin: u64, index: u64) -> f32 {
     }
     if periods < 0 { i32::MIN as f32 } else { i32::MAX as f32 }
 }
+
+/// The same for two indices that are known to be near each other, on the path of every sample.
+#[inline(always)]
+pub(crate) fn near(origin: u64, index: u64) -> i32 {
+    (index as u32).wrapping_sub(origin as u32).cast_signed()
+}

@@ -62,12 +62,13 @@ pub enum StretchKind {
 }
 
 /// Finds constant forces.
+// In this order: what every sample touches first.
 #[derive(Clone, Copy, Debug)]
+#[repr(C)]
 struct SteadyForce {
+    last: ForcePoint,
     /// Samples of a block.
     block: u32,
-    start: u64,
-    last: ForcePoint,
     /// Of the block that grows: samples, mean, and squared differences of neighbours, N².
     count: u32,
     mean_n: f32,
@@ -75,6 +76,8 @@ struct SteadyForce {
     /// Sum of its squared distances from the mean of all, N²; and all samples' variance.
     squares_n2: f32,
     variance_n2: f32,
+    /// Its first index.
+    start: u64,
     /// The means of the full blocks, by their number; what the noise adds to one of them, N².
     means: Line,
     noise_n2: f32,
@@ -102,10 +105,8 @@ impl SteadyForce {
         }
     }
 
-    /// Takes a sample; gives a stretch that it ends. `most_n` is the largest scatter.
-    fn take(&mut self, now: ForcePoint, most_n: f32) -> Option<Steady> {
-        let gap = now.index.saturating_sub(self.last.index);
-        let ended = if gap > LONGEST_GAP { self.end(now.index) } else { None };
+    /// Takes a sample; does it fill a block?
+    fn take(&mut self, now: ForcePoint) -> bool {
         let step_n = if self.count > 0 { now.force_n - self.last.force_n } else { 0.0 };
         self.last = now;
         self.count += 1;
@@ -113,7 +114,7 @@ impl SteadyForce {
         self.mean_n += off_n / self.count as f32;
         self.squares_n2 += off_n * (now.force_n - self.mean_n);
         self.steps_n2 += step_n * step_n;
-        if self.count < self.block { ended } else { self.end_block(most_n) }
+        self.count >= self.block
     }
 
     /// Ends the stretch before the block that grows; what follows begins at an index.
@@ -189,6 +190,7 @@ impl SteadyForce {
 
 /// Stretches on their way out, in order: one a step.
 #[derive(Clone, Debug)]
+#[repr(C)]
 pub(crate) struct Stretches {
     steady: SteadyForce,
     weight_n: f32,
@@ -216,11 +218,18 @@ impl Stretches {
     }
 
     /// Takes a sample; does it end a block?
+    #[inline(always)]
     pub(crate) fn take(&mut self, now: ForcePoint) -> bool {
-        if let Some(steady) = self.steady.take(now, LARGEST_SCATTER * self.weight_n) {
+        if now.index - self.steady.last.index > LONGEST_GAP {
+            let steady = self.steady.end(now.index);
             self.tell_steady(steady);
         }
-        self.steady.count == 0
+        let ends = self.steady.take(now);
+        if ends {
+            let steady = self.steady.end_block(LARGEST_SCATTER * self.weight_n);
+            self.tell_steady(steady);
+        }
+        ends
     }
 
     /// What the force has to exceed before a slip can begin: where it is constant nothing rose.
@@ -232,10 +241,12 @@ impl Stretches {
     /// is not the newest, so what was taken for a constant force is none.
     pub(crate) fn interrupt(&mut self, last: Option<u64>) {
         let next = self.steady.last.index + 1;
-        let Some((start, stop, means, scatters)) = self.steady.end(next) else { return };
+        let steady = self.steady.end(next);
         // A slip begins a little before it is seen.
-        if let Some(last) = last.filter(|&last| last > start) {
-            self.tell_steady((start, stop.min(last), means, scatters));
+        if let Some((start, stop, means, scatters)) = steady
+            && let Some(last) = last.filter(|&last| last > start)
+        {
+            self.tell_steady(Some((start, stop.min(last), means, scatters)));
         }
     }
 
@@ -289,7 +300,9 @@ impl Stretches {
         first
     }
 
-    fn tell_steady(&mut self, (start, stop, means, scatters): Steady) {
+    #[inline(never)]
+    fn tell_steady(&mut self, steady: Option<Steady>) {
+        let Some((start, stop, means, scatters)) = steady else { return };
         let [start, stop] = [start, stop].map(|index| SampleTime { index, fraction: 0.0 });
         if scatters {
             let goes_on = |open: &mut Stretch| open.stop.index + 1 >= start.index;

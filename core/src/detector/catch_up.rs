@@ -21,6 +21,7 @@ impl Detector {
             }
             let index = self.window.first_from(self.next);
             self.next = index + 1;
+            self.is_behind = self.next < self.window.end();
             if let Some(force_n) = self.window.get(index) {
                 let transition = self.look(ForcePoint { index, force_n });
                 if transition.is_some() {
@@ -34,18 +35,17 @@ impl Detector {
     /// Has it looked at all that it was given?
     #[must_use]
     pub fn is_up_to_date(&self) -> bool {
-        self.next >= self.window.end()
+        !self.is_behind
     }
 
-    /// Without any slip so far, and with far less noise than was thought: looks at
+    /// Of a test without any slip so far. With far less noise than was thought: looks at
     /// all samples in the window again.
     pub(super) fn judge_again(&mut self) {
-        let undecided = self.usual_drop_n <= 0.0 && self.phase != Phase::Slip;
-        let Some(std) = self.std_n.filter(|_| undecided) else { return };
+        let Some(std) = self.noise_n().filter(|_| self.phase != Phase::Slip) else { return };
         if std < LESS_NOISE * self.judged_with_n {
             self.judged_with_n = std;
             self.ripple = Kept::default();
-            self.next = 0;
+            (self.next, self.is_behind) = (0, true);
             self.phase = Phase::Unknown;
         } else {
             self.judged_with_n = larger(self.judged_with_n, std);

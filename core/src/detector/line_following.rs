@@ -7,7 +7,7 @@ use crate::detector::{Detector, slack_wait};
 use crate::effect::{Effect, Kept};
 use crate::noise::flop::FlopProfile;
 use crate::noise::ripple::Ripple;
-use crate::sample::ForcePoint;
+use crate::sample::{ForcePoint, near};
 use crate::signal::window::WINDOW;
 
 /// After this many samples in a row off the line, all on one side, the line starts anew;
@@ -37,13 +37,13 @@ impl Detector {
     /// Takes samples into the line, far enough behind the newest one that a slip
     /// which has just begun, unseen, does not bend it, nor creep before it.
     pub(super) fn extend_line(&mut self, newest: u64) {
-        while self.stick.next + u64::from(self.line_delay) <= newest {
+        while near(self.stick.next, newest) >= self.line_delay.cast_signed() {
             let index = self.stick.next;
             self.stick.next += 1;
-            if self.stick.next == self.stick.origin + PROFILE {
+            if near(self.stick.origin, self.stick.next) == PROFILE as i32 {
                 self.learn_profile();
             }
-            if let Some(force_n) = self.window.get(index) {
+            if let Some(force_n) = self.window.get_near(index) {
                 self.take_into_line(ForcePoint { index, force_n });
             }
         }
@@ -66,9 +66,8 @@ impl Detector {
         let time = self.stick.time(sample.index);
         if let Some(innovation) = self.stick.off_n(time, sample.force_n) {
             let relative = innovation / self.stick.spread(time, variance);
-            let std = self.line_std_n;
             self.noise.add(relative);
-            if std.is_some_and(|std| relative.abs() > OFF_LINE * std) {
+            if relative.abs() > OFF_LINE * self.line_std_n {
                 return self.strike(sample.index, relative);
             }
             if self.effects.has(Effect::Ripple) {
@@ -78,8 +77,8 @@ impl Detector {
         if self.stick.strikes > 0 {
             // Next to samples that were left out it may be off the line as well: it does not count.
             self.ripple.tell(Ripple::interrupt);
+            self.stick.strikes = 0;
         }
-        self.stick.strikes = 0;
         self.stick.take(time, sample.force_n, weight);
     }
 

@@ -77,35 +77,40 @@ pub enum Transition {
 }
 
 /// The state machine.
+// In this order: what every sample touches first, where the board reaches it in one instruction.
 #[derive(Clone, Debug)]
+#[repr(C)]
 pub struct Detector {
-    effects: Effects,
-    window: Window,
-    noise: Noise,
-    /// The noise's standard deviations at the newest sample, N.
-    std_n: Option<f32>,
-    line_std_n: Option<f32>,
-    ripple: Kept<Ripple, { Effect::Ripple.room() }>,
-    profile: Kept<FlopProfile, { Effect::Flop.room() }>,
-    phase: Phase,
-    stick: Stick,
-    ended: Stick,
-    /// The cable may hang slack: the stick line has yet to start.
-    slack_wait: Option<SlackWait>,
-    lowest: ForcePoint,
-    /// Newest sample looked at, and the index from which to look on.
+    /// Newest sample looked at.
     last: ForcePoint,
-    next: u64,
-    /// Most noise with which the samples were looked at, N.
-    judged_with_n: f32,
+    /// The noise's standard deviations at the newest sample, N; infinite before they are known.
+    std_n: f32,
+    line_std_n: f32,
+    /// The line stays so many samples behind the newest one.
+    line_delay: u32,
     /// Usual drop of a slip, N; zero before the first.
     usual_drop_n: f32,
+    effects: Effects,
+    phase: Phase,
+    /// Are there samples that it has not looked at?
+    is_behind: bool,
+    /// The cable may hang slack: the stick line has yet to start.
+    slack_wait: Option<SlackWait>,
+    stick: Stick,
+    ripple: Kept<Ripple, { Effect::Ripple.room() }>,
+    profile: Kept<FlopProfile, { Effect::Flop.room() }>,
+    noise: Noise,
+    window: Window,
+    /// From this index on, where there are any.
+    next: u64,
+    ended: Stick,
+    lowest: ForcePoint,
+    /// Most noise with which the samples were looked at, N.
+    judged_with_n: f32,
     /// Usual time from the highest to the lowest sample, periods.
     usual_fall: f32,
     /// Usual time from the onset to the highest force, periods.
     usual_rise: f32,
-    /// The line stays so many samples behind the newest one.
-    line_delay: u32,
     /// Time before an onset in which creep bends the line, periods.
     creep_periods: f32,
     /// Half the usual drop below the last highest sample, N.
@@ -126,8 +131,8 @@ impl Detector {
             effects,
             window: Window::new(),
             noise: Noise::new(),
-            std_n: None,
-            line_std_n: None,
+            std_n: f32::INFINITY,
+            line_std_n: f32::INFINITY,
             ripple: Kept::default(),
             profile: Kept::default(),
             phase: Phase::Unknown,
@@ -136,6 +141,7 @@ impl Detector {
             slack_wait: None,
             lowest: ForcePoint::default(),
             last: ForcePoint::default(),
+            is_behind: false,
             next: 0,
             judged_with_n: f32::INFINITY,
             usual_drop_n: 0.0,
@@ -150,32 +156,35 @@ impl Detector {
 
     /// Takes a good sample with an index past all earlier ones.
     pub fn step(&mut self, index: u64, force_n: f32) -> Option<Transition> {
-        let lies = self.slack_wait.is_some_and(|wait| wait.is_long());
-        self.noise.see(force_n, index == self.window.end() && !lies);
-        if self.is_up_to_date() {
-            self.next = index;
-        }
-        self.window.push(index, force_n);
-        (self.line_std_n, self.std_n) = self.noise.std_n(force_n);
+        let in_a_row = self.window.push(index, force_n);
+        self.noise.see(force_n, in_a_row && !self.lies_at_zero());
+        let (line_std_n, std_n) = self.noise.std_n(force_n);
+        self.line_std_n = line_std_n;
         if self.usual_drop_n > 0.0 {
-            let most_n = MOST_NOISE * self.usual_drop_n;
-            self.std_n = self.std_n.map(|std| smaller(std, most_n));
+            self.std_n = smaller(std_n, MOST_NOISE * self.usual_drop_n);
+        } else {
+            self.std_n = std_n;
+            self.judge_again();
         }
-        self.judge_again();
-        if self.next < index {
+        if self.is_behind {
             return self.catch_up(CATCH_UP);
         }
-        self.next = index + 1;
         self.look(ForcePoint { index, force_n })
+    }
+
+    /// Has the cable hung slack for some samples?
+    #[inline(always)]
+    fn lies_at_zero(&self) -> bool {
+        self.slack_wait.is_some_and(SlackWait::is_long)
     }
 
     /// Follows one sample.
     fn look(&mut self, now: ForcePoint) -> Option<Transition> {
         let index = now.index;
         let started = self.phase != Phase::Unknown;
-        let gap = index.saturating_sub(self.last.index);
+        let goes_on = started && index - self.last.index <= LONGEST_GAP;
         self.last = now;
-        if !started || gap > LONGEST_GAP {
+        if !goes_on {
             self.rest_from(now, index);
             return started.then_some(Transition::Lost);
         }

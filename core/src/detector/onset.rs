@@ -30,7 +30,7 @@ const LARGEST_DROP: f32 = 1.1;
 impl Detector {
     /// Has the force left the stick line downwards, by more than noise and flop do?
     pub(super) fn slips(&self, now: ForcePoint) -> bool {
-        let Some(std) = self.std_n else { return false };
+        let std = self.std_n;
         let drop = self.stick.highest.force_n - now.force_n;
         // No slip drops by less: most samples are told at once.
         drop >= LEAST_DROP * std && drop > 0.0 && self.leaves_line(now, drop, std)
@@ -81,12 +81,12 @@ impl Detector {
     /// Is the sample far above all before and above the stick line: more than one
     /// spike in a row?
     pub(super) fn jumps(&self, now: ForcePoint) -> bool {
-        let Some(std) = self.std_n else { return false };
-        let far = OFF_LINE * std;
+        let far = OFF_LINE * self.std_n;
         // A forecast is never surer than a sample: most are judged without its spread.
         let spread = || self.spread(now, self.variance(now.index));
         let is_above = |off_n| off_n > far && off_n > far * spread();
-        now.force_n > self.stick.highest.force_n + far && self.off_line_n(now).is_some_and(is_above)
+        now.force_n > self.stick.highest.force_n + far
+            && self.stick.off_n(self.stick.time(now.index), now.force_n).is_some_and(is_above)
     }
 
     /// Would this sample begin a slip, if it came next and is no spike? Tells before

@@ -43,10 +43,15 @@ impl Detector {
         &self.ended
     }
 
+    /// The next one, infinite before it is known.
+    pub(crate) fn std_n(&self) -> f32 {
+        self.std_n
+    }
+
     /// Standard deviation of the noise, N, to about 10 %.
     #[must_use]
     pub fn noise_n(&self) -> Option<f32> {
-        self.std_n
+        (self.std_n < f32::INFINITY).then_some(self.std_n)
     }
 
     /// How the force strays from a straight stick line, beside the noise.

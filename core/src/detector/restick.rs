@@ -30,11 +30,10 @@ impl Detector {
 
     /// Has the force stopped falling?
     pub(super) fn turns(&self, now: ForcePoint) -> bool {
-        let std = self.std_n.unwrap_or(0.0);
         let drop = self.stick.highest.force_n - self.lowest.force_n;
         let fall = self.lowest.index - self.stick.highest.index;
         let rise = now.force_n - self.lowest.force_n;
-        let rises = rise > larger(smaller(4.0 * std, 0.5 * drop), CLEAR_RISE * drop);
+        let rises = rise > larger(smaller(4.0 * self.std_n, 0.5 * drop), CLEAR_RISE * drop);
         rises || now.index - self.lowest.index >= fall.div_ceil(2).max(2)
     }
 
@@ -57,7 +56,7 @@ impl Detector {
     /// The first sample after the peak that is as low as the lowest one, but for noise:
     /// on a slack cable all are at zero.
     pub(super) fn first_low(&self, peak: u64) -> ForcePoint {
-        let limit_n = self.lowest.force_n + 3.0 * self.std_n.unwrap_or(0.0);
+        let limit_n = self.lowest.force_n + 3.0 * self.std_n;
         let sample = |index| Some(ForcePoint { index, force_n: self.window.get(index)? });
         let low = (peak + 1..self.lowest.index).filter_map(sample).find(|s| s.force_n < limit_n);
         low.unwrap_or(self.lowest)

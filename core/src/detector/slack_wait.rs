@@ -4,6 +4,7 @@
 //! tell nothing of the loading rate. A force that rises at once, or that never was
 //! near zero, starts its line at once.
 
+use crate::num::math::smaller;
 use crate::sample::ForcePoint;
 
 /// Rise that shows that the cable is taut, standard deviations of the noise.
@@ -34,15 +35,17 @@ pub(crate) struct SlackWait {
 
 impl SlackWait {
     /// After a slip with this drop, N, whose lowest sample is near zero; else `None`.
-    pub(crate) fn under(low: ForcePoint, drop_n: f32, std_n: Option<f32>) -> Option<Self> {
+    pub(crate) fn under(low: ForcePoint, drop_n: f32, std_n: f32) -> Option<Self> {
         let most_n = MOST_RISE * drop_n;
-        let rise_n = std_n.map_or(most_n, |std| most_n.min(RISE * std));
+        let rise_n = smaller(most_n, RISE * std_n);
         let is_near = low.force_n.abs() < NEAR_ZERO * drop_n + NEAR * rise_n;
         is_near.then_some(Self { mean_n: low.force_n, count: 1, rise_n, above: false })
     }
 
     /// Has the force stayed down? A cell that reads no force below zero cuts the noise.
-    pub(crate) fn is_long(&self) -> bool {
+    #[cold]
+    #[inline(never)]
+    pub(crate) fn is_long(self) -> bool {
         self.count >= LONG
     }
 
@@ -70,7 +73,7 @@ mod tests {
     use super::*;
 
     fn floor(low_n: f32) -> Option<SlackWait> {
-        SlackWait::under(ForcePoint { index: 7, force_n: low_n }, 600.0, Some(2.0))
+        SlackWait::under(ForcePoint { index: 7, force_n: low_n }, 600.0, 2.0)
     }
 
     #[test]
@@ -78,7 +81,9 @@ mod tests {
         for (low_n, waits) in [(-2.0, true), (0.0, true), (30.0, true), (200.0, false)] {
             assert_eq!(floor(low_n).is_some(), waits, "{low_n}");
         }
-        assert!(SlackWait::under(ForcePoint { index: 7, force_n: 0.0 }, 600.0, None).is_some());
+        assert!(
+            SlackWait::under(ForcePoint { index: 7, force_n: 0.0 }, 600.0, f32::INFINITY).is_some()
+        );
     }
 
     #[test]

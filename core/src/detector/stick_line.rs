@@ -2,7 +2,7 @@
 //! recursively, with its start kept.
 
 use crate::num::math;
-use crate::sample::{ForcePoint, since};
+use crate::sample::{ForcePoint, near, since};
 use crate::stats::line::Line;
 
 /// Fewest samples that make a stick line.
@@ -74,25 +74,28 @@ impl Stick {
     }
 
     /// Time of an index in the line, periods.
+    #[inline(always)]
     pub(super) fn time(&self, index: u64) -> f32 {
-        since(self.line_origin, index)
+        near(self.line_origin, index) as f32
     }
 
     /// Sample at such a time minus the forecast, N. `None` with fewer than four samples.
+    #[inline(always)]
     pub(super) fn off_n(&self, time: f32, force_n: f32) -> Option<f32> {
         let slope = self.line.slope().filter(|_| self.line.count >= LINE_POINTS)?;
         Some(force_n - self.line.at(time, slope))
     }
 
     /// Standard deviation of that in units of a late sample's noise; `variance` is the sample's.
+    #[inline(always)]
     pub(super) fn spread(&self, time: f32, variance: f32) -> f32 {
         math::rough_sqrt(variance + self.line.leverage(time))
     }
 
     /// Takes a sample into the line; its weight is one over its variance.
-    #[inline]
+    #[inline(always)]
     pub(super) fn take(&mut self, time: f32, force_n: f32, weight: f32) {
-        self.line.add(time, force_n, weight, weight);
+        self.line.take(time, force_n, weight, weight);
         if self.line.time >= MOST_MEAN_TIME {
             self.line.shift(MOST_MEAN_TIME);
             self.line_origin += MOST_MEAN_TIME as u64;

@@ -93,9 +93,6 @@ impl Ripple {
     }
 
     fn count(&mut self, (innovation, weight): (f32, f32)) {
-        if innovation.is_nan() {
-            return;
-        }
         const FADE: f32 = 1.0 - 1.0 / MEMORY;
         let [last, before, earlier, far] = self.last;
         self.last = [innovation, last, before, earlier];

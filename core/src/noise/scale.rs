@@ -19,8 +19,23 @@ use crate::num::math::{self, larger, smaller};
 use crate::stats::quantile::Quantile;
 
 /// Running robust standard deviation.
+// In this order: what every sample touches first.
 #[derive(Clone, Copy, Debug)]
+#[repr(C)]
 pub struct Noise {
+    /// The newest sample, N; no number before the first.
+    newest_n: f32,
+    /// Smallest step between samples that was seen, N: the resolution. Infinite before.
+    resolution_n: f32,
+    /// Standard deviation that the resolution hides, N.
+    hidden_n: f32,
+    /// From the residuals of fits, and of how many, up to [`TRUSTED`].
+    fitted_n: f32,
+    fits: u8,
+    /// Two samples in a row were the same.
+    repeats: bool,
+    /// Samples in a row, up to five.
+    filled: u8,
     innovation: Quantile,
     /// The same, upper quartile: of the coarse steps of a converter the median tells
     /// little. Until the first fit.
@@ -28,16 +43,8 @@ pub struct Noise {
     arrow: TimeAsymmetry,
     second: Quantile,
     swing: Swing,
-    /// The newest samples in a row, newest last.
-    row: [f32; 5],
-    filled: usize,
-    /// Smallest step between samples that was seen, N: the resolution.
-    resolution_n: f32,
-    /// Two samples in a row were the same.
-    repeats: bool,
-    /// From the residuals of fits, and of how many, up to [`TRUSTED`].
-    fitted_n: Option<f32>,
-    fits: u8,
+    /// The samples before the newest, newest last.
+    row: [f32; 3],
 }
 
 /// Events whose residuals are the noise whatever the samples themselves tell: one
@@ -66,17 +73,19 @@ impl Noise {
     #[must_use]
     pub const fn new() -> Self {
         Self {
+            newest_n: f32::NAN,
+            resolution_n: f32::INFINITY,
+            hidden_n: 0.0,
+            fitted_n: 0.0,
+            fits: 0,
+            repeats: false,
+            filled: 0,
             innovation: Quantile::new(0.5),
             upper: Quantile::new(0.75),
             arrow: TimeAsymmetry::new(),
             second: Quantile::new(0.75),
             swing: Swing::new(),
-            row: [0.0; 5],
-            filled: 0,
-            resolution_n: 0.0,
-            repeats: false,
-            fitted_n: None,
-            fits: 0,
+            row: [0.0; 3],
         }
     }
 
@@ -90,33 +99,40 @@ impl Noise {
 
     /// Takes the noise that the fits of the events leave, N.
     pub fn fitted(&mut self, noise_n: f32) {
-        self.fitted_n = Some(noise_n);
+        // The fits allow for what a line does not.
+        self.fitted_n = 1.5 * noise_n;
         self.fits = self.fits.saturating_add(1).min(TRUSTED);
     }
 
     /// Takes a sample; `in_a_row` if it follows the one before without a gap.
     pub fn see(&mut self, force_n: f32, in_a_row: bool) {
-        let ([_, a, b, c, d], e) = (self.row, force_n);
-        let step = (e - d).abs();
-        let is_step = in_a_row && self.filled > 0;
-        if is_step && step > 0.0 && (step < self.resolution_n || self.resolution_n <= 0.0) {
-            self.resolution_n = step;
+        let step_n = (force_n - self.newest_n).abs();
+        if in_a_row && step_n < self.resolution_n {
+            self.resolve(step_n);
         }
         // The differences tell the noise until the fits do.
         if self.fits < TRUSTED {
-            self.row = [a, b, c, d, e];
-            self.filled = if in_a_row { (self.filled + 1).min(5) } else { 1 };
-            self.repeats |= is_step && step <= 0.0;
-            self.difference();
-        } else {
-            self.row[4] = e;
+            self.difference(force_n, in_a_row);
+        }
+        self.newest_n = force_n;
+    }
+
+    /// Takes a step that is smaller than all before.
+    #[cold]
+    #[inline(never)]
+    fn resolve(&mut self, step_n: f32) {
+        if step_n > 0.0 {
+            (self.resolution_n, self.hidden_n) = (step_n, 0.3 * step_n);
         }
     }
 
     /// Takes the newest samples' differences.
     #[inline(never)]
-    fn difference(&mut self) {
-        let [a, b, c, d, e] = self.row;
+    fn difference(&mut self, force_n: f32, in_a_row: bool) {
+        let ([a, b, c], d, e) = (self.row, self.newest_n, force_n);
+        self.row = [b, c, d];
+        self.filled = if in_a_row { (self.filled + 1).min(5) } else { 1 };
+        self.repeats |= in_a_row && (e - d).abs() <= 0.0;
         if self.filled >= 2 {
             self.arrow.add(e - d);
         }
@@ -133,19 +149,27 @@ impl Noise {
     /// samples, which is less where the line does not describe the force.
     ///
     /// Never below the resolution's own, nor below the rounding of a force of this
-    /// size. `None` until enough was seen.
+    /// size. Infinite until enough was seen.
     #[must_use]
-    pub fn std_n(&self, force_n: f32) -> (Option<f32>, Option<f32>) {
-        let floor = larger(0.3 * self.resolution_n, 4e-7 * force_n.abs());
-        let std = |value| self.innovation.caution() * value;
-        let line = self.innovation.value().map(|value| larger(std(value / MEDIAN), floor));
-        let upper = self.upper.value().filter(|_| self.fits == 0).map(|value| value / QUARTILE);
-        let samples = line.map(|line| larger(line, upper.map_or(0.0, std)));
-        // The fits allow for what a line does not.
-        let fitted = self.fitted_n.map(|fitted| 1.5 * fitted);
-        let own = if self.fits < TRUSTED { self.without_line_n(line) } else { None };
-        let bound = least(fitted, own).map(|std| larger(std, floor));
-        (line, least(samples, bound))
+    pub fn std_n(&self, force_n: f32) -> (f32, f32) {
+        let floor = larger(self.hidden_n, 4e-7 * force_n.abs());
+        let innovation = self.innovation.over(MEDIAN);
+        let line = larger(innovation, floor);
+        if self.fits < TRUSTED {
+            return (line, self.early_std_n(line, floor));
+        }
+        (line, larger(smaller(innovation, self.fitted_n), floor))
+    }
+
+    /// The second one before there are enough fits.
+    #[inline(never)]
+    fn early_std_n(&self, line: f32, floor: f32) -> f32 {
+        let line = (line < f32::INFINITY).then_some(line);
+        let upper = if self.fits == 0 { self.upper.over(QUARTILE) } else { 0.0 };
+        let samples = line.map(|line| larger(line, upper));
+        let fitted = (self.fits > 0).then_some(self.fitted_n);
+        let bound = least(fitted, self.without_line_n(line)).map(|std| larger(std, floor));
+        least(samples, bound).unwrap_or(f32::INFINITY)
     }
 
     /// Standard deviation where there is no line to be followed, N, or one of these innovations.
@@ -153,7 +177,8 @@ impl Noise {
         let swing = math::rough_sqrt(self.swing.noise_n2()?);
         let second = self.second.value()? * STD_PER_SECOND;
         // Coarse steps make differences of zero: they are as large as a step.
-        let step_n = if self.repeats { self.resolution_n } else { 0.0 };
+        let repeats = self.repeats && self.hidden_n > 0.0;
+        let step_n = if repeats { self.resolution_n } else { 0.0 };
         let slips = self.arrow.slip_n().map(|slip_n| SLIP * slip_n);
         let smooth = (swing < SWING * second).then_some(swing);
         let bent = CAUTION * (second + step_n);
@@ -187,7 +212,7 @@ mod tests {
         (0..500)
             .map(|_| {
                 take(&mut noise, random.normal());
-                noise.std_n(0.0).1.unwrap() / 500.0
+                noise.std_n(0.0).1 / 500.0
             })
             .sum()
     }
@@ -218,7 +243,7 @@ mod tests {
             // A line through it sees the swing as noise.
             noise.add(inverse_omega);
         }
-        assert!(noise.std_n(0.0).1.unwrap() < 90.0, "{:?}", noise.std_n(0.0));
+        assert!(noise.std_n(0.0).1 < 90.0, "{:?}", noise.std_n(0.0));
     }
 
     #[test]
@@ -226,7 +251,7 @@ mod tests {
         let (mut noise, mut random) = (Noise::new(), Random(9));
         noise.add(1e4);
         (0..300).for_each(|i| noise.add(if i % 20 == 0 { 500.0 } else { random.normal() }));
-        let std = noise.std_n(0.0).1.unwrap();
+        let std = noise.std_n(0.0).1;
         assert!((0.6..1.6).contains(&std), "{std}");
     }
 
@@ -236,6 +261,6 @@ mod tests {
         (0..50).for_each(|_| noise.add(0.0));
         noise.see(0.0, false);
         noise.see(5.0, true);
-        assert!(noise.std_n(0.0).1.unwrap() >= 1.5);
+        assert!(noise.std_n(0.0).1 >= 1.5);
     }
 }

@@ -1,10 +1,11 @@
 //! The one entry point: a sample in, what is known out.
 //!
-//! A sample takes one way: received (calibrated, counted), judged (is it a spike?), looked at by
-//! the detector, followed by the cycles; an event that comes out of that is counted (`tally`),
-//! and what all of it says is the report (`findings`).
+//! A sample takes one way: received (calibrated, counted: `receive`), judged (is it a spike?),
+//! looked at by the detector, followed by the cycles; an event that comes out of that is counted
+//! (`tally`), and what all of it says is the report (`findings`).
 
 mod findings;
+mod receive;
 mod tally;
 
 use crate::coefficient::Site;
@@ -18,15 +19,12 @@ use crate::estimator::Estimator;
 use crate::event::{Event, Provisional};
 use crate::num::math;
 use crate::report::Counters;
-use crate::sample::{ForcePoint, ForceSample, Phase, RawSample, SampleFlag, SampleTime};
+use crate::sample::{ForcePoint, ForceSample, Phase, RawSample, SampleTime};
 use crate::signal::calibrate::Calibrator;
 use crate::signal::decimate::Decimator;
 use crate::signal::derivative::{Central, Rate};
 use crate::signal::spike::{Judged, SpikeFilter, Usual};
 use crate::stretch::{Stretch, Stretches};
-
-/// Indices beyond this one are refused as duplicates: it takes a billion years.
-const LAST_INDEX: u64 = u64::MAX / 2;
 
 /// What one sample led to.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -71,22 +69,27 @@ impl Step {
 }
 
 /// The whole computation for one test.
+// In this order: what every sample touches first, where the board reaches it in one instruction.
 #[derive(Clone, Debug)]
+#[repr(C)]
 pub struct Pipeline {
-    config: Config,
-    calibrator: Calibrator,
-    counters: Counters,
     /// Next index; of the first sample any.
     next: u64,
-    /// Block of the newest saturated sample.
-    last_hidden: Option<u64>,
+    counters: Counters,
     spikes: SpikeFilter,
     decimator: Decimator,
+    derivative: Central,
+    calibrator: Calibrator,
     /// Noise of a sample over that of a block.
     block_root: f32,
-    derivative: Central,
+    /// The newest change was told by a step.
+    told: bool,
+    stretches: Stretches,
     detector: Detector,
     cycles: CycleTracker,
+    config: Config,
+    /// Block of the newest saturated sample.
+    last_hidden: Option<u64>,
     mu_s: Estimator,
     mu: Estimator,
     /// What the zero may have moved by.
@@ -96,10 +99,8 @@ pub struct Pipeline {
     /// Relative standard deviation of the weight by changes of the block: mean over events.
     weight_std: f32,
     events: u32,
-    /// The newest change, and whether a step has told it.
+    /// The newest change.
     change: Option<Change>,
-    told: bool,
-    stretches: Stretches,
     /// Onset of the first event, and periods from there to the newest one.
     first_onset: SampleTime,
     since_first: f32,
@@ -160,42 +161,6 @@ impl Pipeline {
         step
     }
 
-    /// Calibrates, counts and flags.
-    fn receive(&mut self, raw: RawSample) -> ForceSample {
-        let index = raw.index;
-        let mut sample = ForceSample { index, force_n: None, flag: SampleFlag::Duplicate, gap: 0 };
-        let expected = if self.counters.samples > 0 { self.next } else { index };
-        if index < expected || index > LAST_INDEX {
-            self.counters.duplicates += 1;
-            return sample;
-        }
-        self.next = index + 1;
-        self.counters.samples += 1;
-        if index > expected {
-            let missing = index - expected;
-            self.counters.missing = self.counters.missing.saturating_add(missing);
-            sample.gap = u32::try_from(missing).unwrap_or(u32::MAX);
-        }
-        match self.calibrator.force_n(raw.reading) {
-            Ok(force_n) => (sample.force_n, sample.flag) = (Some(force_n), SampleFlag::Good),
-            Err(flag) => {
-                sample.flag = flag;
-                self.refuse(index, flag);
-            }
-        }
-        sample
-    }
-
-    /// Counts a reading that is no force.
-    fn refuse(&mut self, index: u64, flag: SampleFlag) {
-        if flag == SampleFlag::Saturated {
-            self.counters.saturated += 1;
-            self.last_hidden = Some(self.decimator.block(index));
-        } else {
-            self.counters.rejected += 1;
-        }
-    }
-
     /// Takes a received sample. A step is long: it is filled where it lies.
     #[inline(never)]
     fn take(&mut self, step: &mut Step) {
@@ -217,7 +182,9 @@ impl Pipeline {
         if !self.told {
             (step.change, self.told) = (self.change, true);
         }
-        step.stretch = self.next_stretch();
+        if let Some(stretch) = self.stretches.next() {
+            step.stretch = Some(self.in_samples(stretch));
+        }
         if let Some(Provisional { mu_s, mu }) = &mut step.provisional {
             self.add_systematic(Some(mu_s), mu.as_mut());
         }
@@ -229,12 +196,16 @@ impl Pipeline {
         let Some(block) = self.decimator.step(good) else { return };
         let slips = self.detector.phase() == Phase::Slip;
         // A sample of a block is no block: there the answer comes with the block itself.
-        let is_block = self.block_root > 1.0;
-        let mut turns = is_block && self.detector.turns_with(block);
+        let is_block = self.decimator.averages();
+        let mut turns = slips && is_block && self.detector.turns_with(block);
         if turns {
             step.provisional = self.cycles.turned(&self.detector);
         }
         let transition = self.detect(block);
+        // Nearly always: nothing has happened, and nothing is under way.
+        if transition.is_none() && !slips && self.cycles.is_idle() {
+            return;
+        }
         if transition == Some(Transition::Onset) && !is_block {
             step.provisional = self.cycles.onset(&self.detector);
         } else if slips && !is_block && self.detector.turns_with(newest) {
@@ -273,8 +244,7 @@ impl Pipeline {
 
     /// What the block is doing, with a first look at a sample that may still be a spike.
     fn phase(&self, ForceSample { index, force_n, .. }: ForceSample) -> Phase {
-        let each = self.block_root <= 1.0;
-        match force_n.filter(|_| each) {
+        match force_n.filter(|_| !self.decimator.averages()) {
             Some(force_n) if self.detector.foresees_slip(ForcePoint { index, force_n }) => {
                 Phase::Slip
             }
@@ -325,21 +295,19 @@ impl Pipeline {
     pub fn finish_stretch(&mut self) -> Option<Stretch> {
         self.stretches.interrupt(Some(u64::MAX));
         self.stretches.close();
-        self.next_stretch()
+        self.stretches.next().map(|stretch| self.in_samples(stretch))
     }
 
-    /// A complete stretch, in samples.
-    fn next_stretch(&mut self) -> Option<Stretch> {
-        let stretch = self.stretches.next()?;
+    /// A stretch of blocks, in samples.
+    fn in_samples(&self, stretch: Stretch) -> Stretch {
         let [start, stop] = [stretch.start, stretch.stop].map(|it| self.decimator.moment(it));
-        Some(Stretch { start, stop, ..stretch })
+        Stretch { start, stop, ..stretch }
     }
 }
 
 impl Usual {
     /// Of samples whose noise is so many times that of a block.
     fn of(detector: &Detector, block_root: f32) -> Self {
-        let noise_n = detector.noise_n().map(|noise_n| noise_n * block_root);
-        Self { noise_n, drop_n: detector.usual_drop_n() }
+        Self { noise_n: detector.std_n() * block_root, drop_n: detector.usual_drop_n() }
     }
 }

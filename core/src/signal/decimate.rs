@@ -35,6 +35,12 @@ impl Decimator {
         f32::from(self.factor)
     }
 
+    /// Is a block more than a sample?
+    #[must_use]
+    pub fn averages(&self) -> bool {
+        self.factor > 1
+    }
+
     /// Block of an index.
     #[must_use]
     pub fn block(&self, index: u64) -> u64 {

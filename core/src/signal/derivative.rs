@@ -31,7 +31,7 @@ pub struct Rate {
 pub struct Slope<const LEN: usize> {
     /// Newest last.
     forces_n: [f32; LEN],
-    /// Samples in a row without a gap, at most `LEN`.
+    /// Samples in a row without a gap, of those before the newest; at most `LEN - 1`.
     filled: usize,
     /// Index of the next one in the row.
     next: u64,
@@ -56,13 +56,16 @@ impl<const LEN: usize> Slope<LEN> {
         if index != self.next {
             self.filled = 0;
         }
-        self.filled = (self.filled + 1).min(LEN);
         self.next = index.wrapping_add(1);
         self.forces_n.copy_within(1.., 0);
         if let Some(newest) = self.forces_n.last_mut() {
             *newest = force_n;
         }
-        (self.filled == LEN).then(|| self.rate())
+        if self.filled < LEN - 1 {
+            self.filled += 1;
+            return None;
+        }
+        Some(self.rate())
     }
 
     fn rate(&self) -> Rate {

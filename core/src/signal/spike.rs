@@ -20,8 +20,8 @@ const RISES: f32 = 3.0;
 /// What the filter needs to know of the force.
 #[derive(Clone, Copy, Debug)]
 pub struct Usual {
-    /// Standard deviation of the noise, N; `None`: nothing is a spike yet.
-    pub noise_n: Option<f32>,
+    /// Standard deviation of the noise, N; infinite: nothing is a spike yet.
+    pub noise_n: f32,
     /// Usual drop of a slip, N.
     pub drop_n: f32,
 }
@@ -67,12 +67,14 @@ impl SpikeFilter {
             (self.before, self.count) = (held, self.count + 1);
             return if self.count == 1 { Judged::Nothing } else { Judged::Good(held) };
         }
-        if self.stands_out(before, held, sample, usual) {
+        let (left, right) = (held.force_n - before.force_n, held.force_n - sample.force_n);
+        let is_extreme = left * right > 0.0;
+        if is_extreme && self.stands_out((left, right), sample.index - before.index, usual()) {
             return Judged::Spike(held);
         }
         self.before = held;
-        if held.force_n > before.force_n && held.index == before.index + 1 {
-            self.rises.add(held.force_n - before.force_n);
+        if left > 0.0 && held.index == before.index + 1 {
+            self.rises.add(left);
         }
         Judged::Good(held)
     }
@@ -84,25 +86,16 @@ impl SpikeFilter {
         held
     }
 
-    fn stands_out(
-        &self,
-        before: ForcePoint,
-        held: ForcePoint,
-        after: ForcePoint,
-        usual: impl FnOnce() -> Usual,
-    ) -> bool {
-        let (left, right) = (held.force_n - before.force_n, held.force_n - after.force_n);
+    /// Does a sample stand out from both its neighbours, by these forces?
+    #[inline(never)]
+    fn stands_out(&self, (left, right): (f32, f32), span: u64, usual: Usual) -> bool {
         // Neighbours further away say less: only within a few periods.
-        let span = after.index - before.index;
-        if left * right <= 0.0 || span > 4 {
+        if span > 4 {
             return false;
         }
-        let usual = usual();
-        let (Some(noise_n), Some(rise_n)) = (usual.noise_n, self.rises.value()) else {
-            return false;
-        };
+        let Some(rise_n) = self.rises.value() else { return false };
         let rises = RISES * rise_n * span as u32 as f32 / 2.0;
-        let least = larger(larger(NOISES * noise_n, PART_OF_DROP * usual.drop_n), rises);
+        let least = larger(larger(NOISES * usual.noise_n, PART_OF_DROP * usual.drop_n), rises);
         smaller(left.abs(), right.abs()) > least
     }
 }
@@ -117,7 +110,7 @@ impl Default for SpikeFilter {
 mod tests {
     use super::*;
 
-    const USUAL: Usual = Usual { noise_n: Some(2.0), drop_n: 200.0 };
+    const USUAL: Usual = Usual { noise_n: 2.0, drop_n: 200.0 };
 
     /// Index of the spike after a rise of 10 N a sample to 500 N.
     fn spike_in(forces: [f32; 6], usual: &Usual) -> Option<usize> {
@@ -146,7 +139,7 @@ mod tests {
 
     #[test]
     fn nothing_is_judged_before_the_noise_is_known() {
-        let usual = Usual { noise_n: None, ..USUAL };
+        let usual = Usual { noise_n: f32::INFINITY, ..USUAL };
         assert_eq!(spike_in([500.0, 1e6, 520.0, 530.0, 540.0, 550.0], &usual), None);
     }
 

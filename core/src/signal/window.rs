@@ -1,17 +1,20 @@
 //! The last samples, by index.
 
+use crate::sample::near;
+
 /// How many sampling periods the window reaches back.
 pub const WINDOW: usize = 256;
 
 /// Ring of the newest forces; a period without a good sample reads as `None`.
 #[derive(Clone, Debug)]
+#[repr(C)]
 pub struct Window {
-    /// NaN where there is no good sample.
-    forces_n: [f32; WINDOW],
     /// One past the newest index.
     end: u64,
     /// The first index of all.
     first: u64,
+    /// NaN where there is no good sample.
+    forces_n: [f32; WINDOW],
 }
 
 impl Window {
@@ -21,16 +24,21 @@ impl Window {
         Self { forces_n: [f32::NAN; WINDOW], end: 0, first: 0 }
     }
 
-    /// Takes a sample with an index past all earlier ones.
-    pub fn push(&mut self, index: u64, force_n: f32) {
-        if index != self.end {
+    /// Takes a sample with an index past all earlier ones; does it follow the one before?
+    #[inline(always)]
+    pub fn push(&mut self, index: u64, force_n: f32) -> bool {
+        let in_a_row = index == self.end;
+        if !in_a_row {
             self.skip_to(index);
         }
         self.set(index, force_n);
         self.end = index + 1;
+        in_a_row
     }
 
     /// Leaves out what was missed.
+    #[cold]
+    #[inline(never)]
     fn skip_to(&mut self, index: u64) {
         if self.end == 0 {
             self.first = index;
@@ -50,8 +58,19 @@ impl Window {
     #[must_use]
     pub fn get(&self, index: u64) -> Option<f32> {
         let inside = self.end.wrapping_sub(index).wrapping_sub(1) < WINDOW as u64;
-        let force_n = self.forces_n.get(slot(index)).copied()?;
-        (inside && !force_n.is_nan()).then_some(force_n)
+        self.force_n(index).filter(|_| inside)
+    }
+
+    /// The same of an index that is near the newest one, on the path of every sample.
+    #[inline(always)]
+    pub(crate) fn get_near(&self, index: u64) -> Option<f32> {
+        let inside = (1..=WINDOW as i32).contains(&near(index, self.end));
+        self.force_n(index).filter(|_| inside)
+    }
+
+    #[inline(always)]
+    fn force_n(&self, index: u64) -> Option<f32> {
+        self.forces_n.get(slot(index)).copied().filter(|force_n| !force_n.is_nan())
     }
 
     /// The index, or the oldest one in the window if that is later.

@@ -32,7 +32,14 @@ pub struct Line {
 impl Line {
     /// Takes a point with a weight above zero. Its squared residual counts `trust` times:
     /// with one over its own variance the residuals have a mean of one a weight.
+    #[inline(never)]
     pub fn add(&mut self, time: f32, force_n: f32, weight: f32, trust: f32) {
+        self.take(time, force_n, weight, trust);
+    }
+
+    /// The same, in place: for the path of every sample.
+    #[inline(always)]
+    pub fn take(&mut self, time: f32, force_n: f32, weight: f32, trust: f32) {
         let total = self.weight + weight;
         let share = weight / total;
         let dt = time - self.time;
@@ -76,6 +83,7 @@ impl Line {
 
     /// Slope, N per period; `None` with fewer than two different times.
     #[must_use]
+    #[inline(always)]
     pub fn slope(&self) -> Option<f32> {
         (self.tt > 0.0).then_some(self.slope)
     }
@@ -88,6 +96,7 @@ impl Line {
 
     /// Force on the line of the given slope through the mean point, N.
     #[must_use]
+    #[inline(always)]
     pub fn at(&self, time: f32, slope: f32) -> f32 {
         self.level_n + slope * (time - self.time)
     }
@@ -95,6 +104,7 @@ impl Line {
     /// Variance of the line at a time, in units of the variance of a point of
     /// weight one; infinite without points.
     #[must_use]
+    #[inline(always)]
     pub fn leverage(&self, time: f32) -> f32 {
         if self.weight <= 0.0 {
             return f32::INFINITY;

@@ -28,14 +28,13 @@ impl Quantile {
     }
 
     /// Takes a number at or above zero.
+    #[inline(never)]
     pub fn add(&mut self, size: f32) {
-        if self.count < SETTLED {
-            return self.start(size);
-        }
-        self.follow(size, SMALLEST_GAIN);
+        if self.count >= SETTLED { self.follow(size, SMALLEST_GAIN) } else { self.start(size) }
     }
 
     /// With factors that balance when a part of the numbers lies below the quantile.
+    #[inline(always)]
     fn follow(&mut self, size: f32, gain: f32) {
         let factor = if size > self.value {
             1.0 + gain * self.part
@@ -63,14 +62,21 @@ impl Quantile {
         self.value = self.first.get(place as usize).copied().unwrap_or(size);
     }
 
-    /// What few numbers tell may be far too small: from 2 at the first value to 1 when
-    /// settled.
+    /// The quantile over a number, with caution; infinite until eight numbers were seen. What few
+    /// tell may be far too small: the caution is 2 at the first value, and none when settled.
     #[must_use]
-    pub fn caution(&self) -> f32 {
-        match SETTLED.checked_sub(self.count) {
-            Some(missing) => 1.0 + missing as f32 / (SETTLED - FEWEST) as f32,
-            None => 1.0,
+    #[inline(always)]
+    pub fn over(&self, number: f32) -> f32 {
+        if self.count >= SETTLED { self.value / number } else { self.early_over(number) }
+    }
+
+    #[inline(never)]
+    fn early_over(&self, number: f32) -> f32 {
+        if self.count < FEWEST {
+            return f32::INFINITY;
         }
+        let caution = 1.0 + (SETTLED - self.count) as f32 / (SETTLED - FEWEST) as f32;
+        caution * (self.value / number)
     }
 
     /// The quantile so far; `None` until eight numbers were seen.
