@@ -165,10 +165,11 @@ impl Ripple {
     /// Part of the innovations' variance that is a swing, of any length, as far as that is likely;
     /// of noise whose neighbours are alike with what a line hides of it.
     fn swing(&self, swing_n2: f32, is_red: bool) -> f32 {
-        if self.count < FEWEST {
+        let part = swing_n2 / self.squares;
+        // Without any squares it is no number.
+        if self.count < FEWEST || part.is_nan() {
             return 0.0;
         }
-        let part = swing_n2 / self.squares;
         let errors = part * part * self.count;
         let hidden =
             if is_red { (HIDDEN - 1.0) * surely(errors, LIKELY_RED * LIKELY_RED) } else { 0.0 };
@@ -250,6 +251,19 @@ mod tests {
     }
 
     #[test]
+    fn a_line_hides_what_is_alike_and_not_what_alternates() {
+        let noise = |correlation: f32| {
+            let (mut ripple, mut random, mut last) = (Ripple::default(), Random(1), 0.0);
+            for _ in 0..4000 {
+                last = correlation * last + random.normal();
+                ripple.add(last, 1.0);
+            }
+            ripple.wander().unsure
+        };
+        assert!(noise(0.9) > 0.7 * HIDDEN && noise(-0.9) < 1.0, "{} {}", noise(0.9), noise(-0.9));
+    }
+
+    #[test]
     fn the_bend_before_an_onset_is_no_ripple() {
         let (mut ripple, mut random) = (Ripple::default(), Random(1));
         for _line in 0..40 {
@@ -263,6 +277,9 @@ mod tests {
     #[test]
     fn nothing_is_believed_of_a_few_samples_or_of_none() {
         assert_eq!(seen(1.0, 20.0, 8), ColoredNoise::NONE);
+        let mut exact = Ripple::default();
+        (0..100).for_each(|_| exact.add(0.0, 1.0));
+        assert_eq!(exact.wander(), ColoredNoise::NONE);
         assert_eq!(Ripple::default().wander(), ColoredNoise::NONE);
     }
 }
