@@ -13,9 +13,8 @@ use floe_tests::classes::{self, CLASSES};
 use floe_tests::honesty::{Class, Intervals, Kind};
 use floe_tests::parallel;
 
-/// Records of a class, and of one of the shortest.
+/// Records of a class.
 const SEEDS: u64 = 12;
-const SHORT_SEEDS: u64 = 100;
 
 struct Row {
     name: &'static str,
@@ -26,7 +25,7 @@ struct Row {
 
 fn row(&(name, kind): &(&'static str, Kind)) -> Row {
     let (scene, about) = classes::scene(name);
-    let seeds = if scene.duration_s < 10.0 { SHORT_SEEDS } else { SEEDS };
+    let seeds = classes::records(&scene, SEEDS);
     Row { name, kind, about, class: Class::of(&scene, kind, seeds) }
 }
 
@@ -50,7 +49,7 @@ fn both(intervals: &[Intervals; 2], of: fn(&Intervals) -> f64) -> String {
 impl Row {
     fn text(&self) -> String {
         let Self { name, kind, about, class: Class { exact, drawn } } = self;
-        let judged = matches!(kind, Kind::Events | Kind::Unseen);
+        let judged = kind.is_judged();
         let if_judged = |text: String| if judged { text } else { "-".to_owned() };
         let share = exact.read as f64 / exact.true_events().max(1) as f64;
         let cells = [

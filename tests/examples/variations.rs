@@ -50,9 +50,8 @@ fn main() {
             println!("{class:16} {name:20} cannot be simulated: {error}");
             return (name, Vec::new());
         }
-        let seeds = if scene.duration_s < 10.0 { 100 } else { seeds };
-        let judged = Class::of(&scene, kind, seeds);
-        if kind != Kind::Nothing && kind != Kind::Refused && judged.exact.true_events() == 0 {
+        let judged = Class::of(&scene, kind, classes::records(&scene, seeds));
+        if kind.is_judged() && judged.exact.true_events() == 0 {
             println!("{class:16} {name:20} nothing slips");
             return (name, Vec::new());
         }

@@ -80,12 +80,19 @@ pub fn scene(name: &str) -> (Scene, String) {
     (scene, about)
 }
 
+/// Records of a class: as many as given, and of a scene of a few events enough of them.
+#[must_use]
+pub fn records(scene: &Scene, usual: u64) -> u64 {
+    const OF_A_SHORT_ONE: u64 = 100;
+    if scene.duration_s < 10.0 { OF_A_SHORT_ONE } else { usual }
+}
+
 /// Its figures beside their aims.
 #[must_use]
 pub fn checks(name: &str, kind: Kind, class: &Class) -> Vec<Check> {
     let Class { exact, drawn } = class;
     let invented = exact.invented(kind) as f64;
-    if !matches!(kind, Kind::Events | Kind::Unseen) {
+    if !kind.is_judged() {
         return vec![Check::most(name, "invented", invented, 0.0)];
     }
     let n = exact.true_events() as f64;

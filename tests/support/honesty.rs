@@ -34,6 +34,14 @@ pub enum Kind {
     Refused,
 }
 
+impl Kind {
+    /// Are there true events whose coefficients are judged?
+    #[must_use]
+    pub fn is_judged(self) -> bool {
+        matches!(self, Self::Events | Self::Unseen)
+    }
+}
+
 /// What is judged: the combined standard deviation and the 95 % interval.
 mod stated {
     use super::{Coefficient, Estimate};
@@ -203,7 +211,7 @@ impl Class {
                 let truths =
                     if kind == Kind::Refused { &[][..] } else { &record.simulation.events };
                 judged.add(truths, record.judged, &found, scene.rate_hz);
-                if kind == Kind::Events || kind == Kind::Unseen {
+                if kind.is_judged() {
                     judged.add_means(&report, population);
                 }
             }

@@ -43,12 +43,12 @@ impl Detector {
         &self.ended
     }
 
-    /// The next one, infinite before it is known.
+    /// Standard deviation of the noise, N, to about 10 %; infinite before it is known.
     pub(crate) fn std_n(&self) -> f32 {
         self.std_n
     }
 
-    /// Standard deviation of the noise, N, to about 10 %.
+    /// Standard deviation of the noise, N, to about 10 %; `None` before it is known.
     #[must_use]
     pub fn noise_n(&self) -> Option<f32> {
         (self.std_n < f32::INFINITY).then_some(self.std_n)
