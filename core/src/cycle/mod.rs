@@ -161,7 +161,7 @@ impl CycleTracker {
             let refused = refusal::of_fall(pending, rest, periods, self.slides, swing);
             pending.refused = pending.refused.or(refused);
             self.slides |= pending.refused.is_none() && refusal::takes_time(pending);
-            self.finishing = Some(CycleFit::new(*pending, after));
+            self.finishing = Some(CycleFit::new(pending, after));
         }
         self.pending = None;
         finished

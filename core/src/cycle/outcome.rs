@@ -12,12 +12,12 @@ impl CycleTracker {
     /// The fit has ended: gives the event, between the end of the last one and the next.
     pub(super) fn end(&mut self, outcome: Outcome) -> Option<Finished> {
         let finishing = self.finishing.take()?;
-        let pending = finishing.pending;
+        let CycleFit { pending, measured, .. } = &finishing;
         let mut doubt = None;
         let (mut finished, load) = match outcome {
-            Outcome::Failed(reason) => (self.without_coefficients(&pending, reason).into(), None),
-            Outcome::Fitted(measured) => {
-                let (finished, load) = self.fitted(&finishing, &measured);
+            Outcome::Failed(reason) => (self.without_coefficients(pending, reason).into(), None),
+            Outcome::Fitted => {
+                let (finished, load) = self.fitted(&finishing);
                 doubt = self.of_fit(&measured.posterior, pending.limit);
                 (finished, Some(load))
             }
@@ -27,7 +27,7 @@ impl CycleTracker {
         let overlaps = event.stop > limit || self.last_stop.is_some_and(|it| it > event.onset);
         let overlaps = overlaps.then_some(Reason::NoFit).filter(|_| event.reason.is_none());
         if let Some(reason) = refusal::of_event(event).or(overlaps).or(doubt) {
-            finished = self.without_coefficients(&pending, reason).into();
+            finished = self.without_coefficients(pending, reason).into();
         }
         let event = &mut finished.event;
         event.onset = self.last_stop.map_or(event.onset, |it| later(it, event.onset));
@@ -41,9 +41,9 @@ impl CycleTracker {
     }
 
     /// The event of a fit, and when its cable began to load.
-    fn fitted(&mut self, finishing: &CycleFit, measured: &Measured) -> (Finished, SampleTime) {
+    fn fitted(&mut self, finishing: &CycleFit) -> (Finished, SampleTime) {
         let (pending, site) = (&finishing.pending, self.site());
-        let Measured { posterior, alone, noise_n2, verdict } = measured;
+        let Measured { posterior, alone, noise_n2, verdict } = &finishing.measured;
         let alone = alone.map(|forces| {
             let mu_s = site.coefficient(forces.static_n, noise_n2 * forces.static_variance);
             let (shift_n, _) = self.shift(pending, &posterior.cycle);

@@ -23,7 +23,7 @@ use crate::stats::normal_equations::{Factor, Gradient, Normal, UNKNOWNS, dot};
 use crate::stats::prior::Prior;
 
 /// A fitted event.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Fit {
     /// The unknowns.
     pub cycle: CycleParams,
@@ -65,7 +65,7 @@ impl Variances {
 }
 
 /// `Fs` and `Fp` with their variances, N and units of the noise variance.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Forces {
     /// `Fs`.
     pub static_n: f32,

@@ -13,7 +13,7 @@ pub(crate) const CLEAR: f32 = 2.0;
 const SWING_KNOWN: f32 = 0.2;
 
 /// Means and variances of one event's unknowns; forces in N, times in periods.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Posterior {
     /// The cycle of the means.
     pub cycle: CycleParams,

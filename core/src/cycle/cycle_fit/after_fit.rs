@@ -10,14 +10,13 @@ use crate::event::Reason;
 use crate::fit::over_onset::OverOnset;
 use crate::fit::posterior::Posterior;
 use crate::fit::residuals::excess_ratio;
-use crate::fit::{Data, Fit, Variances};
+use crate::fit::{Fit, Variances};
 use crate::num::math::larger;
 
 impl CycleFit {
     /// How far the samples are from the fit: noise, what slips scatter, strain.
     pub(super) fn judge(&mut self, learnt: &mut Expectations) -> ControlFlow<Outcome> {
-        let Stage::Fitted(fit) = &mut self.stage else { return ControlFlow::Continue(()) };
-        let (pending, noise_n2) = (&self.pending, self.expected.noise_n2);
+        let (fit, pending, noise_n2) = (&mut self.fit, &self.pending, self.expected.noise_n2);
         let data = self.expected.data(pending, &self.after);
         let (squares_n2, free) = own_residuals(&data, fit);
         // Without what is left around the line after it, which fits whatever the slip does.
@@ -48,7 +47,7 @@ impl CycleFit {
             fit.widen(&Variances::UNSURE_SWING, learnt.unsure_swing(pending, now_n2));
         }
         let strained = is_strained(&data, around_n2, now_n2);
-        let strain = match (misfit, strained) {
+        self.strain = match (misfit, strained) {
             (true, _) => Strain::Misfit,
             (_, true) => Strain::Strained,
             _ => Strain::None,
@@ -56,58 +55,73 @@ impl CycleFit {
         let places = OverOnset::new(fit, learnt.knows_omega()).filter(|_| !misfit);
         self.stage = if let Some(places) = places {
             self.expected = learnt.of(pending, &self.after, now_n2);
-            Stage::Places(places, *fit, strain)
+            Stage::Places(places)
         } else {
-            Stage::Telling(*fit, Posterior::at(fit, now_n2), strain)
+            self.measured.posterior = Posterior::at(fit, now_n2);
+            Stage::Telling
         };
         ControlFlow::Continue(())
     }
 
     /// Carries what the event tells to the next ones.
     pub(super) fn tell(&mut self, learnt: &mut Expectations) -> ControlFlow<Outcome> {
-        let Stage::Telling(fit, posterior, strain) = &self.stage else {
+        if !matches!(self.stage, Stage::Telling) {
             return ControlFlow::Continue(());
-        };
-        let noise_n2 = learnt.noise_n2(&self.pending);
+        }
+        let (fit, noise_n2) = (&self.fit, learnt.noise_n2(&self.pending));
         let data = self.expected.data(&self.pending, &self.after);
-        let measured = measured(learnt, &data, fit, *posterior, *strain, noise_n2);
-        self.stage = Stage::Terms(*fit, measured, *strain);
+        let Measured { posterior, alone, .. } = &mut self.measured;
+        if data.wander.level <= 0.0 {
+            posterior.common_n2 = fit.wider_n2(noise_n2);
+        }
+        let is_resolved = posterior.is_resolved();
+        *alone = fit.forces_alone(data.rate).filter(|_| is_resolved);
+        let strained = is_resolved && self.strain != Strain::None;
+        self.measured.verdict = learnt.learn(&data, posterior, noise_n2, strained);
+        self.measured.noise_n2 = noise_n2;
+        self.stage = Stage::Terms;
         ControlFlow::Continue(())
     }
 
     /// The same of the force terms that its fit lacks.
     pub(super) fn terms(&mut self, learnt: &mut Expectations) -> ControlFlow<Outcome> {
-        let Stage::Terms(fit, measured, strain) = &self.stage else {
-            return ControlFlow::Continue(());
-        };
-        let posterior = &measured.posterior;
+        let Measured { posterior, noise_n2, verdict, .. } = &self.measured;
         let shows = posterior.is_resolved() && is_clear(posterior);
         let data = self.expected.data(&self.pending, &self.after);
         // A slip of two samples shows nothing of its corners.
-        let asked = measured.verdict == Verdict::Same && *strain == Strain::None && shows;
-        let alone = if asked { fit.alone(&data) } else { None };
+        let asked = *verdict == Verdict::Same && self.strain == Strain::None && shows;
+        let alone = if asked { self.fit.alone(&data) } else { None };
         self.stage = if let Some(alone) = alone {
-            let onset_n2 = learnt.learn_scores(&data, fit, &alone, measured.noise_n2);
-            Stage::Corner(*fit, *measured, alone, onset_n2)
+            let onset_n2 = learnt.learn_scores(&data, &self.fit, &alone, *noise_n2);
+            Stage::Corner(alone, onset_n2)
         } else {
-            Stage::Told(*measured, *strain)
+            Stage::Told
         };
         ControlFlow::Continue(())
     }
 
     /// The same of its corners, which move its forces.
     pub(super) fn corner(&mut self, learnt: &mut Expectations) -> ControlFlow<Outcome> {
-        let Stage::Corner(fit, measured, alone, onset_n2) = &mut self.stage else {
+        let Stage::Corner(alone, onset_n2) = &self.stage else {
             return ControlFlow::Continue(());
         };
-        let (data, noise_n2) = (self.expected.data(&self.pending, &self.after), measured.noise_n2);
-        let correction = learnt.learn_corner(&data, fit, alone, noise_n2, *onset_n2);
-        measured.posterior.take(&correction);
-        if let Some(alone) = &mut measured.alone {
-            alone.take(&correction, noise_n2);
+        let data = self.expected.data(&self.pending, &self.after);
+        let Measured { posterior, alone: forces, noise_n2, .. } = &mut self.measured;
+        let correction = learnt.learn_corner(&data, &self.fit, alone, *noise_n2, *onset_n2);
+        posterior.take(&correction);
+        if let Some(forces) = forces {
+            forces.take(&correction, *noise_n2);
         }
-        self.stage = Stage::Told(*measured, Strain::None);
+        self.stage = Stage::Told;
         ControlFlow::Continue(())
+    }
+
+    /// A misfit counts only as a sign of another block.
+    pub(super) fn outcome(&self) -> Outcome {
+        if self.strain == Strain::Misfit && self.measured.verdict != Verdict::Suspect {
+            return Outcome::Failed(Reason::NoFit);
+        }
+        Outcome::Fitted
     }
 }
 
@@ -130,29 +144,4 @@ impl Strain {
             Self::Strained | Self::Misfit => posterior.widened(&Posterior::at(fit, noise_n2)),
         }
     }
-}
-
-fn measured(
-    learnt: &mut Expectations,
-    data: &Data<'_>,
-    fit: &Fit,
-    mut posterior: Posterior,
-    strain: Strain,
-    noise_n2: f32,
-) -> Measured {
-    if data.wander.level <= 0.0 {
-        posterior.common_n2 = fit.wider_n2(noise_n2);
-    }
-    let alone = fit.forces_alone(data.rate).filter(|_| posterior.is_resolved());
-    let strained = posterior.is_resolved() && strain != Strain::None;
-    let verdict = learnt.learn(data, &posterior, noise_n2, strained);
-    Measured { posterior, alone, noise_n2, verdict }
-}
-
-/// A misfit counts only as a sign of another block.
-pub(super) fn outcome(measured: &Measured, strain: Strain) -> Outcome {
-    if strain == Strain::Misfit && measured.verdict != Verdict::Suspect {
-        return Outcome::Failed(Reason::NoFit);
-    }
-    Outcome::Fitted(*measured)
 }

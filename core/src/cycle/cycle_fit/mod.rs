@@ -11,7 +11,7 @@ mod after_fit;
 
 use core::ops::ControlFlow;
 
-use crate::cycle::cycle_fit::after_fit::{Strain, outcome};
+use crate::cycle::cycle_fit::after_fit::Strain;
 use crate::cycle::expectations::{Expectations, Expected, own_residuals};
 use crate::cycle::refusal::SURE;
 use crate::cycle::slip_record::SlipRecord;
@@ -32,16 +32,26 @@ const LEFT: usize = 5;
 const TELLING: f32 = 3.0;
 
 /// An event being fitted.
+// In this order: the record is copied straight into its place, as words.
 #[derive(Clone, Copy, Debug)]
+#[repr(C)]
 pub(crate) struct CycleFit {
     pub(crate) pending: SlipRecord,
     after: Line,
     stage: Stage,
     /// What the fit expects: the same from its beginning to its end.
     expected: Expected,
+    /// The fit, once there is one.
+    fit: Fit,
+    /// Whether the samples around the slip are far from it.
+    strain: Strain,
+    /// What it tells, as far as the stage has come.
+    pub(crate) measured: Measured,
 }
 
+// What it holds begins on a word, so that it is copied by words.
 #[derive(Clone, Copy, Debug)]
+#[repr(u32)]
 #[allow(clippy::large_enum_variant, reason = "there is one, and no heap to put it on")]
 enum Stage {
     /// Nothing done yet.
@@ -55,21 +65,21 @@ enum Stage {
     /// Fitted with what is expected.
     Expected(Fitting),
     /// Fitted; how far the samples are from that is still to be seen.
-    Fitted(Fit),
-    /// Averaged over the onset; and whether the samples around the slip are far from the fit.
-    Places(OverOnset, Fit, Strain),
-    /// What it tells of its unknowns; what that tells the next events is still to be learnt.
-    Telling(Fit, Posterior, Strain),
+    Fitted,
+    /// Averaged over the onset.
+    Places(OverOnset),
+    /// Its unknowns are known; what they tell the next events is still to be learnt.
+    Telling,
     /// Measured; what the slip's samples tell of other force terms is still to be learnt.
-    Terms(Fit, Measured, Strain),
-    /// The same, and of its corners; with the variance of `Fs` by the other terms, N².
-    Corner(Fit, Measured, Alone, f32),
+    Terms,
+    /// The same of its corners; with the variance of `Fs` by the other terms, N².
+    Corner(Alone, f32),
     /// All is known.
-    Told(Measured, Strain),
+    Told,
 }
 
 /// What the fit of an event tells.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Measured {
     pub(crate) posterior: Posterior,
     /// The forces without what other events told of the loading rate.
@@ -84,14 +94,24 @@ pub(crate) struct Measured {
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Outcome {
     /// Measured.
-    Fitted(Measured),
+    Fitted,
     /// Only seen.
     Failed(Reason),
 }
 
 impl CycleFit {
-    pub(crate) fn new(pending: SlipRecord, after: Line) -> Self {
-        Self { pending, after, stage: Stage::New, expected: Expected::default() }
+    // Made where it is kept.
+    #[inline(always)]
+    pub(crate) fn new(pending: &SlipRecord, after: Line) -> Self {
+        Self {
+            pending: *pending,
+            after,
+            stage: Stage::New,
+            expected: Expected::default(),
+            fit: Fit::default(),
+            strain: Strain::None,
+            measured: Measured::default(),
+        }
     }
 
     /// Does the last sample show the stick line that starts at a time, clearly above its start? A
@@ -107,12 +127,12 @@ impl CycleFit {
             Stage::New => self.start(learnt),
             Stage::Free(_) => self.free(learnt),
             Stage::Expected(_) => self.expected(learnt),
-            Stage::Fitted(_) => self.judge(learnt),
-            Stage::Places(..) => self.place(),
-            Stage::Telling(..) => self.tell(learnt),
-            Stage::Terms(..) => self.terms(learnt),
+            Stage::Fitted => self.judge(learnt),
+            Stage::Places(_) => self.place(),
+            Stage::Telling => self.tell(learnt),
+            Stage::Terms => self.terms(learnt),
             Stage::Corner(..) => self.corner(learnt),
-            Stage::Told(measured, strain) => ControlFlow::Break(outcome(measured, *strain)),
+            Stage::Told => ControlFlow::Break(self.outcome()),
         }
     }
 
@@ -122,7 +142,7 @@ impl CycleFit {
         if self.is_long() {
             return 1;
         }
-        let is_place = matches!(self.stage, Stage::Places(..));
+        let is_place = matches!(self.stage, Stage::Places(_));
         if is_place { self.iterations_of(3, 8) } else { self.iterations_of(1, 3) }
     }
 
@@ -133,11 +153,11 @@ impl CycleFit {
 
     /// Is the next step as long as all that a sample has time for?
     pub(crate) fn is_long(&self) -> bool {
-        self.is_measured() || matches!(self.stage, Stage::Fitted(_) | Stage::Telling(..))
+        self.is_measured() || matches!(self.stage, Stage::Fitted | Stage::Telling)
     }
 
     fn is_measured(&self) -> bool {
-        matches!(self.stage, Stage::Terms(..) | Stage::Corner(..) | Stage::Told(..))
+        matches!(self.stage, Stage::Terms | Stage::Corner(..) | Stage::Told)
     }
 
     /// What there is when no time is left: what was measured, or no fit. An onset whose places
@@ -151,15 +171,15 @@ impl CycleFit {
             }
         }
         for _ in 0..LEFT * self.iterations_of(1, 3) {
-            if matches!(self.stage, Stage::Places(..) | Stage::Telling(..)) {
+            if matches!(self.stage, Stage::Places(_) | Stage::Telling) {
                 break;
             }
             if let ControlFlow::Break(outcome) = self.step(learnt) {
                 return outcome;
             }
         }
-        if let Stage::Places(places, fit, strain) = &self.stage {
-            let noise_n2 = self.expected.noise_n2;
+        if let Stage::Places(places) = &self.stage {
+            let (fit, noise_n2) = (&self.fit, self.expected.noise_n2);
             let anywhere = || {
                 let mut at = Posterior::at(fit, noise_n2);
                 if self.pending.fall() < TELLING {
@@ -168,14 +188,15 @@ impl CycleFit {
                 at
             };
             let so_far = places.so_far(fit, noise_n2).unwrap_or_else(anywhere);
-            let posterior = strain.around(so_far, fit, noise_n2);
-            self.stage = Stage::Telling(*fit, posterior, *strain);
+            self.measured.posterior = self.strain.around(so_far, fit, noise_n2);
+            self.stage = Stage::Telling;
         }
         let _ = self.tell(learnt);
-        let Stage::Terms(_, measured, strain) = &self.stage else {
-            return Outcome::Failed(Reason::TooShort);
-        };
-        outcome(measured, *strain)
+        if matches!(self.stage, Stage::Terms) {
+            self.outcome()
+        } else {
+            Outcome::Failed(Reason::TooShort)
+        }
     }
 
     fn start(&mut self, learnt: &mut Expectations) -> ControlFlow<Outcome> {
@@ -235,19 +256,17 @@ impl CycleFit {
         if let Some(reason) = pending.hidden {
             return ControlFlow::Break(Outcome::Failed(reason));
         }
-        self.stage = Stage::Fitted(fit);
+        (self.fit, self.stage) = (fit, Stage::Fitted);
         ControlFlow::Continue(())
     }
 
     fn place(&mut self) -> ControlFlow<Outcome> {
-        let Stage::Places(places, fit, strain) = &mut self.stage else {
-            return ControlFlow::Continue(());
-        };
-        let noise_n2 = self.expected.noise_n2;
+        let Stage::Places(places) = &mut self.stage else { return ControlFlow::Continue(()) };
+        let (fit, noise_n2) = (&self.fit, self.expected.noise_n2);
         let data = self.expected.data(&self.pending, &self.after);
         if let ControlFlow::Break(posterior) = places.step(&data, fit, noise_n2) {
-            let posterior = strain.around(posterior, fit, noise_n2);
-            self.stage = Stage::Telling(*fit, posterior, *strain);
+            self.measured.posterior = self.strain.around(posterior, fit, noise_n2);
+            self.stage = Stage::Telling;
         }
         ControlFlow::Continue(())
     }

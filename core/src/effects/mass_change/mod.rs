@@ -34,9 +34,10 @@ const ODD: u32 = 3;
 const SILENT: u32 = 8;
 
 /// What becomes of it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Verdict {
     /// Nothing new.
+    #[default]
     Same,
     /// Not known yet whether the mass has changed.
     Suspect,
