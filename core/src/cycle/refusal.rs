@@ -170,7 +170,7 @@ pub(crate) fn of_event(event: &Event) -> Option<Reason> {
     if mu_s.std > mu_s.value.abs() {
         return Some(Reason::TooShort);
     }
-    let is_possible = |c: &Coefficient| c.value < LARGEST && c.value > -SURE * c.combined_std();
+    let is_possible = |c: &Coefficient| c.value < LARGEST && c.value > -SURE * c.std;
     (!is_possible(&mu_s) || mu.is_some_and(|mu| !is_possible(&mu))).then_some(Reason::Implausible)
 }
 

@@ -153,13 +153,18 @@ impl Ripple {
     /// so few samples tell: to a standard error.
     fn is_red(&self, swing_n2: f32) -> bool {
         let [first, second] = self.products;
+        // Also not for NaN.
+        let is_alike = first > 0.0;
+        if !is_alike {
+            return false;
+        }
         let ratio = second / first;
         let cos2 = (first / swing_n2) * (first / swing_n2);
         let swing = swing_n2 * (1.0 - 8.0 * cos2 * (1.0 - cos2));
         let red = first * ratio * ratio * ratio;
         let seen = self.squares - 0.5 * self.far_steps * self.count / self.far_count;
         let unsure = self.squares / math::sqrt(self.count);
-        first > 0.0 && second + unsure > LEAST_RED * first && 2.0 * (seen + unsure) > swing + red
+        second + unsure > LEAST_RED * first && 2.0 * (seen + unsure) > swing + red
     }
 
     /// Part of the innovations' variance that is a swing, of any length, as far as that is likely;

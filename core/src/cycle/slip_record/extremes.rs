@@ -168,15 +168,16 @@ impl SlipRecord {
         let part_n = self.edge_part() * (self.peak.force_n - self.low.force_n);
         let (high_n, low_n) = (self.peak.force_n - part_n, self.low.force_n + part_n);
         let times = (since(self.origin, self.peak.index), since(self.origin, self.low.index));
-        let record = self.samples();
-        let before = record.good().filter(|&(time, force_n)| {
-            time > times.0 && time < self.rough.middle && force_n > high_n
-        });
-        let mut after = record.good().filter(|&(time, force_n)| {
-            time > self.rough.middle && time < times.1 && force_n < low_n
-        });
-        let from = before.last().map_or(times.0, |(time, _)| time);
-        (from, after.next().map_or(times.1, |(time, _)| time))
+        let (mut from, middle) = (times.0, self.rough.middle);
+        for (time, force_n) in self.samples().good() {
+            if time > times.0 && time < middle && force_n > high_n {
+                from = time;
+            }
+            if time > middle && time < times.1 && force_n < low_n {
+                return (from, time);
+            }
+        }
+        (from, times.1)
     }
 
     /// Time at which the samples fall through half the drop.

@@ -57,7 +57,7 @@ impl SlipRecord {
         let shape = cycle.shape();
         let low = since(self.origin, self.low.index);
         let middle = libm::floorf(self.rough.middle + 0.5);
-        let middle_n = self.forces_n.get((middle - self.start) as usize);
+        let middle_n = self.samples().forces_n.get((middle - self.start) as usize);
         // What a sample lies above the guess, and what onset and drop add to that.
         let seen = |time: f32, force_n: f32| {
             let (guess_n, [by_onset, _, by_static, by_drop, ..]) = shape.force(time);

@@ -30,7 +30,7 @@ pub(crate) struct SlipRecord {
     /// Index at time zero of the samples and of `before`.
     pub(crate) origin: u64,
     pub(crate) before: Line,
-    /// The samples between the lines; NaN: missing.
+    /// The samples between the lines, as many as there are; NaN: missing.
     forces_n: [f32; CORE],
     /// Time of the first of them, and how many there are.
     start: f32,
@@ -73,7 +73,7 @@ impl SlipRecord {
         let mut pending = Self {
             origin: first,
             before: stick.line_from(first),
-            forces_n: [f32::NAN; CORE],
+            forces_n: [0.0; CORE],
             start: since(first, start),
             length: 0,
             peak,
@@ -94,8 +94,7 @@ impl SlipRecord {
         pending.take(window, start, now);
         pending.rough.middle = pending.crossing();
         pending.rough.edges = pending.edges();
-        let between = pending.forces_n.iter().take(pending.length);
-        let missing = between.filter(|force_n| force_n.is_nan()).count();
+        let missing = pending.length - pending.samples().good().count();
         let too_long = (pending.length == CORE).then_some(Reason::TooLong);
         pending.hidden = if missing > 3 { Some(Reason::Hidden) } else { too_long };
         pending
@@ -117,8 +116,8 @@ impl SlipRecord {
 
     /// Takes the samples `from`, right after those that were taken, to `to`, as many as fit.
     fn take(&mut self, window: &Window, from: u64, to: u64) {
-        for index in from..=to {
-            let Some(entry) = self.forces_n.get_mut(self.length) else { return };
+        let room = self.forces_n.get_mut(self.length..).unwrap_or_default();
+        for (entry, index) in room.iter_mut().zip(from..=to) {
             *entry = window.get(index).unwrap_or(f32::NAN);
             self.length += 1;
         }
