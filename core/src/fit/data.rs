@@ -96,13 +96,9 @@ impl Data<'_> {
         self.samples.forces_n.len() as f32 * bend_n * bend_n
     }
 
-    /// What rounds off the corners adds to the force at a time since the onset.
-    fn shift(&self, shape: &Shape, since_onset: f32) -> Shift {
-        if self.corner.is_sharp() {
-            Shift::default()
-        } else {
-            self.corner.shift(shape, since_onset)
-        }
+    /// What rounds off the corners adds to the force at a time since the onset, if anything does.
+    fn shift(&self, shape: &Shape, since_onset: f32) -> Option<Shift> {
+        (!self.corner.is_sharp()).then(|| self.corner.shift(shape, since_onset))
     }
 
     /// Takes samples into the normal equations at a trial cycle: as many as given, from a
@@ -114,17 +110,21 @@ impl Data<'_> {
             if measured_n.is_nan() {
                 continue;
             }
-            let (residual_n, gradient) = self.residual(shape, time, measured_n);
-            normal.add(residual_n, &gradient, self.samples.weight(time));
+            let at = self.residual(shape, time, measured_n);
+            normal.add(at.0, &at.1, self.samples.weight(time));
         }
     }
 
     /// What a sample lies above the model, N, and the model's derivatives.
     pub(crate) fn residual(&self, shape: &Shape, time: f32, measured_n: f32) -> (f32, Gradient) {
-        let (force_n, mut gradient) = shape.force(time);
-        let shift = self.shift(shape, time - shape.cycle().onset);
-        gradient[0] -= shift.rate;
-        (measured_n - force_n - shift.force_n, gradient)
+        // Filled where it lies.
+        let mut at = shape.force(time);
+        at.0 = measured_n - at.0;
+        if let Some(shift) = self.shift(shape, time - shape.cycle().onset) {
+            at.0 -= shift.force_n;
+            at.1[0] -= shift.rate;
+        }
+        at
     }
 
     /// What the samples of the slip scatter at a fit, in units of the noise's variance, and what
@@ -172,17 +172,18 @@ impl Data<'_> {
     pub(crate) fn add_lines(&self, normal: &mut Normal, shape: &Shape) {
         let cycle = shape.cycle();
         let (before, after) = (self.before, self.after);
-        let shifted = |since_onset, (level_n, by): (f32, Gradient)| {
-            (level_n + self.shift(shape, since_onset).force_n, by)
-        };
+        let shift_n =
+            |since_onset| self.shift(shape, since_onset).map_or(0.0, |shift| shift.force_n);
         let since_onset = before.time - cycle.onset;
-        let level = shifted(since_onset, shape.before(since_onset));
+        let mut level = shape.before(since_onset);
+        level.0 += shift_n(since_onset);
         add_level(normal, before, &self.wander, &level);
         if let Some((slope, weight)) = slope(before, &self.wander) {
             normal.add_one(slope - cycle.rate, 1, weight);
         }
         let since_onset = after.time - cycle.onset;
-        let level = shifted(since_onset, shape.after(since_onset));
+        let mut level = shape.after(since_onset);
+        level.0 += shift_n(since_onset);
         add_level(normal, after, &self.wander, &level);
         if let Some((slope, weight)) = slope(after, &self.wander) {
             let (rate, by) = shape.slope_after();
