@@ -97,6 +97,7 @@ impl Data<'_> {
     }
 
     /// What rounds off the corners adds to the force at a time since the onset, if anything does.
+    #[inline(always)]
     fn shift(&self, shape: &Shape, since_onset: f32) -> Option<Shift> {
         (!self.corner.is_sharp()).then(|| self.corner.shift(shape, since_onset))
     }
