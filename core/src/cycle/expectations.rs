@@ -308,7 +308,7 @@ fn expected(learnt: Prior, guess: f32, spread: f32, noise_n2: f32) -> Prior {
 /// from what was expected.
 pub(crate) fn own_residuals(data: &Data<'_>, fit: &Fit) -> (f32, f32) {
     let (mut squares, mut unknowns) = (fit.cost() + data.after.residual(), UNKNOWNS as f32);
-    for ((prior, value), variance) in data.priors(&fit.cycle).into_iter().zip(fit.variances) {
+    for ((prior, value), variance) in data.priors(fit.cycle()).into_iter().zip(fit.variances) {
         squares -= prior.weight * (prior.mean - value) * (prior.mean - value);
         unknowns -= prior.weight * variance;
     }

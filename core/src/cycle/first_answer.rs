@@ -46,12 +46,12 @@ impl CycleTracker {
         let data = self.learnt.of(&slip, &none, noise_n2).data(&slip, &none);
         let mut fitting = slip.guess(&data, self.learnt.knows_omega());
         let mut step = || fitting.step(&data, noise_n2).break_value();
-        let fit = (0..steps).find_map(|_| step()).flatten();
-        let mut fit = fit.filter(|fit| fit.converged && slip.holds(&fit.cycle))?;
-        self.early = Some((slip.origin, fit.cycle));
+        let mut fit = (0..steps).find_map(|_| step()).flatten();
+        let fit = fit.as_mut().filter(|fit| fit.converged && slip.holds(&fit.shape))?;
+        self.early = Some((slip.origin, *fit.cycle()));
         let known = self.learnt.residuals.variance_n2().is_some();
         fit.widen(&Variances::UNSURE_SWING, self.learnt.unsure_swing(&slip, noise_n2));
-        let at = Posterior::at(&fit, noise_n2);
+        let at = Posterior::at(fit, noise_n2);
         (at.is_resolved() && known && slip.hidden.is_none())
             .then(|| self.first_answer(&slip, &at, noise_n2))
     }

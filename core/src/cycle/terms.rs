@@ -21,7 +21,7 @@ impl Expectations {
         if !self.effects.has(Effect::Corner) {
             return Correction { static_n2: onset_n2, ..Correction::default() };
         }
-        let other_n2 = self.onset.ask(|onset| onset.largest_n2(fit.cycle.half_drop_n));
+        let other_n2 = self.onset.ask(|onset| onset.largest_n2(fit.cycle().half_drop_n));
         let mut effect =
             self.corner.tell(|corner| corner.learn(data, fit, alone, noise_n2, other_n2));
         effect.static_n2 += onset_n2;
@@ -45,10 +45,10 @@ impl Expectations {
         if !asks_losses && !asks_onset {
             return 0.0;
         }
-        let shape = fit.cycle.shape();
-        let losses_n = damping::term_n(&shape);
-        let [losses, even, odd] = Score::of(data, &shape, alone, |since_onset, gradient| {
-            let [even_n, odd_n] = onset::terms_n(&shape, since_onset);
+        let shape = &fit.shape;
+        let losses_n = damping::term_n(shape);
+        let [losses, even, odd] = Score::of(data, shape, alone, |since_onset, gradient| {
+            let [even_n, odd_n] = onset::terms_n(shape, since_onset);
             [losses_n(since_onset, gradient), even_n, odd_n]
         });
         if asks_losses {

@@ -86,9 +86,9 @@ mod tests {
             let noise_n2 = NOISE_N * NOISE_N;
             let Some(fit) = data.fit(cycle, noise_n2) else { return };
             let Some(alone) = fit.alone(&data) else { return };
-            let shape = fit.cycle.shape();
-            let losses_n = term_n(&shape);
-            let [score] = Score::of(&data, &shape, &alone, |time, by| [losses_n(time, by)]);
+            let shape = &fit.shape;
+            let losses_n = term_n(shape);
+            let [score] = Score::of(&data, shape, &alone, |time, by| [losses_n(time, by)]);
             damping.0.learn(&score, noise_n2);
         });
         damping

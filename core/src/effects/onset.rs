@@ -94,8 +94,8 @@ mod tests {
                 let noise_n2 = NOISE_N * NOISE_N;
                 let Some(fit) = data.fit(cycle, noise_n2) else { return };
                 let Some(alone) = fit.alone(&data) else { return };
-                let shape = fit.cycle.shape();
-                let scores = Score::of(&data, &shape, &alone, |time, _| terms_n(&shape, time));
+                let shape = &fit.shape;
+                let scores = Score::of(&data, shape, &alone, |time, _| terms_n(shape, time));
                 let static_n2 = onset.learn(&scores, noise_n2);
                 told += 1;
                 match told {

@@ -144,7 +144,6 @@ impl Data<'_> {
         let Some(factor) = fit.normal.factor(0.0) else { return (slip, wider) };
         let apart = fit.without_swing(self.inverse_omega);
         let apart = apart.as_ref().unwrap_or(&factor);
-        let shape = fit.cycle.shape();
         let (from, to) = self.samples.slip;
         // Never zero, also for a slip that is no number.
         let stride = ((1.0 + (to - from) / MOST as f32) as usize).max(1);
@@ -153,7 +152,7 @@ impl Data<'_> {
         let mut others = [(0.0, Gradient::default()); MOST];
         for (place, (time, measured_n)) in inside.step_by(stride).take(MOST).enumerate() {
             let steepness = self.samples.steepness(time);
-            let (off_n, gradient) = self.residual(&shape, time, measured_n);
+            let (off_n, gradient) = self.residual(&fit.shape, time, measured_n);
             let weighted = gradient.map(|by| by * self.samples.weight(time));
             let moved = factor.solve(&weighted);
             let left = larger(1.0 - dot(&gradient, &moved), 0.0);

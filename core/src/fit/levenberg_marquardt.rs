@@ -34,8 +34,8 @@ const GUESSES: usize = 5;
 /// factorisation.
 #[derive(Clone, Copy, Debug)]
 pub struct Fitting {
-    /// Where to begin: the best of these.
-    guesses: [CycleParams; GUESSES],
+    /// Where else to begin, if not at the first guess: the best of them counts.
+    others: [CycleParams; GUESSES - 1],
     left: usize,
     /// The best so far.
     cycle: CycleParams,
@@ -77,7 +77,7 @@ impl Fitting {
     /// Starts from a guess.
     #[must_use]
     pub fn new(guess: &CycleParams) -> Self {
-        Self::at([limited(*guess); GUESSES], 1)
+        Self::at(limited(*guess), [CycleParams::default(); GUESSES - 1], 1)
     }
 
     /// Starts from a guess, for so many steps at most.
@@ -89,15 +89,15 @@ impl Fitting {
     /// Starts from the best of some guesses.
     #[must_use]
     pub fn among(guesses: [CycleParams; GUESSES]) -> Self {
-        Self::at(guesses.map(limited), GUESSES)
+        let [first, others @ ..] = guesses.map(limited);
+        Self::at(first, others, GUESSES)
     }
 
-    fn at(guesses: [CycleParams; GUESSES], left: usize) -> Self {
-        let [cycle, ..] = guesses;
+    fn at(cycle: CycleParams, others: [CycleParams; GUESSES - 1], left: usize) -> Self {
         // Whatever the first guess costs is less.
         let normal = Normal { cost: f32::INFINITY, ..Normal::default() };
         let pass = Some(Pass::at(cycle));
-        Self { guesses, left, cycle, normal, gain: 0.0, damping: 0.0, steps: 0, pass }
+        Self { others, left, cycle, normal, gain: 0.0, damping: 0.0, steps: 0, pass }
     }
 
     /// One piece. Breaks with the fit, or with `None` when the data do not determine the
@@ -127,7 +127,7 @@ impl Fitting {
             (self.cycle, self.normal) = (trial, normal);
         }
         self.left -= 1;
-        let next = self.guesses.iter().rev().nth(self.left.wrapping_sub(1));
+        let next = self.others.iter().rev().nth(self.left.wrapping_sub(1));
         self.pass = next.map(|guess| Pass::at(*guess));
         self.pass.is_some()
     }
@@ -199,7 +199,7 @@ impl Fitting {
         let (forces, variances) = (Forces::new(&cycle, information), information.variances());
         let wider = (0.0, 0.0);
         normal.cost.is_finite().then_some(Fit {
-            cycle,
+            shape: cycle.shape(),
             normal,
             forces,
             variances,

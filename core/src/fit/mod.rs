@@ -18,15 +18,15 @@ pub use data::{Data, Samples};
 pub use levenberg_marquardt::Fitting;
 
 use crate::fit::correction::Correction;
-use crate::model::CycleParams;
+use crate::model::{CycleParams, Shape};
 use crate::stats::normal_equations::{Factor, Gradient, Normal, UNKNOWNS, dot};
 use crate::stats::prior::Prior;
 
 /// A fitted event.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Fit {
-    /// The unknowns.
-    pub cycle: CycleParams,
+    /// Of the unknowns.
+    pub shape: Shape,
     /// The normal equations at the fit.
     normal: Normal,
     /// The forces.
@@ -105,6 +105,12 @@ pub(crate) const STATIC: (Gradient, usize) = ([0.0, 0.0, 1.0, 0.0, 0.0, 0.0], 2)
 pub(crate) const DYNAMIC: (Gradient, usize) = ([0.0, 0.0, 1.0, -1.0, 0.0, 0.0], 2);
 
 impl Fit {
+    /// The unknowns.
+    #[must_use]
+    pub fn cycle(&self) -> &CycleParams {
+        self.shape.cycle()
+    }
+
     /// Weighted sum of squared residuals, the priors' included, N².
     #[must_use]
     pub fn cost(&self) -> f32 {
@@ -142,10 +148,10 @@ impl Fit {
     #[must_use]
     pub fn forces_alone(&self, rate: Prior) -> Option<Forces> {
         let (normal, right) =
-            without((self.normal, Gradient::default()), [(1, (rate, self.cycle.rate))]);
+            without((self.normal, Gradient::default()), [(1, (rate, self.cycle().rate))]);
         let factor = normal.factor(0.0)?;
         let [_, _, by_static, by_drop, ..] = factor.solve(&right);
-        let mut cycle = self.cycle;
+        let mut cycle = *self.cycle();
         cycle.static_n += by_static;
         cycle.half_drop_n += by_drop;
         let mut forces = Forces::new(&cycle, &factor);
@@ -155,7 +161,7 @@ impl Fit {
 
     /// The factor of its normal equations without what is expected of the swing.
     pub(crate) fn without_swing(&self, swing: Prior) -> Option<Factor> {
-        let value = self.cycle.inverse_omega();
+        let value = self.cycle().inverse_omega();
         let (normal, _) = without((self.normal, Gradient::default()), [(4, (swing, value))]);
         normal.factor(0.0)
     }
@@ -166,10 +172,10 @@ impl Fit {
     /// leaves is no noise, so it would add up over the events.
     #[must_use]
     pub(crate) fn alone(&self, data: &Data<'_>) -> Option<Alone> {
-        let (mut normal, shape) = (Normal::default(), self.cycle.shape());
-        data.add_samples(&mut normal, &shape, 0, usize::MAX);
-        data.add_lines(&mut normal, &shape);
-        let expected = data.priors(&self.cycle).into_iter().enumerate();
+        let mut normal = Normal::default();
+        data.add_samples(&mut normal, &self.shape, 0, usize::MAX);
+        data.add_lines(&mut normal, &self.shape);
+        let expected = data.priors(self.cycle()).into_iter().enumerate();
         let right = normal.right;
         let (normal, right) = without((normal, right), expected.take(UNKNOWNS - 1));
         Some(Alone { factor: normal.factor(0.0)?, right })

@@ -60,15 +60,15 @@ impl OverOnset {
     #[must_use]
     pub fn new(best: &Fit, knows_omega: bool) -> Option<Self> {
         let least = if knows_omega { RESOLVED } else { CLEARLY_RESOLVED };
-        let slide = best.cycle.slide_time();
+        let slide = best.shape.slide_time();
         let fine = if slide < RESOLVED { FINE } else { 1 };
-        let (sums, place, from) = (Sums::default(), 0, best.cycle);
+        let (sums, place, from) = (Sums::default(), 0, *best.cycle());
         (slide < least).then_some(Self { sums, fine, place, from, fitting: None, is_beyond: false })
     }
 
     /// One iteration; breaks with the result after the last place.
     pub fn step(&mut self, data: &Data<'_>, best: &Fit, noise_n2: f32) -> ControlFlow<Posterior> {
-        let onset = best.cycle.onset + offset(self.place, self.fine).0;
+        let onset = best.cycle().onset + offset(self.place, self.fine).0;
         let steepest = self.from.rate + self.from.half_drop_n * self.from.omega;
         let held = Prior { mean: onset, weight: HELD * steepest * steepest };
         let held = Data { onset: held, ..*data };
@@ -97,7 +97,7 @@ impl OverOnset {
         noise_n2: f32,
     ) -> ControlFlow<Posterior> {
         let (by, width) = offset(self.place, self.fine);
-        let onset = best.cycle.onset + by;
+        let onset = best.cycle().onset + by;
         // A slip of samples enough has one best place: where nothing is likely any more
         // nothing is beyond.
         let mut ends = fit.is_none();
@@ -115,7 +115,7 @@ impl OverOnset {
         };
         // The other way begins at the best fit again.
         let turns = self.place > 0 && next < 0;
-        self.from = fit.filter(|_| !turns).map_or(best.cycle, |fit| fit.cycle);
+        self.from = fit.filter(|_| !turns).map_or(*best.cycle(), |fit| *fit.cycle());
         self.place = next;
         ControlFlow::Continue(())
     }
@@ -159,7 +159,7 @@ impl Sums {
         self.weight += weight;
         let variances = [one.static_n2, one.dynamic_n2].into_iter().chain(one.unknowns);
         let differences =
-            values(&one.cycle).into_iter().zip(values(&best.cycle)).map(|(a, b)| a - b);
+            values(&one.cycle).into_iter().zip(values(best.cycle())).map(|(a, b)| a - b);
         for (moment, (difference, variance)) in
             self.moments.iter_mut().zip(differences.zip(variances))
         {
@@ -175,7 +175,7 @@ impl Sums {
         }
         let mean = |i: usize| self.moments[i][0] / self.weight;
         let variance = |i: usize| (self.moments[i][1] / self.weight - mean(i) * mean(i)).max(0.0);
-        let from = &best.cycle;
+        let from = best.cycle();
         let (static_n, dynamic_n) = (from.static_n + mean(0), from.dynamic_n() + mean(1));
         let cycle = CycleParams {
             onset: from.onset + mean(2),
@@ -196,7 +196,7 @@ impl Sums {
         let over = Posterior { cycle, slide_time, static_n2, dynamic_n2, common_n2, unknowns };
         // An onset that is known better than the places are apart: few places have all the
         // weight, and their fits know nothing of the onset's own uncertainty.
-        if from.slide_time() < RESOLVED && over.unknowns[0] > STEP * STEP / 4.0 {
+        if best.shape.slide_time() < RESOLVED && over.unknowns[0] > STEP * STEP / 4.0 {
             over
         } else {
             over.widened(&Posterior::at(best, noise_n2))

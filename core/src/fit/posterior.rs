@@ -97,8 +97,8 @@ impl Posterior {
         let unknowns = fit.variances.map(|variance| noise_n2 * variance);
         let static_n2 = noise_n2 * forces.static_variance;
         let dynamic_n2 = noise_n2 * forces.dynamic_variance;
-        let slide_time = fit.cycle.slide_time();
+        let slide_time = fit.shape.slide_time();
         let common_n2 = (0.0, 0.0);
-        Self { cycle: fit.cycle, slide_time, static_n2, dynamic_n2, common_n2, unknowns }
+        Self { cycle: *fit.cycle(), slide_time, static_n2, dynamic_n2, common_n2, unknowns }
     }
 }

@@ -6,13 +6,15 @@ use crate::num::math::{self, larger, smaller};
 use crate::stats::normal_equations::Gradient;
 
 /// What several formulas of one [`CycleParams`] share.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Shape {
     cycle: CycleParams,
     /// `q = k w / ω`, N.
     q: f32,
     /// `a² = d² + q²` (10), N².
     a2: f32,
+    /// `φ = atan(q / d)`.
+    phase: f32,
     /// `T_slide` (25), or up to the stop on a slack cable.
     slide: f32,
     /// Force per bend by which a winch that gains speed evenly over the slip shifts the centre of
@@ -49,7 +51,7 @@ impl CycleParams {
             }
         };
         let ramp = if slack.is_none() { 1.0 / (slide * self.omega * self.omega) } else { 0.0 };
-        Shape { cycle: *self, q, a2, slide, ramp, arc, slack }
+        Shape { cycle: *self, q, a2, phase, slide, ramp, arc, slack }
     }
 }
 
@@ -58,6 +60,12 @@ impl Shape {
     #[must_use]
     pub fn slide_time(&self) -> f32 {
         self.slide
+    }
+
+    /// Time from the onset to the largest force, `φ / ω`.
+    #[must_use]
+    pub fn peak_time(&self) -> f32 {
+        self.phase / self.cycle.omega
     }
 
     /// Time at which the block rests again.

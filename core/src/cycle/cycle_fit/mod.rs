@@ -225,7 +225,7 @@ impl CycleFit {
                 self.pending.noise_n2 = self.pending.noise_n2.min(own_n2);
             }
         }
-        self.pending.expect(fit.map(|fit| fit.cycle));
+        self.pending.expect(fit.map(|fit| *fit.cycle()));
         let noise_n2 = learnt.noise_n2(&self.pending);
         self.stage = Stage::Expected(self.begin(learnt, noise_n2));
         ControlFlow::Continue(())
@@ -246,8 +246,8 @@ impl CycleFit {
         let ControlFlow::Break(fit) = fitting.step(&data, self.expected.noise_n2) else {
             return ControlFlow::Continue(());
         };
-        let holds = |fit: &Fit| fit.converged && pending.holds(&fit.cycle);
-        let Some(fit) = fit.filter(holds) else {
+        let holds = |fit: &&Fit| fit.converged && pending.holds(&fit.shape);
+        let Some(fit) = fit.as_ref().filter(holds) else {
             // Corners that are not there may be why.
             learnt.corner = Kept::default();
             learnt.contradict();
@@ -256,7 +256,7 @@ impl CycleFit {
         if let Some(reason) = pending.hidden {
             return ControlFlow::Break(Outcome::Failed(reason));
         }
-        (self.fit, self.stage) = (fit, Stage::Fitted);
+        (self.fit, self.stage) = (*fit, Stage::Fitted);
         ControlFlow::Continue(())
     }
 

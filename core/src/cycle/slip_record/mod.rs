@@ -7,7 +7,7 @@ use crate::cycle::slip_record::extremes::Rough;
 use crate::detector::Stick;
 use crate::event::Reason;
 use crate::fit::Samples;
-use crate::model::CycleParams;
+use crate::model::{CycleParams, Shape};
 use crate::noise::ripple::ColoredNoise;
 use crate::num::math::larger;
 use crate::sample::{ForcePoint, since};
@@ -221,21 +221,22 @@ impl SlipRecord {
     /// Is a fitted cycle the slip that the samples show? Its ends lie within half the
     /// drop and the rise of two periods of the highest and the lowest sample, and its fall
     /// begins and ends within two periods, and half of what it takes, of where theirs does.
-    pub(crate) fn holds(&self, cycle: &CycleParams) -> bool {
+    pub(crate) fn holds(&self, shape: &Shape) -> bool {
+        let cycle = shape.cycle();
         let (peak_n, low_n) = (self.peak.force_n, self.low.force_n);
         let far_n = 0.5 * (peak_n - low_n) + 2.0 * cycle.rate;
         let is_near = |a: f32, b: f32| (a - b).abs() < far_n;
         let (from, to) = self.rough.edges;
         let most = 2.0 + 0.5 * (to - from);
-        let lead = self.lead(cycle);
+        let lead = self.lead(shape);
         let begins = (cycle.onset + lead - from).abs() < most;
-        let ends = !cycle.is_taut() || (cycle.shape().stop() - lead - to).abs() < most;
+        let ends = !cycle.is_taut() || (shape.stop() - lead - to).abs() < most;
         begins && ends && is_near(cycle.static_n, peak_n) && is_near(cycle.restick_n(), low_n)
     }
 
     /// Time from the onset to where the force of a cycle has fallen by the edge's part of the
     /// fall, and from where it has yet to fall by it to the stop.
-    fn lead(&self, cycle: &CycleParams) -> f32 {
-        cycle.peak_time() + self.edge_angle() / cycle.omega
+    fn lead(&self, shape: &Shape) -> f32 {
+        shape.peak_time() + self.edge_angle() / shape.cycle().omega
     }
 }

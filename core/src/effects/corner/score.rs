@@ -25,14 +25,13 @@ pub(super) struct Score {
 
 impl Score {
     pub(super) fn of(data: &Data<'_>, fit: &Fit, alone: &Alone) -> Option<Self> {
-        let (corner, cycle) = (data.corner, &fit.cycle);
-        let shape = cycle.shape();
+        let (corner, cycle, shape) = (data.corner, fit.cycle(), &fit.shape);
         let mut products = [Gradient::default(); NUMBERS];
         let mut normal = Normal::default();
         for (time, force_n, weight) in data.levels() {
             let since_onset = time - cycle.onset;
             let (force, mut gradient) = shape.force(time);
-            let shift = corner.shift(&shape, since_onset);
+            let shift = corner.shift(shape, since_onset);
             gradient[0] -= shift.rate;
             let [smoothing, missing, range] = shift.by;
             normal.add(
