@@ -98,49 +98,65 @@ pub(crate) struct Known<'a> {
 
 impl Known<'_> {
     /// Every input but [`Input::Shared`].
-    pub(crate) fn entries(&self, [mu_s, mu]: [f32; 2]) -> [Entry; INPUTS - 1] {
+    fn entries(&self, coefficients: [f32; 2]) -> [Entry; INPUTS - 1] {
+        let Config { weight_n, slope_rad, winch_m_per_s, .. } = *self.config;
+        let (ratio, _) = self.weight_ratio;
+        let [weight, slope, zero, span, damping, winch, drift, change] =
+            self.sensitivities(coefficients);
+        let entry = |input, value, (std, by): (f32, [f32; 2])| {
+            let share = |by: f32| Share { sensitivity: Some(by), contribution: (by * std).abs() };
+            Entry { input, value, std: Some(std), shares: by.map(share) }
+        };
+        [
+            entry(Input::Weight, Some(ratio * weight_n), weight),
+            entry(Input::Slope, Some(slope_rad), slope),
+            entry(Input::Zero, Some(0.0), zero),
+            entry(Input::Span, Some(1.0), span),
+            entry(Input::Damping, Some(0.0), damping),
+            entry(Input::Winch, winch_m_per_s, winch),
+            entry(Input::ZeroDrift, None, drift),
+            entry(Input::WeightChange, Some(ratio), change),
+        ]
+    }
+
+    /// Standard deviation of each of them, and the changes of `mu_s` and `mu` with it.
+    fn sensitivities(&self, [mu_s, mu]: [f32; 2]) -> [(f32, [f32; 2]); INPUTS - 1] {
         let Config { weight_n, slope_rad, winch_m_per_s, std, .. } = *self.config;
         let (ratio, ratio_std) = self.weight_ratio;
         let (sin, cos) = math::sin_cos(slope_rad);
         let (tan, weight_n) = (sin / cos, ratio * weight_n);
-        let both = |by: f32| [by; 2];
         let each = |by: fn(f32, f32) -> f32| [by(mu_s, tan), by(mu, tan)];
         let force = each(|c, tan| -(c + tan));
         let of = |scale: f32| force.map(|by| by / scale);
         let onset = -2.5 * self.overshoot_n / (weight_n * cos);
         let damping = [onset, -core::f32::consts::FRAC_PI_2 * (mu_s - mu)];
-        let entry = |input, value, std: f32, by: [f32; 2]| {
-            let share = |by: f32| Share { sensitivity: Some(by), contribution: (by * std).abs() };
-            Entry { input, value, std: Some(std), shares: by.map(share) }
-        };
-        let zero = both(-1.0 / (weight_n * cos));
-        let winch_std = std.winch * winch_m_per_s.unwrap_or(0.0);
+        let zero = [-1.0 / (weight_n * cos); 2];
         [
-            entry(Input::Weight, Some(weight_n), std.weight * weight_n, of(weight_n)),
-            entry(Input::Slope, Some(slope_rad), std.slope_rad, each(|c, tan| c * tan - 1.0)),
-            entry(Input::Zero, Some(0.0), self.zero_n, zero),
-            entry(Input::Span, Some(1.0), std.span, force),
-            entry(Input::Damping, Some(0.0), self.damping_std, damping),
-            entry(Input::Winch, winch_m_per_s, winch_std, both(0.0)),
-            entry(Input::ZeroDrift, None, self.drift_n, zero),
-            entry(Input::WeightChange, Some(ratio), ratio_std * ratio, of(ratio)),
+            (std.weight * weight_n, of(weight_n)),
+            (std.slope_rad, each(|c, tan| c * tan - 1.0)),
+            (self.zero_n, zero),
+            (std.span, force),
+            (self.damping_std, damping),
+            (std.winch * winch_m_per_s.unwrap_or(0.0), [0.0; 2]),
+            (self.drift_n, zero),
+            (ratio_std * ratio, of(ratio)),
         ]
     }
 
-    /// Standard deviations of both coefficients because of the inputs.
-    pub(crate) fn std(&self, coefficients: [f32; 2]) -> [f32; 2] {
+    /// Variances of both coefficients because of the inputs.
+    pub(crate) fn variances(&self, coefficients: [f32; 2]) -> [f32; 2] {
         let mut variances = [0.0; 2];
-        for entry in self.entries(coefficients) {
-            for (variance, share) in variances.iter_mut().zip(entry.shares) {
-                *variance += square(share.contribution);
+        for (std, by) in self.sensitivities(coefficients) {
+            for (variance, by) in variances.iter_mut().zip(by) {
+                *variance += square(by * std);
             }
         }
-        variances.map(math::sqrt)
+        variances
     }
 }
 
 /// Loading rate over omega, N; zero while one of them is unknown.
-pub(crate) fn overshoot_n(
+fn overshoot_n(
     rate_n_per_s: Option<Quantity>,
     omega_rad_per_s: Option<Quantity>,
 ) -> f32 {

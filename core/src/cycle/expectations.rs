@@ -201,7 +201,7 @@ impl Expectations {
 
     /// The swing, periods, where it is known from earlier events.
     pub(crate) fn swing(&self) -> Option<f32> {
-        self.mass.inverse_omega().known().filter(|_| self.knows_omega()).map(|swing| swing.value)
+        self.mass.inverse_omega().mean().filter(|_| self.knows_omega())
     }
 
     /// Carries the event's own loading rate, swing and bend to the next ones, unless it

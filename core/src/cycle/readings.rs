@@ -33,9 +33,22 @@ impl CycleTracker {
             let value = hz / inverse.value;
             Quantity { value, std: value * inverse.std / inverse.value }
         };
-        let omega = mass.inverse_omega().known().map(omega);
-        let is_known = |omega: &Quantity| omega.std < omega.value / 3.0;
-        (rate.known().map(|rate| rate.times(hz)), omega.filter(is_known))
+        let omega = mass.inverse_omega().known().filter(|_| self.tells_omega()).map(omega);
+        (rate.known().map(|rate| rate.times(hz)), omega)
+    }
+
+    /// Is omega known to a third?
+    fn tells_omega(&self) -> bool {
+        let (swing, variance) = self.learnt.mass.inverse_omega().now();
+        9.0 * variance < swing * swing
+    }
+
+    /// Loading rate over omega, N; zero while one of them is unknown.
+    #[must_use]
+    pub fn overshoot_n(&self) -> f32 {
+        let (hz, Expectations { rate, mass, .. }) = (self.site.rate_hz, &self.learnt);
+        let swing = mass.inverse_omega().mean().filter(|_| self.tells_omega());
+        rate.mean().zip(swing).map_or(0.0, |(rate, swing)| hz * rate / (hz / swing))
     }
 
     /// What the events show of an effect: its numbers.
@@ -79,7 +92,6 @@ impl CycleTracker {
     /// Weight in use over the given one, and its relative standard deviation.
     #[must_use]
     pub fn weight_ratio(&self) -> (f32, f32) {
-        let mass = &self.learnt.mass;
-        (mass.weight_ratio(), mass.weight_ratio_std())
+        self.learnt.mass.weight_ratio_and_std()
     }
 }

@@ -1,6 +1,6 @@
 //! What all samples so far say: the report, what each effect showed, and what is systematic.
 
-use crate::budget::{Known, overshoot_n};
+use crate::budget::Known;
 use crate::coefficient::{Coefficient, Estimate};
 use crate::effect::{Effect, Finding};
 use crate::effects::level_shift::{Cause, Change};
@@ -69,9 +69,9 @@ impl Pipeline {
     fn estimates(&self, known: &Known<'_>) -> (Option<Estimate>, Option<Estimate>) {
         let (mut mu_s, mut mu) = (self.mu_s.estimate(), self.mu.estimate());
         let means = [mu_s.or(mu), mu.or(mu_s)].map(|it| it.map_or(0.0, |it| it.mean));
-        for (estimate, std) in [&mut mu_s, &mut mu].into_iter().zip(known.std(means)) {
+        for (estimate, variance) in [&mut mu_s, &mut mu].into_iter().zip(known.variances(means)) {
             if let Some(it) = estimate {
-                it.systematic_std = math::hypotenuse(it.common_std, std);
+                it.systematic_std = math::hypotenuse(it.common_std, math::sqrt(variance));
             }
         }
         (mu_s, mu)
@@ -86,24 +86,23 @@ impl Pipeline {
         let value = |it: &Option<&mut Coefficient>| it.as_ref().map(|it| it.value);
         let (a, b) = (value(&mu_s), value(&mu));
         let values = [a.or(b), b.or(a)].map(Option::unwrap_or_default);
-        let stds = self.known().std(values);
-        for (coefficient, std) in [mu_s, mu].into_iter().zip(stds) {
+        let variances = self.known().variances(values);
+        for (coefficient, variance) in [mu_s, mu].into_iter().zip(variances) {
             if let Some(it) = coefficient {
-                it.systematic_std = std;
+                it.systematic_std = math::sqrt(variance);
             }
         }
     }
 
     /// The inputs as they are known now.
     fn known(&self) -> Known<'_> {
-        let (loading_rate, omega) = self.cycles.shared();
         Known {
             config: &self.config,
             weight_ratio: self.cycles.weight_ratio(),
             zero_n: self.config.std.zero_n(self.largest_n),
             drift_n: self.cycles.force_n(self.drift.ask(Drift::std)),
             damping_std: self.cycles.damping_std(self.config.std.damping),
-            overshoot_n: overshoot_n(loading_rate, omega),
+            overshoot_n: self.cycles.overshoot_n(),
         }
     }
 

@@ -197,10 +197,11 @@ impl Mass {
         self.weight().value
     }
 
-    /// Its relative standard deviation.
+    /// The same with its relative standard deviation.
     #[must_use]
-    pub fn weight_ratio_std(&self) -> f32 {
-        math::sqrt(self.weight().variance)
+    pub fn weight_ratio_and_std(&self) -> (f32, f32) {
+        let Ratio { value, variance } = self.weight();
+        (value, math::sqrt(variance))
     }
 
     fn weight(&self) -> Ratio {
@@ -265,7 +266,7 @@ mod tests {
     }
 
     fn weight(mass: &Mass) -> (f32, f32) {
-        (mass.weight_ratio(), mass.weight_ratio_std())
+        mass.weight_ratio_and_std()
     }
 
     fn take(mass: &mut Mass, told: &Told) -> Verdict {
