@@ -156,10 +156,7 @@ impl Known<'_> {
 }
 
 /// Loading rate over omega, N; zero while one of them is unknown.
-fn overshoot_n(
-    rate_n_per_s: Option<Quantity>,
-    omega_rad_per_s: Option<Quantity>,
-) -> f32 {
+fn overshoot_n(rate_n_per_s: Option<Quantity>, omega_rad_per_s: Option<Quantity>) -> f32 {
     rate_n_per_s.zip(omega_rad_per_s).map_or(0.0, |(rate, omega)| rate.value / omega.value)
 }
 

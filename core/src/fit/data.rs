@@ -143,7 +143,7 @@ impl Data<'_> {
         let (mut slip, mut wider) = (SlipResiduals::default(), Variances::default());
         let Some(factor) = fit.normal.factor(0.0) else { return (slip, wider) };
         let apart = fit.without_swing(self.inverse_omega);
-        let apart = apart.as_ref().unwrap_or(&factor);
+        let apart = apart.as_ref().map_or(&factor, |alone| &alone.factor);
         let (from, to) = self.samples.slip;
         // Never zero, also for a slip that is no number.
         let stride = ((1.0 + (to - from) / MOST as f32) as usize).max(1);

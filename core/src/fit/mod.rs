@@ -147,9 +147,8 @@ impl Fit {
     /// `None` when the event alone does not determine them.
     #[must_use]
     pub fn forces_alone(&self, rate: Prior) -> Option<Forces> {
-        let (normal, right) =
-            without((self.normal, Gradient::default()), [(1, (rate, self.cycle().rate))]);
-        let factor = normal.factor(0.0)?;
+        let expected = [(1, (rate, self.cycle().rate))];
+        let Alone { factor, right } = without(&self.normal, Gradient::default(), expected)?;
         let [_, _, by_static, by_drop, ..] = factor.solve(&right);
         let mut cycle = *self.cycle();
         cycle.static_n += by_static;
@@ -159,11 +158,10 @@ impl Fit {
         Some(forces)
     }
 
-    /// The factor of its normal equations without what is expected of the swing.
-    pub(crate) fn without_swing(&self, swing: Prior) -> Option<Factor> {
+    /// Its normal equations without what is expected of the swing.
+    pub(crate) fn without_swing(&self, swing: Prior) -> Option<Alone> {
         let value = self.cycle().inverse_omega();
-        let (normal, _) = without((self.normal, Gradient::default()), [(4, (swing, value))]);
-        normal.factor(0.0)
+        without(&self.normal, Gradient::default(), [(4, (swing, value))])
     }
 
     /// What the event tells without what is expected of all but the bend, the last unknown.
@@ -176,9 +174,7 @@ impl Fit {
         data.add_samples(&mut normal, &self.shape, 0, usize::MAX);
         data.add_lines(&mut normal, &self.shape);
         let expected = data.priors(self.cycle()).into_iter().enumerate();
-        let right = normal.right;
-        let (normal, right) = without((normal, right), expected.take(UNKNOWNS - 1));
-        Some(Alone { factor: normal.factor(0.0)?, right })
+        without(&normal, normal.right, expected.take(UNKNOWNS - 1))
     }
 }
 
@@ -189,19 +185,21 @@ pub(crate) struct Alone {
     pub(crate) right: Gradient,
 }
 
-/// Normal equations and their right-hand side without what was expected of some unknowns with
-/// these values.
+/// Normal equations with a right-hand side, without what was expected of some unknowns with these
+/// values.
 fn without(
-    (mut normal, mut right): (Normal, Gradient),
+    normal: &Normal,
+    mut right: Gradient,
     expected: impl IntoIterator<Item = (usize, (Prior, f32))>,
-) -> (Normal, Gradient) {
+) -> Option<Alone> {
+    let mut matrix = normal.matrix;
     for (unknown, (prior, value)) in expected {
-        normal.matrix.add_to_diagonal(unknown, -prior.weight);
+        matrix.add_to_diagonal(unknown, -prior.weight);
         if let Some(right) = right.get_mut(unknown) {
             *right -= prior.weight * (prior.mean - value);
         }
     }
-    (normal, right)
+    Some(Alone { factor: matrix.factor(0.0)?, right })
 }
 
 /// Variance of what single precision leaves of a force, N²: a quiet cell's noise may be

@@ -28,6 +28,14 @@ impl Symmetric {
         self.0.get_mut(place(row, 0)..=place(row, row)).unwrap_or_default()
     }
 
+    /// Factors it with its diagonal raised by `damping` times itself.
+    ///
+    /// `None` when it is singular to working precision.
+    #[must_use]
+    pub(crate) fn factor(&self, damping: f32) -> Option<Factor> {
+        Factor::new(self, damping)
+    }
+
     /// Adds to an entry of the diagonal.
     pub(crate) fn add_to_diagonal(&mut self, unknown: usize, number: f32) {
         if let Some(entry) = self.0.get_mut(place(unknown, unknown)) {
@@ -88,12 +96,10 @@ impl Normal {
         }
     }
 
-    /// Factors the matrix with its diagonal raised by `damping` times itself.
-    ///
-    /// `None` when it is singular to working precision.
+    /// Factors the matrix, see [`Symmetric::factor`].
     #[must_use]
     pub fn factor(&self, damping: f32) -> Option<Factor> {
-        Factor::new(&self.matrix, damping)
+        self.matrix.factor(damping)
     }
 }
 

@@ -23,6 +23,8 @@ pub(crate) struct Rough {
     /// The last sample before that which is still high, and the first one after it which is
     /// low: the highest and the lowest sample may lie anywhere on a slow line.
     pub(super) edges: (f32, f32),
+    /// Part of the drop that begins and ends the fall: beyond what the noise does.
+    pub(super) edge_part: f32,
 }
 
 /// Standard deviation of the swing that winch and weight ask for, a part of it. Tuned: with .03 slips
@@ -46,6 +48,7 @@ impl Rough {
         stick: &Stick,
         window: &Window,
         (peak, low): (ForcePoint, ForcePoint),
+        noise_n: f32,
     ) -> Self {
         let rise = |back: u64| {
             let force_n = window.get(peak.index.checked_sub(back)?)?;
@@ -53,7 +56,8 @@ impl Rough {
         };
         let climb = rise(2).into_iter().chain(rise(1)).reduce(f32::max);
         let line = stick.line.slope().filter(|_| stick.line.count >= 4);
-        let least = 1e-4 * (peak.force_n - low.force_n);
+        let drop_n = peak.force_n - low.force_n;
+        let least = 1e-4 * drop_n;
         let rate = line.or(climb).unwrap_or(0.0).max(least);
         // The force turns faster on the slip's side: of the two samples around each end of the
         // slip the outer one is the highest, or the lowest, more often. Wider for slow ends of
@@ -61,9 +65,11 @@ impl Rough {
         let fall = since(peak.index, low.index);
         let (slide, slide_std) = (fall - 0.4, 0.3 + 0.25 * fall);
         // From the highest to the lowest force the slide turns by π, in all by π + 2 φ.
-        let turn = core::f32::consts::FRAC_2_PI * fall / (peak.force_n - low.force_n);
+        let turn = core::f32::consts::FRAC_2_PI * fall / drop_n;
         let longer = 1.0 + core::f32::consts::FRAC_2_PI * math::atan2(rate * turn, 1.0);
-        Self { rate, slide: slide * longer, slide_std: slide_std * longer, ..Self::default() }
+        let edge_part = math::smaller(0.1 + 3.0 * noise_n / drop_n, 0.3);
+        let (slide, slide_std) = (slide * longer, slide_std * longer);
+        Self { rate, slide, slide_std, edge_part, ..Self::default() }
     }
 
     /// The swing `1/ω` and its standard deviation, periods. Where the samples hardly show how long the
@@ -153,19 +159,13 @@ impl SlipRecord {
         Some(Slack { centre_n, part })
     }
 
-    /// Part of the drop that begins and ends the fall: beyond what the noise does.
-    fn edge_part(&self) -> f32 {
-        let drop_n = self.peak.force_n - self.low.force_n;
-        math::smaller(0.1 + 3.0 * math::sqrt(self.noise_n2) / drop_n, 0.3)
-    }
-
     /// Angle at which half a cosine has fallen by that part.
     pub(crate) fn edge_angle(&self) -> f32 {
-        math::acos(1.0 - 2.0 * self.edge_part())
+        math::acos(1.0 - 2.0 * self.rough.edge_part)
     }
 
     pub(super) fn edges(&self) -> (f32, f32) {
-        let part_n = self.edge_part() * (self.peak.force_n - self.low.force_n);
+        let part_n = self.rough.edge_part * (self.peak.force_n - self.low.force_n);
         let (high_n, low_n) = (self.peak.force_n - part_n, self.low.force_n + part_n);
         let times = (since(self.origin, self.peak.index), since(self.origin, self.low.index));
         let (mut from, middle) = (times.0, self.rough.middle);

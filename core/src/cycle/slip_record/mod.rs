@@ -78,7 +78,7 @@ impl SlipRecord {
             length: 0,
             peak,
             low,
-            rough: Rough::new(stick, window, (peak, low)),
+            rough: Rough::new(stick, window, (peak, low), noise_n),
             noise_n2: noise_n * noise_n,
             wander: ColoredNoise::NONE,
             rest_weight: 1.0,
