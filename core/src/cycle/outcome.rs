@@ -6,6 +6,7 @@ use crate::cycle::{CycleTracker, Finished, refusal};
 use crate::event::{Event, Quality, Reason};
 use crate::fit::posterior::{CLEAR, Posterior};
 use crate::model::{CycleParams, Shape};
+use crate::num::math::larger;
 use crate::sample::SampleTime;
 
 impl CycleTracker {
@@ -115,7 +116,7 @@ impl CycleTracker {
         let hz = self.site.rate_hz;
         let onset = SampleTime::after(pending.origin, cycle.onset);
         let stop = SampleTime::after(pending.origin, shape.stop());
-        let rest = self.last_stop.map(|last| onset.periods_since(last).max(0.0) / hz);
+        let rest = self.last_stop.map(|last| larger(onset.periods_since(last), 0.0) / hz);
         Event {
             index: self.count,
             onset,

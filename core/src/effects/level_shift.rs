@@ -6,6 +6,7 @@
 //! scale is learnt from the differences themselves, so it knows the scatter, the
 //! wandering and the drifts of this very test.
 
+use crate::num::math::{larger, smaller};
 use crate::sample::SampleTime;
 
 /// Why the forces changed, as far as the events tell.
@@ -76,14 +77,14 @@ impl Level {
         if left < 0.0 {
             return;
         }
-        let (share, off) = (1.0 / (left + 1.0).min(MEMORY), oldest - self.before);
+        let (share, off) = (1.0 / smaller(left + 1.0, MEMORY), oldest - self.before);
         self.before += share * off;
         self.scatter += share * (off * off * (1.0 - share) - self.scatter);
         if left >= FEWEST {
             self.off = middle_half(self.recent) - self.before;
-            let share = 1.0 / (compared + 1.0).min(MEMORY);
+            let share = 1.0 / smaller(compared + 1.0, MEMORY);
             // A change is not usual: what exceeds the usual by far counts for less.
-            let square = (self.off * self.off).min(MOST_USUAL * self.usual());
+            let square = smaller(self.off * self.off, MOST_USUAL * self.usual());
             self.difference += share * (square - self.difference);
         }
     }
@@ -92,7 +93,7 @@ impl Level {
     /// eight and the mean before, or more.
     fn usual(&self) -> f32 {
         const INDEPENDENT: f32 = 0.15 + 1.0 / MEMORY;
-        self.difference.max(INDEPENDENT * self.scatter)
+        larger(self.difference, INDEPENDENT * self.scatter)
     }
 
     /// Starts anew, but for the usual difference.

@@ -45,11 +45,15 @@ impl Correlation {
             self.reference = value;
         }
         let x = value - self.reference;
-        self.pair_with_last(x, 0);
+        // In one go: its products with the last ones, and their places.
+        let mut newer = x;
+        for (product, last) in self.products.iter_mut().zip(&mut self.last) {
+            *product += x * *last;
+            newer = core::mem::replace(last, newer);
+        }
         if let Some(slot) = self.first.get_mut(self.count as usize) {
             *slot = x;
         }
-        self.append(x);
         self.sum += x;
         self.count = self.count.saturating_add(1);
     }

@@ -38,7 +38,7 @@ impl Residuals {
     /// `rough_n2` is a rough variance of the noise, for the first events.
     pub fn add(&mut self, squares_n2: f32, free: f32, rough_n2: f32) {
         // Median of χ²/ν over its mean (Wilson and Hilferty).
-        let skew = 1.0 - 2.0 / (9.0 * free.max(1.0));
+        let skew = 1.0 - 2.0 / (9.0 * math::larger(free, 1.0));
         self.median_n2.add(squares_n2 / (free * skew * skew * skew));
         let limit = LIMIT * self.median_n2.value().unwrap_or(ROUGH * rough_n2);
         if self.free > MEMORY {
@@ -64,7 +64,7 @@ impl Residuals {
     pub fn is_outlier(&self, squares_n2: f32, free: f32, rounding_n2: f32) -> bool {
         let usual = self.median_n2.value().zip(self.variance_n2());
         usual.is_some_and(|(median, mean)| {
-            squares_n2 > MISFIT * (median.max(mean) + rounding_n2) * free.max(1.0)
+            squares_n2 > MISFIT * (median.max(mean) + rounding_n2) * math::larger(free, 1.0)
         })
     }
 

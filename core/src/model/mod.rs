@@ -57,7 +57,7 @@ impl CycleParams {
     /// `Fe = 2 Fp − Fs` (16), N; zero when the block comes to rest on a slack cable.
     #[must_use]
     pub fn restick_n(&self) -> f32 {
-        (self.static_n - 2.0 * self.half_drop_n).max(0.0)
+        math::larger(self.static_n - 2.0 * self.half_drop_n, 0.0)
     }
 
     /// Half-length `a` of the ellipse's force axis (10), N.

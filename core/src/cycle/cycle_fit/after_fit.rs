@@ -20,7 +20,7 @@ impl CycleFit {
         let data = self.expected.data(pending, &self.after);
         let (squares_n2, free) = own_residuals(&data, fit);
         // Without what is left around the line after it, which fits whatever the slip does.
-        let (line_n2, points) = (self.after.residual(), (self.after.weight - 2.0).max(0.0));
+        let (line_n2, points) = (self.after.residual(), larger(self.after.weight - 2.0, 0.0));
         let around_n2 = squares_n2 - line_n2;
         let misfit = learnt.is_misfit(pending, around_n2, free - points);
         let counts = free >= 1.0 && !misfit;

@@ -58,7 +58,7 @@ impl Rough {
         let line = stick.line.slope().filter(|_| stick.line.count >= 4);
         let drop_n = peak.force_n - low.force_n;
         let least = 1e-4 * drop_n;
-        let rate = line.or(climb).unwrap_or(0.0).max(least);
+        let rate = larger(line.or(climb).unwrap_or(0.0), least);
         // The force turns faster on the slip's side: of the two samples around each end of the
         // slip the outer one is the highest, or the lowest, more often. Wider for slow ends of
         // long slips.
@@ -86,7 +86,7 @@ impl Rough {
     /// The slip lies around its middle: as much as one sample in between can tell,
     /// for the slips that have no more.
     pub(crate) fn onset(&self, noise_n2: f32) -> Prior {
-        let spread = 0.3 * self.slide.max(1.0);
+        let spread = 0.3 * larger(self.slide, 1.0);
         Prior { mean: self.middle - 0.5 * self.slide, weight: noise_n2 / (spread * spread) }
     }
 }
@@ -167,32 +167,32 @@ impl SlipRecord {
     pub(super) fn edges(&self) -> (f32, f32) {
         let part_n = self.rough.edge_part * (self.peak.force_n - self.low.force_n);
         let (high_n, low_n) = (self.peak.force_n - part_n, self.low.force_n + part_n);
-        let times = (since(self.origin, self.peak.index), since(self.origin, self.low.index));
-        let (mut from, middle) = (times.0, self.rough.middle);
+        let ((peak, low), middle) = (self.extremes(), self.rough.middle);
+        let mut from = peak;
         for (time, force_n) in self.samples().good() {
-            if time > times.0 && time < middle && force_n > high_n {
+            if time > peak && time < middle && force_n > high_n {
                 from = time;
             }
-            if time > middle && time < times.1 && force_n < low_n {
+            if time > middle && time < low && force_n < low_n {
                 return (from, time);
             }
         }
-        (from, times.1)
+        (from, low)
     }
 
     /// Time at which the samples fall through half the drop.
     pub(super) fn crossing(&self) -> f32 {
         let half_n = 0.5 * (self.peak.force_n + self.low.force_n);
-        let peak_time = since(self.origin, self.peak.index);
+        let (peak, low) = self.extremes();
         let mut before = None;
         for (time, force_n) in self.samples().good() {
             match before {
-                Some((earlier, from_n)) if time > peak_time && force_n < half_n => {
+                Some((earlier, from_n)) if time > peak && force_n < half_n => {
                     return time - (time - earlier) * (half_n - force_n) / (from_n - force_n);
                 }
                 _ => before = Some((time, force_n)),
             }
         }
-        0.5 * (peak_time + since(self.origin, self.low.index))
+        0.5 * (peak + low)
     }
 }

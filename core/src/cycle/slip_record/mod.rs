@@ -117,8 +117,8 @@ impl SlipRecord {
     /// Takes the samples `from`, right after those that were taken, to `to`, as many as fit.
     fn take(&mut self, window: &Window, from: u64, to: u64) {
         let room = self.forces_n.get_mut(self.length..).unwrap_or_default();
-        for (entry, index) in room.iter_mut().zip(from..=to) {
-            *entry = window.get(index).unwrap_or(f32::NAN);
+        for (entry, index) in room.iter_mut().zip(from..to + 1) {
+            *entry = window.get_near(index).unwrap_or(f32::NAN);
             self.length += 1;
         }
     }
