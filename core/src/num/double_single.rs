@@ -27,6 +27,15 @@ impl DoubleSingle {
         Self { high: sum, low: low - (sum - high) }
     }
 
+    /// The sum with a number, in place: for loops.
+    #[inline(always)]
+    pub(crate) fn plus(self, number: f32) -> Self {
+        let sum = self.high + number;
+        let part = sum - self.high;
+        let lost = (self.high - (sum - part)) + (number - part);
+        Self::renormed(sum, lost + self.low)
+    }
+
     /// The nearest number of single precision.
     #[must_use]
     pub fn rounded(self) -> f32 {
@@ -82,10 +91,7 @@ impl AddAssign for DoubleSingle {
 impl AddAssign<f32> for DoubleSingle {
     #[inline(never)]
     fn add_assign(&mut self, number: f32) {
-        let sum = self.high + number;
-        let part = sum - self.high;
-        let lost = (self.high - (sum - part)) + (number - part);
-        *self = Self::renormed(sum, lost + self.low);
+        *self = self.plus(number);
     }
 }
 

@@ -78,10 +78,21 @@ core::arch::global_asm!(
         bhs 2b
         bx lr
 
-    @ (to, length)
-    is __aeabi_memclr
+    @ (to, length), on a word: six words at a time
     is __aeabi_memclr4
     is __aeabi_memclr8
+        movs r2, #0
+        movs r3, #0
+        mov ip, r2
+        subs r1, #24
+        blo 2f
+    1:  stm r0!, {{r2, r3, ip}}
+        stm r0!, {{r2, r3, ip}}
+        subs r1, #24
+        bhs 1b
+    2:  adds r1, #24
+    @ (to, length)
+    is __aeabi_memclr
         movs r2, #0
     @ (to, length, byte)
     is __aeabi_memset
