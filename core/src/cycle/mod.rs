@@ -174,15 +174,7 @@ impl CycleTracker {
         detector: &Detector,
         extremes: (ForcePoint, ForcePoint),
     ) -> SlipRecord {
-        let now = detector.last().index;
-        let (start, noise_n) = (self.start(stick), detector.noise_n().unwrap_or(1.0));
-        let mut slip = SlipRecord::new(stick, start, detector.window(), now, extremes, noise_n);
-        slip.wander = detector.wander();
-        slip.rest_weight = detector.rest_weight();
-        if let Some(previous) = self.unfinished() {
-            slip.lengthen_line(previous, stick);
-        }
-        slip
+        SlipRecord::new(detector, stick, self.start(stick), extremes, self.unfinished())
     }
 
     /// First index of an event's samples: where the stick line ends, or right after

@@ -93,6 +93,7 @@ impl Fitting {
         Self::at(first, others, GUESSES)
     }
 
+    #[inline(always)]
     fn at(cycle: CycleParams, others: [CycleParams; GUESSES - 1], left: usize) -> Self {
         // Whatever the first guess costs is less.
         let normal = Normal { cost: f32::INFINITY, ..Normal::default() };

@@ -4,7 +4,7 @@ mod extremes;
 mod initial_guess;
 
 use crate::cycle::slip_record::extremes::Rough;
-use crate::detector::Stick;
+use crate::detector::{Detector, Stick};
 use crate::event::Reason;
 use crate::fit::Samples;
 use crate::model::{CycleParams, Shape};
@@ -61,15 +61,16 @@ pub(crate) struct SlipRecord {
 }
 
 impl SlipRecord {
+    /// The samples from `start` up to the detector's newest one; `previous` is the slip before.
     pub(crate) fn new(
+        detector: &Detector,
         stick: &Stick,
         start: u64,
-        window: &Window,
-        now: u64,
         (peak, low): (ForcePoint, ForcePoint),
-        noise_n: f32,
+        previous: Option<&Self>,
     ) -> Self {
-        let first = stick.next;
+        let (first, window) = (stick.next, detector.window());
+        let noise_n = detector.noise_n().unwrap_or(1.0);
         let mut pending = Self {
             origin: first,
             before: stick.line_from(first),
@@ -80,8 +81,8 @@ impl SlipRecord {
             low,
             rough: Rough::new(stick, window, (peak, low), noise_n),
             noise_n2: noise_n * noise_n,
-            wander: ColoredNoise::NONE,
-            rest_weight: 1.0,
+            wander: detector.wander(),
+            rest_weight: detector.rest_weight(),
             rest_from: since(first, low.index),
             broken: stick.broken,
             hidden: None,
@@ -91,12 +92,15 @@ impl SlipRecord {
             refused: None,
         };
         pending.slip = pending.extremes();
-        pending.take(window, start, now);
+        pending.take(window, start, detector.last().index);
         pending.rough.middle = pending.crossing();
         pending.rough.edges = pending.edges();
         let missing = pending.length - pending.samples().good().count();
         let too_long = (pending.length == CORE).then_some(Reason::TooLong);
         pending.hidden = if missing > 3 { Some(Reason::Hidden) } else { too_long };
+        if let Some(previous) = previous {
+            pending.lengthen_line(previous, stick);
+        }
         pending
     }
 
