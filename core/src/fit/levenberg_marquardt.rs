@@ -197,7 +197,8 @@ impl Fitting {
 
     fn fit(&self, information: &Factor, converged: bool) -> Option<Fit> {
         let Self { cycle, normal, .. } = *self;
-        let (forces, variances) = (Forces::new(&cycle, information), information.variances());
+        let variances = information.variances();
+        let forces = Forces::new(&cycle, variances[2], information);
         let wider = (0.0, 0.0);
         normal.cost.is_finite().then_some(Fit {
             shape: cycle.shape(),

@@ -19,7 +19,7 @@ pub use levenberg_marquardt::Fitting;
 
 use crate::fit::correction::Correction;
 use crate::model::{CycleParams, Shape};
-use crate::stats::normal_equations::{Factor, Gradient, Normal, UNKNOWNS, dot};
+use crate::stats::normal_equations::{Factor, Gradient, Normal, UNKNOWNS};
 use crate::stats::prior::Prior;
 
 /// A fitted event.
@@ -58,9 +58,9 @@ impl Variances {
         for (sum, by) in self.unknowns.iter_mut().zip(moved) {
             *sum += variance * by * by;
         }
-        let by = [STATIC, DYNAMIC].map(|(combination, _)| dot(apart, &combination));
-        self.forces.0 += variance * by[0] * by[0];
-        self.forces.1 += variance * by[1] * by[1];
+        let (by_static, by_dynamic) = forces_by(apart);
+        self.forces.0 += variance * by_static * by_static;
+        self.forces.1 += variance * by_dynamic * by_dynamic;
     }
 }
 
@@ -78,11 +78,10 @@ pub struct Forces {
 }
 
 impl Forces {
-    /// Of a cycle, with the factor of its information matrix.
-    fn new(cycle: &CycleParams, information: &Factor) -> Self {
+    /// Of a cycle, with the variance of `Fs` and the factor of its information matrix.
+    fn new(cycle: &CycleParams, static_variance: f32, information: &Factor) -> Self {
         let (static_n, dynamic_n) = (cycle.static_n, cycle.dynamic_n());
-        let [static_variance, dynamic_variance] =
-            [STATIC, DYNAMIC].map(|(force, first)| information.variance(&force, first));
+        let dynamic_variance = information.spread(&DYNAMIC, FIRST);
         Self { static_n, dynamic_n, static_variance, dynamic_variance }
     }
 
@@ -93,16 +92,23 @@ impl Forces {
 
     /// Takes what is known of the corners since the fit.
     pub(crate) fn take(&mut self, effect: &Correction, noise_n2: f32) {
-        self.static_n += dot(&effect.moved, &STATIC.0);
-        self.dynamic_n += dot(&effect.moved, &DYNAMIC.0);
+        let (static_n, dynamic_n) = forces_by(&effect.moved);
+        self.static_n += static_n;
+        self.dynamic_n += dynamic_n;
         self.static_variance += effect.static_n2 / noise_n2;
         self.dynamic_variance += effect.dynamic_n2 / noise_n2;
     }
 }
 
 /// `Fs` and `Fp` as combinations of the unknowns, and the first of these.
-pub(crate) const STATIC: (Gradient, usize) = ([0.0, 0.0, 1.0, 0.0, 0.0, 0.0], 2);
-pub(crate) const DYNAMIC: (Gradient, usize) = ([0.0, 0.0, 1.0, -1.0, 0.0, 0.0], 2);
+pub(crate) const STATIC: Gradient = [0.0, 0.0, 1.0, 0.0, 0.0, 0.0];
+pub(crate) const DYNAMIC: Gradient = [0.0, 0.0, 1.0, -1.0, 0.0, 0.0];
+const FIRST: usize = 2;
+
+/// By how much `Fs` and `Fp` move when the unknowns do.
+fn forces_by([_, _, static_n, half_drop_n, ..]: &Gradient) -> (f32, f32) {
+    (*static_n, static_n - half_drop_n)
+}
 
 impl Fit {
     /// The unknowns.
@@ -153,7 +159,7 @@ impl Fit {
         let mut cycle = *self.cycle();
         cycle.static_n += by_static;
         cycle.half_drop_n += by_drop;
-        let mut forces = Forces::new(&cycle, &factor);
+        let mut forces = Forces::new(&cycle, factor.spread(&STATIC, FIRST), &factor);
         forces.widen(self.wider);
         Some(forces)
     }

@@ -136,7 +136,7 @@ impl CornerEstimator {
         let mut effect = effect.unwrap_or_default();
         let Corner { smoothing, missing_n, range_n } = self.corner;
         if let Some(score) = &score {
-            let [by_smoothing, by_missing, _] = score.by(&DYNAMIC.0);
+            let [by_smoothing, by_missing, _] = score.by(&DYNAMIC);
             let moved_n = by_smoothing * smoothing + by_missing * missing_n;
             let doubt = math::smaller(other_n2, missing_n * missing_n) / (missing_n * missing_n);
             // Not without creep, whose onset the other departure is taken for.
@@ -176,7 +176,7 @@ impl CornerEstimator {
     fn take(&mut self, score: &Score, noise_n2: f32) -> Option<Correction> {
         if score.is_lost {
             let [static_n2, dynamic_n2] =
-                [STATIC, DYNAMIC].map(|force| self.possible_n2(score.by(&force.0)));
+                [STATIC, DYNAMIC].map(|force| self.possible_n2(score.by(&force)));
             return Some(Correction { static_n2, dynamic_n2, ..Correction::default() });
         }
         if self.count <= 0.0 {
@@ -204,9 +204,9 @@ impl CornerEstimator {
             let by = score.by(force);
             let possible = self.possible_n2(by);
             let by = [by[0], by[1], by[2], 0.0, 0.0, 0.0];
-            excess * factor.variance(&by, 0) + possible
+            excess * factor.variance(&by) + possible
         };
-        let (static_n2, dynamic_n2) = (variance(&STATIC.0), variance(&DYNAMIC.0));
+        let (static_n2, dynamic_n2) = (variance(&STATIC), variance(&DYNAMIC));
         Some(Correction { moved, static_n2, dynamic_n2 })
     }
 
