@@ -14,8 +14,10 @@ const MANTISSA: u32 = 23;
 #[cfg(any(test, target_arch = "arm"))]
 pub(super) fn sqrt(x: f32) -> f32 {
     const HALF: u32 = 0x1FBD_1DF5;
-    // Also not for NaN.
-    if !(f32::MIN_POSITIVE..f32::INFINITY).contains(&x) {
+    const LEAST: u32 = 1 << MANTISSA;
+    const ENDLESS: u32 = 0xFF << MANTISSA;
+    // Also not for NaN, nor below zero.
+    if x.to_bits().wrapping_sub(LEAST) >= ENDLESS - LEAST {
         return unusual_root(x);
     }
     let mut y = f32::from_bits((x.to_bits() >> 1) + HALF);
@@ -37,16 +39,24 @@ pub(super) fn sqrt(x: f32) -> f32 {
 
 /// Zero, below zero, infinite, no number, and what is too small for all its bits.
 #[cfg(any(test, target_arch = "arm"))]
-#[cold]
+#[inline(always)]
 fn unusual_root(x: f32) -> f32 {
-    const SCALE: f32 = 4096.0;
     if x > 0.0 && x < f32::INFINITY {
-        sqrt(x * (SCALE * SCALE)) / SCALE
+        small_root(x)
     } else if x < 0.0 {
         f32::NAN
     } else {
         x
     }
+}
+
+/// Of what is too small for all its bits.
+#[cfg(any(test, target_arch = "arm"))]
+#[cold]
+#[inline(never)]
+fn small_root(x: f32) -> f32 {
+    const SCALE: f32 = 4096.0;
+    sqrt(x * (SCALE * SCALE)) / SCALE
 }
 
 /// Exponential function: `2^k e^r` with `|r| ≤ ½ ln 2`; zero below the smallest normal number.
