@@ -266,6 +266,9 @@ impl Expectations {
     /// Periods before an onset in which the force lacks more than a fifth of the noise.
     pub(crate) fn creep_periods(&self) -> f32 {
         const PART: f32 = 0.2;
+        if self.corner.ask(CornerEstimator::missing_n) <= 0.0 {
+            return 0.0;
+        }
         let known = self.rate.mean().zip(self.residuals.variance_n2());
         let creep = |(rate, noise_n2)| {
             let least_n = PART * math::sqrt(noise_n2);

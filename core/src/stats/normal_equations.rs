@@ -10,6 +10,9 @@ pub const UNKNOWNS: usize = 6;
 /// few samples tell of it is close to a normal distribution.
 pub type Gradient = [f32; UNKNOWNS];
 
+/// Those that the stick line before the slip tells.
+const FIRST: usize = 3;
+
 /// Entries of a symmetric matrix of the fit's size, on its diagonal and below.
 const ENTRIES: usize = UNKNOWNS * (UNKNOWNS + 1) / 2;
 
@@ -78,13 +81,21 @@ impl Normal {
     /// Takes one residual (measured minus model) with its gradient and weight.
     pub fn add(&mut self, residual: f32, gradient: &Gradient, weight: f32) {
         self.cost += weight * residual * residual;
-        for i in 0..UNKNOWNS {
-            let scaled = weight * gradient[i];
-            for (entry, by) in self.matrix.row_mut(i).iter_mut().zip(gradient) {
-                *entry += scaled * by;
-            }
-            self.right[i] += scaled * residual;
+        (0..FIRST).for_each(|unknown| self.add_row(residual, gradient, weight, unknown));
+        // Before the slip the force depends on the first ones alone.
+        let [.., drop, swing, bend] = gradient;
+        if *drop != 0.0 || *swing != 0.0 || *bend != 0.0 {
+            (FIRST..UNKNOWNS).for_each(|unknown| self.add_row(residual, gradient, weight, unknown));
         }
+    }
+
+    #[inline(always)]
+    fn add_row(&mut self, residual: f32, gradient: &Gradient, weight: f32, unknown: usize) {
+        let scaled = weight * gradient[unknown];
+        for (entry, by) in self.matrix.row_mut(unknown).iter_mut().zip(gradient) {
+            *entry += scaled * by;
+        }
+        self.right[unknown] += scaled * residual;
     }
 
     /// Takes a residual that depends on one unknown alone.
