@@ -88,6 +88,9 @@ pub(crate) fn excess_ratio(squares_n2: f32, free: f32, noise_n2: f32) -> f32 {
     const SIGNIFICANT: f32 = 4.0;
     let free = math::larger(free, 1.0);
     let more = squares_n2 / (free * noise_n2) - 1.0;
+    if more <= 0.0 {
+        return 1.0;
+    }
     1.0 + more * surely(more, SIGNIFICANT * math::sqrt(2.0 / free))
 }
 

@@ -61,6 +61,9 @@ impl SlipScatter {
     #[must_use]
     pub fn excess(&self) -> f32 {
         let more = self.pooled.variance_n2().map_or(0.0, |ratio| ratio - 1.0);
+        if more <= 0.0 {
+            return 0.0;
+        }
         let limit = SIGNIFICANT * math::sqrt(2.0 / self.pooled.free());
         // Few of them may be far too small: Student's variance over the normal one's, about.
         let few = 1.0 + 2.0 / self.pooled.free();

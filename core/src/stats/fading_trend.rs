@@ -132,6 +132,9 @@ impl FadingTrend {
     /// Variance between events, as far as it is more than so few events can feign.
     fn significant_excess(&self) -> f32 {
         let between = self.excess / self.weight_squares;
+        if between <= 0.0 {
+            return 0.0;
+        }
         let own = self.count * self.unit / self.line.weight;
         let feigned = own * math::sqrt(2.0 / (self.count - 1.0));
         larger(between, 0.0) * surely(between, feigned)
