@@ -214,7 +214,10 @@ impl Pipeline {
         }
         // A first answer takes as long as a sample has time for: the fit under way waits.
         if transition.is_some() || !(turns || self.cycles.is_idle()) {
-            step.event = self.follow(transition);
+            // An event is long, and seldom.
+            if let Some(event) = self.follow(transition) {
+                step.event = Some(event);
+            }
         }
     }
 

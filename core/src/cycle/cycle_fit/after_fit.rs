@@ -53,13 +53,13 @@ impl CycleFit {
             _ => Strain::None,
         };
         let places = OverOnset::new(fit, learnt.knows_omega()).filter(|_| !misfit);
-        self.stage = if let Some(places) = places {
+        if let Some(places) = places {
             self.expected = learnt.of(pending, &self.after, now_n2);
-            Stage::Places(places)
+            self.stage = Stage::Places(places);
         } else {
             self.measured.posterior = Posterior::at(fit, now_n2);
-            Stage::Telling
-        };
+            self.stage = Stage::Telling;
+        }
         ControlFlow::Continue(())
     }
 
@@ -91,12 +91,12 @@ impl CycleFit {
         // A slip of two samples shows nothing of its corners.
         let asked = *verdict == Verdict::Same && self.strain == Strain::None && shows;
         let alone = if asked { self.fit.alone(&data) } else { None };
-        self.stage = if let Some(alone) = alone {
+        if let Some(alone) = alone {
             let onset_n2 = learnt.learn_scores(&data, &self.fit, &alone, *noise_n2);
-            Stage::Corner(alone, onset_n2)
+            self.stage = Stage::Corner(alone, onset_n2);
         } else {
-            Stage::Told
-        };
+            self.stage = Stage::Told;
+        }
         ControlFlow::Continue(())
     }
 
