@@ -117,6 +117,7 @@ impl Data<'_> {
     }
 
     /// What a sample lies above the model, N, and the model's derivatives.
+    #[inline(always)]
     pub(crate) fn residual(&self, shape: &Shape, time: f32, measured_n: f32) -> (f32, Gradient) {
         // Filled where it lies.
         let mut at = shape.force(time);
