@@ -138,7 +138,6 @@ impl Data<'_> {
     /// told of the swing then has it too and does not help, so for the forces `A` is the one
     /// without that.
     #[must_use]
-    #[cold]
     pub fn slip_scatter(&self, fit: &Fit, noise_n2: f32) -> (SlipResiduals, Variances) {
         const MOST: usize = 12;
         let (mut slip, mut wider) = (SlipResiduals::default(), Variances::default());
