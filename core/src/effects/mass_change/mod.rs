@@ -265,10 +265,6 @@ mod tests {
         Told { inverse_omega, dynamic_n, same_cable: true, strained: false }
     }
 
-    fn weight(mass: &Mass) -> (f32, f32) {
-        mass.weight_ratio_and_std()
-    }
-
     fn take(mass: &mut Mass, told: &Told) -> Verdict {
         mass.forget();
         let verdict = mass.judge(told);
@@ -294,7 +290,7 @@ mod tests {
         let (mass, told) = taken(swings);
         assert_eq!((told[12], told[13]), (Verdict::Suspect, Verdict::Mass));
         assert_eq!(told.iter().filter(|&&verdict| verdict == Verdict::Same).count(), 28);
-        let (ratio, std) = weight(&mass);
+        let (ratio, std) = mass.weight_ratio_and_std();
         assert!((ratio / 0.6667 - 1.0).abs() < 2.5 * std && std < 0.01, "{ratio} {std}");
     }
 
@@ -303,7 +299,7 @@ mod tests {
         let mut swings = [0.9; 40];
         swings[14..].fill(0.8);
         swings[28..].fill(0.6);
-        let (ratio, std) = weight(&taken(swings).0);
+        let (ratio, std) = taken(swings).0.weight_ratio_and_std();
         assert!((ratio * 9.0 / 4.0 - 1.0).abs() < 2.5 * std && std < 0.01, "{ratio} {std}");
     }
 
@@ -313,7 +309,7 @@ mod tests {
         swings[12] = 0.6;
         let (mass, told) = taken(swings);
         assert_eq!((told[12], told[13]), (Verdict::Suspect, Verdict::Same));
-        assert_eq!(weight(&mass), (1.0, 0.0));
+        assert_eq!(mass.weight_ratio_and_std(), (1.0, 0.0));
         assert!((mass.inverse_omega().mean().unwrap() - 0.845).abs() < 0.003);
     }
 
@@ -321,7 +317,7 @@ mod tests {
     fn a_shortening_cable_is_no_change() {
         let (mass, told) = taken(core::array::from_fn::<f32, 200, _>(|i| 0.845 - 0.001 * i as f32));
         assert!(told.iter().all(|&verdict| verdict == Verdict::Same));
-        assert_eq!(weight(&mass), (1.0, 0.0));
+        assert_eq!(mass.weight_ratio_and_std(), (1.0, 0.0));
     }
 
     #[test]
@@ -332,7 +328,7 @@ mod tests {
             take(&mut mass, &measured(i, inverse_omega, 0.004, 490.0))
         });
         assert!(!told.contains(&Verdict::Mass) && told.contains(&Verdict::Unknown));
-        assert_eq!(weight(&mass), (1.0, 0.0));
+        assert_eq!(mass.weight_ratio_and_std(), (1.0, 0.0));
     }
 
     /// Each swing is known to 4 % only.
@@ -344,7 +340,7 @@ mod tests {
             assert!(mass.doubt(490.0));
             let ended = (0..60).find_map(|i| mass.learn(&measured(i, inverse_omega, 0.02, 327.0)));
             assert_eq!(ended, Some(expected));
-            let (ratio, std) = weight(&mass);
+            let (ratio, std) = mass.weight_ratio_and_std();
             let truth = if expected == Verdict::Mass { 0.6667 } else { 1.0 };
             assert!((ratio / truth - 1.0).abs() <= 2.5 * std && std < 0.15, "{ratio} {std}");
         }
