@@ -52,7 +52,7 @@ pub(crate) struct Expected {
     inverse_omega: Prior,
     rate_change: Prior,
     onset: Prior,
-    corner: Corner,
+    pub(crate) corner: Corner,
 }
 
 impl Expected {

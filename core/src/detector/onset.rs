@@ -85,8 +85,7 @@ impl Detector {
         // A forecast is never surer than a sample: most are judged without its spread.
         let spread = || self.spread(now, self.variance(now.index));
         let is_above = |off_n| off_n > far && off_n > far * spread();
-        now.force_n > self.stick.highest.force_n + far
-            && self.stick.off_n(self.stick.time(now.index), now.force_n).is_some_and(is_above)
+        now.force_n > self.stick.highest.force_n + far && self.off_line_n(now).is_some_and(is_above)
     }
 
     /// Would this sample begin a slip, if it came next and is no spike? Tells before

@@ -40,7 +40,7 @@ impl<'a> Samples<'a> {
     }
 
     /// Weight of a sample at a time.
-    fn weight(&self, time: f32) -> f32 {
+    pub(crate) fn weight(&self, time: f32) -> f32 {
         if time > self.rest_from { self.rest_weight } else { 1.0 }
     }
 

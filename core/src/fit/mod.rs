@@ -123,6 +123,11 @@ impl Fit {
         self.normal.cost
     }
 
+    /// Squares that the fits of this event do not have any more, N².
+    pub(crate) fn leave(&mut self, left_n2: f32) {
+        self.normal.cost -= left_n2;
+    }
+
     /// Multiplies all variances: an event that leaves so many times the noise is as much less
     /// sure.
     pub(crate) fn scale(&mut self, ratio: f32) {

@@ -66,6 +66,14 @@ impl OverOnset {
         (slide < least).then_some(Self { sums, fine, place, from, fitting: None, is_beyond: false })
     }
 
+    /// Iterations a sample, so that those of all places end before the next slip if it comes as many
+    /// periods after this one: there are some thirty, and up to a hundred where places lie close
+    /// together.
+    pub(crate) fn steps_a_sample(&self, periods: f32) -> usize {
+        const USUAL: f32 = 80.0;
+        ((USUAL * f32::from(self.fine) / periods) as usize).clamp(3, 8)
+    }
+
     /// One iteration; breaks with the result after the last place.
     pub fn step(&mut self, data: &Data<'_>, best: &Fit, noise_n2: f32) -> ControlFlow<Posterior> {
         let onset = best.cycle().onset + offset(self.place, self.fine).0;

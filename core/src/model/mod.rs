@@ -133,7 +133,7 @@ pub(crate) mod tests {
     use super::*;
 
     /// DFF8-13 in sampling periods of 1/16 s.
-    pub(super) fn dff8_13() -> CycleParams {
+    pub(crate) fn dff8_13() -> CycleParams {
         let (static_n, half_drop_n) = (781.2, 289.8);
         CycleParams {
             onset: 3.3,

@@ -56,11 +56,23 @@ impl CycleFit {
         if let Some(places) = places {
             self.expected = learnt.of(pending, &self.after, now_n2);
             self.stage = Stage::Places(places);
+            self.shorten();
         } else {
             self.measured.posterior = Posterior::at(fit, now_n2);
             self.stage = Stage::Telling;
         }
         ControlFlow::Continue(())
+    }
+
+    /// Leaves to the stick lines what lies on them with all places of the onset.
+    fn shorten(&mut self) {
+        const FAR: f32 = 1.25;
+        let (fit, pending) = (&mut self.fit, &mut self.pending);
+        if self.expected.corner.is_sharp() && fit.cycle().is_taut() && pending.wander.level <= 0.0 {
+            let (onset, stop) = (fit.cycle().onset, fit.shape.stop());
+            let left_n2 = pending.shorten(&mut self.after, (onset - FAR, stop + FAR));
+            fit.leave(left_n2);
+        }
     }
 
     /// Carries what the event tells to the next ones.

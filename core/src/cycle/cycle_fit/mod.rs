@@ -24,8 +24,8 @@ use crate::fit::{Alone, Fit, Fitting, Forces};
 use crate::num::math::{self, larger};
 use crate::stats::line::Line;
 
-/// Samples' worth of iterations that are still made when the next event wants to be fitted.
-const LEFT: usize = 5;
+/// Iterations that are still made when the next event wants to be fitted.
+const LEFT: usize = 15;
 
 /// Periods from the highest to the lowest sample that tell when a slip began and how long it took:
 /// a single sample in between could be anywhere in slips of many lengths.
@@ -136,19 +136,17 @@ impl CycleFit {
         }
     }
 
-    /// Steps a sample: as many as one has time for. With fewer iterations, unresolved slips in quick
-    /// succession have no place of their onset in time, and first events no fit.
+    /// Steps a sample, as many as one has time for. With fewer passes over the samples first events
+    /// in quick succession have no fit in time.
     pub(crate) fn iterations(&self) -> usize {
-        if self.is_long() {
-            return 1;
-        }
-        let is_place = matches!(self.stage, Stage::Places(_));
-        if is_place { self.iterations_of(3, 8) } else { self.iterations_of(1, 3) }
-    }
-
-    fn iterations_of(&self, times: usize, most: usize) -> usize {
         const TIME: usize = 52;
-        iterations_within(times * TIME, self.pending.samples().forces_n.len()).clamp(1, most)
+        match &self.stage {
+            Stage::New | Stage::Free(_) | Stage::Expected(_) => {
+                iterations_within(TIME, self.pending.samples().forces_n.len()).clamp(1, 3)
+            }
+            Stage::Places(places) => places.steps_a_sample(self.pending.limit),
+            Stage::Fitted | Stage::Telling | Stage::Terms | Stage::Corner(..) | Stage::Told => 1,
+        }
     }
 
     /// Is the next step as long as all that a sample has time for?
@@ -170,7 +168,7 @@ impl CycleFit {
                 return outcome;
             }
         }
-        for _ in 0..LEFT * self.iterations_of(1, 3) {
+        for _ in 0..LEFT {
             if matches!(self.stage, Stage::Places(_) | Stage::Telling) {
                 break;
             }

@@ -2,6 +2,7 @@
 
 mod extremes;
 mod initial_guess;
+mod shorten;
 
 use crate::cycle::slip_record::extremes::Rough;
 use crate::detector::{Detector, Stick};
