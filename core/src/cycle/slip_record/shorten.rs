@@ -41,6 +41,7 @@ mod tests {
     use crate::model::corner::Corner;
     use crate::model::tests::dff8_13;
     use crate::noise::ripple::ColoredNoise;
+    use crate::num::math;
     use crate::sample::ForcePoint;
     use crate::stats::normal_equations::{Normal, UNKNOWNS};
     use crate::stats::prior::Prior;
@@ -120,10 +121,10 @@ mod tests {
         let near = |a: f32, b: f32, size: f32| (a - b).abs() < 2e-5 * size;
         assert!(near(short.cost + left_n2, whole.cost, whole.cost), "{} {left_n2}", short.cost);
         for i in 0..UNKNOWNS {
-            let size = libm::sqrtf(whole.matrix[[i, i]] * whole.cost);
+            let size = math::sqrt(whole.matrix[[i, i]] * whole.cost);
             assert!(near(short.right[i], whole.right[i], size), "{i} {}", short.right[i]);
             for j in 0..=i {
-                let size = libm::sqrtf(whole.matrix[[i, i]] * whole.matrix[[j, j]]);
+                let size = math::sqrt(whole.matrix[[i, i]] * whole.matrix[[j, j]]);
                 assert!(near(short.matrix[[i, j]], whole.matrix[[i, j]], size), "{i} {j}");
             }
         }
