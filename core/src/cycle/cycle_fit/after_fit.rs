@@ -5,6 +5,7 @@ use core::ops::ControlFlow;
 
 use crate::cycle::cycle_fit::{CycleFit, Measured, Outcome, Stage};
 use crate::cycle::expectations::{Expectations, is_clear, is_strained, own_residuals};
+use crate::cycle::slip_record::UNSURE;
 use crate::effects::mass_change::Verdict;
 use crate::event::Reason;
 use crate::fit::over_onset::OverOnset;
@@ -64,9 +65,10 @@ impl CycleFit {
         ControlFlow::Continue(())
     }
 
-    /// Leaves to the stick lines what lies on them with all places of the onset.
+    /// Leaves to the stick lines what lies on them with all places of the onset: these reach a period
+    /// to either side, and the stop is not known better than before the last fit.
     fn shorten(&mut self) {
-        const FAR: f32 = 1.25;
+        const FAR: f32 = 1.0 + UNSURE;
         let (fit, pending) = (&mut self.fit, &mut self.pending);
         if self.expected.corner.is_sharp() && fit.cycle().is_taut() && pending.wander.level <= 0.0 {
             let (onset, stop) = (fit.cycle().onset, fit.shape.stop());

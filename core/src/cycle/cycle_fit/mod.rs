@@ -140,13 +140,14 @@ impl CycleFit {
     /// in quick succession have no fit in time.
     pub(crate) fn iterations(&self) -> usize {
         const TIME: usize = 52;
-        match &self.stage {
-            Stage::New | Stage::Free(_) | Stage::Expected(_) => {
-                iterations_within(TIME, self.pending.samples().forces_n.len()).clamp(1, 3)
+        let (times, most) = match &self.stage {
+            Stage::New | Stage::Free(_) | Stage::Expected(_) => (1, 3),
+            Stage::Places(places) => (3, places.steps_a_sample(self.pending.limit)),
+            Stage::Fitted | Stage::Telling | Stage::Terms | Stage::Corner(..) | Stage::Told => {
+                return 1;
             }
-            Stage::Places(places) => places.steps_a_sample(self.pending.limit),
-            Stage::Fitted | Stage::Telling | Stage::Terms | Stage::Corner(..) | Stage::Told => 1,
-        }
+        };
+        iterations_within(times * TIME, self.pending.samples().forces_n.len()).clamp(1, most)
     }
 
     /// Is the next step as long as all that a sample has time for?
