@@ -97,7 +97,7 @@ impl Route {
         // unknowns are written out.
         flags.push(
             "-Cllvm-args=--inline-threshold=6 --enable-machine-outliner=always \
-             --unroll-full-max-count=6"
+             --unroll-full-max-count=6 --arm-promote-constant --arm-promote-constant-max-size=256 --arm-promote-constant-max-total=4096"
                 .into(),
         );
         if self == Self::Debian {

@@ -12,9 +12,6 @@ use crate::stats::line::Line;
 
 /// Steps of the fit for the first answer, which is wanted at once: two are usual.
 const FIRST_STEPS: usize = 5;
-/// The same for the first three events of a test, whose omega is unknown: five guesses and
-/// most iterations. These are the longest steps there are.
-const STEPS_UNKNOWN: usize = 10;
 /// Samples that all steps together may look at: the time there is.
 const FIRST_SAMPLES: usize = 120;
 
@@ -40,8 +37,7 @@ impl CycleTracker {
         let (stick, extremes) = (detector.stick(), detector.extremes());
         let slip = self.slip(stick, detector, extremes);
         let noise_n2 = self.learnt.fitted_noise_n2(&slip);
-        let most = if self.learnt.knows_omega() { FIRST_STEPS } else { STEPS_UNKNOWN };
-        let steps = most.min(iterations_within(FIRST_SAMPLES, slip.samples().forces_n.len()));
+        let steps = FIRST_STEPS.min(iterations_within(FIRST_SAMPLES, slip.samples().forces_n.len()));
         let none = Line::default();
         let data = self.learnt.of(&slip, &none, noise_n2).data(&slip, &none);
         let mut fitting = slip.guess(&data, self.learnt.knows_omega());

@@ -129,6 +129,16 @@ impl Data<'_> {
         at
     }
 
+    /// Weighted squares of what samples and lines are off a shape, N².
+    #[inline(never)]
+    pub(crate) fn squares_n2(&self, shape: &Shape) -> f32 {
+        let square_n2 = |(time, force_n, weight): (f32, f32, f32)| {
+            let off_n = self.residual(shape, time, force_n).0;
+            weight * off_n * off_n
+        };
+        self.levels().map(square_n2).sum()
+    }
+
     /// What the samples of the slip scatter at a fit, in units of the noise's variance, and what
     /// a scatter beyond the noise of `λ` = 1 adds to the variances; of a long slip a part of them,
     /// evenly spread.

@@ -23,8 +23,6 @@ const MOST_DAMPING: f32 = 1e9;
 
 /// Samples that one step looks at: most slips have fewer, and are passed over in one step.
 const SAMPLES_A_STEP: usize = 32;
-/// Most guesses to choose from.
-const GUESSES: usize = 5;
 
 /// A fit under way, so that a board can do a piece of it with each sample.
 ///
@@ -34,9 +32,6 @@ const GUESSES: usize = 5;
 /// factorisation.
 #[derive(Clone, Copy, Debug)]
 pub struct Fitting {
-    /// Where else to begin, if not at the first guess: the best of them counts.
-    others: [CycleParams; GUESSES - 1],
-    left: usize,
     /// The best so far.
     cycle: CycleParams,
     normal: Normal,
@@ -77,28 +72,17 @@ impl Fitting {
     /// Starts from a guess.
     #[must_use]
     pub fn new(guess: &CycleParams) -> Self {
-        Self::at(limited(*guess), [CycleParams::default(); GUESSES - 1], 1)
+        let cycle = limited(*guess);
+        // Whatever the guess costs is less.
+        let normal = Normal { cost: f32::INFINITY, ..Normal::default() };
+        let pass = Some(Pass::at(cycle));
+        Self { cycle, normal, gain: 0.0, damping: 0.0, steps: 0, pass }
     }
 
     /// Starts from a guess, for so many steps at most.
     #[must_use]
     pub fn brief(guess: &CycleParams, most_steps: u8) -> Self {
         Self { steps: MOST_STEPS.saturating_sub(most_steps), ..Self::new(guess) }
-    }
-
-    /// Starts from the best of some guesses.
-    #[must_use]
-    pub fn among(guesses: [CycleParams; GUESSES]) -> Self {
-        let [first, others @ ..] = guesses.map(limited);
-        Self::at(first, others, GUESSES)
-    }
-
-    #[inline(always)]
-    fn at(cycle: CycleParams, others: [CycleParams; GUESSES - 1], left: usize) -> Self {
-        // Whatever the first guess costs is less.
-        let normal = Normal { cost: f32::INFINITY, ..Normal::default() };
-        let pass = Some(Pass::at(cycle));
-        Self { others, left, cycle, normal, gain: 0.0, damping: 0.0, steps: 0, pass }
     }
 
     /// One piece. Breaks with the fit, or with `None` when the data do not determine the
@@ -113,24 +97,9 @@ impl Fitting {
             }
             let Pass { trial, normal, .. } = *pass;
             self.pass = None;
-            if self.left == 0 {
-                self.judge(trial, normal, noise_n2)?;
-            } else if self.choose(trial, normal) {
-                return ControlFlow::Continue(());
-            }
+            self.judge(trial, normal, noise_n2)?;
         }
         self.propose(data, noise_n2)
-    }
-
-    /// Keeps the better guess and goes on with the next one, if there is one.
-    fn choose(&mut self, trial: CycleParams, normal: Normal) -> bool {
-        if normal.cost < self.normal.cost {
-            (self.cycle, self.normal) = (trial, normal);
-        }
-        self.left -= 1;
-        let next = self.others.iter().rev().nth(self.left.wrapping_sub(1));
-        self.pass = next.map(|guess| Pass::at(*guess));
-        self.pass.is_some()
     }
 
     /// Takes the trial, or refuses it.

@@ -3,9 +3,12 @@
 use crate::cycle::slip_record::{PI, SlipRecord};
 use crate::fit::{Data, Fitting};
 use crate::model::CycleParams;
-use crate::num::math;
+use crate::num::math::{self, larger};
 use crate::sample::since;
 use crate::stats::line::Line;
+
+/// Lengths of a slip that are tried, parts of the time from its highest to its lowest sample.
+const PARTS: [f32; 5] = [1.0, 0.6, 0.8, 1.25, 1.6];
 
 impl SlipRecord {
     /// Begins a fit where an earlier one ended.
@@ -18,37 +21,40 @@ impl SlipRecord {
     /// Begins at a guess: the lines' level and slope, half-way down in time, and the
     /// slip's length that fits best of a few.
     pub(crate) fn guess(&self, data: &Data<'_>, known_swing: bool) -> Fitting {
-        let (peak_n, low_n) = (self.peak.force_n, self.low.force_n);
+        let middle_n = 0.5 * (self.peak.force_n + self.low.force_n);
         let slack = self.slack(data.after);
-        let centre_n = slack.map_or(0.5 * (peak_n + low_n), |slack| slack.centre_n);
-        let half_drop_n = peak_n - centre_n;
-        let rate = data.rate.mean;
-        let with_swing = |inverse_omega: f32| {
-            let phase = math::atan2(rate * inverse_omega, half_drop_n);
-            let amplitude_n = half_drop_n / math::sin_cos(phase).1;
-            let half_way = phase + math::acos((0.5 * (peak_n + low_n) - centre_n) / amplitude_n);
-            let onset = self.rough.middle - half_way * inverse_omega;
-            let static_n =
-                if self.before.count >= 3 { self.before.at(onset, rate) } else { peak_n };
-            CycleParams {
-                onset,
-                rate,
-                static_n,
-                half_drop_n,
-                omega: 1.0 / inverse_omega,
-                rate_change: 0.0,
-            }
-        };
+        let centre_n = slack.map_or(middle_n, |slack| slack.centre_n);
         if known_swing {
-            return Fitting::new(&self.through_samples(with_swing(data.inverse_omega.mean)));
+            let guess = self.with_swing(data.inverse_omega.mean, data.rate.mean, centre_n);
+            return Fitting::new(&self.through_samples(guess));
         }
         let fall = self.fall() / slack.map_or(1.0, |slack| slack.part);
-        let with_part = |part: f32| {
-            let slide = (part * fall).max(0.5);
-            let phase = math::atan2(rate * slide, PI * half_drop_n);
-            with_swing(slide / (PI + 2.0 * phase))
-        };
-        Fitting::among([1.0, 0.6, 0.8, 1.25, 1.6].map(with_part))
+        let mut best = (f32::INFINITY, CycleParams::default());
+        // The highest and the lowest sample are half a period off their times, or less.
+        for part in PARTS.into_iter().filter(|part| (part - 1.0).abs() * fall <= 1.0) {
+            let slide = larger(part * fall, 0.5);
+            let phase = math::atan2(data.rate.mean * slide, PI * (self.peak.force_n - centre_n));
+            let guess = self.with_swing(slide / (PI + 2.0 * phase), data.rate.mean, centre_n);
+            let squares_n2 = data.squares_n2(&guess.shape());
+            if squares_n2 < best.0 {
+                best = (squares_n2, guess);
+            }
+        }
+        Fitting::new(&best.1)
+    }
+
+    /// A guess through the lines' level and slope and half-way down, about a centre, N.
+    #[inline(never)]
+    fn with_swing(&self, inverse_omega: f32, rate: f32, centre_n: f32) -> CycleParams {
+        let (peak_n, low_n) = (self.peak.force_n, self.low.force_n);
+        let half_drop_n = peak_n - centre_n;
+        let phase = math::atan2(rate * inverse_omega, half_drop_n);
+        let amplitude_n = half_drop_n / math::sin_cos(phase).1;
+        let half_way = phase + math::acos((0.5 * (peak_n + low_n) - centre_n) / amplitude_n);
+        let onset = self.rough.middle - half_way * inverse_omega;
+        let static_n = if self.before.count >= 3 { self.before.at(onset, rate) } else { peak_n };
+        let omega = 1.0 / inverse_omega;
+        CycleParams { onset, rate, static_n, half_drop_n, omega, rate_change: 0.0 }
     }
 
     /// Moves the onset, along the stick line, and the drop of a guess so that it goes through
