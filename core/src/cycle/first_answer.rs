@@ -37,7 +37,8 @@ impl CycleTracker {
         let (stick, extremes) = (detector.stick(), detector.extremes());
         let slip = self.slip(stick, detector, extremes);
         let noise_n2 = self.learnt.fitted_noise_n2(&slip);
-        let steps = FIRST_STEPS.min(iterations_within(FIRST_SAMPLES, slip.samples().forces_n.len()));
+        let steps =
+            FIRST_STEPS.min(iterations_within(FIRST_SAMPLES, slip.samples().forces_n.len()));
         let none = Line::default();
         let data = self.learnt.of(&slip, &none, noise_n2).data(&slip, &none);
         let mut fitting = slip.guess(&data, self.learnt.knows_omega());

@@ -75,10 +75,11 @@ impl CycleTracker {
         let periods = next - cycle.onset;
         let mut folded = is_clear && refusal::is_folded(&site, rate, swing, periods);
         if periods < refusal::FAST {
-            if unknowns[1] > cycle.rate * cycle.rate {
+            let (rate, swing) = ((cycle.rate, unknowns[1]), (cycle.inverse_omega(), unknowns[4]));
+            let drop = (cycle.half_drop_n, unknowns[3]);
+            if !(refusal::is_no_chance(rate) && refusal::is_no_chance(drop)) {
                 return Some(Reason::TooShort);
             }
-            let (rate, swing) = ((cycle.rate, unknowns[1]), (cycle.inverse_omega(), unknowns[4]));
             folded |= posterior.tells_swing(unknowns[4])
                 && refusal::is_folded(&site, rate, swing, periods);
             if refusal::is_lame(&site, rate, swing) {

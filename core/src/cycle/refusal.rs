@@ -153,6 +153,12 @@ fn stiffness_ratio(site: &Site, rate: f32, swing: f32) -> f32 {
     rate * swing * swing / site.momentum
 }
 
+/// Is a value, with its variance, more than chance? What may be nothing says nothing: fits of slips
+/// that follow each other too fast may end with hardly a drop. Not for NaN.
+pub(crate) fn is_no_chance((value, variance): (f32, f32)) -> bool {
+    SURE * SURE * variance < value * value
+}
+
 /// Is a part of the root of that ratio more than chance?
 fn exceeds(part: f32, rate: (f32, f32), swing: (f32, f32)) -> bool {
     // Of the root, the rate counts half.
