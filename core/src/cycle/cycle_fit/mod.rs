@@ -25,7 +25,7 @@ use crate::num::math::{self, larger};
 use crate::stats::line::Line;
 
 /// Iterations that are still made when the next event wants to be fitted.
-const LEFT: usize = 15;
+const LEFT: usize = 8;
 
 /// Periods from the highest to the lowest sample that tell when a slip began and how long it took:
 /// a single sample in between could be anywhere in slips of many lengths.
