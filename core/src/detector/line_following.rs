@@ -134,7 +134,7 @@ impl Detector {
             }
             let was_flat = profile.is_flat();
             let line = stick.is_straight().then(|| stick.line_from(origin));
-            profile.learn(line, (origin..next).map(|index| window.get(index)));
+            profile.learn(line, window.between(origin, next));
             was_flat && !profile.is_flat()
         });
         if begins {

@@ -180,7 +180,7 @@ impl Fitting {
     }
 }
 
-fn moved(cycle: &CycleParams, step: &Gradient) -> CycleParams {
+pub(super) fn moved(cycle: &CycleParams, step: &Gradient) -> CycleParams {
     // Omega and the rate stay positive by never losing more than two thirds at once. Not
     // `clamp`, which panics at a limit that is no number.
     let grown = |value: f32, by: f32| smaller(larger(value + by, 0.33 * value), 3.0 * value);

@@ -9,6 +9,7 @@
 
 use core::ops::ControlFlow;
 
+use crate::fit::levenberg_marquardt::moved;
 use crate::fit::posterior::{Posterior, RESOLVED};
 use crate::fit::{Data, Fit, Fitting};
 use crate::model::CycleParams;
@@ -24,9 +25,6 @@ const STEPS: i16 = 8;
 /// How many times closer those within the first step are where the slip is short: a sample right at
 /// an end of it leaves a tenth of a period open.
 const FINE: i16 = 4;
-/// There the fit at a place begins with a slip that is shorter by this factor: where the slip ends
-/// right after a sample, which shows none of its length, a longer one finds no way past it.
-const SHORTER: f32 = 1.2;
 /// Information that holds the onset in its place: so many times what one sample on
 /// the steepest part of the slip would tell.
 const HELD: f32 = 1e4;
@@ -70,8 +68,8 @@ impl OverOnset {
     /// periods after this one: there are some thirty, and up to a hundred where places lie close
     /// together.
     pub(crate) fn steps_a_sample(&self, periods: f32) -> usize {
-        const USUAL: f32 = 80.0;
-        ((USUAL * f32::from(self.fine) / periods) as usize).clamp(3, 8)
+        const USUAL: f32 = 40.0;
+        ((USUAL * f32::from(self.fine) / periods) as usize).clamp(2, 4)
     }
 
     /// One iteration; breaks with the result after the last place.
@@ -80,8 +78,7 @@ impl OverOnset {
         let steepest = self.from.rate + self.from.half_drop_n * self.from.omega;
         let held = Prior { mean: onset, weight: HELD * steepest * steepest };
         let held = Data { onset: held, ..*data };
-        let shorter = if self.fine > 1 { SHORTER } else { 1.0 };
-        let guess = CycleParams { onset, omega: shorter * self.from.omega, ..self.from };
+        let guess = CycleParams { onset, ..self.from };
         let fitting = self.fitting.get_or_insert_with(|| Fitting::brief(&guess, MOST_STEPS));
         let ControlFlow::Break(fit) = fitting.step(&held, noise_n2) else {
             return ControlFlow::Continue(());
@@ -123,10 +120,23 @@ impl OverOnset {
         };
         // The other way begins at the best fit again.
         let turns = self.place > 0 && next < 0;
-        self.from = fit.filter(|_| !turns).map_or(*best.cycle(), |fit| *fit.cycle());
+        let (fit, here) = match &fit {
+            Some(fit) if !turns => (fit, by),
+            _ => (best, 0.0),
+        };
+        self.from = along(fit, offset(next, self.fine).0 - here);
         self.place = next;
         ControlFlow::Continue(())
     }
+}
+
+/// A fit whose onset is moved, the other unknowns with it as far as the data tie them to it.
+fn along(fit: &Fit, by: f32) -> CycleParams {
+    let onset = [1.0, 0.0, 0.0, 0.0, 0.0, 0.0];
+    let Some(tied) = fit.normal.factor(0.0).map(|factor| factor.solve(&onset)) else {
+        return *fit.cycle();
+    };
+    moved(fit.cycle(), &tied.map(|entry| by * entry / tied[0]))
 }
 
 /// How far a place is from the best fit, periods, and how wide the part is that it stands for,

@@ -75,32 +75,17 @@ impl FlopProfile {
     }
 
     /// Takes a stick: its line, if all samples were followed by one, and its forces, N, one a
-    /// period; `None` is missing.
-    pub fn learn(
-        &mut self,
-        line: Option<Line>,
-        forces_n: impl Iterator<Item = Option<f32>> + Clone,
-    ) {
-        let samples = || (0_u16..).map(f32::from).zip(forces_n.clone());
-        let line = line.unwrap_or_else(|| {
-            let mut line = Line::default();
-            for (age, force_n) in samples() {
-                let weight = self.weight(age);
-                if let Some(force_n) = force_n {
-                    line.add(age, force_n, weight, weight);
-                }
-            }
-            line
-        });
+    /// period, in two parts; NaN is missing.
+    pub fn learn(&mut self, line: Option<Line>, forces_n: [&[f32]; 2]) {
+        let line = line.unwrap_or_else(|| self.line(forces_n));
         let Some(slope) = line.slope().filter(|_| line.count >= FEWEST) else { return };
         let usual_n2 = if self.late > 0.0 { self.late_n2 / self.late } else { f32::INFINITY };
         self.fade();
         let half = 0.5 * line.count as f32;
         let taper = self.taper(half);
         let (mut v, step) = (1.0, math::exp(-taper));
-        for (age, force_n) in samples() {
-            if let Some(force_n) = force_n {
-                let variance = self.variance(age);
+        for (age, force_n, variance) in self.samples(forces_n) {
+            if !force_n.is_nan() {
                 let off_n = force_n - line.at(age, slope);
                 let free = larger(1.0 - line.leverage(age) / variance, 0.1);
                 let square_n2 = smaller(off_n * off_n / free, LARGEST * usual_n2 * variance);
@@ -114,6 +99,33 @@ impl FlopProfile {
             v *= step;
         }
         self.solve(taper);
+    }
+
+    /// The line through a stick, each sample with its weight.
+    fn line(&self, forces_n: [&[f32]; 2]) -> Line {
+        let mut line = Line::default();
+        for (age, force_n, variance) in self.samples(forces_n) {
+            if !force_n.is_nan() {
+                line.add(age, force_n, 1.0 / variance, 1.0 / variance);
+            }
+        }
+        line
+    }
+
+    /// Age, force, N, and variance of each sample.
+    #[inline(always)]
+    fn samples<'a>(
+        &self,
+        [first, second]: [&'a [f32]; 2],
+    ) -> impl Iterator<Item = (f32, f32, f32)> + 'a {
+        let (mut excess, step) = (self.excess, math::exp(-self.decay));
+        let mut age = -1.0;
+        first.iter().chain(second).map(move |&force_n| {
+            let variance = 1.0 + excess;
+            excess *= step;
+            age += 1.0;
+            (age, force_n, variance)
+        })
     }
 
     fn fade(&mut self) {
@@ -175,13 +187,13 @@ mod tests {
     fn seen(amplitude_n: f32, decay: f32, length: usize, sticks: u32) -> FlopProfile {
         let (mut profile, mut random) = (FlopProfile::default(), Random(1));
         for _ in 0..sticks {
-            let forces_n: [Option<f32>; 192] = core::array::from_fn(|i| {
+            let forces_n: [f32; 192] = core::array::from_fn(|i| {
                 let age = i as f32;
                 let inverse_omega = (-decay * age).exp() * (1.3 * age + 3.0).sin();
-                (i % 11 != 5)
-                    .then(|| 200.0 + 22.0 * age + amplitude_n * inverse_omega + random.normal())
+                let force_n = 200.0 + 22.0 * age + amplitude_n * inverse_omega + random.normal();
+                if i % 11 == 5 { f32::NAN } else { force_n }
             });
-            profile.learn(None, forces_n.into_iter().take(length));
+            profile.learn(None, [forces_n.get(..length).unwrap(), &[]]);
         }
         profile
     }
@@ -212,7 +224,7 @@ mod tests {
         assert!(seen(30.0, 0.2, 26, 1).is_flat());
         assert!(seen(30.0, 0.2, 7, 50).is_flat());
         let mut profile = FlopProfile::default();
-        (0..20).for_each(|_| profile.learn(None, (0..20).map(|_| Some(5.0))));
+        (0..20).for_each(|_| profile.learn(None, [&[5.0; 20], &[]]));
         assert!(profile.is_flat(), "a force without noise");
     }
 }

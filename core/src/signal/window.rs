@@ -73,6 +73,18 @@ impl Window {
         self.forces_n.get(slot(index)).copied().filter(|force_n| !force_n.is_nan())
     }
 
+    /// Forces from an index up to another one, in two parts where the ring begins anew; NaN is
+    /// missing. Both within the window; otherwise nothing.
+    pub(crate) fn between(&self, from: u64, to: u64) -> [&[f32]; 2] {
+        let (from_slot, to_slot) = (slot(from), slot(to));
+        let part = |range| self.forces_n.get(range).unwrap_or_default();
+        if from_slot <= to_slot {
+            [part(from_slot..to_slot), &[]]
+        } else {
+            [part(from_slot..WINDOW), part(0..to_slot)]
+        }
+    }
+
     /// The index, or the oldest one in the window if that is later.
     #[must_use]
     pub fn first_from(&self, index: u64) -> u64 {

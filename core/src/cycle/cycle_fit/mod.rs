@@ -142,7 +142,7 @@ impl CycleFit {
         const TIME: usize = 52;
         let (times, most) = match &self.stage {
             Stage::New | Stage::Free(_) | Stage::Expected(_) => (1, 3),
-            Stage::Places(places) => (3, places.steps_a_sample(self.pending.limit)),
+            Stage::Places(places) => (1, places.steps_a_sample(self.pending.limit)),
             Stage::Fitted | Stage::Telling | Stage::Terms | Stage::Corner(..) | Stage::Told => {
                 return 1;
             }
