@@ -140,14 +140,14 @@ impl CycleFit {
     /// in quick succession have no fit in time.
     pub(crate) fn iterations(&self) -> usize {
         const TIME: usize = 52;
-        let (times, most) = match &self.stage {
-            Stage::New | Stage::Free(_) | Stage::Expected(_) => (1, 3),
-            Stage::Places(places) => (1, places.steps_a_sample(self.pending.limit)),
+        let most = match &self.stage {
+            Stage::New | Stage::Free(_) | Stage::Expected(_) => 3,
+            Stage::Places(places) => places.steps_a_sample(self.pending.limit),
             Stage::Fitted | Stage::Telling | Stage::Terms | Stage::Corner(..) | Stage::Told => {
                 return 1;
             }
         };
-        iterations_within(times * TIME, self.pending.samples().forces_n.len()).clamp(1, most)
+        iterations_within(TIME, self.pending.samples().forces_n.len()).clamp(1, most)
     }
 
     /// Is the next step as long as all that a sample has time for?
@@ -159,15 +159,13 @@ impl CycleFit {
         matches!(self.stage, Stage::Terms | Stage::Corner(..) | Stage::Told)
     }
 
-    /// What there is when no time is left: what was measured, or no fit. An onset whose places
+    /// What there is when no time is left: what was measured, or no fit; what it would tell of other
+    /// force terms is not learnt. An onset whose places
     /// were not looked at as far as it is likely may be anywhere, unless samples enough lie in the
     /// slip.
     pub(crate) fn cut(&mut self, learnt: &mut Expectations) -> Outcome {
-        // What is measured is soon known.
-        while self.is_measured() {
-            if let ControlFlow::Break(outcome) = self.step(learnt) {
-                return outcome;
-            }
+        if self.is_measured() {
+            return self.outcome();
         }
         for _ in 0..LEFT {
             if matches!(self.stage, Stage::Places(_) | Stage::Telling) {

@@ -7,8 +7,10 @@ use crate::num::math::{self, larger};
 use crate::sample::since;
 use crate::stats::line::Line;
 
-/// Lengths of a slip that are tried, parts of the time from its highest to its lowest sample.
-const PARTS: [f32; 5] = [1.0, 0.6, 0.8, 1.25, 1.6];
+/// Lengths of a slip that are tried beside the time from its highest to its lowest sample, parts of
+/// that; and the longest such time, periods, that any of them is within a period of.
+const OTHERS: [f32; 4] = [0.6, 0.8, 1.25, 1.6];
+const LONGEST: f32 = 5.0;
 
 impl SlipRecord {
     /// Begins a fit where an earlier one ended.
@@ -29,18 +31,24 @@ impl SlipRecord {
             return Fitting::new(&self.through_samples(guess));
         }
         let fall = self.fall() / slack.map_or(1.0, |slack| slack.part);
-        let mut best = (f32::INFINITY, CycleParams::default());
-        // The highest and the lowest sample are half a period off their times, or less.
-        for part in PARTS.into_iter().filter(|part| (part - 1.0).abs() * fall <= 1.0) {
+        let with_part = |part: f32| {
             let slide = larger(part * fall, 0.5);
             let phase = math::atan2(data.rate.mean * slide, PI * (self.peak.force_n - centre_n));
-            let guess = self.with_swing(slide / (PI + 2.0 * phase), data.rate.mean, centre_n);
-            let squares_n2 = data.squares_n2(&guess.shape());
-            if squares_n2 < best.0 {
-                best = (squares_n2, guess);
+            self.with_swing(slide / (PI + 2.0 * phase), data.rate.mean, centre_n)
+        };
+        let mut best = with_part(1.0);
+        // The highest and the lowest sample are half a period off their times, or less.
+        if fall <= LONGEST {
+            let mut least_n2 = data.squares_n2(&best.shape());
+            for part in OTHERS.into_iter().filter(|part| (part - 1.0).abs() * fall <= 1.0) {
+                let guess = with_part(part);
+                let squares_n2 = data.squares_n2(&guess.shape());
+                if squares_n2 < least_n2 {
+                    (least_n2, best) = (squares_n2, guess);
+                }
             }
         }
-        Fitting::new(&best.1)
+        Fitting::new(&best)
     }
 
     /// A guess through the lines' level and slope and half-way down, about a centre, N.
