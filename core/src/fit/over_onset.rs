@@ -250,7 +250,8 @@ mod tests {
         core::array::from_fn(|i| shape.force(i as f32 - 6.0).0)
     }
 
-    fn posterior(slide: f32, onset: f32) -> (CycleParams, Posterior) {
+    /// With the passes that it took and the places that were looked at.
+    fn posterior(slide: f32, onset: f32) -> (CycleParams, Posterior, [u32; 2]) {
         let omega = 3.3 / slide;
         let truth = CycleParams {
             onset,
@@ -275,18 +276,25 @@ mod tests {
         };
         let fit = data.fit(&CycleParams { onset: onset + 0.1, ..truth }, 4.0).unwrap();
         let Some(mut places) = OverOnset::new(&fit, true) else {
-            return (truth, Posterior::at(&fit, 4.0));
+            return (truth, Posterior::at(&fit, 4.0), [0, 0]);
         };
+        let [mut passes, mut seen] = [0, 1];
         loop {
-            if let ControlFlow::Break(posterior) = places.step(&data, &fit, 4.0) {
-                return (truth, posterior);
+            let step = places.step(&data, &fit, 4.0);
+            passes += 1;
+            if let ControlFlow::Break(posterior) = step {
+                return (truth, posterior, [passes, seen]);
+            }
+            if places.fitting.is_none() {
+                seen += 1;
             }
         }
     }
 
     #[test]
     fn a_slip_between_two_samples_leaves_the_onset_open() {
-        let (truth, got) = posterior(0.5, 0.25);
+        let (truth, got, [passes, places]) = posterior(0.5, 0.25);
+        assert!(places == 23 && passes < 3 * places, "{passes} passes, {places} places");
         let onset_std = math::sqrt(got.unknowns[0]);
         assert!(onset_std > 0.05 && onset_std < 0.5, "{onset_std}");
         let std = math::sqrt(got.static_n2);
@@ -297,7 +305,7 @@ mod tests {
 
     #[test]
     fn a_slip_of_three_samples_is_told_by_its_fit() {
-        let (truth, got) = posterior(3.0, 0.25);
+        let (truth, got, _) = posterior(3.0, 0.25);
         assert!(got.is_resolved() && got.unknowns[0] < 1e-3);
         assert!((got.cycle.static_n - truth.static_n).abs() < 1.0);
     }

@@ -113,6 +113,22 @@ mod tests {
     use super::*;
 
     #[test]
+    fn a_span_is_the_samples_in_it_also_where_the_ring_begins_anew() {
+        let mut window = Window::new();
+        for index in (0..400).filter(|index| index % 7 != 3) {
+            window.push(index, index as f32);
+        }
+        for (from, to) in [(150, 160), (200, 300), (255, 256), (256, 260), (208, 400), (390, 390)] {
+            let mut one_by_one = (from..to).map(|index| window.get(index));
+            for force_n in window.between(from, to).into_iter().flatten() {
+                let good = Some(*force_n).filter(|it| !it.is_nan());
+                assert_eq!(one_by_one.next(), Some(good), "{from} {to}");
+            }
+            assert_eq!(one_by_one.next(), None, "{from} {to}");
+        }
+    }
+
+    #[test]
     fn keeps_the_newest_and_knows_what_is_missing() {
         let mut window = Window::new();
         assert_eq!(window.get(0), None);
