@@ -28,7 +28,7 @@ const FINE: i16 = 4;
 /// Information that holds the onset in its place: so many times what one sample on
 /// the steepest part of the slip would tell.
 const HELD: f32 = 1e4;
-/// Most steps of the fit at a place: three are usual. A fit that has not settled by then has a
+/// Most steps of the fit at a place: one or two are usual. A fit that has not settled by then has a
 /// kink, and is as good as it gets.
 const MOST_STEPS: u8 = 8;
 /// Part that counts of what the best fit is unsure of beyond the noise: a scatter of the slip's
@@ -65,8 +65,8 @@ impl OverOnset {
     }
 
     /// Iterations a sample, so that those of all places end before the next slip if it comes as many
-    /// periods after this one: there are some thirty, and up to a hundred where places lie close
-    /// together.
+    /// periods after this one: there are some twenty, and fifty where places lie close together,
+    /// in some records three times as many.
     pub(crate) fn steps_a_sample(&self, periods: f32) -> usize {
         const USUAL: f32 = 40.0;
         ((USUAL * f32::from(self.fine) / periods) as usize).clamp(2, 4)

@@ -106,7 +106,8 @@ impl FlopProfile {
         let mut line = Line::default();
         for (age, force_n, variance) in self.samples(forces_n) {
             if !force_n.is_nan() {
-                line.add(age, force_n, 1.0 / variance, 1.0 / variance);
+                let weight = 1.0 / variance;
+                line.add(age, force_n, weight, weight);
             }
         }
         line

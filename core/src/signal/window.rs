@@ -74,7 +74,7 @@ impl Window {
     }
 
     /// Forces from an index up to another one, in two parts where the ring begins anew; NaN is
-    /// missing. Both within the window; otherwise nothing.
+    /// missing. Both have to lie within the window: of others it gives what is in their places.
     pub(crate) fn between(&self, from: u64, to: u64) -> [&[f32]; 2] {
         let (from_slot, to_slot) = (slot(from), slot(to));
         let part = |range| self.forces_n.get(range).unwrap_or_default();

@@ -160,9 +160,8 @@ impl CycleFit {
     }
 
     /// What there is when no time is left: what was measured, or no fit; what it would tell of other
-    /// force terms is not learnt. An onset whose places
-    /// were not looked at as far as it is likely may be anywhere, unless samples enough lie in the
-    /// slip.
+    /// force terms is neither learnt nor in its intervals. An onset whose places were not looked at
+    /// as far as it is likely may be anywhere, unless samples enough lie in the slip.
     pub(crate) fn cut(&mut self, learnt: &mut Expectations) -> Outcome {
         if self.is_measured() {
             return self.outcome();

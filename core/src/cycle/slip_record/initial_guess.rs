@@ -8,9 +8,8 @@ use crate::sample::since;
 use crate::stats::line::Line;
 
 /// Lengths of a slip that are tried beside the time from its highest to its lowest sample, parts of
-/// that; and the longest such time, periods, that any of them is within a period of.
+/// that.
 const OTHERS: [f32; 4] = [0.6, 0.8, 1.25, 1.6];
-const LONGEST: f32 = 5.0;
 
 impl SlipRecord {
     /// Begins a fit where an earlier one ended.
@@ -36,16 +35,14 @@ impl SlipRecord {
             let phase = math::atan2(data.rate.mean * slide, PI * (self.peak.force_n - centre_n));
             self.with_swing(slide / (PI + 2.0 * phase), data.rate.mean, centre_n)
         };
-        let mut best = with_part(1.0);
+        let (mut best, mut least_n2) = (with_part(1.0), None);
         // The highest and the lowest sample are half a period off their times, or less.
-        if fall <= LONGEST {
-            let mut least_n2 = data.squares_n2(&best.shape());
-            for part in OTHERS.into_iter().filter(|part| (part - 1.0).abs() * fall <= 1.0) {
-                let guess = with_part(part);
-                let squares_n2 = data.squares_n2(&guess.shape());
-                if squares_n2 < least_n2 {
-                    (least_n2, best) = (squares_n2, guess);
-                }
+        for part in OTHERS.into_iter().filter(|part| (part - 1.0).abs() * fall <= 1.0) {
+            let least = least_n2.get_or_insert_with(|| data.squares_n2(&best.shape()));
+            let guess = with_part(part);
+            let squares_n2 = data.squares_n2(&guess.shape());
+            if squares_n2 < *least {
+                (*least, best) = (squares_n2, guess);
             }
         }
         Fitting::new(&best)
