@@ -44,10 +44,11 @@ impl Score {
         if shape.is_slack() {
             return scores;
         }
+        let model = data.model(shape);
         for (time, force_n, weight) in data.levels() {
             let since_onset = time - shape.cycle().onset;
             if since_onset > 0.0 && since_onset < shape.slide_time() {
-                let at = data.residual(shape, time, force_n);
+                let at = model.residual(time, force_n);
                 for (term, by_n) in scores.iter_mut().zip(by_n(since_onset, &at.1)) {
                     term.add(at.0, &at.1, by_n, weight);
                 }

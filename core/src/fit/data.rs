@@ -2,7 +2,7 @@
 
 use crate::fit::slip_scatter::{SlipResiduals, steepness};
 use crate::fit::{Fit, Variances};
-use crate::model::corner::{Corner, Shift};
+use crate::model::corner::{Corner, Rounded};
 use crate::model::{CycleParams, Shape};
 use crate::noise::ripple::ColoredNoise;
 use crate::num::math::larger;
@@ -96,44 +96,33 @@ impl Data<'_> {
         self.samples.forces_n.len() as f32 * bend_n * bend_n
     }
 
-    /// What rounds off the corners adds to the force at a time since the onset, if anything does.
+    /// The force that a shape has with what rounds off its corners, if anything does.
     #[inline(always)]
-    fn shift(&self, shape: &Shape, since_onset: f32) -> Option<Shift> {
-        (!self.corner.is_sharp()).then(|| self.corner.shift(shape, since_onset))
+    pub(crate) fn model<'a>(&self, shape: &'a Shape) -> Model<'a> {
+        Model { shape, rounded: (!self.corner.is_sharp()).then(|| self.corner.at(shape)) }
     }
 
     /// Takes samples into the normal equations at a trial cycle: as many as given, from a
     /// place on.
     pub(crate) fn add_samples(&self, normal: &mut Normal, shape: &Shape, from: usize, most: usize) {
         let forces_n = self.samples.forces_n.get(from..).unwrap_or_default();
+        let model = self.model(shape);
         let times = (0..most).map(|i| self.samples.start + (from + i) as f32);
         for (time, &measured_n) in times.zip(forces_n) {
             if measured_n.is_nan() {
                 continue;
             }
-            let at = self.residual(shape, time, measured_n);
+            let at = model.residual(time, measured_n);
             normal.add(at.0, &at.1, self.samples.weight(time));
         }
-    }
-
-    /// What a sample lies above the model, N, and the model's derivatives.
-    #[inline(always)]
-    pub(crate) fn residual(&self, shape: &Shape, time: f32, measured_n: f32) -> (f32, Gradient) {
-        // Filled where it lies.
-        let mut at = shape.force(time);
-        at.0 = measured_n - at.0;
-        if let Some(shift) = self.shift(shape, time - shape.cycle().onset) {
-            at.0 -= shift.force_n;
-            at.1[0] -= shift.rate;
-        }
-        at
     }
 
     /// Weighted squares of what samples and lines are off a shape, N².
     #[inline(never)]
     pub(crate) fn squares_n2(&self, shape: &Shape) -> f32 {
+        let model = self.model(shape);
         let square_n2 = |(time, force_n, weight): (f32, f32, f32)| {
-            let off_n = self.residual(shape, time, force_n).0;
+            let off_n = model.residual(time, force_n).0;
             weight * off_n * off_n
         };
         self.levels().map(square_n2).sum()
@@ -158,11 +147,12 @@ impl Data<'_> {
         // Never zero, also for a slip that is no number.
         let stride = ((1.0 + (to - from) / MOST as f32) as usize).max(1);
         let inside = self.samples.good().filter(|&(time, _)| time > from && time < to);
+        let model = self.model(&fit.shape);
         // Of each so far: its steepness, and by how much its error moves the unknowns.
         let mut others = [(0.0, Gradient::default()); MOST];
         for (place, (time, measured_n)) in inside.step_by(stride).take(MOST).enumerate() {
             let steepness = self.samples.steepness(time);
-            let (off_n, gradient) = self.residual(&fit.shape, time, measured_n);
+            let (off_n, gradient) = model.residual(time, measured_n);
             let weighted = gradient.map(|by| by * self.samples.weight(time));
             let moved = factor.solve(&weighted);
             let left = larger(1.0 - dot(&gradient, &moved), 0.0);
@@ -182,18 +172,17 @@ impl Data<'_> {
     pub(crate) fn add_lines(&self, normal: &mut Normal, shape: &Shape) {
         let cycle = shape.cycle();
         let (before, after) = (self.before, self.after);
-        let shift_n =
-            |since_onset| self.shift(shape, since_onset).map_or(0.0, |shift| shift.force_n);
+        let model = self.model(shape);
         let since_onset = before.time - cycle.onset;
         let mut level = shape.before(since_onset);
-        level.0 += shift_n(since_onset);
+        level.0 += model.shift_n(since_onset);
         add_level(normal, before, &self.wander, &level);
         if let Some((slope, weight)) = slope(before, &self.wander) {
             normal.add_one(slope - cycle.rate, 1, weight);
         }
         let since_onset = after.time - cycle.onset;
         let mut level = shape.after(since_onset);
-        level.0 += shift_n(since_onset);
+        level.0 += model.shift_n(since_onset);
         add_level(normal, after, &self.wander, &level);
         if let Some((slope, weight)) = slope(after, &self.wander) {
             let (rate, by) = shape.slope_after();
@@ -224,6 +213,34 @@ impl Data<'_> {
             (self.inverse_omega, cycle.inverse_omega()),
             (self.rate_change, cycle.rate_change),
         ]
+    }
+}
+
+/// The force that the samples are compared with.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Model<'a> {
+    shape: &'a Shape,
+    rounded: Option<Rounded<'a>>,
+}
+
+impl Model<'_> {
+    /// What a sample lies above the model, N, and the model's derivatives.
+    #[inline(always)]
+    pub(crate) fn residual(&self, time: f32, measured_n: f32) -> (f32, Gradient) {
+        // Filled where it lies.
+        let mut at = self.shape.force(time);
+        at.0 = measured_n - at.0;
+        if let Some(rounded) = &self.rounded {
+            let shift = rounded.shift(time - self.shape.cycle().onset);
+            at.0 -= shift.force_n;
+            at.1[0] -= shift.rate;
+        }
+        at
+    }
+
+    /// What the corners add to the force at a time since the onset, N.
+    fn shift_n(&self, since_onset: f32) -> f32 {
+        self.rounded.map_or(0.0, |rounded| rounded.shift(since_onset).force_n)
     }
 }
 

@@ -44,42 +44,81 @@ impl Corner {
         self.smoothing <= 0.0 && self.missing_n <= 0.0
     }
 
-    /// What is added to the force of a cycle at a time since its onset.
+    /// With all that the times of a cycle share.
     #[must_use]
-    pub fn shift(&self, shape: &Shape, since_onset: f32) -> Shift {
-        let cycle = shape.cycle();
-        let slipping = smaller(larger(since_onset, 0.0), shape.slide_time());
-        let (sin, cos) = math::sin_cos(cycle.omega * slipping);
-        let q_sin_n = cycle.rate / cycle.omega * sin;
+    pub fn at<'a>(&self, shape: &'a Shape) -> Rounded<'a> {
         // Half of τ; without any, what a usual converter has.
         const LEAST: f32 = 0.3;
         let half = larger(math::sqrt(6.0 * self.smoothing), LEAST);
+        // Most events do not creep.
+        let rise =
+            if self.missing_n > 0.0 { math::exp(self.missing_n / self.range_n) } else { 1.0 };
+        Rounded { corner: *self, shape, half, rise }
+    }
+
+    /// What is added to the force of a cycle at a time since its onset.
+    #[must_use]
+    pub fn shift(&self, shape: &Shape, since_onset: f32) -> Shift {
+        self.at(shape).shift(since_onset)
+    }
+}
+
+/// The corners of one cycle.
+#[derive(Clone, Copy, Debug)]
+pub struct Rounded<'a> {
+    corner: Corner,
+    shape: &'a Shape,
+    /// Half of τ, periods.
+    half: f32,
+    /// `exp(h/c)`.
+    rise: f32,
+}
+
+impl Rounded<'_> {
+    /// What is added to the force at a time since the onset.
+    #[must_use]
+    pub fn shift(&self, since_onset: f32) -> Shift {
+        if since_onset <= -self.half {
+            return self.creep(since_onset);
+        }
+        let (cycle, slide_time) = (self.shape.cycle(), self.shape.slide_time());
+        let slipping = smaller(larger(since_onset, 0.0), slide_time);
+        let (sin, cos) = math::sin_cos(cycle.omega * slipping);
+        let q_sin_n = cycle.rate / cycle.omega * sin;
         let by_smoothing = -cycle.omega
             * cycle.omega
             * (cycle.half_drop_n * cos + q_sin_n)
-            * seen(since_onset / half)
-            * seen((shape.slide_time() - since_onset) / half);
-
-        let (h, c) = (self.missing_n, self.range_n);
-        let rise = math::exp(h / c);
+            * seen(since_onset / self.half)
+            * seen((slide_time - since_onset) / self.half);
         let mut shift = if since_onset <= 0.0 {
-            let growth = math::exp(cycle.rate * since_onset / c);
-            let y = (rise - 1.0) * growth;
-            let missing_n = c * math::ln(1.0 + y);
-            let by_missing = rise * growth / (1.0 + y);
-            let rate = -cycle.rate * y / (1.0 + y);
-            let by_range = h * by_missing - rate * since_onset - missing_n;
-            Shift { force_n: h - missing_n, rate, by: [0.0, 1.0 - by_missing, by_range] }
+            self.creep(since_onset)
         } else {
             // The ellipse's q is less by the part f; the stop keeps what it is then.
-            let f = 1.0 - 1.0 / rise;
-            let rate = if since_onset < shape.slide_time() { -f * cycle.rate * cos } else { 0.0 };
-            let by_missing = -q_sin_n / (c * rise);
+            let Corner { missing_n: h, range_n: c, .. } = self.corner;
+            let f = 1.0 - 1.0 / self.rise;
+            let rate = if since_onset < slide_time { -f * cycle.rate * cos } else { 0.0 };
+            let by_missing = -q_sin_n / (c * self.rise);
             Shift { force_n: -f * q_sin_n, rate, by: [0.0, by_missing, -h * by_missing] }
         };
-        shift.force_n += self.smoothing * by_smoothing;
+        shift.force_n += self.corner.smoothing * by_smoothing;
         shift.by[0] = by_smoothing;
         shift
+    }
+
+    /// On the stick line before the slip.
+    fn creep(&self, since_onset: f32) -> Shift {
+        let (Corner { missing_n: h, range_n: c, .. }, rise) = (self.corner, self.rise);
+        let rate_n = self.shape.cycle().rate;
+        let growth = math::exp(rate_n * since_onset / c);
+        if h <= 0.0 {
+            return Shift { by: [0.0, 1.0 - growth, 0.0], ..Shift::default() };
+        }
+        let y = (rise - 1.0) * growth;
+        let missing_n = c * math::ln(1.0 + y);
+        let by_missing = rise * growth / (1.0 + y);
+        let rate = -rate_n * y / (1.0 + y);
+        let by_range = h * by_missing - rate * since_onset - missing_n;
+        Shift { force_n: h - missing_n, rate, by: [0.0, 1.0 - by_missing, by_range] }
     }
 }
 

@@ -97,16 +97,20 @@ impl CycleFit {
         ControlFlow::Continue(())
     }
 
-    /// The same of the force terms that its fit lacks.
+    /// Does the event show the force terms that its fit lacks? A slip of two samples shows nothing
+    /// of its corners.
+    fn shows_terms(&self) -> bool {
+        let Measured { posterior, verdict, .. } = &self.measured;
+        let is_usual = *verdict == Verdict::Same && self.strain == Strain::None;
+        is_usual && posterior.is_resolved() && is_clear(posterior)
+    }
+
+    /// Carries what it tells of these terms to the next ones.
     pub(super) fn terms(&mut self, learnt: &mut Expectations) -> ControlFlow<Outcome> {
-        let Measured { posterior, noise_n2, verdict, .. } = &self.measured;
-        let shows = posterior.is_resolved() && is_clear(posterior);
         let data = self.expected.data(&self.pending, &self.after);
-        // A slip of two samples shows nothing of its corners.
-        let asked = *verdict == Verdict::Same && self.strain == Strain::None && shows;
-        let alone = if asked { self.fit.alone(&data) } else { None };
+        let alone = if self.shows_terms() { self.fit.alone(&data) } else { None };
         if let Some(alone) = alone {
-            let onset_n2 = learnt.learn_scores(&data, &self.fit, &alone, *noise_n2);
+            let onset_n2 = learnt.learn_scores(&data, &self.fit, &alone, self.measured.noise_n2);
             self.stage = Stage::Corner(alone, onset_n2);
         } else {
             self.stage = Stage::Told;
@@ -120,11 +124,12 @@ impl CycleFit {
             return ControlFlow::Continue(());
         };
         let data = self.expected.data(&self.pending, &self.after);
-        let Measured { posterior, alone: forces, noise_n2, .. } = &mut self.measured;
-        let correction = learnt.learn_corner(&data, &self.fit, alone, *noise_n2, *onset_n2);
+        let noise_n2 = self.measured.noise_n2;
+        let correction = learnt.learn_corner(&data, &self.fit, alone, noise_n2, *onset_n2);
+        let Measured { posterior, alone: forces, .. } = &mut self.measured;
         posterior.take(&correction);
         if let Some(forces) = forces {
-            forces.take(&correction, *noise_n2);
+            forces.take(&correction, noise_n2);
         }
         self.stage = Stage::Told;
         ControlFlow::Continue(())

@@ -141,33 +141,38 @@ impl CycleFit {
     pub(crate) fn iterations(&self) -> usize {
         const TIME: usize = 52;
         let most = match &self.stage {
-            Stage::New | Stage::Free(_) | Stage::Expected(_) => 3,
             Stage::Places(places) => places.steps_a_sample(self.pending.limit),
-            Stage::Fitted | Stage::Telling | Stage::Terms | Stage::Corner(..) | Stage::Told => {
-                return 1;
-            }
+            _ if self.is_long() => 1,
+            _ => 3,
         };
         iterations_within(TIME, self.pending.samples().forces_n.len()).clamp(1, most)
     }
 
-    /// Is the next step as long as all that a sample has time for?
+    /// Is the next step as long as all that a sample has time for? Of few samples what comes after
+    /// the fit takes no longer than an iteration.
     pub(crate) fn is_long(&self) -> bool {
-        self.is_measured() || matches!(self.stage, Stage::Fitted | Stage::Telling)
+        match self.stage {
+            Stage::New | Stage::Free(_) | Stage::Expected(_) | Stage::Places(_) => false,
+            Stage::Fitted | Stage::Telling | Stage::Terms => !self.is_short(),
+            Stage::Corner(..) | Stage::Told => true,
+        }
+    }
+
+    fn is_short(&self) -> bool {
+        const FEW: usize = 8;
+        self.pending.samples().forces_n.len() <= FEW
     }
 
     fn is_measured(&self) -> bool {
         matches!(self.stage, Stage::Terms | Stage::Corner(..) | Stage::Told)
     }
 
-    /// What there is when no time is left: what was measured, or no fit; what it would tell of other
-    /// force terms is neither learnt nor in its intervals. An onset whose places were not looked at
-    /// as far as it is likely may be anywhere, unless samples enough lie in the slip.
+    /// What there is when no time is left: what was measured, with all that follows from it, or no
+    /// fit. An onset whose places were not looked at as far as it is likely may be anywhere, unless
+    /// samples enough lie in the slip.
     pub(crate) fn cut(&mut self, learnt: &mut Expectations) -> Outcome {
-        if self.is_measured() {
-            return self.outcome();
-        }
         for _ in 0..LEFT {
-            if matches!(self.stage, Stage::Places(_) | Stage::Telling) {
+            if self.is_measured() || matches!(self.stage, Stage::Places(_) | Stage::Telling) {
                 break;
             }
             if let ControlFlow::Break(outcome) = self.step(learnt) {
@@ -188,11 +193,12 @@ impl CycleFit {
             self.stage = Stage::Telling;
         }
         let _ = self.tell(learnt);
-        if matches!(self.stage, Stage::Terms) {
-            self.outcome()
-        } else {
-            Outcome::Failed(Reason::TooShort)
+        while self.is_measured() {
+            if let ControlFlow::Break(outcome) = self.step(learnt) {
+                return outcome;
+            }
         }
+        Outcome::Failed(Reason::TooShort)
     }
 
     fn start(&mut self, learnt: &mut Expectations) -> ControlFlow<Outcome> {

@@ -28,10 +28,11 @@ impl Score {
         let (corner, cycle, shape) = (data.corner, fit.cycle(), &fit.shape);
         let mut products = [Gradient::default(); NUMBERS];
         let mut normal = Normal::default();
+        let rounded = corner.at(shape);
         for (time, force_n, weight) in data.levels() {
             let since_onset = time - cycle.onset;
             let (force, mut gradient) = shape.force(time);
-            let shift = corner.shift(shape, since_onset);
+            let shift = rounded.shift(since_onset);
             gradient[0] -= shift.rate;
             let [smoothing, missing, range] = shift.by;
             normal.add(
