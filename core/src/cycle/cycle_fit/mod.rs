@@ -141,26 +141,18 @@ impl CycleFit {
     pub(crate) fn iterations(&self) -> usize {
         const TIME: usize = 52;
         let most = match &self.stage {
+            Stage::New | Stage::Free(_) | Stage::Expected(_) => 3,
             Stage::Places(places) => places.steps_a_sample(self.pending.limit),
-            _ if self.is_long() => 1,
-            _ => 3,
+            Stage::Fitted | Stage::Telling | Stage::Terms | Stage::Corner(..) | Stage::Told => {
+                return 1;
+            }
         };
         iterations_within(TIME, self.pending.samples().forces_n.len()).clamp(1, most)
     }
 
-    /// Is the next step as long as all that a sample has time for? Of few samples what comes after
-    /// the fit takes no longer than an iteration.
+    /// Is the next step as long as all that a sample has time for?
     pub(crate) fn is_long(&self) -> bool {
-        match self.stage {
-            Stage::New | Stage::Free(_) | Stage::Expected(_) | Stage::Places(_) => false,
-            Stage::Fitted | Stage::Telling | Stage::Terms => !self.is_short(),
-            Stage::Corner(..) | Stage::Told => true,
-        }
-    }
-
-    fn is_short(&self) -> bool {
-        const FEW: usize = 8;
-        self.pending.samples().forces_n.len() <= FEW
+        self.is_measured() || matches!(self.stage, Stage::Fitted | Stage::Telling)
     }
 
     fn is_measured(&self) -> bool {
