@@ -4,6 +4,7 @@
 
 use floe::sim::Scene;
 use floe_core::Estimate;
+use floe_tests::scenes::stored;
 use floe_tests::score::{Score, Tried, run};
 
 /// 200 to 300 recurrences in so many seconds.
@@ -93,12 +94,8 @@ fn slips_of_less_than_a_sample_between_brief_rests() {
 /// are as unsure by it as those that are not.
 #[test]
 fn fits_that_the_next_event_cuts_short_are_as_unsure_as_the_others() {
-    let scene = Scene::from_toml(
-        "weight_n = 630.0\nmu_s = 1.24\nmu = 0.78\nstiffness_n_per_m = 23000.0\n\
-         winch_m_per_s = 0.12\nduration_s = 120.0\n\
-         [measurement]\nwhite_n = 2.0\nlag = { time_s = 0.03 }",
-    );
-    let score = Score::of(&scene.unwrap(), 900, 4);
+    let scene = Scene { winch_m_per_s: 0.12, ..stored("honesty/lag_30") };
+    let score = Score::of(&scene, 900, 4);
     let coverage = score.errors.each_ref().map(|errors| errors.coverage());
     assert!(score.share_read() > 0.95, "{}", score.share_read());
     assert!(coverage.iter().all(|&share| share > 0.9), "{coverage:?}");

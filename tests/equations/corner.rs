@@ -21,7 +21,7 @@ fn core_force_of_a_creeping_block() {
         let corner = Corner { smoothing: 0.0, missing_n, range_n: c as f32 };
         let model = |time: f64| {
             let since_onset = time as f32;
-            f64::from(shape.force(since_onset).0 + corner.shift(&shape, since_onset).force_n)
+            f64::from(shape.force(since_onset).0 + corner.at(&shape).shift(since_onset).force_n)
         };
         let creeping = |force_n: f64| r * (1.0 - f * ((force_n - fs) / c).exp());
         let mut force_n = fs;
@@ -60,7 +60,7 @@ fn core_force_that_a_converter_averages() {
             let time = f64::from(since_onset) + part * f64::from(aperture);
             sum + f64::from(shape.force(time as f32).0) / f64::from(PIECES)
         });
-        let model = shape.force(since_onset).0 + corner.shift(&shape, since_onset).force_n;
+        let model = shape.force(since_onset).0 + corner.at(&shape).shift(since_onset).force_n;
         let error = f64::from(model) - mean;
         let plain = f64::from(shape.force(since_onset).0) - mean;
         assert!(error.abs() < 0.15 + 0.1 * plain.abs(), "{error} N at {since_onset}, not {plain}");

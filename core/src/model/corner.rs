@@ -55,12 +55,6 @@ impl Corner {
             if self.missing_n > 0.0 { math::exp(self.missing_n / self.range_n) } else { 1.0 };
         Rounded { corner: *self, shape, half, rise }
     }
-
-    /// What is added to the force of a cycle at a time since its onset.
-    #[must_use]
-    pub fn shift(&self, shape: &Shape, since_onset: f32) -> Shift {
-        self.at(shape).shift(since_onset)
-    }
 }
 
 /// The corners of one cycle.
@@ -154,13 +148,13 @@ mod tests {
         ];
         // Away from the corners, where kappa changes how much of it is seen.
         for time in [-4.0, -2.0, -0.8, 1.0, 1.4, 4.0] {
-            let shift = corner.shift(&shape, time);
+            let shift = corner.at(&shape).shift(time);
             for (k, (more, step)) in more.iter().zip([2e-4, 0.2, 0.01]).enumerate() {
-                let quotient = (more.shift(&shape, time).force_n - shift.force_n) / step;
+                let quotient = (more.at(&shape).shift(time).force_n - shift.force_n) / step;
                 let error = (quotient - shift.by[k]).abs();
                 assert!(error < 0.02 * quotient.abs() + 0.02, "{time} {k} {quotient} {shift:?}");
             }
-            let later = corner.shift(&shape, time + 1e-2).force_n;
+            let later = corner.at(&shape).shift(time + 1e-2).force_n;
             let rate = (later - shift.force_n) / 1e-2;
             let blurred = 22.5 * corner.smoothing * 1.18 * 1.18 * 15.0;
             assert!((rate - shift.rate).abs() < 0.3 + blurred, "{time} {rate} {shift:?}");

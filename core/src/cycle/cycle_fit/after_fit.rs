@@ -79,9 +79,6 @@ impl CycleFit {
 
     /// Carries what the event tells to the next ones.
     pub(super) fn tell(&mut self, learnt: &mut Expectations) -> ControlFlow<Outcome> {
-        if !matches!(self.stage, Stage::Telling) {
-            return ControlFlow::Continue(());
-        }
         let (fit, noise_n2) = (&self.fit, learnt.noise_n2(&self.pending));
         let data = self.expected.data(&self.pending, &self.after);
         let Measured { posterior, alone, .. } = &mut self.measured;
@@ -97,20 +94,16 @@ impl CycleFit {
         ControlFlow::Continue(())
     }
 
-    /// Does the event show the force terms that its fit lacks? A slip of two samples shows nothing
-    /// of its corners.
-    fn shows_terms(&self) -> bool {
-        let Measured { posterior, verdict, .. } = &self.measured;
-        let is_usual = *verdict == Verdict::Same && self.strain == Strain::None;
-        is_usual && posterior.is_resolved() && is_clear(posterior)
-    }
-
-    /// Carries what it tells of these terms to the next ones.
+    /// The same of the force terms that its fit lacks.
     pub(super) fn terms(&mut self, learnt: &mut Expectations) -> ControlFlow<Outcome> {
+        let Measured { posterior, noise_n2, verdict, .. } = &self.measured;
+        let shows = posterior.is_resolved() && is_clear(posterior);
         let data = self.expected.data(&self.pending, &self.after);
-        let alone = if self.shows_terms() { self.fit.alone(&data) } else { None };
+        // A slip of two samples shows nothing of its corners.
+        let asked = *verdict == Verdict::Same && self.strain == Strain::None && shows;
+        let alone = if asked { self.fit.alone(&data) } else { None };
         if let Some(alone) = alone {
-            let onset_n2 = learnt.learn_scores(&data, &self.fit, &alone, self.measured.noise_n2);
+            let onset_n2 = learnt.learn_scores(&data, &self.fit, &alone, *noise_n2);
             self.stage = Stage::Corner(alone, onset_n2);
         } else {
             self.stage = Stage::Told;
@@ -124,12 +117,11 @@ impl CycleFit {
             return ControlFlow::Continue(());
         };
         let data = self.expected.data(&self.pending, &self.after);
-        let noise_n2 = self.measured.noise_n2;
-        let correction = learnt.learn_corner(&data, &self.fit, alone, noise_n2, *onset_n2);
-        let Measured { posterior, alone: forces, .. } = &mut self.measured;
+        let Measured { posterior, alone: forces, noise_n2, .. } = &mut self.measured;
+        let correction = learnt.learn_corner(&data, &self.fit, alone, *noise_n2, *onset_n2);
         posterior.take(&correction);
         if let Some(forces) = forces {
-            forces.take(&correction, noise_n2);
+            forces.take(&correction, *noise_n2);
         }
         self.stage = Stage::Told;
         ControlFlow::Continue(())

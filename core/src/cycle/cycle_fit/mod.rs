@@ -152,11 +152,12 @@ impl CycleFit {
 
     /// Is the next step as long as all that a sample has time for?
     pub(crate) fn is_long(&self) -> bool {
-        self.is_measured() || matches!(self.stage, Stage::Fitted | Stage::Telling)
+        self.is_known() || matches!(self.stage, Stage::Fitted)
     }
 
-    fn is_measured(&self) -> bool {
-        matches!(self.stage, Stage::Terms | Stage::Corner(..) | Stage::Told)
+    /// Are its unknowns known?
+    fn is_known(&self) -> bool {
+        matches!(self.stage, Stage::Telling | Stage::Terms | Stage::Corner(..) | Stage::Told)
     }
 
     /// What there is when no time is left: what was measured, with all that follows from it, or no
@@ -164,7 +165,7 @@ impl CycleFit {
     /// samples enough lie in the slip.
     pub(crate) fn cut(&mut self, learnt: &mut Expectations) -> Outcome {
         for _ in 0..LEFT {
-            if self.is_measured() || matches!(self.stage, Stage::Places(_) | Stage::Telling) {
+            if self.is_known() || matches!(self.stage, Stage::Places(_)) {
                 break;
             }
             if let ControlFlow::Break(outcome) = self.step(learnt) {
@@ -184,8 +185,7 @@ impl CycleFit {
             self.measured.posterior = self.strain.around(so_far, fit, noise_n2);
             self.stage = Stage::Telling;
         }
-        let _ = self.tell(learnt);
-        while self.is_measured() {
+        while self.is_known() {
             if let ControlFlow::Break(outcome) = self.step(learnt) {
                 return outcome;
             }

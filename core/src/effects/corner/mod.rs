@@ -293,7 +293,7 @@ mod tests {
         let (mut learnt, mut round) = (CornerEstimator::default(), 0);
         let force_n = |cycle: &CycleParams, time: f32| {
             let shape = cycle.shape();
-            shape.force(time).0 + truth.shift(&shape, time - cycle.onset).force_n
+            shape.force(time).0 + truth.at(&shape).shift(time - cycle.onset).force_n
         };
         synthetic::events(events, force_n, |data, cycle| {
             let data = Data { corner: learnt.expected(22.5, cycle.inverse_omega()), ..data };
