@@ -1,13 +1,16 @@
 //! The budget: its arithmetic against the formula itself with drawn inputs, intervals that
-//! hold when the inputs are drawn from their standard deviations, means of few events, and
-//! the damping's sensitivity against an integration of the damped block.
+//! hold when the inputs are drawn from their standard deviations, means of few events, the
+//! damping's sensitivity against an integration of the damped block, and what the whole test
+//! tells of the losses in every event.
 //!
 //! `cargo test -p floe-tests --test budget -- --nocapture` prints the figures.
 
 use floe::sim::Scene;
 use floe::sim::terms::Variation;
 use floe_core::estimator::Estimator;
-use floe_core::{Coefficient, Config, InputStd, Newtons, Pipeline, RawSample, Reading, budget};
+use floe_core::{
+    Coefficient, Config, Event, InputStd, Losses, Newtons, Pipeline, RawSample, Reading, budget,
+};
 use floe_tests::feed;
 use floe_tests::normal::Normal;
 
@@ -207,4 +210,54 @@ fn the_dampings_sensitivity_is_what_a_damped_block_shows() {
             assert!(of_mu_s.abs() < 0.25 * stated, "{name}: {of_mu_s} {stated}");
         }
     }
+}
+
+/// Events of a lossy cable as they come and with what the whole test tells, and the report.
+fn lossy(damping_std: f32) -> (Config, [Vec<Event>; 2], floe_core::Report) {
+    let scene =
+        Scene::from_toml(include_str!("../host-sim/scenes/honesty/damping_5.toml")).unwrap();
+    let std = InputStd { damping: damping_std, ..InputStd::EXACT };
+    let config = Config { weight_n: scene.weight_n as f32, std, ..Config::default() };
+    let samples = floe::sim::simulate(&scene, 3).unwrap().samples;
+    let samples = || samples.iter().map(|s| feed::force(s.index, s.force_n));
+    let then = feed::replay(&config, samples());
+    let outcome = feed::replay_in_hindsight(&config, samples());
+    assert_eq!(then.report, outcome.report);
+    (config, [then.events, outcome.events], outcome.report)
+}
+
+#[test]
+fn events_hold_the_losses_of_the_whole_test() {
+    let (config, [then, known], report) = lossy(0.005);
+    let losses = Losses::of(&config, &report);
+    let entries = budget(&config, &report).unwrap();
+    let line = entries.iter().find(|e| e.input == floe_core::Input::Damping).unwrap();
+    let by_mu = |event: &Event| {
+        let (mu_s, mu) = (event.mu_s.unwrap(), event.mu.unwrap());
+        -std::f32::consts::FRAC_PI_2 * (mu_s.value - mu.value)
+    };
+    // Every other input is exact: what an event holds are the losses alone.
+    for (then, known) in then.iter().zip(&known) {
+        let (mu_s, mu) = (known.mu_s.unwrap().systematic_std, known.mu.unwrap().systematic_std);
+        let own = (by_mu(known) * report.damping_std).abs();
+        assert!((mu / own - 1.0).abs() < 1e-4, "{mu} {own}");
+        assert!((mu_s / line.shares[0].contribution - 1.0).abs() < 1e-4, "{mu_s} {line:?}");
+        let value = |event: &Event| (event.mu_s.unwrap().value, event.mu.unwrap().value);
+        assert_eq!(value(then), value(known));
+    }
+    // The first ones did not know it when they came, the last one nearly all.
+    let systematic = |event: &Event| event.mu.unwrap().systematic_std;
+    let (first, last) = (then[0], *then.last().unwrap());
+    assert!((systematic(&first) / (by_mu(&first) * 0.005).abs() - 1.0).abs() < 1e-4, "{first:?}");
+    assert!(systematic(&known[0]) > 5.0 * systematic(&first), "{report:?}");
+    assert!((systematic(&last) / systematic(known.last().unwrap()) - 1.0).abs() < 0.1);
+    // And it is what they missed: the error of the mean is the losses.
+    assert!(losses.put_on([first.mu_s, first.mu])[1].unwrap().systematic_std > 0.02);
+}
+
+#[test]
+fn losses_that_are_known_exactly_change_no_event() {
+    let (.., [then, known], report) = lossy(0.0);
+    assert_eq!(then, known);
+    assert!(report.damping_std.abs() < f32::EPSILON);
 }

@@ -89,7 +89,8 @@ population. *> 5*: events more than five stated standard deviations off, percent
 deviations. *std/rms*: median stated standard deviation over the root-mean-square error. The last two columns judge the
 same records with weight (0.3 %), slope (0.2 degrees), zero (0.1 % of the largest force) and span (0.1 %) off by a draw
 of those standard deviations for each record, which the core is told; all others have exact inputs. Intervals are the
-combined ones; the prior of the cable's damping (0.5 % of critical) is asked in the classes of damping, drag and drift only; where
+combined ones; the prior of the cable's damping (0.5 % of critical) is asked in the classes of damping, drag and drift only, and
+events hold the losses that the whole record tells, as in the result of a replay; where
 the zero moves it is taken before and after the record, and what is left between the two is stated as `--zero-after-n` states it.
 
 Aims: F1 0.98, nothing invented where there is nothing, 95 % of the events read or with a reason, coverage 0.90 to 0.99 (and

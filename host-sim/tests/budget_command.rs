@@ -101,6 +101,29 @@ fn both_stiffnesses_and_the_recurrence_agree_with_the_scene() {
 }
 
 #[test]
+fn every_event_holds_the_losses_that_the_whole_test_tells() {
+    let folder = tempfile::tempdir().unwrap();
+    let log = folder.path().join("lossy.csv");
+    let scene = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/honesty/damping_5.toml");
+    let floe = || Command::new(env!("CARGO_BIN_EXE_floe"));
+    let made = floe().args(["simulate", scene, "--seed", "3", "-o"]).arg(&log).output().unwrap();
+    assert!(made.status.success(), "{}", String::from_utf8_lossy(&made.stderr));
+    let exact = &EXACT[..8];
+    let read = floe().arg("replay").arg(&log).arg("--json").args(exact).output().unwrap();
+    let result: Value = serde_json::from_slice(&read.stdout).unwrap();
+    let std = number(&line(&result, "damping")["std"]);
+    assert!(std > 0.03, "{std}");
+    let events = result["events"].as_array().unwrap();
+    for event in [&events[0], &events[events.len() - 1]] {
+        let of = |name: &str| number(&event[name]);
+        let own = 0.5 * std::f64::consts::PI * (of("mu_s") - of("mu")) * std;
+        assert!((of("mu_systematic_std") / own - 1.0).abs() < 1e-4, "{event}");
+        let half = (number(&event["mu_ci95"][1]) - number(&event["mu_ci95"][0])) / 2.0;
+        assert!((half / of("mu_combined_std") - 1.96).abs() < 0.01, "{event}");
+    }
+}
+
+#[test]
 fn a_negative_standard_deviation_is_refused() {
     let program = Command::new(env!("CARGO_BIN_EXE_floe"))
         .args(["replay", LOG, "--weight-std-n", "-1"])

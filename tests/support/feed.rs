@@ -1,7 +1,8 @@
 //! Samples into the core, events and report out.
 
+use floe::replay::without_losses;
 use floe_core::signal::window::WINDOW;
-use floe_core::{Config, Event, Newtons, Pipeline, RawSample, Reading, Report, Stretch};
+use floe_core::{Config, Event, Losses, Newtons, Pipeline, RawSample, Reading, Report, Stretch};
 
 /// What came out of a pipeline.
 #[derive(Clone, Debug, PartialEq)]
@@ -30,14 +31,40 @@ pub fn in_a_row(forces_n: &[f64]) -> impl Iterator<Item = RawSample> + '_ {
 /// # Panics
 /// The configuration is refused.
 pub fn replay(config: &Config, samples: impl IntoIterator<Item = RawSample>) -> Outcome {
+    replay_with(config, samples, |_, event| event)
+}
+
+/// The same, with what the whole test tells of the cable's losses in every event, as the result
+/// of a replay has it.
+///
+/// # Panics
+/// The configuration is refused.
+pub fn replay_in_hindsight(
+    config: &Config,
+    samples: impl IntoIterator<Item = RawSample>,
+) -> Outcome {
+    let mut outcome = replay_with(config, samples, without_losses);
+    let losses = Losses::of(config, &outcome.report);
+    for event in &mut outcome.events {
+        [event.mu_s, event.mu] = losses.put_on([event.mu_s, event.mu]);
+    }
+    outcome
+}
+
+/// Feeds a whole test; `told` makes of an event what is kept of it.
+fn replay_with(
+    config: &Config,
+    samples: impl IntoIterator<Item = RawSample>,
+    told: impl Fn(&Pipeline, Event) -> Event,
+) -> Outcome {
     let mut pipeline = Pipeline::new(config).expect("the configuration is valid");
     let (mut events, mut stretches) = (Vec::new(), Vec::new());
     for sample in samples {
         let step = pipeline.step(sample);
-        events.extend(step.event);
+        events.extend(step.event.map(|event| told(&pipeline, event)));
         stretches.extend(step.stretch);
     }
-    events.extend(finish(&mut pipeline));
+    events.extend(finish_with(&mut pipeline, &told));
     let report = pipeline.report();
     stretches.extend(std::iter::from_fn(|| pipeline.finish_stretch()));
     Outcome { events, stretches, report }
@@ -53,9 +80,17 @@ pub fn feed(pipeline: &mut Pipeline, samples: impl IntoIterator<Item = RawSample
 /// # Panics
 /// It does not end.
 pub fn finish(pipeline: &mut Pipeline) -> Vec<Event> {
+    finish_with(pipeline, &|_, event| event)
+}
+
+fn finish_with(pipeline: &mut Pipeline, told: &impl Fn(&Pipeline, Event) -> Event) -> Vec<Event> {
     // The window holds samples that may yet be looked at; a slip takes two or more.
     const MOST: usize = WINDOW / 2;
-    let events: Vec<Event> = std::iter::from_fn(|| pipeline.finish()).take(MOST).collect();
+    let next = || {
+        let event = pipeline.finish()?;
+        Some(told(pipeline, event))
+    };
+    let events: Vec<Event> = std::iter::from_fn(next).take(MOST).collect();
     assert!(events.len() < MOST, "finish gives the pending events and then nothing");
     events
 }

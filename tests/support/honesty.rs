@@ -268,6 +268,6 @@ fn read(scene: &Scene, record: &Record, errors: [f64; 4], std: InputStd) -> (Vec
     };
     let samples = record.simulation.samples.iter();
     let samples = samples.map(|s| feed::force(s.index, seen(s.index, s.force_n)));
-    let outcome = feed::replay(&config, samples);
+    let outcome = feed::replay_in_hindsight(&config, samples);
     (outcome.events, outcome.report)
 }

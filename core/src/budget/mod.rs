@@ -22,10 +22,12 @@
 //! What may be the zero's drift, a weight that changed during the test, and what the events
 //! of a test share are lines of their own. The random part is the standard error.
 
+pub(crate) mod losses;
+
 use crate::config::Config;
 use crate::num::math;
 use crate::report::Report;
-use crate::stats::quantity::Quantity;
+pub use losses::Losses;
 
 /// What a coefficient depends on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -90,10 +92,7 @@ pub(crate) struct Known<'a> {
     /// Standard deviations of the zero as it was taken, and of its drift, N.
     pub(crate) zero_n: f32,
     pub(crate) drift_n: f32,
-    /// Standard deviation of the damping ratio.
-    pub(crate) damping_std: f32,
-    /// Loading rate over omega, N: what the force overshoots the middle of a slip's start by.
-    pub(crate) overshoot_n: f32,
+    pub(crate) losses: Losses,
 }
 
 impl Known<'_> {
@@ -128,15 +127,13 @@ impl Known<'_> {
         let each = |by: fn(f32, f32) -> f32| [by(mu_s, tan), by(mu, tan)];
         let force = each(|c, tan| -(c + tan));
         let of = |scale: f32| force.map(|by| by / scale);
-        let onset = -2.5 * self.overshoot_n / (weight_n * cos);
-        let damping = [onset, -core::f32::consts::FRAC_PI_2 * (mu_s - mu)];
         let zero = [-1.0 / (weight_n * cos); 2];
         [
             (std.weight * weight_n, of(weight_n)),
             (std.slope_rad, each(|c, tan| c * tan - 1.0)),
             (self.zero_n, zero),
             (std.span, force),
-            (self.damping_std, damping),
+            (self.losses.damping_std, self.losses.sensitivities([mu_s, mu])),
             (std.winch * winch_m_per_s.unwrap_or(0.0), [0.0; 2]),
             (self.drift_n, zero),
             (ratio_std * ratio, of(ratio)),
@@ -155,11 +152,6 @@ impl Known<'_> {
     }
 }
 
-/// Loading rate over omega, N; zero while one of them is unknown.
-fn overshoot_n(rate_n_per_s: Option<Quantity>, omega_rad_per_s: Option<Quantity>) -> f32 {
-    rate_n_per_s.zip(omega_rad_per_s).map_or(0.0, |(rate, omega)| rate.value / omega.value)
-}
-
 fn square(x: f32) -> f32 {
     x * x
 }
@@ -173,8 +165,7 @@ pub fn budget(config: &Config, report: &Report) -> Option<[Entry; INPUTS]> {
         weight_ratio: (report.weight_ratio, report.weight_ratio_std),
         zero_n: report.zero_std_n,
         drift_n: report.zero_drift_n,
-        damping_std: report.damping_std,
-        overshoot_n: overshoot_n(report.loading_rate_n_per_s, report.omega_rad_per_s),
+        losses: Losses::of(config, report),
     };
     let share = |common_std| Share { sensitivity: None, contribution: common_std };
     let shares = [share(mu_s.common_std), share(mu.common_std)];

@@ -1,6 +1,7 @@
 //! What all samples so far say: the report, what each effect showed, and what is systematic.
 
-use crate::budget::Known;
+use crate::budget::losses::values;
+use crate::budget::{Known, Losses};
 use crate::coefficient::{Coefficient, Estimate};
 use crate::effect::{Effect, Finding};
 use crate::effects::level_shift::{Cause, Change};
@@ -34,7 +35,7 @@ impl Pipeline {
             zero_n: self.zero_n(),
             zero_std_n: known.zero_n,
             zero_drift_n: known.drift_n,
-            damping_std: known.damping_std,
+            damping_std: known.losses.damping_std,
             weight_ratio: known.weight_ratio.0,
             weight_ratio_std: known.weight_ratio.1,
             change: self.change.map(|change| {
@@ -83,10 +84,7 @@ impl Pipeline {
         mu_s: Option<&mut Coefficient>,
         mu: Option<&mut Coefficient>,
     ) {
-        let value = |it: &Option<&mut Coefficient>| it.as_ref().map(|it| it.value);
-        let (a, b) = (value(&mu_s), value(&mu));
-        let values = [a.or(b), b.or(a)].map(Option::unwrap_or_default);
-        let variances = self.known().variances(values);
+        let variances = self.known().variances(values(mu_s.as_deref(), mu.as_deref()));
         for (coefficient, variance) in [mu_s, mu].into_iter().zip(variances) {
             if let Some(it) = coefficient {
                 it.systematic_std = math::sqrt(variance);
@@ -101,9 +99,16 @@ impl Pipeline {
             weight_ratio: self.cycles.weight_ratio(),
             zero_n: self.config.std.zero_n(self.largest_n),
             drift_n: self.cycles.force_n(self.drift.ask(Drift::std)),
-            damping_std: self.cycles.damping_std(self.config.std.damping),
-            overshoot_n: self.cycles.overshoot_n(),
+            losses: self.losses(),
         }
+    }
+
+    /// What the losses of the cable do to an event, as they are known now: in the systematic
+    /// part of an event when it comes are those of that moment.
+    #[must_use]
+    pub fn losses(&self) -> Losses {
+        let damping_std = self.cycles.damping_std(self.config.std.damping);
+        Losses::new(damping_std, self.cycles.overshoot_n(), self.cycles.force_n(1.0))
     }
 
     /// `k` from `F' = k w` where the winch speed is known, else from `ω² = k / M`.

@@ -14,6 +14,7 @@ use rand_distr::{Distribution, StandardNormal, StandardUniform};
 
 use crate::error::InputError;
 use crate::replay::result::EventSummary;
+use crate::replay::without_losses;
 use crate::sim::terms::{Snow, Variation};
 use crate::sim::{Measurement, Run, Scene, TrueEvent};
 
@@ -102,16 +103,23 @@ pub fn evaluate(seed: u64, campaign: u32, test: u32) -> Result<TestRecord, Input
     for sample in run.by_ref() {
         let reading = Reading::Force(Newtons(sample.force_n as f32));
         let step = pipeline.step(RawSample { index: sample.index, reading });
-        events.extend(step.event);
+        events.extend(step.event.map(|event| without_losses(&pipeline, event)));
     }
-    events.extend(std::iter::from_fn(|| pipeline.finish()));
+    while let Some(event) = pipeline.finish() {
+        events.push(without_losses(&pipeline, event));
+    }
     if let Some(failure) = run.failure() {
         return Err(InputError::new(failure));
     }
     let report = pipeline.report();
     let seconds =
         |t: floe_core::SampleTime| (t.index as f64 + f64::from(t.fraction)) / scene.rate_hz;
-    let measured = events.iter().map(|e| EventSummary::new(e, seconds(e.onset), seconds(e.stop)));
+    let losses = pipeline.losses();
+    let measured = events.iter().map(|e| {
+        let mut measured = EventSummary::new(e, seconds(e.onset), seconds(e.stop));
+        measured.put_on(losses);
+        measured
+    });
     let events: Vec<EventRecord> = measured.map(|m| with_truth(m, run.events())).collect();
     let raised = scene.slope_deg > 0.0;
     Ok(TestRecord {

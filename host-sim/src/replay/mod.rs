@@ -68,7 +68,7 @@ pub fn replay_with(
         if let Some(event) = &step.event
             && kept.is_ok()
         {
-            kept = events.push(summary(event, &timeline), || means(&pipeline));
+            kept = events.push(summary(event, &pipeline, &timeline), || means(&pipeline));
         }
         if let Some(change) = &step.change {
             changes.push(ChangeSummary::new(change, timeline.seconds(change.onset)));
@@ -86,7 +86,7 @@ pub fn replay_with(
         samples.into_iter().for_each(&mut take);
     }
     while let (Some(event), true) = (pipeline.finish(), kept.is_ok()) {
-        kept = events.push(summary(&event, &timeline), || means(&pipeline));
+        kept = events.push(summary(&event, &pipeline, &timeline), || means(&pipeline));
     }
     kept.map_err(|e| {
         InputError::new(format!(
@@ -128,6 +128,15 @@ fn add(stretches: &mut Stretches, it: &Stretch, timeline: &Timeline) {
     stretches.add(it, timeline.seconds(it.start), timeline.seconds(it.stop));
 }
 
-fn summary(event: &Event, timeline: &Timeline) -> EventSummary {
-    EventSummary::new(event, timeline.seconds(event.onset), timeline.seconds(event.stop))
+fn summary(event: &Event, pipeline: &Pipeline, timeline: &Timeline) -> EventSummary {
+    let event = without_losses(pipeline, *event);
+    EventSummary::new(&event, timeline.seconds(event.onset), timeline.seconds(event.stop))
+}
+
+/// An event that just came without the losses of the cable: what they are the whole test tells,
+/// with [`floe_core::Losses::put_on`].
+#[must_use]
+pub fn without_losses(pipeline: &Pipeline, event: Event) -> Event {
+    let [mu_s, mu] = pipeline.losses().taken_off([event.mu_s, event.mu]);
+    Event { mu_s, mu, ..event }
 }

@@ -1,6 +1,6 @@
 //! What follows from a test beside the coefficients, each with its standard deviation.
 
-use floe_core::{Config, Quantity, Report};
+use floe_core::{Config, Losses, Quantity, Report};
 use serde::Serialize;
 
 use super::result::{EventSummary, known, short_or_null};
@@ -51,6 +51,9 @@ pub struct Quantities {
     /// The winch speed, for [`Quantities::complete`].
     #[serde(skip)]
     pub(crate) winch_m_per_s: Option<f64>,
+    /// The losses as the whole test tells them, for [`Quantities::complete`].
+    #[serde(skip)]
+    pub(crate) losses: Losses,
 }
 
 /// A number with its relative standard deviation.
@@ -91,12 +94,14 @@ impl Quantities {
             stiffness_ratio_std: std(check),
             recurrence_predicted_s: predicted_s(config, report, value(rate), value(omega)),
             winch_m_per_s: winch,
+            losses: Losses::of(config, report),
         }
     }
 
-    /// Gives an event its slip length, `(Fs − Fe)/k + w T`, and the work against the friction
+    /// Gives an event that has none the cable's losses, its slip length, `(Fs − Fe)/k + w T`, and the work against the friction
     /// over it. Nothing where the cable went slack or the stiffness is not known.
     pub fn complete(&self, event: &mut EventSummary) {
+        event.put_on(self.losses);
         let Some(stiffness) = self.stiffness_n_per_m else { return };
         if event.slack || event.reason.is_some() {
             return;

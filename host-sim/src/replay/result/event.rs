@@ -1,6 +1,6 @@
 //! One event of a replay.
 
-use floe_core::Event;
+use floe_core::{Coefficient, Event, Losses};
 use serde::{Deserialize, Serialize};
 
 use super::numbers::{short, short_or_null, short_pair};
@@ -120,9 +120,36 @@ impl EventSummary {
         }
     }
 
+    /// Puts losses of the cable on an event that has none.
+    pub fn put_on(&mut self, losses: Losses) {
+        let [mu_s, mu] = losses.put_on([
+            coefficient(self.mu_s, self.mu_s_std, self.mu_s_systematic_std),
+            coefficient(self.mu, self.mu_std, self.mu_systematic_std),
+        ]);
+        if let Some(it) = mu_s {
+            self.mu_s_systematic_std = known(Some(it.systematic_std));
+            self.mu_s_combined_std = known(Some(it.combined_std()));
+            self.mu_s_ci95 = pair(Some(it.ci95()));
+        }
+        if let Some(it) = mu {
+            self.mu_systematic_std = known(Some(it.systematic_std));
+            self.mu_combined_std = known(Some(it.combined_std()));
+            self.mu_ci95 = pair(Some(it.ci95()));
+        }
+    }
+
     /// Whether there is something to remark.
     #[must_use]
     pub fn is_odd(&self) -> bool {
         self.reason.is_some() || self.quality != "good"
     }
+}
+
+fn coefficient(
+    value: Option<f64>,
+    std: Option<f64>,
+    systematic: Option<f64>,
+) -> Option<Coefficient> {
+    let [value, std, systematic_std] = [value?, std?, systematic?].map(|it| it as f32);
+    Some(Coefficient { value, std, systematic_std })
 }
