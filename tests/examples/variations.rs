@@ -1,9 +1,10 @@
 //! The classes of trouble with other numbers, held to the same aims.
 //!
 //! `cargo run --release -p floe-tests --example variations [-- SEEDS [FIRST PART OF A CLASS'S NAME]]`
-//! runs each class at another rate, noise, scatter, weight, cable and pull, 8 records each (of
-//! the shortest 100), and prints what misses an aim. Nothing is held to it: it shows how far
-//! the aims carry beyond the scenes of the table.
+//! runs each class at another rate, noise, scatter, weight, cable and pull, and with its own
+//! trouble weaker, stronger or otherwise, 8 records each (of the shortest 100), and prints what
+//! misses an aim. Nothing is held to it: it shows how far the aims carry beyond the scenes of
+//! the table.
 
 use floe::sim::{Scene, simulate};
 use floe_tests::aims::Check;
@@ -34,36 +35,136 @@ fn scatter(scene: &mut Scene, fraction: f64) {
     }
 }
 
+/// A class and what its scene says otherwise: another strength, place or time of its trouble.
+const STRENGTHS: [(&str, &str, &str); 74] = [
+    ("tightened_held", "[[1.2, 0.0], [21.2, 1.0]]", "[[2.0, 0.0], [22.0, 1.0]]"),
+    ("tightened_held", "[[1.2, 0.0], [21.2, 1.0]]", "[[0.8, 0.0], [60.8, 1.0]]"),
+    ("tightened_held", "[[1.2, 0.0], [21.2, 1.0]]", "[[1.2, 0.0], [6.2, 1.0]]"),
+    ("tightened_low", "[[0.4, 0.0], [3.4, 1.0]]", "[[0.8, 0.0], [1.4, 1.0]]"),
+    ("held_only", "[[0.7, 0.0]]", "[[1.9, 0.0]]"),
+    ("pauses", "every_s = 12.0", "every_s = 7.0"),
+    ("pauses", "least_s = 0.5", "least_s = 4.0"),
+    ("many_pauses", "every_s = 4.0", "every_s = 2.5"),
+    ("many_pauses", "most_s = 2.0", "most_s = 0.6"),
+    ("first_rate_20", "factor = 0.833333", "factor = 0.9"),
+    ("first_rate_20", "factor = 0.833333", "factor = 1.2"),
+    ("first_rate_70", "factor = 0.588235", "factor = 0.4"),
+    ("one_event", "_fraction = 0.05", "_fraction = 0.1"),
+    ("two_events", "_fraction = 0.05", "_fraction = 0.1"),
+    ("two_events", "_fraction = 0.05", "_fraction = 0.01"),
+    ("three_events", "_fraction = 0.05", "_fraction = 0.1"),
+    ("three_events", "_fraction = 0.05", "_fraction = 0.01"),
+    ("damping_1", "critical_fraction = 0.01", "critical_fraction = 0.005"),
+    ("damping_5", "critical_fraction = 0.05", "critical_fraction = 0.03"),
+    ("damping_5", "critical_fraction = 0.05", "critical_fraction = 0.1"),
+    ("drag_10", "n_s_per_m = 10.0", "n_s_per_m = 25.0"),
+    ("drag_50", "n_s_per_m = 50.0", "n_s_per_m = 100.0"),
+    ("drag_quadratic", "n_s2_per_m2 = 200.0", "n_s2_per_m2 = 500.0"),
+    ("drift_1", "zero_n_per_s = 0.125", "zero_n_per_s = 0.04"),
+    ("drift_1", "zero_n_per_s = 0.125", "zero_n_per_s = -0.4"),
+    ("drift_1", "span_per_s = 4.1667e-5", "span_per_s = -4.1667e-5"),
+    ("wandering", "[wander]\nfraction = 0.05", "[wander]\nfraction = 0.1"),
+    ("wandering", "events = 10.0", "events = 3.0"),
+    ("wandering", "events = 10.0", "events = 40.0"),
+    ("ar1_50", "std_n = 5.0", "std_n = 15.0"),
+    ("ar1_50", "correlation = 0.5", "correlation = 0.7"),
+    ("ar1_50", "correlation = 0.5", "correlation = -0.5"),
+    ("ar1_90", "std_n = 5.0", "std_n = 2.0"),
+    ("ar1_90", "std_n = 5.0", "std_n = 15.0"),
+    ("ar1_90", "correlation = 0.9", "correlation = 0.98"),
+    ("hum_5", "amplitude_n = 5.0", "amplitude_n = 10.0"),
+    ("hum_5", "hz = 50.0", "hz = 60.0"),
+    ("hum_5", "hz = 50.0", "hz = 50.1"),
+    ("hum_20", "hz = 50.0", "hz = 49.9"),
+    ("jitter_2", "std_s = 0.002", "std_s = 0.005"),
+    ("lag_30", "time_s = 0.03", "time_s = 0.01"),
+    ("lag_30", "time_s = 0.03", "time_s = 0.02"),
+    ("lag_30", "time_s = 0.03", "time_s = 0.045"),
+    ("rocking", "fraction = 0.05", "fraction = 0.02"),
+    ("rocking", "fraction = 0.05", "fraction = 0.1"),
+    ("rocking", "ratio = 1.7", "ratio = 1.3"),
+    ("rocking", "ratio = 1.7", "ratio = 2.3"),
+    ("cogging_2_5", "fraction = 0.2", "fraction = 0.1"),
+    ("cogging_2_5", "fraction = 0.2", "fraction = 0.35"),
+    ("cogging_2_5", "period_s = 0.4", "period_s = 0.333"),
+    ("cogging_5", "fraction = 0.2", "fraction = 0.1"),
+    ("cogging_5", "fraction = 0.2", "fraction = 0.35"),
+    ("cogging_5", "period_s = 0.2", "period_s = 0.25"),
+    ("along_slip", "fraction = 0.05", "fraction = 0.1"),
+    ("along_slip", "fraction = 0.05", "fraction = -0.05"),
+    ("along_slip", "length_m = 0.05", "length_m = 0.02"),
+    ("creep_quiet", "range_n = 30.0", "range_n = 60.0"),
+    ("creep_quiet", "onset_fraction = 0.5", "onset_fraction = 0.2"),
+    ("coarse_steps", "step_n = 5.0", "step_n = 10.0"),
+    ("short_slips", "138000.0", "92000.0"),
+    ("short_slips", "138000.0", "276000.0"),
+    ("short_sticks", "winch_m_per_s = 0.06", "winch_m_per_s = 0.09"),
+    ("short_sticks", "winch_m_per_s = 0.06", "winch_m_per_s = 0.12"),
+    ("slack", "mu = 0.4", "mu = 0.3"),
+    ("slack", "mu = 0.4", "mu = 0.48"),
+    ("winding_back", "[9.5, 1.0]", "[10.0, 1.0]"),
+    ("falling", "per_decade = -0.05", "per_decade = -0.1"),
+    ("falling", "per_decade = -0.05", "per_decade = -0.02"),
+    ("stribeck", "falling_m_per_s = 0.01", "falling_m_per_s = 0.003"),
+    ("stribeck", "falling_m_per_s = 0.01", "falling_m_per_s = 0.02"),
+    ("stribeck", "falling_m_per_s = 0.01", "falling_m_per_s = 0.04"),
+    ("rate_and_state", "evolving = 0.045", "evolving = 0.07"),
+    ("rate_and_state", "renewal_m = 2.0e-5", "renewal_m = 1.0e-4"),
+    ("rate_and_state", "renewal_m = 2.0e-5", "renewal_m = 5.0e-6"),
+];
+
+/// A class with something else in it, and what that is.
+fn otherwise(
+    &(name, from, to): &(&'static str, &str, &str),
+) -> (&'static str, Kind, Scene, String) {
+    let file = classes::folder().join(format!("{name}.toml"));
+    let text = std::fs::read_to_string(file).expect("a class");
+    let other = text.replace(from, to);
+    assert_ne!(text, other, "{name} has no {from}");
+    let kind = CLASSES.iter().find(|class| class.0 == name).expect("a class").1;
+    (name, kind, Scene::from_toml(&other).expect(to), to.replace('\n', " "))
+}
+
+/// A class as one of the variations has it.
+fn varied(
+    &(name, kind): &(&'static str, Kind),
+    &(how, vary): &Variation,
+) -> (&'static str, Kind, Scene, String) {
+    let (mut scene, _) = classes::scene(name);
+    vary(&mut scene);
+    (name, kind, scene, how.to_owned())
+}
+
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let seeds = arguments.first().map_or(8, |seeds| seeds.parse().expect("a number of seeds"));
     let begins = arguments.get(1).map_or("", String::as_str);
-    let wanted = CLASSES.iter().filter(|class| class.0.starts_with(begins));
     let of = |kind: Kind| if kind == Kind::Refused { PULLED_ALIKE } else { VARIATIONS.len() };
-    let jobs: Vec<(&(&str, Kind), &Variation)> = wanted
-        .flat_map(|class| VARIATIONS.iter().take(of(class.1)).map(move |varied| (class, varied)))
+    let all = CLASSES
+        .iter()
+        .flat_map(|class| VARIATIONS.iter().take(of(class.1)).map(|how| varied(class, how)));
+    let jobs: Vec<_> = all
+        .chain(STRENGTHS.iter().map(otherwise))
+        .filter(|(name, ..)| name.starts_with(begins))
         .collect();
-    let missed = parallel::each(&jobs, |&(&(class, kind), &(name, vary))| {
-        let (mut scene, _) = classes::scene(class);
-        vary(&mut scene);
-        if let Err(error) = simulate(&scene, 1) {
-            println!("{class:16} {name:20} cannot be simulated: {error}");
-            return (name, Vec::new());
+    let missed = parallel::each(&jobs, |(name, kind, scene, how)| {
+        if let Err(error) = simulate(scene, 1) {
+            println!("{name:16} {how:26} cannot be simulated: {error}");
+            return Vec::new();
         }
-        let judged = Class::of(&scene, kind, classes::records(&scene, seeds));
+        let judged = Class::of(scene, *kind, classes::records(scene, seeds));
         if kind.is_judged() && judged.exact.true_events() == 0 {
-            println!("{class:16} {name:20} nothing slips");
-            return (name, Vec::new());
+            println!("{name:16} {how:26} nothing slips");
+            return Vec::new();
         }
-        let checks = classes::checks(class, kind, &judged);
-        let missed: Vec<Check> = checks.into_iter().filter(|check| check.miss > 0.0).collect();
-        (name, missed)
+        let checks = classes::checks(name, *kind, &judged);
+        checks.into_iter().filter(|check| check.miss > 0.0).collect::<Vec<Check>>()
     });
-    for (name, missed) in &missed {
+    for ((_, _, _, how), missed) in jobs.iter().zip(&missed) {
         for Check { row, what, value, miss } in missed {
-            println!("{row:16} {name:20} {what:40} {value:7.3} {miss:7.3} from its aim");
+            println!("{row:16} {how:26} {what:40} {value:7.3} {miss:7.3} from its aim");
         }
     }
-    let scenes = missed.iter().filter(|(_, missed)| !missed.is_empty()).count();
+    let scenes = missed.iter().filter(|missed| !missed.is_empty()).count();
     println!("{scenes} of {} scenes miss an aim", missed.len());
 }

@@ -76,10 +76,9 @@ const HIDDEN: f32 = 6.0;
 const LEAST_RED: f32 = 0.55;
 /// Fewest samples that show it.
 const FEWEST: f32 = 24.0;
-/// Standard errors from which on a swing counts, fully at 1.4 times as many. Tuned: a smaller number
-/// widens white noise by chance (more than 1 % of snow's median), a larger one leaves the first
-/// events of a swing too sure.
-const LIKELY: f32 = 3.4;
+/// Standard errors from which on a swing counts, fully at 1.4 times as many. Tuned: 2 widens the
+/// median of `noisy` by 4 %, with 3.4 a winch that cogs by 10 % is too sure of itself for a minute.
+const LIKELY: f32 = 2.5;
 /// The same of what a line hides of alike neighbours. Tuned likewise: 2.6 widens dff8-13 by 1 %.
 const LIKELY_RED: f32 = 3.0;
 
