@@ -266,7 +266,10 @@ impl Detector {
         if self.stick.next < self.stick.origin + PROFILE {
             self.learn_profile();
         }
-        self.ripple.tell(Ripple::interrupt);
+        self.ripple.tell(|ripple| {
+            ripple.interrupt();
+            ripple.settle();
+        });
         self.ended = self.stick;
         if !self.line_fits() {
             self.ended.forget_line();

@@ -39,7 +39,9 @@ impl Residuals {
     pub fn add(&mut self, squares_n2: f32, free: f32, rough_n2: f32) {
         // Median of χ²/ν over its mean (Wilson and Hilferty).
         let skew = 1.0 - 2.0 / (9.0 * math::larger(free, 1.0));
-        self.median_n2.add(squares_n2 / (free * skew * skew * skew));
+        // Foul events among the first ones are no larger than what the median comes back from.
+        let most_n2 = LIMIT * ROUGH * rough_n2;
+        self.median_n2.add(math::smaller(squares_n2 / (free * skew * skew * skew), most_n2));
         let limit = LIMIT * self.median_n2.value().unwrap_or(ROUGH * rough_n2);
         if self.free > MEMORY {
             self.squares_n2 *= 0.5;
@@ -119,6 +121,16 @@ mod tests {
         assert!((excess_ratio(60.0, 5.0, 4.0) - 1.0).abs() < 1e-6);
         assert!((excess_ratio(4000.0, 10.0, 4.0) - 100.0).abs() < 1e-3);
         assert!(excess_ratio(f32::NAN, 10.0, 4.0).is_nan());
+    }
+
+    #[test]
+    fn foul_events_among_the_first_ones_are_forgotten() {
+        let mut pool = Residuals::new();
+        let first = [5.0, 5e3, 4e3, 4e3, 6.0, 7.0, 2e4, 1.0, 4e4, 3e4];
+        first.into_iter().for_each(|mean| pool.add(20.0 * mean, 20.0, 4.0));
+        (0..20).for_each(|_| pool.add(80.0, 20.0, 4.0));
+        let variance = pool.variance_n2().unwrap();
+        assert!((3.0..6.0).contains(&variance), "{variance}");
     }
 
     #[test]

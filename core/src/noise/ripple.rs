@@ -6,7 +6,7 @@
 //! difference of the line's innovations, `e − 2 e' + e''`, shows the noise alone (6 times its
 //! variance), and what the innovations have beyond that wanders slowly.
 
-use crate::num::math;
+use crate::num::math::{self, larger, smaller};
 use crate::stats::prior::surely;
 
 /// How far the force wanders about its line; variances in units of that of the noise.
@@ -35,14 +35,25 @@ impl ColoredNoise {
     }
 }
 
-/// Running sums of squares of the innovations and of their first two differences, of a
-/// fading past.
+/// What the innovations of a fading past show.
 #[derive(Clone, Copy, Debug)]
 pub struct Ripple {
     /// The last innovations, newest first; NaN where there is none.
     last: [f32; FAR],
     /// That of the newest sample, and its weight: it counts once another has come.
     held: (f32, f32),
+    /// Of this rest, and of those before.
+    rest: Sums,
+    past: Sums,
+    /// Mean square of a usual rest; zero before the first.
+    usual: f32,
+    /// Foul rests in a row.
+    fouls: u8,
+}
+
+/// Sums of squares of innovations and of their first two differences.
+#[derive(Clone, Copy, Debug, Default)]
+struct Sums {
     squares: f32,
     steps: f32,
     bends: f32,
@@ -54,10 +65,37 @@ pub struct Ripple {
     count: f32,
 }
 
+impl Sums {
+    /// Keeps a part, and takes those of a rest.
+    fn take(&mut self, part: f32, rest: &Self) {
+        let fade = |sum: &mut f32, by: f32| *sum = part * *sum + by;
+        fade(&mut self.squares, rest.squares);
+        fade(&mut self.steps, rest.steps);
+        fade(&mut self.bends, rest.bends);
+        fade(&mut self.products[0], rest.products[0]);
+        fade(&mut self.products[1], rest.products[1]);
+        fade(&mut self.far_steps, rest.far_steps);
+        fade(&mut self.far_count, rest.far_count);
+        fade(&mut self.count, rest.count);
+    }
+}
+
 /// Samples between which a slow wander shows its slope.
 const FAR: usize = 4;
 /// Samples over which the past is forgotten.
 const MEMORY: f32 = 2000.0;
+/// Samples of a long rest that are looked at together.
+const REST: f32 = 64.0;
+/// A rest whose mean square is so many times what is usual teaches nothing: its line was bent, by a
+/// winch that paused. What is usual is what three rests of ten stay below, where these factors up and
+/// down balance: more than half of the rests may be foul.
+const FOUL: f32 = 6.0;
+const UP: f32 = 1.35;
+const DOWN: f32 = 0.5;
+/// So many foul rests in a row are how things are now.
+const IN_A_ROW: u8 = 3;
+/// Fewest samples of a rest that tell what is usual.
+const TELLING: f32 = 6.0;
 /// Standard errors beyond which the force wanders; that of the noise's mean square is
 /// about `2 / √count` of it.
 const SIGNIFICANT: f32 = 4.0;
@@ -76,9 +114,10 @@ const HIDDEN: f32 = 6.0;
 const LEAST_RED: f32 = 0.55;
 /// Fewest samples that show it.
 const FEWEST: f32 = 24.0;
-/// Standard errors from which on a swing counts, fully at 1.4 times as many. Tuned: 2 widens the
-/// median of `noisy` by 4 %, with 3.4 a winch that cogs by 10 % is too sure of itself for a minute.
-const LIKELY: f32 = 2.5;
+/// Standard errors from which on a swing counts, fully at 1.4 times as many. Tuned: a smaller number
+/// widens white noise by chance (more than 1 % of snow's median), a larger one leaves the first
+/// events of a swing too sure.
+const LIKELY: f32 = 3.4;
 /// The same of what a line hides of alike neighbours. Tuned likewise: 2.6 widens dff8-13 by 1 %.
 const LIKELY_RED: f32 = 3.0;
 
@@ -92,7 +131,6 @@ impl Ripple {
     }
 
     fn count(&mut self, (innovation, weight): (f32, f32)) {
-        const FADE: f32 = 1.0 - 1.0 / MEMORY;
         let [last, before, earlier, far] = self.last;
         self.last = [innovation, last, before, earlier];
         let step = innovation - last;
@@ -100,17 +138,21 @@ impl Ripple {
         if second_difference.is_nan() {
             return;
         }
+        let rest = &mut self.rest;
         let far_step = innovation - far;
         if !far_step.is_nan() {
-            self.far_steps = FADE * self.far_steps + far_step * far_step;
-            self.far_count = FADE * self.far_count + weight;
+            rest.far_steps += far_step * far_step;
+            rest.far_count += weight;
         }
-        self.squares = FADE * self.squares + innovation * innovation;
-        self.steps = FADE * self.steps + step * step;
-        self.bends = FADE * self.bends + second_difference * second_difference;
-        let [first, second] = self.products;
-        self.products = [FADE * first + innovation * last, FADE * second + innovation * before];
-        self.count = FADE * self.count + weight;
+        rest.squares += innovation * innovation;
+        rest.steps += step * step;
+        rest.bends += second_difference * second_difference;
+        rest.products[0] += innovation * last;
+        rest.products[1] += innovation * before;
+        rest.count += weight;
+        if rest.count >= REST {
+            self.settle();
+        }
     }
 
     /// The next sample has no neighbour before it.
@@ -119,9 +161,41 @@ impl Ripple {
         self.held = (f32::NAN, 0.0);
     }
 
+    /// A rest has ended, or has gone on for long: it counts unless it is foul, and so does the past,
+    /// as far as is known by now.
+    #[cold]
+    #[inline(never)]
+    pub fn settle(&mut self) {
+        let (rest, usual) = (&self.rest, self.usual);
+        let mean = rest.squares / rest.count;
+        let mut is_foul = usual > 0.0 && mean > FOUL * usual;
+        if rest.count >= TELLING {
+            self.fouls = if is_foul { self.fouls.saturating_add(1) } else { 0 };
+            self.usual = larger(smaller(mean, UP * usual), DOWN * usual);
+            if usual <= 0.0 || self.fouls >= IN_A_ROW {
+                (self.usual, is_foul, self.past.count) = (mean, false, 0.0);
+            }
+        }
+        // Also where there is no past.
+        if self.past.squares >= FOUL * self.usual * self.past.count {
+            self.past = Sums::default();
+        }
+        if !is_foul {
+            self.past.take(1.0 - rest.count / MEMORY, rest);
+        }
+        self.rest = Sums::default();
+    }
+
     /// What the innovations show; nothing unless it is clear.
     #[must_use]
     pub fn wander(&self) -> ColoredNoise {
+        self.past.wander()
+    }
+}
+
+impl Sums {
+    #[inline(never)]
+    fn wander(&self) -> ColoredNoise {
         let white = self.bends / 6.0;
         let slow = self.squares - white;
         let limit = 2.0 * SIGNIFICANT * white;
@@ -199,11 +273,8 @@ impl Ripple {
 
 impl Default for Ripple {
     fn default() -> Self {
-        let (squares, steps, bends, count) = (0.0, 0.0, 0.0, 0.0);
-        let (far_steps, far_count) = (0.0, 0.0);
-        let (last, products) = ([f32::NAN; FAR], [0.0; 2]);
-        let held = (f32::NAN, 0.0);
-        Self { last, held, squares, steps, bends, products, far_steps, far_count, count }
+        let (last, held) = ([f32::NAN; FAR], (f32::NAN, 0.0));
+        Self { last, held, rest: Sums::default(), past: Sums::default(), usual: 0.0, fouls: 0 }
     }
 }
 
@@ -220,6 +291,7 @@ mod tests {
             let angle = core::f32::consts::TAU * (i as f32 / period).fract();
             whiteness.add(noise + amplitude * angle.sin(), 1.0);
         }
+        whiteness.settle();
         whiteness.wander()
     }
 
@@ -274,8 +346,31 @@ mod tests {
             (0..10).for_each(|_| ripple.add(random.even() - 0.5, 1.0));
             ripple.add(-20.0, 1.0);
             ripple.interrupt();
+            ripple.settle();
         }
         assert_eq!(ripple.wander(), ColoredNoise::NONE);
+    }
+
+    /// Rests of twenty samples of white noise; some of them on a line that a paused winch has bent.
+    fn rests(is_bent: impl Fn(u32) -> bool) -> ColoredNoise {
+        let (mut ripple, mut random) = (Ripple::default(), Random(5));
+        for rest in 0..60 {
+            let bend = if is_bent(rest) { 8.0 } else { 0.0 };
+            (0..20).for_each(|_| ripple.add(random.normal() - bend, 1.0));
+            ripple.interrupt();
+            ripple.settle();
+        }
+        ripple.wander()
+    }
+
+    #[test]
+    fn rests_on_bent_lines_teach_nothing() {
+        assert_eq!(rests(|_| false), ColoredNoise::NONE);
+        assert_eq!(rests(|rest| rest % 3 == 1), ColoredNoise::NONE);
+        // Nor the first ones, once the others are known.
+        assert_eq!(rests(|rest| rest < 5), ColoredNoise::NONE);
+        // What all of them do is how things are.
+        assert!(rests(|_| true).unsure > 0.9);
     }
 
     #[test]
@@ -283,6 +378,7 @@ mod tests {
         assert_eq!(seen(1.0, 20.0, 8), ColoredNoise::NONE);
         let mut exact = Ripple::default();
         (0..100).for_each(|_| exact.add(0.0, 1.0));
+        exact.settle();
         assert_eq!(exact.wander(), ColoredNoise::NONE);
         assert_eq!(Ripple::default().wander(), ColoredNoise::NONE);
     }

@@ -47,6 +47,8 @@ pub fn hypotenuse(a: f32, b: f32) -> f32 {
 /// Single precision throughout: libm's computes in double precision, which the board
 /// does in software, at forty times the price. The polynomials are the minimax ones
 /// on ±π/4, for `sin x / x` and `cos x`, in `x²`.
+// Once: small enough to be taken into other crates as well.
+#[inline(never)]
 #[must_use]
 pub fn sin_cos(x_rad: f32) -> (f32, f32) {
     // π/2 in two parts, the first so short that a few times it is exact.
