@@ -127,12 +127,16 @@ impl CycleFit {
         ControlFlow::Continue(())
     }
 
-    /// A misfit counts only as a sign of another block.
+    /// A misfit counts only as a sign of another block, and a strained fit only where it reaches
+    /// from the highest to the lowest sample: a winch that stood in the slip bends it away from them.
     pub(super) fn outcome(&self) -> Outcome {
-        if self.strain == Strain::Misfit && self.measured.verdict != Verdict::Suspect {
-            return Outcome::Failed(Reason::NoFit);
-        }
-        Outcome::Fitted
+        let Measured { posterior, verdict, .. } = &self.measured;
+        let fits = match self.strain {
+            Strain::None => true,
+            Strain::Strained => self.pending.is_spanned(&posterior.cycle, 0.03, 1.0),
+            Strain::Misfit => *verdict == Verdict::Suspect,
+        };
+        if fits { Outcome::Fitted } else { Outcome::Failed(Reason::NoFit) }
     }
 }
 

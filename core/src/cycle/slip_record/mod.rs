@@ -228,15 +228,22 @@ impl SlipRecord {
     /// begins and ends within two periods, and half of what it takes, of where theirs does.
     pub(crate) fn holds(&self, shape: &Shape) -> bool {
         let cycle = shape.cycle();
-        let (peak_n, low_n) = (self.peak.force_n, self.low.force_n);
-        let far_n = 0.5 * (peak_n - low_n) + 2.0 * cycle.rate;
-        let is_near = |a: f32, b: f32| (a - b).abs() < far_n;
         let (from, to) = self.rough.edges;
         let most = 2.0 + 0.5 * (to - from);
         let lead = self.lead(shape);
         let begins = (cycle.onset + lead - from).abs() < most;
         let ends = !cycle.is_taut() || (shape.stop() - lead - to).abs() < most;
-        begins && ends && is_near(cycle.static_n, peak_n) && is_near(cycle.restick_n(), low_n)
+        begins && ends && self.is_spanned(cycle, 0.5, 2.0)
+    }
+
+    /// Do the ends of a cycle lie as near to the highest and the lowest sample as a part of the drop
+    /// and what the line takes the force in some periods?
+    #[inline(never)]
+    pub(crate) fn is_spanned(&self, cycle: &CycleParams, part: f32, periods: f32) -> bool {
+        let (peak_n, low_n) = (self.peak.force_n, self.low.force_n);
+        let far_n = part * (peak_n - low_n) + periods * cycle.rate;
+        let is_near = |a: f32, b: f32| (a - b).abs() < far_n;
+        is_near(cycle.static_n, peak_n) && (!cycle.is_taut() || is_near(cycle.restick_n(), low_n))
     }
 
     /// Time from the onset to where the force of a cycle has fallen by the edge's part of the
