@@ -7,7 +7,7 @@
 //! with the pull rate; group means that print as the published ones, see [`MEANS`].
 //! Between tests they scatter by 10 %, between events of a test by 3 %.
 
-use floe_core::{Config, Newtons, Pipeline, RawSample, Reading};
+use floe_core::{Config, Event, Newtons, Pipeline, RawSample, Reading};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 use rand_distr::{Distribution, StandardNormal, StandardUniform};
@@ -115,12 +115,12 @@ pub fn evaluate(seed: u64, campaign: u32, test: u32) -> Result<TestRecord, Input
     let seconds =
         |t: floe_core::SampleTime| (t.index as f64 + f64::from(t.fraction)) / scene.rate_hz;
     let losses = pipeline.losses();
-    let measured = events.iter().map(|e| {
-        let mut measured = EventSummary::new(e, seconds(e.onset), seconds(e.stop));
+    let measured = |event: &Event| {
+        let mut measured = EventSummary::new(event, seconds(event.onset), seconds(event.stop));
         measured.put_on(losses);
-        measured
-    });
-    let events: Vec<EventRecord> = measured.map(|m| with_truth(m, run.events())).collect();
+        with_truth(measured, run.events())
+    };
+    let events: Vec<EventRecord> = events.iter().map(measured).collect();
     let raised = scene.slope_deg > 0.0;
     Ok(TestRecord {
         kind: Some(if raised { "rafting" } else { "sliding" }.to_owned()),

@@ -98,8 +98,9 @@ impl Quantities {
         }
     }
 
-    /// Gives an event that has none the cable's losses, its slip length, `(Fs − Fe)/k + w T`, and the work against the friction
-    /// over it. Nothing where the cable went slack or the stiffness is not known.
+    /// Gives an event, which has none yet, the losses of the cable; and its slip length,
+    /// `(Fs − Fe)/k + w T`, with the work against the friction over it, unless the cable went
+    /// slack or the stiffness is not known.
     pub fn complete(&self, event: &mut EventSummary) {
         event.put_on(self.losses);
         let Some(stiffness) = self.stiffness_n_per_m else { return };

@@ -14,6 +14,10 @@ use crate::fit::residuals::excess_ratio;
 use crate::fit::{Fit, Variances};
 use crate::num::math::larger;
 
+/// Part of the drop, beside a period of the line, that a strained fit may end from the highest and
+/// the lowest sample. Tuned with the pauses of heavy blocks.
+const SPANNED: f32 = 0.03;
+
 impl CycleFit {
     /// How far the samples are from the fit: noise, what slips scatter, strain.
     pub(super) fn judge(&mut self, learnt: &mut Expectations) -> ControlFlow<Outcome> {
@@ -133,7 +137,7 @@ impl CycleFit {
         let Measured { posterior, verdict, .. } = &self.measured;
         let fits = match self.strain {
             Strain::None => true,
-            Strain::Strained => self.pending.is_spanned(&posterior.cycle, 0.03, 1.0),
+            Strain::Strained => self.pending.is_spanned(&posterior.cycle, SPANNED, 1.0),
             Strain::Misfit => *verdict == Verdict::Suspect,
         };
         if fits { Outcome::Fitted } else { Outcome::Failed(Reason::NoFit) }

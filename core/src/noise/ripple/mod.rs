@@ -69,8 +69,8 @@ const DOWN: f32 = 0.5;
 const IN_A_ROW: u8 = 3;
 /// Fewest samples of a rest that tell what is usual.
 const TELLING: f32 = 6.0;
-/// The same of a swing of fourteen samples: a winch turns more slowly, mains hum is folded to
-/// anything.
+/// Variance of the slope over that of the level of a swing of fourteen samples: a winch turns more
+/// slowly, mains hum is folded to anything.
 const QUICK: f32 = 0.2;
 
 impl Ripple {
@@ -128,7 +128,7 @@ impl Ripple {
                 (self.usual, is_foul, self.past.count) = (mean, false, 0.0);
             }
         }
-        // Also where there is no past.
+        // Also a past that is no longer how things are: it counts nothing.
         if self.past.squares >= FOUL * self.usual * self.past.count {
             self.past = Sums::default();
         }
