@@ -264,8 +264,8 @@ impl Stretches {
 
     /// An event begins: it may be older than what was not understood.
     pub(crate) fn end_before(&mut self, onset: SampleTime) {
-        self.open = self.open.filter(|open| open.start.precedes(onset));
-        if let Some(open) = self.open.as_mut().filter(|open| onset.precedes(open.stop)) {
+        self.open = self.open.filter(|open| open.start < onset);
+        if let Some(open) = self.open.as_mut().filter(|open| open.stop > onset) {
             open.stop = onset;
         }
         self.close();
@@ -275,12 +275,12 @@ impl Stretches {
     pub(crate) fn outside(&self, event: &Event) -> Option<(SampleTime, SampleTime)> {
         let Event { onset, stop, .. } = *event;
         let (from, to) = self.told;
-        if !(from.precedes(stop) && onset.precedes(to)) {
+        if stop <= from || to <= onset {
             Some((onset, stop))
-        } else if to.precedes(stop) {
+        } else if to < stop {
             Some((to, stop))
         } else {
-            onset.precedes(from).then_some((onset, from))
+            (onset < from).then_some((onset, from))
         }
     }
 

@@ -24,8 +24,8 @@ const SIGNIFICANT: f32 = 3.0;
 /// What one event tells of one term.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Score {
-    pub(crate) score: f32,
-    pub(crate) information: f32,
+    score: f32,
+    information: f32,
     /// By how much the unknowns fall when the amplitude grows by one.
     pub(crate) response: Gradient,
 }

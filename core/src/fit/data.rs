@@ -97,7 +97,7 @@ impl Data<'_> {
     }
 
     /// The force that a shape has with what rounds off its corners, if anything does.
-    #[inline(never)]
+    #[inline(always)]
     pub(crate) fn model<'a>(&self, shape: &'a Shape) -> Model<'a> {
         Model { shape, rounded: (!self.corner.is_sharp()).then(|| self.corner.at(shape)) }
     }
@@ -203,7 +203,6 @@ impl Data<'_> {
 
     /// What is expected of each unknown, and its value.
     #[must_use]
-    #[inline(never)]
     pub fn priors(&self, cycle: &CycleParams) -> [(Prior, f32); UNKNOWNS] {
         let free = Prior::default();
         [
