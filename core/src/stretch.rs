@@ -264,8 +264,8 @@ impl Stretches {
 
     /// An event begins: it may be older than what was not understood.
     pub(crate) fn end_before(&mut self, onset: SampleTime) {
-        self.open = self.open.filter(|open| open.start < onset);
-        if let Some(open) = self.open.as_mut().filter(|open| open.stop > onset) {
+        self.open = self.open.filter(|open| open.start.precedes(onset));
+        if let Some(open) = self.open.as_mut().filter(|open| onset.precedes(open.stop)) {
             open.stop = onset;
         }
         self.close();
@@ -275,12 +275,12 @@ impl Stretches {
     pub(crate) fn outside(&self, event: &Event) -> Option<(SampleTime, SampleTime)> {
         let Event { onset, stop, .. } = *event;
         let (from, to) = self.told;
-        if stop <= from || to <= onset {
+        if !(from.precedes(stop) && onset.precedes(to)) {
             Some((onset, stop))
-        } else if to < stop {
+        } else if to.precedes(stop) {
             Some((to, stop))
         } else {
-            (onset < from).then_some((onset, from))
+            onset.precedes(from).then_some((onset, from))
         }
     }
 

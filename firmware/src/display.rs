@@ -96,7 +96,7 @@ fn draw_point<D>(target: &mut D, point: Point, colour: BinaryColor) -> Result<()
 where
     D: DrawTarget<Color = BinaryColor>,
 {
-    target.draw_iter([Pixel(point, colour)])
+    target.draw_iter(core::iter::once(Pixel(point, colour)))
 }
 
 /// Writes the letters of a row that are not shown yet.

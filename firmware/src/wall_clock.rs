@@ -82,13 +82,12 @@ impl Moment {
     /// bits, year of the century, month and day; hour, minute and second.
     #[must_use]
     pub fn of_calendar(date: u32, time: u32) -> Option<Self> {
-        let two = |register: u32, shift: u32, most: u32| {
-            let digits = register >> shift & most;
-            10 * (digits >> 4) + (digits & 0xF)
-        };
-        let [year, month, day] = [(16, 0xFF), (8, 0x1F), (0, 0x3F)].map(|(s, m)| two(date, s, m));
-        let of_the_day = [(16, 0x3F), (8, 0x7F), (0, 0x7F)].map(|(s, m)| two(time, s, m));
-        Self::of([2000 + year, month, day], of_the_day)
+        let [_, year, month, day] = (date & 0x00FF_1F3F).to_be_bytes();
+        let [_, hour, minute, second] = (time & 0x003F_7F7F).to_be_bytes();
+        Self::of(
+            [2000 + decimal(year), decimal(month), decimal(day)],
+            [decimal(hour), decimal(minute), decimal(second)],
+        )
     }
 
     /// Of year, month and day; hour, minute and second.
@@ -113,6 +112,12 @@ impl Moment {
 const DAYS_TO_2000: u32 = 10_957;
 /// Days of a common year before each month.
 const DAYS_BEFORE: [u32; 12] = [0, 31, 59, 90, 120, 151, 181, 212, 243, 273, 304, 334];
+
+/// Two decimal digits of four bits.
+#[inline(never)]
+fn decimal(digits: u8) -> u32 {
+    u32::from(10 * (digits >> 4) + (digits & 0xF))
+}
 
 /// Digits as a number.
 #[inline(never)]

@@ -19,7 +19,7 @@ impl CycleTracker {
             return;
         }
         self.rested = Some((SampleTime::after(pending.origin, shape.stop()), cycle.restick_n()));
-        let rested = rested.filter(|_| pending.wander.level > 0.0 && !pending.broken);
+        let rested = rested.filter(|_| pending.wander.bends && !pending.broken);
         let Some(((from, from_n), (rate, rate_variance))) = rested.zip(self.learnt.own_rate) else {
             return;
         };
@@ -39,10 +39,10 @@ impl CycleTracker {
     /// How far the cable takes `Fp` below the middle of `Fs` and `Fe`, N, and its variance. A
     /// line that is not straight tells nothing of a cable that gets stiffer by sliding.
     pub(super) fn shift(&self, pending: &SlipRecord, cycle: &CycleParams) -> (f32, f32) {
-        let (sag_n, sag_n2) = self.learnt.sag.ask(|sag| sag.shift(cycle));
-        if sag_n <= 0.0 && pending.wander.is_quick() {
-            // A quick swing bends no rest: it says nothing of a sag that only may be.
-            return (0.0, 0.0);
+        let (mut sag_n, mut sag_n2) = self.learnt.sag.ask(|sag| sag.shift(cycle));
+        if sag_n <= 0.0 && !pending.wander.bends {
+            // What bends no rest says nothing of a sag that only may be.
+            (sag_n, sag_n2) = (0.0, 0.0);
         }
         let stiffens = self.site.effects.has(Effect::Stiffening);
         let is_straight = pending.wander.level <= 0.0 && sag_n2 <= 0.0 && cycle.is_taut();

@@ -8,6 +8,7 @@ use crate::effects::damping::Damping;
 use crate::effects::mass_change::{Mass, Told, Verdict};
 use crate::effects::onset::Onset;
 use crate::effects::sag::Sag;
+use crate::effects::swing::Swing;
 use crate::fit::posterior::{CLEAR, Posterior};
 use crate::fit::residuals::Residuals;
 use crate::fit::slip_scatter::SlipScatter;
@@ -35,6 +36,7 @@ pub(crate) struct Expectations {
     pub(crate) slip: SlipScatter,
     pub(crate) damping: Kept<Damping, { Effect::Damping.room() }>,
     pub(crate) onset: Kept<Onset, { Effect::Onset.room() }>,
+    pub(crate) swing: Kept<Swing, { Effect::Ripple.room() }>,
     /// Events in a row that did not fit.
     pub(super) misfits: u8,
     /// The residuals are those of weighted samples.
@@ -57,13 +59,14 @@ pub(crate) struct Expected {
 
 impl Expected {
     /// The event's samples and lines with that.
+    #[inline(never)]
     pub(crate) fn data<'a>(&self, pending: &'a SlipRecord, after: &'a Line) -> Data<'a> {
         let Self { rate, inverse_omega, rate_change, onset, corner, .. } = *self;
         Data {
             before: &pending.before,
             samples: pending.samples(),
             after,
-            wander: pending.wander,
+            wander: pending.wander.followed(),
             rate,
             inverse_omega,
             rate_change,
@@ -124,7 +127,7 @@ impl Expectations {
 
     /// What is expected of an event with such a line after it.
     pub(crate) fn of(&self, pending: &SlipRecord, after: &Line, noise_n2: f32) -> Expected {
-        let rough = pending.rough(after);
+        let (rough, wander) = (pending.rough(after), pending.wander.followed());
         let has_lines =
             pending.before.count.min(after.count) >= LINE && pending.wander.level <= 0.0;
         let rate = expected(self.rate.prior(noise_n2), rough.rate, 0.7 * rough.rate, noise_n2);
@@ -139,11 +142,11 @@ impl Expectations {
         let inverse_omega = expected(known_swing, guess, spread, noise_n2);
         Expected {
             noise_n2,
-            rate: rate.loosened(pending.wander.slope),
+            rate: rate.loosened(wander.slope),
             inverse_omega,
             rate_change: self
                 .bend_prior(rough.rate, has_lines, noise_n2)
-                .loosened(4.0 * pending.wander.slope),
+                .loosened(4.0 * wander.slope),
             onset: rough.onset(noise_n2),
             corner: self.corner.ask(|corner| corner.expected(rate.mean, inverse_omega.mean)),
         }

@@ -47,6 +47,7 @@ impl CycleTracker {
         let fit = fit.as_mut().filter(|fit| fit.converged && slip.holds(&fit.shape))?;
         self.early = Some((slip.origin, *fit.cycle()));
         let known = self.learnt.residuals.variance_n2().is_some();
+        fit.widen_forces(slip.wander.alike);
         fit.widen(&Variances::UNSURE_SWING, self.learnt.unsure_swing(&slip, noise_n2));
         let at = Posterior::at(fit, noise_n2);
         (at.is_resolved() && known && slip.hidden.is_none())

@@ -25,7 +25,8 @@ impl CycleTracker {
         };
         let event = &finished.event;
         let limit = SampleTime::after(pending.origin, pending.limit);
-        let overlaps = event.stop > limit || self.last_stop.is_some_and(|it| it > event.onset);
+        let overlaps =
+            limit.precedes(event.stop) || self.last_stop.is_some_and(|it| event.onset.precedes(it));
         let overlaps = overlaps.then_some(Reason::NoFit).filter(|_| event.reason.is_none());
         if let Some(reason) = refusal::of_event(event).or(overlaps).or(doubt) {
             finished = self.without_coefficients(pending, reason).into();
@@ -171,9 +172,9 @@ impl CycleTracker {
 }
 
 fn earlier(a: SampleTime, b: SampleTime) -> SampleTime {
-    if b < a { b } else { a }
+    if b.precedes(a) { b } else { a }
 }
 
 fn later(a: SampleTime, b: SampleTime) -> SampleTime {
-    if b > a { b } else { a }
+    if a.precedes(b) { b } else { a }
 }

@@ -7,6 +7,7 @@ use crate::effect::{Effect, Parameter};
 use crate::effects::damping::Damping;
 use crate::effects::onset::Onset;
 use crate::effects::sag::Sag;
+use crate::effects::swing::Swing;
 use crate::num::math;
 use crate::stats::quantity::Quantity;
 
@@ -65,7 +66,8 @@ impl CycleTracker {
                 let ratio = Parameter { name: "weight_ratio", value, std: relative * value };
                 [(relative > 0.0).then_some(ratio), None]
             }
-            Effect::Level | Effect::Drift | Effect::Flop | Effect::Ripple => [None; 2],
+            Effect::Ripple => [self.learnt.swing.ask(Swing::parameter), None],
+            Effect::Level | Effect::Drift | Effect::Flop => [None; 2],
         }
     }
 

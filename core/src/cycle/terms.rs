@@ -1,10 +1,13 @@
 //! What an event's residuals tell of the force terms that its fit lacks.
 
 use crate::cycle::expectations::Expectations;
+use crate::cycle::slip_record::SlipRecord;
 use crate::effect::Effect;
-use crate::effects::score::Score;
+use crate::effects::score::Asked;
+use crate::effects::swing::Swung;
 use crate::effects::{damping, onset};
 use crate::fit::correction::Correction;
+use crate::fit::posterior::Posterior;
 use crate::fit::{Alone, Data, Fit};
 
 impl Expectations {
@@ -32,6 +35,48 @@ impl Expectations {
         effect
     }
 
+    /// What the event tells of a swing that may be the cable's or the cell's, if it teaches at all, and
+    /// what of its forces follows from that; by a fit that does not follow the swing.
+    pub(crate) fn learn_swing(
+        &mut self,
+        pending: &SlipRecord,
+        data: Data<'_>,
+        (fit, posterior): (&Fit, &Posterior),
+        noise_n2: f32,
+        teaches: bool,
+    ) -> Correction {
+        let wander = pending.wander;
+        let rate = data.rate.loosened(wander.slope);
+        let rate_change = data.rate_change.loosened(4.0 * wander.slope);
+        let local = Data { wander, rate, rate_change, ..data };
+        let resolved = Some(fit).filter(|_| posterior.is_resolved());
+        let Some(followed) = resolved.and_then(|fit| fit.forces_with(&local)) else {
+            // All of it, whosever it is.
+            let static_n2 = (1.0 - wander.white_share()) * noise_n2;
+            return Correction { static_n2, dynamic_n2: 0.5 * static_n2, ..Correction::default() };
+        };
+        let (cycle, white_n2) = (&posterior.cycle, wander.white_share() * noise_n2);
+        let swing = cycle.inverse_omega() * cycle.inverse_omega();
+        let event = Swung {
+            forces_n: [cycle.static_n, cycle.dynamic_n()],
+            plain_n2: [posterior.static_n2, posterior.dynamic_n2],
+            by_n: [
+                followed.static_n - fit.cycle().static_n,
+                followed.dynamic_n - fit.cycle().dynamic_n(),
+            ],
+            followed_n2: [followed.static_variance, followed.dynamic_variance]
+                .map(|it| white_n2 * it),
+            white_share: wander.white_share(),
+            turn_n2: white_n2 * wander.slope * swing,
+        };
+        self.swing.tell(|swing| {
+            if teaches {
+                swing.learn(&event, noise_n2);
+            }
+            swing.correction(&event)
+        })
+    }
+
     /// What the event tells of the terms that widen; gives the variance of `Fs` by them, N².
     pub(crate) fn learn_scores(
         &mut self,
@@ -47,16 +92,16 @@ impl Expectations {
         }
         let shape = &fit.shape;
         let losses_n = damping::term_n(shape);
-        let [losses, even, odd] = Score::of(data, shape, alone, |since_onset, gradient| {
+        let asked = Asked::of(data, shape, alone, |since_onset, gradient| {
             let [even_n, odd_n] = onset::terms_n(shape, since_onset);
             [losses_n(since_onset, gradient), even_n, odd_n]
         });
         if asks_losses {
-            self.damping.tell(|damping| damping.0.learn(&losses, noise_n2));
+            self.damping.tell(|damping| damping.0.learn(&asked.score(0), noise_n2));
         }
         if !asks_onset {
             return 0.0;
         }
-        self.onset.tell(|onset| onset.learn(&[even, odd], noise_n2))
+        self.onset.tell(|onset| onset.learn(&[asked.score(1), asked.score(2)], noise_n2))
     }
 }

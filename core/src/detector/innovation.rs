@@ -37,6 +37,7 @@ impl Detector {
 
     /// Does the stick line describe the force, or does the block never rest long
     /// enough?
+    #[inline(never)]
     pub(super) fn line_fits(&self) -> bool {
         self.line_std_n.is_infinite() || self.line_std_n < LINE_FITS * self.std_n
     }

@@ -78,7 +78,10 @@ impl Detector {
     pub fn shows(&self, effect: Effect) -> bool {
         match effect {
             Effect::Flop => self.profile.ask(|profile| !profile.is_flat()),
-            Effect::Ripple => self.wander().level > 0.0,
+            Effect::Ripple => {
+                let ColoredNoise { level, alike, .. } = self.wander();
+                level + alike > 0.0
+            }
             Effect::Corner
             | Effect::Sag
             | Effect::Stiffening

@@ -55,7 +55,7 @@ impl Damping {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::effects::score::Score;
+    use crate::effects::score::Asked;
     use crate::effects::synthetic::{self, NOISE_N};
     use crate::model::CycleParams;
 
@@ -88,8 +88,8 @@ mod tests {
             let Some(alone) = fit.alone(&data) else { return };
             let shape = &fit.shape;
             let losses_n = term_n(shape);
-            let [score] = Score::of(&data, shape, &alone, |time, by| [losses_n(time, by)]);
-            damping.0.learn(&score, noise_n2);
+            let asked = Asked::of(&data, shape, &alone, |time, by| [losses_n(time, by), 0.0, 0.0]);
+            damping.0.learn(&asked.score(0), noise_n2);
         });
         damping
     }

@@ -7,6 +7,7 @@ pub mod mass_change;
 pub(crate) mod onset;
 pub(crate) mod sag;
 pub(crate) mod score;
+pub(crate) mod swing;
 pub(crate) mod zero_drift;
 
 #[cfg(test)]

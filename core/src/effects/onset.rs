@@ -75,6 +75,7 @@ fn possible(sum: &ScoreSum) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::effects::score::Asked;
     use crate::effects::synthetic::{self, NOISE_N};
     use crate::model::CycleParams;
 
@@ -95,8 +96,11 @@ mod tests {
                 let Some(fit) = data.fit(cycle, noise_n2) else { return };
                 let Some(alone) = fit.alone(&data) else { return };
                 let shape = &fit.shape;
-                let scores = Score::of(&data, shape, &alone, |time, _| terms_n(shape, time));
-                let static_n2 = onset.learn(&scores, noise_n2);
+                let asked = Asked::of(&data, shape, &alone, |time, _| {
+                    let [even_n, odd_n] = terms_n(shape, time);
+                    [even_n, odd_n, 0.0]
+                });
+                let static_n2 = onset.learn(&[asked.score(0), asked.score(1)], noise_n2);
                 told += 1;
                 match told {
                     1 => first_n2 = static_n2,

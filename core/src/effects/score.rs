@@ -10,8 +10,10 @@
 use crate::fit::{Alone, Data};
 use crate::model::Shape;
 use crate::num::math::{self, larger};
-use crate::stats::normal_equations::{Gradient, dot};
+use crate::stats::normal_equations::{Gradient, Normal, dot};
 
+/// Terms that an event is asked for at a time.
+pub(crate) const TERMS: usize = 3;
 /// Information that is left when the unknowns are free, of the whole: less is rounding.
 const LEAST_OWN: f32 = 1e-4;
 /// Events before which nothing counts.
@@ -21,58 +23,84 @@ const FADE: f32 = 1.0 - 1.0 / 200.0;
 /// Standard errors beyond which an amplitude is found.
 const SIGNIFICANT: f32 = 3.0;
 
-/// What one event tells of one term.
+/// What an event's samples tell of some terms: their normal equations, the unknowns held or free.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Score {
-    score: f32,
-    information: f32,
-    /// By how much the unknowns fall when the amplitude grows by one.
-    pub(crate) response: Gradient,
+pub(crate) struct Asked {
+    /// Of the terms' amplitudes; the other three are zero.
+    pub(crate) normal: Normal,
+    /// `Uᵀ W c` of each term while the unknowns are held; once they are free by how much they fall when
+    /// its amplitude grows by one.
+    pub(crate) response: [Gradient; TERMS],
+    /// Part of each term's information that is left with the unknowns free; no number without any.
+    pub(crate) left: [f32; TERMS],
 }
 
-impl Score {
-    /// Of some terms at the shape of a fit: `by_n` gives their forces for amplitudes of one at a
-    /// time since the onset, with the model's derivatives there. Only the samples of a slip on a
-    /// taut cable are asked; a term that they do not tell has no information.
-    pub(crate) fn of<const TERMS: usize>(
+impl Asked {
+    /// Of terms at the shape of a fit: `by_n` gives their forces for amplitudes of one at a time
+    /// since the onset, with the model's derivatives there. Only the samples of a slip on a taut
+    /// cable are asked.
+    pub(crate) fn of(
         data: &Data<'_>,
         shape: &Shape,
         alone: &Alone,
         by_n: impl Fn(f32, &Gradient) -> [f32; TERMS],
-    ) -> [Self; TERMS] {
-        let mut scores = [Self::default(); TERMS];
+    ) -> Self {
+        let mut asked = Self::default();
         if shape.is_slack() {
-            return scores;
+            return asked;
         }
         let model = data.model(shape);
         for (time, force_n, weight) in data.levels() {
             let since_onset = time - shape.cycle().onset;
             if since_onset > 0.0 && since_onset < shape.slide_time() {
-                let at = model.residual(time, force_n);
-                for (term, by_n) in scores.iter_mut().zip(by_n(since_onset, &at.1)) {
-                    term.add(at.0, &at.1, by_n, weight);
-                }
+                let (off_n, gradient) = model.residual(time, force_n);
+                asked.add(off_n, &gradient, by_n(since_onset, &gradient), weight);
             }
         }
-        scores.map(|term| term.alone(alone))
+        asked.free(alone);
+        asked
     }
 
-    /// Takes a sample.
-    fn add(&mut self, off_n: f32, gradient: &Gradient, by_n: f32, weight: f32) {
-        let by = weight * by_n;
-        self.response.iter_mut().zip(gradient).for_each(|(sum, g)| *sum += by * g);
-        self.information += by * by_n;
-        self.score += by * off_n;
+    /// Of one term; one that the samples do not tell has no information.
+    pub(crate) fn score(&self, term: usize) -> Score {
+        let is_told = self.left[term] > LEAST_OWN;
+        let information = if is_told { self.normal.matrix[[term, term]] } else { 0.0 };
+        Score { score: self.normal.right[term], information, response: self.response[term] }
     }
 
-    /// With the unknowns free.
-    fn alone(self, alone: &Alone) -> Self {
-        let response = alone.factor.solve(&self.response);
-        let information = self.information - dot(&self.response, &response);
-        let is_told = information > LEAST_OWN * self.information;
-        let score = self.score - dot(&response, &alone.right);
-        Self { score, information: if is_told { information } else { 0.0 }, response }
+    /// Takes a sample: its residual, the model's derivatives and the terms there.
+    #[inline(never)]
+    pub(crate) fn add(&mut self, off_n: f32, gradient: &Gradient, by_n: [f32; TERMS], weight: f32) {
+        let [first, second, third] = by_n;
+        self.normal.add(off_n, &[first, second, third, 0.0, 0.0, 0.0], weight);
+        for (product, by_n) in self.response.iter_mut().zip(by_n) {
+            product.iter_mut().zip(gradient).for_each(|(sum, g)| *sum += weight * by_n * g);
+        }
     }
+
+    /// Frees the unknowns.
+    #[inline(never)]
+    pub(crate) fn free(&mut self, alone: &Alone) {
+        let Self { normal, response, left } = self;
+        for i in 0..TERMS {
+            let (product, whole) = (response[i], normal.matrix[[i, i]]);
+            response[i] = alone.factor.solve(&product);
+            for (j, other) in response.iter().enumerate().take(i + 1) {
+                normal.matrix[[i, j]] -= dot(&product, other);
+            }
+            normal.right[i] -= dot(&response[i], &alone.right);
+            left[i] = normal.matrix[[i, i]] / whole;
+        }
+    }
+}
+
+/// What one event tells of one term.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Score {
+    pub(crate) score: f32,
+    pub(crate) information: f32,
+    /// By how much the unknowns fall when the amplitude grows by one.
+    pub(crate) response: Gradient,
 }
 
 /// What the events of a fading past tell of an amplitude.

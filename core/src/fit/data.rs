@@ -97,7 +97,7 @@ impl Data<'_> {
     }
 
     /// The force that a shape has with what rounds off its corners, if anything does.
-    #[inline(always)]
+    #[inline(never)]
     pub(crate) fn model<'a>(&self, shape: &'a Shape) -> Model<'a> {
         Model { shape, rounded: (!self.corner.is_sharp()).then(|| self.corner.at(shape)) }
     }
@@ -121,11 +121,12 @@ impl Data<'_> {
     #[inline(never)]
     pub(crate) fn squares_n2(&self, shape: &Shape) -> f32 {
         let model = self.model(shape);
-        let square_n2 = |(time, force_n, weight): (f32, f32, f32)| {
+        let mut squares_n2 = 0.0;
+        for (time, force_n, weight) in self.levels() {
             let off_n = model.residual(time, force_n).0;
-            weight * off_n * off_n
-        };
-        self.levels().map(square_n2).sum()
+            squares_n2 += weight * off_n * off_n;
+        }
+        squares_n2
     }
 
     /// What the samples of the slip scatter at a fit, in units of the noise's variance, and what
@@ -203,6 +204,7 @@ impl Data<'_> {
 
     /// What is expected of each unknown, and its value.
     #[must_use]
+    #[inline(never)]
     pub fn priors(&self, cycle: &CycleParams) -> [(Prior, f32); UNKNOWNS] {
         let free = Prior::default();
         [

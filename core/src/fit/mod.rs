@@ -136,6 +136,16 @@ impl Fit {
         self.widen(&Variances { unknowns: self.variances, forces }, ratio - 1.0);
     }
 
+    /// Adds so many times their own variances to those of the forces alone: noise whose neighbours are
+    /// alike makes them less sure, and what the events share is not told any better or worse.
+    pub(crate) fn widen_forces(&mut self, times: f32) {
+        let Forces { static_variance, dynamic_variance, .. } = self.forces;
+        let [_, _, static_n2, half_drop_n2, ..] = self.variances;
+        let unknowns = [0.0, 0.0, static_n2, half_drop_n2, 0.0, 0.0];
+        let forces = (static_variance, dynamic_variance);
+        self.widen(&Variances { unknowns, forces }, times);
+    }
+
     /// Takes what the event is unsure of beyond the noise, so many times what is given, into
     /// the variances.
     pub(crate) fn widen(&mut self, wider: &Variances, times: f32) {
@@ -161,12 +171,25 @@ impl Fit {
         let expected = [(1, (rate, self.cycle().rate))];
         let Alone { factor, right } = without(&self.normal, Gradient::default(), expected)?;
         let [_, _, by_static, by_drop, ..] = factor.solve(&right);
+        let mut forces = self.forces_at(by_static, by_drop, &factor);
+        forces.widen(self.wider);
+        Some(forces)
+    }
+
+    /// The forces where `Fs` and half the drop are further by so much.
+    fn forces_at(&self, by_static: f32, by_drop: f32, information: &Factor) -> Forces {
         let mut cycle = *self.cycle();
         cycle.static_n += by_static;
         cycle.half_drop_n += by_drop;
-        let mut forces = Forces::new(&cycle, factor.spread(&STATIC, FIRST), &factor);
-        forces.widen(self.wider);
-        Some(forces)
+        Forces::new(&cycle, information.variance(&STATIC), information)
+    }
+
+    /// Normal equations at the fit, set up anew.
+    fn normal_at(&self, data: &Data<'_>) -> Normal {
+        let mut normal = Normal::default();
+        data.add_samples(&mut normal, &self.shape, 0, usize::MAX);
+        data.add_lines(&mut normal, &self.shape);
+        normal
     }
 
     /// Its normal equations without what is expected of the swing.
@@ -175,15 +198,21 @@ impl Fit {
         without(&self.normal, Gradient::default(), [(4, (swing, value))])
     }
 
+    /// The forces, one step further, where the lines or what is expected of them are other ones.
+    pub(crate) fn forces_with(&self, data: &Data<'_>) -> Option<Forces> {
+        let normal = self.normal_at(data);
+        let factor = normal.factor(0.0)?;
+        let [_, _, static_n, half_drop_n, ..] = factor.solve(&normal.right);
+        Some(self.forces_at(static_n, half_drop_n, &factor))
+    }
+
     /// What the event tells without what is expected of all but the bend, the last unknown.
     ///
     /// They are set up anew: a fit ends with a step that is not looked at again, and what that
     /// leaves is no noise, so it would add up over the events.
     #[must_use]
     pub(crate) fn alone(&self, data: &Data<'_>) -> Option<Alone> {
-        let mut normal = Normal::default();
-        data.add_samples(&mut normal, &self.shape, 0, usize::MAX);
-        data.add_lines(&mut normal, &self.shape);
+        let normal = self.normal_at(data);
         let expected = data.priors(self.cycle()).into_iter().enumerate();
         without(&normal, normal.right, expected.take(UNKNOWNS - 1))
     }

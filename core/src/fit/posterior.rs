@@ -33,6 +33,7 @@ pub struct Posterior {
 impl Posterior {
     /// Is the slip long enough for the samples?
     #[must_use]
+    #[inline(never)]
     pub fn is_resolved(&self) -> bool {
         let most = SWING_KNOWN * self.cycle.inverse_omega();
         self.slide_time >= RESOLVED && self.unknowns[4] < most * most
@@ -42,13 +43,22 @@ impl Posterior {
     /// two leaves open is no normal distribution: many such events know no more than one. With the
     /// variance of its swing, without what was expected of that.
     #[must_use]
+    #[inline(never)]
     pub(crate) fn tells_swing(&self, variance: f32) -> bool {
         const WELL: f32 = 0.08;
         let well = WELL * self.cycle.inverse_omega();
         self.is_resolved() && (self.slide_time > CLEAR || variance < well * well)
     }
 
-    /// Takes what is known of the corners since the fit.
+    /// Takes what is the same in every event.
+    pub(crate) fn take_common(&mut self, effect: &Correction) {
+        self.take(effect);
+        self.common_n2.0 += effect.static_n2;
+        self.common_n2.1 += effect.dynamic_n2;
+    }
+
+    /// Takes what is known since the fit.
+    #[inline(never)]
     pub(crate) fn take(&mut self, effect: &Correction) {
         let Correction {
             moved: [onset, rate, static_n, half_drop_n, inverse_omega, rate_change],
@@ -63,8 +73,6 @@ impl Posterior {
         c.rate_change += rate_change;
         self.static_n2 += effect.static_n2;
         self.dynamic_n2 += effect.dynamic_n2;
-        let (static_n2, dynamic_n2) = self.common_n2;
-        self.common_n2 = (static_n2 + effect.static_n2, dynamic_n2 + effect.dynamic_n2);
     }
 
     /// The slip began anywhere within a period before and after, and may have any length that
@@ -92,6 +100,7 @@ impl Posterior {
 
     /// At the best fit, with the variance of the noise.
     #[must_use]
+    #[inline(never)]
     pub fn at(fit: &Fit, noise_n2: f32) -> Self {
         let Fit { forces, .. } = fit;
         let unknowns = fit.variances.map(|variance| noise_n2 * variance);

@@ -93,6 +93,7 @@ impl CycleParams {
 
     /// Does the cable stay taut?
     #[must_use]
+    #[inline(never)]
     pub fn is_taut(&self) -> bool {
         let (q, centre_n) = (self.rate / self.omega, self.dynamic_n());
         centre_n >= 0.0 && self.half_drop_n * self.half_drop_n + q * q <= centre_n * centre_n

@@ -163,40 +163,40 @@ impl Noise {
 
     /// The second one before there are enough fits.
     #[inline(never)]
-    fn early_std_n(&self, line: f32, floor: f32) -> f32 {
-        let line = (line < f32::INFINITY).then_some(line);
-        let upper = if self.fits == 0 { self.upper.over(QUARTILE) } else { 0.0 };
-        let samples = line.map(|line| larger(line, upper));
-        let fitted = (self.fits > 0).then_some(self.fitted_n);
-        let bound = least(fitted, self.without_line_n(line)).map(|std| larger(std, floor));
-        least(samples, bound).unwrap_or(f32::INFINITY)
+    fn early_std_n(&self, line_n: f32, floor_n: f32) -> f32 {
+        let (upper_n, fitted_n) = match self.fits {
+            0 => (self.upper.over(QUARTILE), f32::INFINITY),
+            _ => (0.0, self.fitted_n),
+        };
+        let bound_n = larger(smaller(fitted_n, self.without_line_n(line_n)), floor_n);
+        smaller(larger(line_n, upper_n), bound_n)
     }
 
-    /// Standard deviation where there is no line to be followed, N, or one of these innovations.
-    fn without_line_n(&self, line_n: Option<f32>) -> Option<f32> {
-        let swing = math::rough_sqrt(self.swing.noise_n2()?);
-        let second = self.second.value()? * STD_PER_SECOND;
+    /// Standard deviation where there is no line to be followed, N, or one of these innovations;
+    /// infinite where nothing tells it.
+    fn without_line_n(&self, line_n: f32) -> f32 {
+        let (Some(swing_n2), Some(second_n)) = (self.swing.noise_n2(), self.second.value()) else {
+            return f32::INFINITY;
+        };
+        let (swing_n, second_n) = (math::rough_sqrt(swing_n2), second_n * STD_PER_SECOND);
         // Coarse steps make differences of zero: they are as large as a step.
         let repeats = self.repeats && self.hidden_n > 0.0;
         let step_n = if repeats { self.resolution_n } else { 0.0 };
-        let slips = self.arrow.slip_n().map(|slip_n| SLIP * slip_n);
-        let smooth = (swing < SWING * second).then_some(swing);
-        let bent = CAUTION * (second + step_n);
-        let bent = line_n.is_some_and(|line_n| bent < BENT * line_n).then_some(bent);
-        least(slips, least(smooth, bent))
+        let mut std_n = self.arrow.slip_n().map_or(f32::INFINITY, |slip_n| SLIP * slip_n);
+        if swing_n < SWING * second_n {
+            std_n = smaller(std_n, swing_n);
+        }
+        let bent_n = CAUTION * (second_n + step_n);
+        if line_n < f32::INFINITY && bent_n < BENT * line_n {
+            std_n = smaller(std_n, bent_n);
+        }
+        std_n
     }
 }
 
 impl Default for Noise {
     fn default() -> Self {
         Self::new()
-    }
-}
-
-fn least(a: Option<f32>, b: Option<f32>) -> Option<f32> {
-    match (a, b) {
-        (Some(a), Some(b)) => Some(smaller(a, b)),
-        (one, other) => one.or(other),
     }
 }
 
@@ -230,7 +230,7 @@ mod tests {
         let (mut noise, mut random) = (Noise::new(), Random(5));
         for i in 0..20_000 {
             noise.see(random.normal(), true);
-            assert_eq!(noise.without_line_n(None), None, "{i}");
+            assert!(noise.without_line_n(f32::INFINITY).is_infinite(), "{i}");
         }
     }
 

@@ -87,6 +87,7 @@ impl Window {
 
     /// The index, or the oldest one in the window if that is later.
     #[must_use]
+    #[inline(never)]
     pub fn first_from(&self, index: u64) -> u64 {
         index.max(self.first).max(self.end.saturating_sub(WINDOW as u64))
     }

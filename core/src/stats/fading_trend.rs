@@ -171,6 +171,7 @@ impl FadingTrend {
     /// What the next event may expect, in units of one over `noise_n2`: its variance
     /// is that between events plus that of the mean.
     #[must_use]
+    #[inline(never)]
     pub fn prior(&self, noise_n2: f32) -> Prior {
         if !self.is_known() {
             return Prior::default();

@@ -24,6 +24,7 @@ pub(crate) fn loosened(weight: f32, variance: f32) -> f32 {
 }
 
 /// From 0 where a size is within a limit to 1 where it is twice that.
+#[inline(never)]
 pub(crate) fn surely(size: f32, limit: f32) -> f32 {
     if size > limit { smaller(size / limit - 1.0, 1.0) } else { 0.0 }
 }

@@ -35,6 +35,7 @@ impl CycleFit {
         }
         let now_n2 = learnt.noise_n2(pending);
         fit.scale(excess_ratio(around_n2, free - points, now_n2));
+        fit.widen_forces(pending.wander.alike);
         if counts {
             // Where the noise is not known yet, the lines have it.
             let (lines_n2, lines) = pending.line_residuals(&self.after);
@@ -84,15 +85,23 @@ impl CycleFit {
     /// Carries what the event tells to the next ones.
     pub(super) fn tell(&mut self, learnt: &mut Expectations) -> ControlFlow<Outcome> {
         let (fit, noise_n2) = (&self.fit, learnt.noise_n2(&self.pending));
-        let data = self.expected.data(&self.pending, &self.after);
-        let Measured { posterior, alone, .. } = &mut self.measured;
-        if data.wander.level <= 0.0 {
+        let (pending, data) = (&self.pending, self.expected.data(&self.pending, &self.after));
+        let Measured { posterior, alone, verdict, .. } = &mut self.measured;
+        if pending.wander.level + pending.wander.alike <= 0.0 {
             posterior.common_n2 = fit.wider_n2(noise_n2);
         }
         let is_resolved = posterior.is_resolved();
         *alone = fit.forces_alone(data.rate).filter(|_| is_resolved);
         let strained = is_resolved && self.strain != Strain::None;
-        self.measured.verdict = learnt.learn(&data, posterior, noise_n2, strained);
+        *verdict = learnt.learn(&data, posterior, noise_n2, strained);
+        if pending.wander.is_disputed() {
+            let teaches = *verdict == Verdict::Same && is_resolved && !strained;
+            let correction = learnt.learn_swing(pending, data, (fit, posterior), noise_n2, teaches);
+            posterior.take(&correction);
+            if let Some(forces) = alone {
+                forces.take(&correction, noise_n2);
+            }
+        }
         self.measured.noise_n2 = noise_n2;
         self.stage = Stage::Terms;
         ControlFlow::Continue(())
@@ -123,7 +132,7 @@ impl CycleFit {
         let data = self.expected.data(&self.pending, &self.after);
         let Measured { posterior, alone: forces, noise_n2, .. } = &mut self.measured;
         let correction = learnt.learn_corner(&data, &self.fit, alone, *noise_n2, *onset_n2);
-        posterior.take(&correction);
+        posterior.take_common(&correction);
         if let Some(forces) = forces {
             forces.take(&correction, *noise_n2);
         }

@@ -124,6 +124,7 @@ impl SlipRecord {
     }
 
     /// Squared residuals about the stick lines before and after, N², and their degrees of freedom.
+    #[inline(never)]
     pub(crate) fn line_residuals(&self, after: &Line) -> (f32, f32) {
         let free = |line: &Line| larger(line.weight - 2.0, 0.0);
         (self.before.residual() + after.residual(), free(&self.before) + free(after))

@@ -220,7 +220,7 @@ impl SlipRecord {
     pub(crate) fn white_share(&self) -> f32 {
         let line = self.before.count as f32;
         let part = line / (line + self.length as f32);
-        1.0 - part * (1.0 - self.wander.white_share)
+        1.0 - part * (1.0 - self.wander.followed().white_share())
     }
 
     /// Is a fitted cycle the slip that the samples show? Its ends lie within half the

@@ -174,7 +174,7 @@ impl CornerEstimator {
     }
 
     fn take(&mut self, score: &Score, noise_n2: f32) -> Option<Correction> {
-        if score.is_lost {
+        if score.is_lost() {
             let [static_n2, dynamic_n2] =
                 [STATIC, DYNAMIC].map(|force| self.possible_n2(score.by(&force)));
             return Some(Correction { static_n2, dynamic_n2, ..Correction::default() });
@@ -193,7 +193,7 @@ impl CornerEstimator {
             // How far off the event was before times how far it is after it: on average
             // the variance of the noise.
             let squared = (told[k] - before[k]) * (told[k] - after[k]);
-            self.chi_square += 0.5 * squared / (score.normal.matrix[[k, k]] * noise_n2);
+            self.chi_square += 0.5 * squared / (score.asked.normal.matrix[[k, k]] * noise_n2);
         }
         self.best = best;
         // More than the noise explains: so much less is known.
@@ -216,7 +216,7 @@ impl CornerEstimator {
         for i in 0..NUMBERS {
             for j in 0..=i {
                 let sum = &mut self.information.matrix[[i, j]];
-                *sum = FADE * *sum + score.normal.matrix[[i, j]] / noise_n2;
+                *sum = FADE * *sum + score.asked.normal.matrix[[i, j]] / noise_n2;
             }
             self.information.right[i] = FADE * self.information.right[i] + told[i] / noise_n2;
         }

@@ -14,26 +14,41 @@ use sums::Sums;
 /// How far the force wanders about its line; variances in units of that of the noise.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ColoredNoise {
-    /// The noise's part of the variance of a sample about the line.
-    pub white_share: f32,
     /// Variance of the force about the line.
     pub level: f32,
     /// Variance of the force's slope, per period squared.
     pub slope: f32,
     /// Part of the variance of a sample about the line that may be the cell's as well as the
-    /// cable's, because it is a swing of few samples or no swing at all: a line's end tells the
-    /// force no better than to that.
+    /// cable's, because it is a swing of few samples or a bend that is not quite the same in all
+    /// rests: a line's end tells the force no better than to that.
     pub unsure: f32,
+    /// Noise whose neighbours are alike: a line is so much less sure, over its variance if the noise
+    /// were white.
+    pub alike: f32,
+    /// All rests are bent alike: that is in the force.
+    pub bends: bool,
 }
 
 impl ColoredNoise {
     /// The line is straight.
-    pub const NONE: Self = Self { white_share: 1.0, level: 0.0, slope: 0.0, unsure: 0.0 };
+    pub const NONE: Self = Self { level: 0.0, slope: 0.0, unsure: 0.0, alike: 0.0, bends: false };
 
-    /// Is it a swing too quick to bend a rest?
+    /// Is it a swing that may be the cable's or the cell's?
     #[must_use]
-    pub fn is_quick(&self) -> bool {
-        self.unsure > 0.0 && self.slope >= QUICK * self.level
+    pub fn is_disputed(&self) -> bool {
+        self.level > 0.0 && !self.bends
+    }
+
+    /// What a fit follows, as long as nothing is known of a swing.
+    #[must_use]
+    pub fn followed(self) -> Self {
+        if self.is_disputed() { Self::NONE } else { self }
+    }
+
+    /// The noise's part of the variance of a sample about the line.
+    #[must_use]
+    pub fn white_share(&self) -> f32 {
+        1.0 / (1.0 + self.level)
     }
 }
 
@@ -69,10 +84,6 @@ const DOWN: f32 = 0.5;
 const IN_A_ROW: u8 = 3;
 /// Fewest samples of a rest that tell what is usual.
 const TELLING: f32 = 6.0;
-/// Variance of the slope over that of the level of a swing of fourteen samples: a winch turns more
-/// slowly, mains hum is folded to anything.
-const QUICK: f32 = 0.2;
-
 impl Ripple {
     /// Takes the innovation of the sample after the last one, with its weight. The last one of a
     /// line never counts: a block that creeps bends the force down there, and a bend that is taken
@@ -87,21 +98,23 @@ impl Ripple {
         self.last = [innovation, last, before, earlier];
         let step = innovation - last;
         let second_difference = step - (last - before);
+        // Also not where there are not yet so many.
         if second_difference.is_nan() {
             return;
         }
         let rest = &mut self.rest;
-        let far_step = innovation - far;
-        if !far_step.is_nan() {
-            rest.far_steps += far_step * far_step;
-            rest.far_count += weight;
-        }
+        rest.count += weight;
+        rest.sum += innovation;
         rest.squares += innovation * innovation;
         rest.steps += step * step;
         rest.bends += second_difference * second_difference;
         rest.products[0] += innovation * last;
         rest.products[1] += innovation * before;
-        rest.count += weight;
+        let far_step = innovation - far;
+        if !far_step.is_nan() {
+            rest.far_steps += far_step * far_step;
+            rest.far_count += weight;
+        }
         if rest.count >= REST {
             self.settle();
         }
@@ -155,7 +168,6 @@ impl Default for Ripple {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::noise::ripple::sums::HIDDEN;
     use crate::tests::Random;
 
     /// White noise of variance 1/12 and a swing.
@@ -179,12 +191,18 @@ mod tests {
 
     #[test]
     fn a_swing_is_told_from_the_noise() {
-        // Variances of the swing and of its slope over that of the noise.
-        let (level, slope) = (0.5 * 12.0, 0.5 * 12.0 * (core::f32::consts::TAU / 20.0).powi(2));
-        let wander = seen(1.0, 20.0, 4000);
-        assert!((wander.level / level - 1.0).abs() < 0.15, "{wander:?}");
-        assert!((wander.slope / slope - 1.0).abs() < 0.25, "{wander:?}");
-        assert!((wander.white_share * (1.0 + wander.level) - 1.0).abs() < 1e-3);
+        for period in [12.0, 20.0] {
+            // Variances of the swing and of its slope over that of the noise.
+            let step = core::f32::consts::TAU / period;
+            let (level, slope) = (0.5 * 12.0, 0.5 * 12.0 * step * step);
+            let wander = seen(1.0, period, 4000);
+            assert!((wander.level / level - 1.0).abs() < 0.15, "{wander:?}");
+            assert!((wander.slope / slope - 1.0).abs() < 0.25, "{wander:?}");
+            // A quick one may be anyone's, and nothing is followed.
+            let is_quick = period < 14.0;
+            assert_eq!(wander.is_disputed(), is_quick, "{wander:?}");
+            assert_eq!(wander.followed() == ColoredNoise::NONE, is_quick, "{wander:?}");
+        }
     }
 
     #[test]
@@ -196,9 +214,8 @@ mod tests {
             assert_eq!(ColoredNoise { unsure: 0.0, ..seen }, ColoredNoise::NONE, "{period}");
             assert!((seen.unsure - share).abs() < 0.02, "{period}: {seen:?}");
         }
-        // One that is followed may still be the cell's.
-        assert!((seen(1.0, 8.0, 4000).unsure - share).abs() < 0.02);
-        assert!(seen(1.0, 20.0, 4000).unsure.to_bits() == 0);
+        // Of one that can be followed the events tell whose it is.
+        assert!(seen(1.0, 8.0, 4000).is_disputed());
     }
 
     #[test]
@@ -209,9 +226,28 @@ mod tests {
                 last = correlation * last + random.normal();
                 ripple.add(last, 1.0);
             }
-            ripple.wander().unsure
+            ripple.settle();
+            ripple.wander()
         };
-        assert!(noise(0.9) > 0.7 * HIDDEN && noise(-0.9) < 1.0, "{} {}", noise(0.9), noise(-0.9));
+        // `2 r / (1 − r)` times what a line hides.
+        let alike: [f32; 3] = [0.3, 0.5, 0.7].map(|it| noise(it).alike);
+        assert!(alike[0] < alike[1] && alike[1] > 2.0 && alike[2] > 4.7, "{alike:?}");
+        assert_eq!(noise(-0.5), ColoredNoise::NONE);
+    }
+
+    #[test]
+    fn what_is_the_same_in_all_rests_is_the_forces_own() {
+        let bent = |bend: f32| {
+            let (mut ripple, mut random) = (Ripple::default(), Random(1));
+            for _line in 0..100 {
+                (0..20).for_each(|i| ripple.add(bend * i as f32 / 20.0 + random.normal(), 1.0));
+                ripple.interrupt();
+                ripple.settle();
+            }
+            ripple.wander()
+        };
+        assert_eq!(bent(0.0), ColoredNoise::NONE);
+        assert!(bent(4.0).bends && bent(4.0).followed() == bent(4.0), "{:?}", bent(4.0));
     }
 
     #[test]

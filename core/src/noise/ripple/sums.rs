@@ -1,7 +1,7 @@
 //! What sums over innovations show of a wandering force.
 
-use crate::noise::ripple::{ColoredNoise, FAR, QUICK};
-use crate::num::math;
+use crate::noise::ripple::{ColoredNoise, FAR};
+use crate::num::math::{self, larger, smaller};
 use crate::stats::prior::surely;
 
 /// Standard errors beyond which the force wanders; that of the noise's mean square is
@@ -10,109 +10,140 @@ const SIGNIFICANT: f32 = 4.0;
 /// A swing of fewer than six samples changes too fast to be followed from one to the next:
 /// the mean of the line is better. This is its variance of the slope over that of the level.
 const FASTEST: f32 = 0.8;
-/// Variance of noise whose neighbours are alike, over what of it is left about a line, which takes
-/// all that is slower than itself. Tuned: with a correlation of .9 and rests of 20 samples (at 7
-/// that of .7 is given twice as wide as it is).
-pub(super) const HIDDEN: f32 = 6.0;
-/// Least correlation of such noise: with less of it a line takes little. Tuned: at .5 noise with that
-/// correlation is given twice as wide as it is, at .6 that of .9 is missed in first events.
-const LEAST_RED: f32 = 0.55;
+/// One of more than 14 samples is followed as a bend: the mean of a line is off by it, whosever it is.
+const QUICK: f32 = 0.2;
+/// Noise whose neighbours are alike makes a line so many times less sure than what is left about it
+/// shows, since the line takes all that is slower than itself. Tuned with correlations of .5 and .9 and
+/// rests of 20 samples: a smaller number makes the second too sure, a larger one the first twice too wide.
+const HIDDEN: f32 = 1.75;
+/// Least and most correlation of the next neighbour but one over that of the next in such noise. Less
+/// is white enough, more is not told from a trend.
+const RED: (f32, f32) = (0.2, 0.8);
 /// Fewest samples that show it.
 const FEWEST: f32 = 24.0;
+/// All rests are bent alike where the square of the mean innovation is more than this part of their
+/// mean square (cables that sag: .14 to .43; swings, hum and noise whose neighbours are alike: below
+/// .015), and more than so many of its variances in white noise.
+const BENT: f32 = 1.0 / 50.0;
+const NO_CHANCE: f32 = 2.0;
+/// Before so many samples a bend is not told from noise whose neighbours are alike: it may be one.
+const TELLS_BEND: f32 = 200.0;
+/// Variance of what such a bend leaves unsure, over that of the innovations. Tuned with cables that
+/// sag: without it `all` covers .62 of its `mu_s`.
+const UNSURE_BEND: f32 = 6.0;
 /// Standard errors from which on a swing counts, fully at 1.4 times as many. Tuned: a smaller number
 /// widens white noise by chance (more than 1 % of snow's median), a larger one leaves the first
 /// events of a swing too sure.
 const LIKELY: f32 = 3.4;
-/// The same of what a line hides of alike neighbours. Tuned likewise: 2.6 widens dff8-13 by 1 %.
+/// The same of alike neighbours. Tuned likewise: 2.6 widens dff8-13 by 1 %.
 const LIKELY_RED: f32 = 3.0;
 
-/// Sums of squares of innovations and of their first two differences.
+/// Sums over innovations.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Sums {
+    /// Their number and their sum: of a bend it is not zero.
+    pub(super) count: f32,
+    pub(super) sum: f32,
+    /// Of their squares, and of those of their first two differences.
     pub(super) squares: f32,
     pub(super) steps: f32,
     pub(super) bends: f32,
-    /// Sums of the products of neighbours, and of those two apart.
+    /// Of the products of neighbours, and of those two apart.
     pub(super) products: [f32; 2],
-    /// Sum and number of the squares of the differences so many samples apart.
+    /// Sum and number of the squares of the differences [`FAR`] samples apart.
     pub(super) far_steps: f32,
     pub(super) far_count: f32,
-    pub(super) count: f32,
 }
 
 impl Sums {
     /// Keeps a part, and takes those of a rest.
     pub(super) fn take(&mut self, part: f32, rest: &Self) {
         let fade = |sum: &mut f32, by: f32| *sum = part * *sum + by;
+        fade(&mut self.count, rest.count);
+        fade(&mut self.sum, rest.sum);
         fade(&mut self.squares, rest.squares);
         fade(&mut self.steps, rest.steps);
         fade(&mut self.bends, rest.bends);
-        fade(&mut self.products[0], rest.products[0]);
-        fade(&mut self.products[1], rest.products[1]);
+        self.products.iter_mut().zip(rest.products).for_each(|(sum, by)| fade(sum, by));
         fade(&mut self.far_steps, rest.far_steps);
         fade(&mut self.far_count, rest.far_count);
-        fade(&mut self.count, rest.count);
     }
 
     /// What they show; nothing unless it is clear.
     #[inline(never)]
     pub(super) fn wander(&self) -> ColoredNoise {
+        let swing_n2 = self.swing_n2();
+        let part = swing_n2 / self.squares;
+        let errors = part * part * self.count;
+        // Without any squares it is no number.
+        if self.count < FEWEST || errors.is_nan() {
+            return ColoredNoise::NONE;
+        }
+        let limit = larger(BENT * self.count, NO_CHANCE);
+        let is_red = self.is_red(swing_n2);
+        let bends = self.sum * self.sum > limit * self.squares;
+        let likely_red = surely(errors, LIKELY_RED * LIKELY_RED);
+        // What alternates is no bend.
+        if self.products[0] > 0.0 && (bends || (is_red && self.count < TELLS_BEND)) {
+            return self.followed(UNSURE_BEND * part * likely_red, true);
+        }
+        if is_red {
+            return ColoredNoise { alike: self.alike() * likely_red, ..ColoredNoise::NONE };
+        }
+        self.followed(part * surely(errors, LIKELY * LIKELY), false)
+    }
+
+    /// How far a swing or a bend that can be followed goes; of another one what it leaves `unsure`.
+    fn followed(&self, unsure: f32, bends: bool) -> ColoredNoise {
         let white = self.bends / 6.0;
         let slow = self.squares - white;
         let limit = 2.0 * SIGNIFICANT * white;
-        let sure = self.count >= FEWEST && slow * slow * self.count > limit * limit;
-        let swing_n2 = self.swing_n2();
-        let is_red = self.is_red(swing_n2);
-        let swing = self.swing(swing_n2, is_red);
-        let unfollowed = ColoredNoise { unsure: swing, ..ColoredNoise::NONE };
-        if white <= 0.0 || slow <= 0.0 || !sure {
-            return unfollowed;
-        }
+        let sure = slow * slow * self.count > limit * limit;
         let (level, step) = (slow / white, self.steps / white - 2.0);
-        if step > FASTEST * level {
-            return unfollowed;
+        let bends = bends || step < QUICK * level;
+        // Also not for a noise of zero.
+        if !(slow > 0.0 && sure && step < FASTEST * level) {
+            return ColoredNoise { unsure, ..ColoredNoise::NONE };
         }
-        // A slow one's slope is lost in the noise of single steps.
-        let sure = step * step * self.count > 4.0 * SIGNIFICANT * SIGNIFICANT;
-        let far = self.far_steps / white * self.count / self.far_count - 2.0;
-        let slope = (far / (FAR * FAR) as f32).max(if sure { step } else { 0.0 }).max(0.0);
-        let white_share = white / self.squares;
-        let unsure = if is_red || step > QUICK * level { swing } else { 0.0 };
-        ColoredNoise { white_share, level, slope, unsure }
+        // A slow bend's slope is lost in the noise of single steps.
+        let sure = !bends || step * step * self.count > 4.0 * SIGNIFICANT * SIGNIFICANT;
+        let far = (self.far_steps_n2() / white - 2.0) / (FAR * FAR) as f32;
+        let slope = larger(larger(far, if sure { step } else { 0.0 }), 0.0);
+        // The events tell what a swing leaves unsure.
+        let unsure = if bends { unsure } else { 0.0 };
+        ColoredNoise { level, slope, unsure, alike: 0.0, bends }
     }
 
-    /// May what wanders be no swing, but noise whose neighbours are alike? Four samples apart
-    /// a swing has `γ₄ = A cos 4ω`; where the correlation falls by the same part `γ₂/γ₁` from
-    /// sample to sample it is `γ₁ (γ₂/γ₁)³`. The nearer of the two counts, and that part, as far as
-    /// so few samples tell: to a standard error.
+    /// Is what wanders no swing, but noise whose neighbours are alike? Four samples apart a swing has
+    /// `γ₄ = A cos 4ω`; where the correlation falls by the same part `γ₂/γ₁` from sample to sample it
+    /// is `γ₁ (γ₂/γ₁)³`. The nearer of the two counts, as far as so few samples tell: to a standard
+    /// error. Noise that alternates is told likewise.
     fn is_red(&self, swing_n2: f32) -> bool {
         let [first, second] = self.products;
-        // Also not for NaN.
-        let is_alike = first > 0.0;
-        if !is_alike {
-            return false;
-        }
+        let seen = self.squares - 0.5 * self.far_steps_n2();
         let ratio = second / first;
         let cos2 = (first / swing_n2) * (first / swing_n2);
         let swing = swing_n2 * (1.0 - 8.0 * cos2 * (1.0 - cos2));
         let red = first * ratio * ratio * ratio;
-        let seen = self.squares - 0.5 * self.far_steps * self.count / self.far_count;
         let unsure = self.squares / math::sqrt(self.count);
-        second + unsure > LEAST_RED * first && 2.0 * (seen + unsure) > swing + red
+        second + unsure > RED.0 * first.abs()
+            && swing < 0.0
+            && (first > 0.0 || red > swing)
+            && 2.0 * (seen + unsure) > swing + red
     }
 
-    /// Part of the innovations' variance that is a swing, of any length, as far as that is likely;
-    /// of noise whose neighbours are alike with what a line hides of it.
-    fn swing(&self, swing_n2: f32, is_red: bool) -> f32 {
-        let part = swing_n2 / self.squares;
-        // Without any squares it is no number.
-        if self.count < FEWEST || part.is_nan() {
-            return 0.0;
-        }
-        let errors = part * part * self.count;
-        let hidden =
-            if is_red { (HIDDEN - 1.0) * surely(errors, LIKELY_RED * LIKELY_RED) } else { 0.0 };
-        part * (surely(errors, LIKELY * LIKELY) + hidden)
+    /// As if there were as many as samples.
+    fn far_steps_n2(&self) -> f32 {
+        self.far_steps * self.count / self.far_count
+    }
+
+    /// Variance of the mean of samples whose correlation falls by the part `r = γ₂/γ₁` from each to
+    /// the next, over that of independent ones, less one: `2 γ₁/γ₀ / (1 − r)`; by another `1 − r`, as
+    /// far as a line hides it. None for noise that alternates.
+    fn alike(&self) -> f32 {
+        let [first, second] = self.products;
+        let left = 1.0 - smaller(larger(second / first, 0.0), RED.1);
+        HIDDEN * 2.0 * larger(first, 0.0) / self.squares / (left * left)
     }
 
     /// Sum of the squares of a swing.
@@ -127,7 +158,7 @@ impl Sums {
             0.5 * (root - second)
         } else {
             let cosine = 0.25 * (second + root) / first.abs();
-            first.abs() / math::smaller(cosine, 1.0)
+            first.abs() / smaller(cosine, 1.0)
         }
     }
 }

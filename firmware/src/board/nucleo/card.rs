@@ -124,11 +124,17 @@ impl CardSlot {
         &self,
         deed: impl FnOnce(&SdCard<CardBus, Delay>) -> Result<R, SdError>,
     ) -> Result<R, SdError> {
+        self.make_ready()?;
+        deed(&self.card).inspect_err(|_| self.ready.set(false))
+    }
+
+    #[inline(never)]
+    fn make_ready(&self) -> Result<(), SdError> {
         if !self.ready.get() {
             self.insert()?;
         }
         self.start_time();
-        deed(&self.card).inspect_err(|_| self.ready.set(false))
+        Ok(())
     }
 
     fn start_time(&self) {
