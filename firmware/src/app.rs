@@ -132,21 +132,18 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
         }
     }
 
-    /// Does all there is to do now. Afterwards the board may sleep until an
-    /// interrupt. Returns whether a sample was there.
-    pub fn turn(&mut self) -> bool {
-        let mut any = false;
+    /// Takes the samples that wait, and does what was typed. Returns the number of samples: if
+    /// there were any, it is the turn of the display or of the card ([`App::tend`]).
+    pub fn turn(&mut self) -> u32 {
+        let mut samples = 0;
         while let Some(sample) = self.queue.dequeue() {
             self.take(sample);
-            any = true;
+            samples += 1;
         }
         while let Some(typed) = self.console.poll() {
             self.obey(&typed);
         }
-        if !self.has_samples() {
-            self.tend();
-        }
-        any
+        samples
     }
 
     /// Something of the board that whoever reads a test has to know: said now and
@@ -159,11 +156,6 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
     /// Whether a sample waits.
     pub fn has_samples(&self) -> bool {
         self.queue.ready()
-    }
-
-    /// Whether there is something to do: no time to sleep.
-    pub fn is_busy(&self) -> bool {
-        self.has_samples() || matches!(self.card, Some(CardState::Making(_)))
     }
 
     /// What a display should show now.

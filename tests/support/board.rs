@@ -42,6 +42,7 @@ impl<S: Store> Board<'_, '_, S> {
         self.sampler.tick(self.ticks.wrapping_mul(62_500));
         self.ticks = self.ticks.wrapping_add(1);
         self.app.turn();
+        self.app.tend();
     }
 
     /// Types, and lets the board read it.

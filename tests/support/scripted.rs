@@ -66,6 +66,7 @@ pub fn run(cell: LoadCell, trouble: Schedule, card: &Card, script: &[(u64, &str)
             terminal.type_in(text.as_bytes());
         }
         app.turn();
+        app.tend();
         views.push(app.view());
         clock.wait_until((tick + 1) * 62_500_000);
         sampler.tick((clock.now_ns() / 1000) as u32);

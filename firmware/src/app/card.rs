@@ -8,9 +8,13 @@ use crate::text::text;
 use embedded_io::{Read, ReadReady, Write};
 
 impl<P: Read + ReadReady + Write, S: Store> App<'_, P, S> {
-    /// The card comes, goes, is being made ready.
+    /// The card comes, goes, is being made ready: after a sample, unless others wait, and where a
+    /// display has nothing to show, since a step of the log's file takes longer than a period.
     #[inline(never)]
-    pub(super) fn tend(&mut self) {
+    pub fn tend(&mut self) {
+        if self.has_samples() {
+            return;
+        }
         let state = self.journal.tend();
         let before = self.card.replace(state);
         // Every tenth part of the log's file is said.

@@ -30,9 +30,12 @@ mod target {
         let (app, sampler) = build();
         app.power_up(None);
         app.turn();
+        app.tend();
         mps2::start_tick(sampler);
         loop {
-            app.turn();
+            if app.turn() > 0 {
+                app.tend();
+            }
             mps2::sleep_unless(|| app.has_samples());
         }
     }

@@ -42,7 +42,7 @@ mod target {
     const MINUTE_SAMPLES: u32 = 960;
     /// A whole picture takes 28 ms of the bus; later than this it would meet the tick.
     const PICTURE_LATEST_US: u32 = 30_000;
-    /// The log's file is made longer by so many sectors at a time, 40 ms.
+    /// The log's file is made longer by so many sectors at a time: 100 to 120 ms, emulated.
     const STEP_SECTORS: u32 = 16;
 
     /// The crystal gets so long to start, us; cold ones are slow.
@@ -69,7 +69,7 @@ mod target {
                 watchdog.pet();
             }
             let before_ms = clock::clock() / 1000;
-            let any = app.turn();
+            let taken = app.turn();
             if let Some(unix_ms) = app.new_time() {
                 if waiting.is_some() {
                     early = Some(unix_ms.wrapping_sub(before_ms.into()));
@@ -77,19 +77,22 @@ mod target {
                     calendar::set(unix_ms.wrapping_add((clock::since_tick() / 1000).into()));
                 }
             }
-            if any {
-                samples += 1;
-                minute += 1;
+            if taken > 0 {
+                samples += taken;
+                minute += taken;
                 if minute >= MINUTE_SAMPLES {
                     minute = 0;
                     log_stack();
                     screen.forget();
                 }
-                if samples >= PICTURE_SAMPLES && screen.show(app) {
+                // The card waits for a picture that is due, else the picture would wait for the card.
+                if samples < PICTURE_SAMPLES {
+                    app.tend();
+                } else if screen.show(app) {
                     samples = 0;
                 }
             }
-            clock::sleep_unless(|| app.is_busy());
+            clock::sleep_unless(|| app.has_samples());
         }
     }
 
@@ -102,35 +105,31 @@ mod target {
         }
     }
 
-    /// The display, what it shows, and whether some of that has yet to be sent.
+    /// The display and what it shows.
     struct Screen {
         display: Display,
         picture: Picture,
-        drawn: bool,
     }
 
     impl Screen {
-        /// Draws a picture, and sends what is new if the tick leaves the time for it: else after
-        /// the next sample, without drawing again.
+        /// Draws a picture, and sends what is new if the tick leaves the time for it: else the
+        /// picture after the next sample is sent.
         #[inline(never)]
         fn show(&mut self, app: &Logger) -> bool {
-            if !self.drawn {
-                let _ = self.picture.draw(&mut self.display, &app.view());
-            }
+            let _ = self.picture.draw(&mut self.display, &app.view());
             let in_time = clock::since_tick() < PICTURE_LATEST_US;
             // Without a display there is nothing to see; with one, what did not arrive
             // comes with the next picture.
             if in_time && self.display.flush().is_err() {
                 self.forget();
             }
-            self.drawn = !in_time;
             in_time
         }
 
         /// The next picture is drawn and sent as a whole: what the bus has garbled goes.
         fn forget(&mut self) {
             self.display.clear_buffer();
-            (self.picture, self.drawn) = (Picture::default(), false);
+            self.picture = Picture::default();
         }
     }
 
@@ -201,7 +200,7 @@ mod target {
         let interface = I2CDisplayInterface::new(bus);
         let display = Ssd1306::new(interface, DisplaySize128x64, DisplayRotation::Rotate0);
         let display = display.into_buffered_graphics_mode();
-        Screen { display, picture: Picture::default(), drawn: false }
+        Screen { display, picture: Picture::default() }
     }
 
     /// Only wakes.

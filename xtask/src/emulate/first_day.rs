@@ -21,6 +21,8 @@ use crate::shell::root;
 const WEIGHT_N: f32 = 630.0;
 /// Samples in the pull of 60 s.
 const PULLED: usize = 960;
+/// A picture is drawn every eight samples; a few of them wait for a period with more time.
+const PICTURE_SAMPLES: u64 = 12;
 
 /// Clock, self-test, tare, weigh, notes, a pull of 60 s, the zero again; then the card is read.
 ///
@@ -45,8 +47,13 @@ pub fn check_first_day(nucleo: &Nucleo) -> Result<()> {
     let pull = tests.iter().find(|test| test.samples.len() > PULLED / 2);
     let pull = pull.ok_or("first day: the pull is not on the card")?;
     let said = check_pull(pull, &played.shown)?;
+    // Also while the log's file is being made.
+    let pictures = played.outcome.pictures;
+    if u64::from(pictures) < last / PICTURE_SAMPLES {
+        return Err(format!("first day: {pictures} pictures in {last} samples"));
+    }
     let [mu_s, mu] = check_shown(&played)?;
-    println!("board: first day: {said}; display and floe live: {mu_s}, {mu}");
+    println!("board: first day: {said}; {pictures} pictures, display and floe live: {mu_s}, {mu}");
     Ok(())
 }
 

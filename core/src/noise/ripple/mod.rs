@@ -202,6 +202,7 @@ mod tests {
             let is_quick = period < 14.0;
             assert_eq!(wander.is_disputed(), is_quick, "{wander:?}");
             assert_eq!(wander.followed() == ColoredNoise::NONE, is_quick, "{wander:?}");
+            assert_eq!(wander.unsure.to_bits(), 0, "{wander:?}");
         }
     }
 

@@ -100,17 +100,17 @@ impl Sums {
         let limit = 2.0 * SIGNIFICANT * white;
         let sure = slow * slow * self.count > limit * limit;
         let (level, step) = (slow / white, self.steps / white - 2.0);
-        let bends = bends || step < QUICK * level;
         // Also not for a noise of zero.
         if !(slow > 0.0 && sure && step < FASTEST * level) {
             return ColoredNoise { unsure, ..ColoredNoise::NONE };
         }
+        // The events tell what a quick swing leaves unsure, a slow one leaves nothing.
+        let unsure = if bends { unsure } else { 0.0 };
+        let bends = bends || step < QUICK * level;
         // A slow bend's slope is lost in the noise of single steps.
         let sure = !bends || step * step * self.count > 4.0 * SIGNIFICANT * SIGNIFICANT;
         let far = (self.far_steps_n2() / white - 2.0) / (FAR * FAR) as f32;
         let slope = larger(larger(far, if sure { step } else { 0.0 }), 0.0);
-        // The events tell what a swing leaves unsure.
-        let unsure = if bends { unsure } else { 0.0 };
         ColoredNoise { level, slope, unsure, alike: 0.0, bends }
     }
 
