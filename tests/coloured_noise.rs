@@ -2,11 +2,14 @@
 //! the mains, noise whose neighbours are alike): on the lines both look the same. The events tell
 //! which, and until they do no answer may be far worse than that of the lines as they are.
 
+use floe::sim::Scene;
 use floe_core::{Effect, Effects};
 use floe_tests::scenes::stored;
-use floe_tests::score::{rms, run_looking_for};
+use floe_tests::score::{Score, rms, run_looking_for};
 
 const RECORDS: u64 = 8;
+/// Least events of a scene whose intervals are looked at.
+const EVENTS: usize = 200;
 
 /// Root-mean-square errors of `mu_s` and `mu` over all events, the first ones too.
 fn errors(name: &str, effects: Effects) -> [f64; 2] {
@@ -49,4 +52,19 @@ fn what_the_winch_does_is_followed() {
     assert!(ripple.iter().all(|it| *it < 0.5), "{ripple:?}");
     let [cogging, _] = ratios("honesty/cogging_2_5");
     assert!(cogging < 0.85, "{cogging}");
+}
+
+/// Noise whose neighbours are alike by .9 is told from a slow swing in long rests too: 95 % intervals
+/// hold the truth where the winch is half as fast, and where there are twice as many samples.
+#[test]
+fn slow_noise_in_long_rests_is_no_swing() {
+    let noise = stored("honesty/ar1_90");
+    let slow = Scene { winch_m_per_s: 0.5 * noise.winch_m_per_s, ..noise.clone() };
+    let dense = Scene { rate_hz: 2.0 * noise.rate_hz, ..noise };
+    for (name, scene) in [("half as fast", slow), ("32 Hz", dense)] {
+        let score = Score::of(&scene, EVENTS, RECORDS);
+        let coverage = score.errors.each_ref().map(|it| it.coverage());
+        println!("{name}: mu_s and mu covered {coverage:.3?}");
+        assert!(coverage.iter().all(|it| *it > 0.87), "{name}: {coverage:?}");
+    }
 }

@@ -50,9 +50,8 @@ impl Posterior {
         self.is_resolved() && (self.slide_time > CLEAR || variance < well * well)
     }
 
-    /// Takes what is the same in every event.
-    pub(crate) fn take_common(&mut self, effect: &Correction) {
-        self.take(effect);
+    /// How unsure a correction is, is the same in every event.
+    pub(crate) fn share(&mut self, effect: &Correction) {
         self.common_n2.0 += effect.static_n2;
         self.common_n2.1 += effect.dynamic_n2;
     }

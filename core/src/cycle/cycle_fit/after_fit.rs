@@ -8,6 +8,7 @@ use crate::cycle::expectations::{Expectations, is_clear, is_strained, own_residu
 use crate::cycle::slip_record::UNSURE;
 use crate::effects::mass_change::Verdict;
 use crate::event::Reason;
+use crate::fit::correction::Correction;
 use crate::fit::over_onset::OverOnset;
 use crate::fit::posterior::Posterior;
 use crate::fit::residuals::excess_ratio;
@@ -86,6 +87,7 @@ impl CycleFit {
     pub(super) fn tell(&mut self, learnt: &mut Expectations) -> ControlFlow<Outcome> {
         let (fit, noise_n2) = (&self.fit, learnt.noise_n2(&self.pending));
         let (pending, data) = (&self.pending, self.expected.data(&self.pending, &self.after));
+        self.measured.noise_n2 = noise_n2;
         let Measured { posterior, alone, verdict, .. } = &mut self.measured;
         if pending.wander.level + pending.wander.alike <= 0.0 {
             posterior.common_n2 = fit.wider_n2(noise_n2);
@@ -97,12 +99,8 @@ impl CycleFit {
         if pending.wander.is_disputed() {
             let teaches = *verdict == Verdict::Same && is_resolved && !strained;
             let correction = learnt.learn_swing(pending, data, (fit, posterior), noise_n2, teaches);
-            posterior.take(&correction);
-            if let Some(forces) = alone {
-                forces.take(&correction, noise_n2);
-            }
+            self.measured.take(&correction);
         }
-        self.measured.noise_n2 = noise_n2;
         self.stage = Stage::Terms;
         ControlFlow::Continue(())
     }
@@ -130,12 +128,10 @@ impl CycleFit {
             return ControlFlow::Continue(());
         };
         let data = self.expected.data(&self.pending, &self.after);
-        let Measured { posterior, alone: forces, noise_n2, .. } = &mut self.measured;
-        let correction = learnt.learn_corner(&data, &self.fit, alone, *noise_n2, *onset_n2);
-        posterior.take_common(&correction);
-        if let Some(forces) = forces {
-            forces.take(&correction, *noise_n2);
-        }
+        let noise_n2 = self.measured.noise_n2;
+        let correction = learnt.learn_corner(&data, &self.fit, alone, noise_n2, *onset_n2);
+        self.measured.take(&correction);
+        self.measured.posterior.share(&correction);
         self.stage = Stage::Told;
         ControlFlow::Continue(())
     }
@@ -150,6 +146,17 @@ impl CycleFit {
             Strain::Misfit => *verdict == Verdict::Suspect,
         };
         if fits { Outcome::Fitted } else { Outcome::Failed(Reason::NoFit) }
+    }
+}
+
+impl Measured {
+    /// Takes what is known since the fit.
+    #[inline(never)]
+    fn take(&mut self, correction: &Correction) {
+        self.posterior.take(correction);
+        if let Some(forces) = &mut self.alone {
+            forces.take(correction, self.noise_n2);
+        }
     }
 }
 
