@@ -21,7 +21,8 @@ use crate::shell::root;
 const WEIGHT_N: f32 = 630.0;
 /// Samples in the pull of 60 s.
 const PULLED: usize = 960;
-/// A picture is drawn every eight samples; a few of them wait for a period with more time.
+/// Most samples a picture, in the mean: one is drawn every eight, and some wait for a period with more
+/// time.
 const PICTURE_SAMPLES: u64 = 12;
 
 /// Clock, self-test, tare, weigh, notes, a pull of 60 s, the zero again; then the card is read.

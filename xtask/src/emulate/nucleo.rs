@@ -166,7 +166,7 @@ impl Nucleo {
 }
 
 /// Samples that a command may be late by: what comes while a picture is drawn is heard with
-/// the next sample, and up to 60 ms later while the file of a new card is made.
+/// the next sample, and up to 120 ms later while the file of a new card is made.
 fn later(setup: super::machine::Setup<'_>) -> u64 {
     if setup.card.is_some() { 2 } else { 1 }
 }

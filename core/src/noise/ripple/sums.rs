@@ -19,12 +19,13 @@ const HIDDEN: f32 = 1.75;
 /// Least and most correlation of the next neighbour but one over that of the next in such noise. Less
 /// is white enough, more is not told from a trend.
 const RED: (f32, f32) = (0.2, 0.8);
-/// In long rests the correlation must fall at least so fast, for the mean squares of second and first
-/// differences to tell it from a slow swing; these may be so far from what they are for such noise
-/// alone, and the correlation four samples apart so much
-/// higher, in parts of the whole. Tuned with correlations of .9 and rests of 40 samples (coverage of
-/// `mu_s` .54 without it) against winches that ripple in .7 to 3 s: wider limits take these for noise.
+/// Noise that only its roughness tells: its correlation must fall at least so fast from sample to sample,
+/// or a slow swing is as rough.
 const SLOWEST: f32 = 0.91;
+/// How far the mean squares of its differences may be from `3 − r`, and by how much more it may be alike
+/// four samples apart, in parts of the whole. Tuned with correlations of .9 and rests of 40 samples
+/// (coverage of `mu_s` .54 without it) against winches that ripple in .7 to 3 s: wider limits take these
+/// for noise.
 const ROUGHER: f32 = 0.18;
 const NEAR: f32 = 0.08;
 /// Fewest samples that show it.
@@ -137,20 +138,20 @@ impl Sums {
         let is_nearer =
             swing < 0.0 && (first > 0.0 || red > swing) && 2.0 * (seen + unsure) > swing + red;
         second + unsure > RED.0 * first.abs()
-            && (is_nearer || self.is_rough(ratio, seen - red + 0.5 * unsure, unsure))
+            && (is_nearer || self.is_rough(ratio, seen - red, unsure))
     }
 
-    /// The same in long rests, where a swing may have `cos 4ω > 0` as well: is what wanders as rough
-    /// as noise whose correlation falls by a part `r` from sample to sample, whose second differences
-    /// have `3 − r` times the mean square of the first ones? By how much it is `over` the correlation
-    /// that such noise has four samples apart is known to a standard error `unsure`.
+    /// The same of many samples in long rests, where a swing may have `cos 4ω > 0` as well: is what
+    /// wanders as rough as noise whose correlation falls by the part `ratio` from sample to sample? Its
+    /// second differences have `3 − ratio` times the mean square of the first ones. What is seen four
+    /// samples apart is by so much `over` what such noise has there, known to a standard error `unsure`.
     fn is_rough(&self, ratio: f32, over: f32, unsure: f32) -> bool {
         let rougher = self.bends / self.steps - (3.0 - ratio);
         self.count > TELLS_BEND
             && ratio < SLOWEST
             && rougher.abs() < ROUGHER
-            && over > 0.0
-            && over < unsure + NEAR * self.squares
+            && over > -0.5 * unsure
+            && over < 0.5 * unsure + NEAR * self.squares
     }
 
     /// As if there were as many as samples.
