@@ -9,25 +9,25 @@ use crate::effects::{damping, onset};
 use crate::fit::correction::Correction;
 use crate::fit::posterior::Posterior;
 use crate::fit::{Alone, Data, Fit};
-use crate::model::corner::Corner;
 
 impl Expectations {
-    /// Is the event to be asked for its corners?
-    pub(crate) fn asks_corner(&mut self, used: &Corner) -> bool {
-        self.effects.has(Effect::Corner) && self.corner.tell(|corner| corner.is_due(used))
-    }
-
     /// Carries what the event's residuals tell of the corners to the next ones, and all that was
-    /// learnt along with it.
+    /// learnt along with it; `onset_n2` as from [`Self::learn_scores`].
     pub(crate) fn learn_corner(
         &mut self,
-        used: Corner,
+        data: &Data<'_>,
         fit: &Fit,
-        asked: (&Alone, &Asked),
+        alone: &Alone,
         noise_n2: f32,
+        onset_n2: f32,
     ) -> Correction {
+        if !self.effects.has(Effect::Corner) {
+            return Correction { static_n2: onset_n2, ..Correction::default() };
+        }
         let other_n2 = self.onset.ask(|onset| onset.largest_n2(fit.cycle().half_drop_n));
-        let effect = self.corner.tell(|corner| corner.learn(used, fit, asked, noise_n2, other_n2));
+        let mut effect =
+            self.corner.tell(|corner| corner.learn(data, fit, alone, noise_n2, other_n2));
+        effect.static_n2 += onset_n2;
         let [_, rate, _, _, inverse_omega, rate_change] = effect.moved;
         self.rate.translate(rate);
         self.mass.translate(inverse_omega);

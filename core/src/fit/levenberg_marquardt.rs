@@ -22,7 +22,7 @@ const DAMPING: f32 = 1e-3;
 const MOST_DAMPING: f32 = 1e9;
 
 /// Samples that one step looks at: most slips have fewer, and are passed over in one step.
-pub(crate) const SAMPLES_A_STEP: usize = 24;
+const SAMPLES_A_STEP: usize = 32;
 
 /// A fit under way, so that a board can do a piece of it with each sample.
 ///

@@ -208,13 +208,6 @@ impl Factor {
     }
 }
 
-/// So many times a gradient.
-#[must_use]
-#[inline(never)]
-pub fn scaled(u: &Gradient, by: f32) -> Gradient {
-    u.map(|entry| by * entry)
-}
-
 /// Scalar product.
 #[must_use]
 pub fn dot(u: &Gradient, v: &Gradient) -> f32 {

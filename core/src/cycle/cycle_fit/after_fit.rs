@@ -6,9 +6,7 @@ use core::ops::ControlFlow;
 use crate::cycle::cycle_fit::{CycleFit, Measured, Outcome, Stage};
 use crate::cycle::expectations::{Expectations, is_clear, is_strained, own_residuals};
 use crate::cycle::slip_record::UNSURE;
-use crate::effects::corner::ask;
 use crate::effects::mass_change::Verdict;
-use crate::effects::score::Asked;
 use crate::event::Reason;
 use crate::fit::correction::Correction;
 use crate::fit::over_onset::OverOnset;
@@ -20,9 +18,6 @@ use crate::num::math::larger;
 /// Part of the drop, beside a period of the line, that a strained fit may end from the highest and
 /// the lowest sample. Tuned with the pauses of heavy blocks.
 const SPANNED: f32 = 0.03;
-
-/// Samples and lines that one step asks for their corners.
-pub(super) const LEVELS_A_STEP: usize = 12;
 
 impl CycleFit {
     /// How far the samples are from the fit: noise, what slips scatter, strain.
@@ -106,46 +101,37 @@ impl CycleFit {
             let correction = learnt.learn_swing(pending, data, (fit, posterior), noise_n2, teaches);
             self.measured.take(&correction);
         }
-        let Measured { posterior, verdict, .. } = &self.measured;
-        // A slip of two samples shows nothing of its corners.
-        let shows = posterior.is_resolved() && is_clear(posterior);
-        let asked = *verdict == Verdict::Same && self.strain == Strain::None && shows;
-        self.stage = if asked { Stage::Alone } else { Stage::Told };
+        self.stage = Stage::Terms;
         ControlFlow::Continue(())
     }
 
-    /// The event alone, which is asked for the force terms that its fit lacks.
-    pub(super) fn alone(&mut self) -> ControlFlow<Outcome> {
-        let data = self.expected.data(&self.pending, &self.after);
-        self.stage = self.fit.alone(&data).map_or(Stage::Told, Stage::Terms);
-        ControlFlow::Continue(())
-    }
-
-    /// The same of these terms.
+    /// The same of the force terms that its fit lacks.
     pub(super) fn terms(&mut self, learnt: &mut Expectations) -> ControlFlow<Outcome> {
-        let Stage::Terms(alone) = self.stage else { return ControlFlow::Continue(()) };
+        let Measured { posterior, noise_n2, verdict, .. } = &self.measured;
+        let shows = posterior.is_resolved() && is_clear(posterior);
         let data = self.expected.data(&self.pending, &self.after);
-        let onset_n2 = learnt.learn_scores(&data, &self.fit, &alone, self.measured.noise_n2);
-        self.measured.share(&Correction { static_n2: onset_n2, ..Correction::default() });
-        let asked = learnt.asks_corner(&self.expected.corner);
-        self.stage = if asked { Stage::Corner(alone, Asked::default(), 0) } else { Stage::Told };
+        // A slip of two samples shows nothing of its corners.
+        let asked = *verdict == Verdict::Same && self.strain == Strain::None && shows;
+        let alone = if asked { self.fit.alone(&data) } else { None };
+        if let Some(alone) = alone {
+            let onset_n2 = learnt.learn_scores(&data, &self.fit, &alone, *noise_n2);
+            self.stage = Stage::Corner(alone, onset_n2);
+        } else {
+            self.stage = Stage::Told;
+        }
         ControlFlow::Continue(())
     }
 
     /// The same of its corners, which move its forces.
     pub(super) fn corner(&mut self, learnt: &mut Expectations) -> ControlFlow<Outcome> {
-        let Stage::Corner(alone, asked, next) = &mut self.stage else {
+        let Stage::Corner(alone, onset_n2) = &self.stage else {
             return ControlFlow::Continue(());
         };
         let data = self.expected.data(&self.pending, &self.after);
-        ask(asked, &data, &self.fit, *next..*next + LEVELS_A_STEP);
-        *next += LEVELS_A_STEP;
-        if *next < data.places() {
-            return ControlFlow::Continue(());
-        }
-        let (corner, noise_n2) = (self.expected.corner, self.measured.noise_n2);
-        let correction = learnt.learn_corner(corner, &self.fit, (alone, asked), noise_n2);
-        self.measured.share(&correction);
+        let noise_n2 = self.measured.noise_n2;
+        let correction = learnt.learn_corner(&data, &self.fit, alone, noise_n2, *onset_n2);
+        self.measured.take(&correction);
+        self.measured.posterior.share(&correction);
         self.stage = Stage::Told;
         ControlFlow::Continue(())
     }
@@ -164,12 +150,6 @@ impl CycleFit {
 }
 
 impl Measured {
-    /// Takes what is known since the fit, and what is unsure of it in every event alike.
-    fn share(&mut self, correction: &Correction) {
-        self.take(correction);
-        self.posterior.share(correction);
-    }
-
     /// Takes what is known since the fit.
     #[inline(never)]
     fn take(&mut self, correction: &Correction) {

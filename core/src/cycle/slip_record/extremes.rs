@@ -4,7 +4,7 @@
 use crate::cycle::slip_record::{PI, SlipRecord};
 use crate::detector::Stick;
 use crate::fit::posterior::CLEAR;
-use crate::num::math::{self, larger, smaller};
+use crate::num::math::{self, larger};
 use crate::sample::{ForcePoint, since};
 use crate::signal::window::Window;
 use crate::stats::line::Line;
@@ -107,11 +107,12 @@ impl SlipRecord {
         (since(self.origin, self.peak.index), since(self.origin, self.low.index))
     }
 
-    /// Between which times, periods, the samples of the fall lie that are neither its highest nor its
-    /// lowest one, plateaus left out.
-    pub(crate) fn steep(&self) -> (f32, f32) {
+    /// The samples of the fall between its highest and its lowest one, plateaus left out: times,
+    /// periods, and forces, N.
+    pub(crate) fn fall_samples(&self) -> impl Iterator<Item = (f32, f32)> {
         let ((peak, low), (from, to)) = (self.extremes(), self.fall_edges());
-        (larger(peak + 0.5, from), smaller(low - 0.5, to))
+        let inside = move |time: f32| time > peak && time < low && time >= from && time <= to;
+        self.samples().good().filter(move |&(time, _)| inside(time))
     }
 
     /// Variance of the noise about the stick lines before and after, N²; where both are brief the
