@@ -35,7 +35,7 @@ impl CycleTracker {
         event.onset = self.last_stop.map_or(event.onset, |it| later(it, event.onset));
         event.stop = later(event.onset, earlier(event.stop, limit));
         self.last_stop = Some(event.stop);
-        self.last_load = Some(load.unwrap_or(event.stop).index);
+        self.last_load = load.or(self.last_stop);
         if !event.reason.is_some_and(Reason::is_no_slip) {
             self.count = self.count.saturating_add(1);
         }
@@ -46,15 +46,16 @@ impl CycleTracker {
     fn fitted(&mut self, finishing: &CycleFit) -> (Finished, SampleTime) {
         let (pending, site) = (&finishing.pending, self.site());
         let Measured { posterior, alone, noise_n2, verdict } = &finishing.measured;
+        let alone = alone.map(|forces| {
+            let mu_s = site.coefficient(forces.static_n, noise_n2 * forces.static_variance);
+            let (shift_n, _) = self.shift(pending, &posterior.cycle);
+            let dynamic_n = forces.dynamic_n - shift_n;
+            (mu_s, site.coefficient(dynamic_n, noise_n2 * forces.dynamic_variance))
+        });
         let shape = posterior.cycle.shape();
         self.learn_sag(pending, posterior, &shape);
         let loads = shape.loads();
         let shift = self.shift(pending, &posterior.cycle);
-        let alone = alone.map(|forces| {
-            let mu_s = site.coefficient(forces.static_n, noise_n2 * forces.static_variance);
-            let dynamic_n = forces.dynamic_n - shift.0;
-            (mu_s, site.coefficient(dynamic_n, noise_n2 * forces.dynamic_variance))
-        });
         let event = self.measured(pending, posterior, &shape, shift);
         let mut finished = self.judged(event, alone, posterior, shift, *verdict);
         if event.slack && !finishing.shows(loads) {
@@ -74,21 +75,19 @@ impl CycleTracker {
         let is_clear = core::f32::consts::PI * swing.0 > CLEAR;
         let periods = next - cycle.onset;
         let mut folded = is_clear && refusal::is_folded(&site, rate, swing, periods);
-        let mut reason = None;
         if periods < refusal::FAST {
             let (rate, swing) = ((cycle.rate, unknowns[1]), (cycle.inverse_omega(), unknowns[4]));
             let drop = (cycle.half_drop_n, unknowns[3]);
+            if !(refusal::is_no_chance(rate) && refusal::is_no_chance(drop)) {
+                return Some(Reason::TooShort);
+            }
             folded |= posterior.tells_swing(unknowns[4])
                 && refusal::is_folded(&site, rate, swing, periods);
-            if ![rate, drop, swing].into_iter().all(refusal::is_no_chance) {
-                reason = Some(Reason::TooShort);
-            } else if refusal::is_lame(&site, rate, swing) {
-                reason = Some(Reason::NoFit);
+            if refusal::is_lame(&site, rate, swing) {
+                return Some(Reason::NoFit);
             }
         }
-        // What is not believed for itself is no sign that the others are.
-        let aliased = self.recurrence.is_folded(folded || reason.is_some());
-        reason.or(aliased.then_some(Reason::Aliased))
+        self.recurrence.is_folded(folded).then_some(Reason::Aliased)
     }
 
     /// An event with its coefficients; omega where the slip shows it.
@@ -145,13 +144,18 @@ impl CycleTracker {
         let (onset, stop) = pending.fall_edges();
         let fall = stop - onset;
         let drop = pending.peak.force_n - pending.low.force_n;
-        let rate = self.learnt.rate.mean().or(pending.before.slope());
         let cycle = CycleParams {
             onset,
-            rate: larger(rate.unwrap_or(0.0), 1e-6 * drop),
+            rate: self
+                .learnt
+                .rate
+                .mean()
+                .or(pending.before.slope())
+                .unwrap_or(0.0)
+                .max(1e-6 * drop),
             static_n: pending.peak.force_n,
             half_drop_n: 0.5 * drop,
-            omega: core::f32::consts::PI / larger(fall, 1.0),
+            omega: core::f32::consts::PI / fall.max(1.0),
             rate_change: 0.0,
         };
         let mut event = self.bare(pending, &cycle, &cycle.shape());

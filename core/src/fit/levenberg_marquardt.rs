@@ -22,7 +22,7 @@ const DAMPING: f32 = 1e-3;
 const MOST_DAMPING: f32 = 1e9;
 
 /// Samples that one step looks at: most slips have fewer, and are passed over in one step.
-pub(crate) const SAMPLES_A_STEP: usize = 20;
+const SAMPLES_A_STEP: usize = 32;
 
 /// A fit under way, so that a board can do a piece of it with each sample.
 ///
@@ -44,23 +44,19 @@ pub struct Fitting {
 
 /// Normal equations at a trial cycle, as far as the samples have been taken.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Pass {
+struct Pass {
     trial: CycleParams,
     normal: Normal,
     next: usize,
 }
 
 impl Pass {
-    pub(super) fn at(trial: CycleParams) -> Self {
+    fn at(trial: CycleParams) -> Self {
         Self { trial, normal: Normal::default(), next: 0 }
     }
 
-    pub(crate) fn normal(&self) -> &Normal {
-        &self.normal
-    }
-
     /// Takes some more samples; true with the last ones, and then the lines.
-    pub(crate) fn advance(&mut self, data: &Data<'_>) -> bool {
+    fn advance(&mut self, data: &Data<'_>) -> bool {
         let shape = self.trial.shape();
         data.add_samples(&mut self.normal, &shape, self.next, SAMPLES_A_STEP);
         self.next += SAMPLES_A_STEP;

@@ -7,7 +7,6 @@
 //! nothing is computed. Delay: one block.
 
 use crate::num::long_division::divide;
-use crate::num::math;
 use crate::sample::{ForcePoint, SampleTime};
 
 /// Fastest rate at which samples are taken as they come, Hz.
@@ -26,7 +25,7 @@ impl Decimator {
     /// For a rate of 1 to 2000 Hz.
     #[must_use]
     pub fn new(rate_hz: f32) -> Self {
-        let factor = math::larger(-math::floor(-rate_hz / FASTEST_HZ), 1.0) as u16;
+        let factor = libm::ceilf(rate_hz / FASTEST_HZ).max(1.0) as u16;
         Self { factor, block: 0, mean_n: 0.0, count: 0 }
     }
 
@@ -80,7 +79,7 @@ impl Decimator {
             return blocks;
         }
         let after = blocks.fraction * self.factor() + 0.5 * (self.factor() - 1.0);
-        let whole = math::floor(after);
+        let whole = libm::floorf(after);
         SampleTime {
             index: blocks.index.saturating_mul(self.factor.into()).saturating_add(whole as u64),
             fraction: after - whole,

@@ -12,16 +12,10 @@ use crate::stats::line::Line;
 const OTHERS: [f32; 4] = [0.6, 0.8, 1.25, 1.6];
 
 impl SlipRecord {
-    /// Can a fit begin where an earlier one ended? Without the line after it a slip on a slack cable is
-    /// hardly determined.
-    #[inline(never)]
-    pub(crate) fn begins_again(&self, after: &Line) -> bool {
-        self.early.is_some() && self.slack(after).is_none()
-    }
-
-    /// Begins a fit there.
+    /// Begins a fit where an earlier one ended.
     pub(crate) fn begin_again(&self, after: &Line) -> Option<Fitting> {
-        let early = self.early.filter(|_| self.begins_again(after));
+        // Without the line after it a slip on a slack cable is hardly determined.
+        let early = self.early.filter(|_| self.slack(after).is_none());
         early.map(|early| Fitting::new(&early))
     }
 
@@ -73,7 +67,7 @@ impl SlipRecord {
     fn through_samples(&self, mut cycle: CycleParams) -> CycleParams {
         let shape = cycle.shape();
         let low = since(self.origin, self.low.index);
-        let middle = math::floor(self.rough.middle + 0.5);
+        let middle = libm::floorf(self.rough.middle + 0.5);
         let middle_n = self.samples().forces_n.get((middle - self.start) as usize);
         // What a sample lies above the guess, and what onset and drop add to that.
         let seen = |time: f32, force_n: f32| {
