@@ -229,11 +229,17 @@ fn scale_by_any_factor_changes_the_rounding_only() {
         let pairs = both.flat_map(|(a, b)| [(a.mu_s, b.mu_s), (a.mu, b.mu)]);
         let (mut squares, mut count) = (0.0, 0);
         for (a, b) in pairs {
-            let (Some(a), Some(b)) = (a, b) else { return Err(TestCaseError::fail("lost")) };
+            let (a, b) = match (a, b) {
+                (Some(a), Some(b)) => (a, b),
+                // One that looks like a change at first is refused whatever the factor.
+                (None, None) => continue,
+                _ => return Err(TestCaseError::fail("lost")),
+            };
             let error = (a.value - b.value) / a.std.max(b.std);
             squares += error * error;
             count += 1;
         }
+        prop_assert!(count >= 2 * (one.events.len() - 3) - 2, "{count} pairs");
         prop_assert!(squares <= 0.2 * 0.2 * count as f32, "rms² {squares} / {count}");
         Ok(())
     });

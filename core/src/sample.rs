@@ -1,5 +1,6 @@
 //! What goes into the pipeline, and what a calibrated sample looks like.
 
+use crate::num::math;
 use crate::units::{Counts, Newtons};
 
 /// One sample as it comes from a converter or a log.
@@ -115,7 +116,7 @@ impl SampleTime {
 
     /// The moment that is so many periods after an index; before it, if they are negative.
     pub(crate) fn after(origin: u64, periods: f32) -> Self {
-        let whole = libm::floorf(periods);
+        let whole = math::floor(periods);
         Self { index: origin.saturating_add_signed(whole as i64), fraction: periods - whole }
     }
 

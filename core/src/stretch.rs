@@ -324,10 +324,10 @@ impl Stretches {
     /// There is room: a step ends at most one constant force, which takes many samples, with what
     /// was open before it, and one event's; and it takes one out.
     fn push(&mut self, mut stretch: Stretch) {
-        if stretch.start < self.told.1 {
+        if stretch.start.precedes(self.told.1) {
             stretch.start = self.told.1;
         }
-        if stretch.start >= stretch.stop {
+        if !stretch.start.precedes(stretch.stop) {
             return;
         }
         self.told = (stretch.start, stretch.stop);

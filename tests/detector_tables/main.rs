@@ -39,6 +39,24 @@ fn three_slips_with_and_without_noise() {
     }
 }
 
+/// What was put off is looked at later, three samples at a time, and the same is seen; with 192 samples
+/// put off none waits any more.
+#[test]
+fn samples_wait_for_room_and_none_is_lost() {
+    let script = three_cycles(2.0).line(400.0, 10.0, 200);
+    let seen = |transitions: Vec<String>| -> Vec<String> {
+        transitions.iter().map(|it| it.split_once(' ').expect("an index").1.to_owned()).collect()
+    };
+    let at_once = seen(script.transitions());
+    let later = script.transitions_with(|index| (64..90).contains(&index));
+    assert_eq!(later[3], "91 restick 62 65");
+    assert_eq!(seen(later), at_once);
+    // The first three at sample 256, the fourth when as many have been put off again.
+    let never = script.transitions_with(|index| index >= 64);
+    assert_eq!(never[3], "259 restick 62 65");
+    assert!(at_once.starts_with(&seen(never)));
+}
+
 #[test]
 fn the_phase_follows() {
     let mut detector = Detector::new(16.0, Effects::default());
@@ -46,7 +64,7 @@ fn the_phase_follows() {
     let phases: Vec<Phase> = three_cycles(2.0)
         .samples()
         .map(|(index, force_n)| {
-            detector.step(index, force_n as f32);
+            detector.step(index, force_n as f32, false);
             detector.phase()
         })
         .collect();

@@ -57,9 +57,14 @@ impl Script {
     }
 
     pub fn transitions(&self) -> Vec<String> {
+        self.transitions_with(|_| false)
+    }
+
+    /// The same where whoever follows the slips has no room for another at some samples.
+    pub fn transitions_with(&self, waits: impl Fn(u64) -> bool) -> Vec<String> {
         let mut detector = Detector::new(16.0, Effects::default());
         let told = |(index, force_n): (u64, f64)| {
-            let transition = detector.step(index, force_n as f32)?;
+            let transition = detector.step(index, force_n as f32, waits(index))?;
             Some(match transition {
                 Transition::Onset => format!("{index} onset"),
                 Transition::Restick { peak, low } => {

@@ -111,9 +111,9 @@ pub(crate) fn scenes(folders: &[&str]) -> Result<Vec<PathBuf>> {
     Ok(files)
 }
 
-/// Every linear and hard scene, and what no block does.
+/// Every linear and hard scene, those outside the model, and what no block does.
 fn records() -> Result<Vec<Record>> {
-    let files = scenes(&["linear", "hard"])?;
+    let files = scenes(&["linear", "hard", "honesty"])?;
     let mut records = Vec::new();
     for file in &files {
         records.push(scene_record(file)?);

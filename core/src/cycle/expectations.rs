@@ -1,6 +1,7 @@
 //! What the events of a test have told so far, as expectations for the next one.
 
 use crate::coefficient::Site;
+use crate::cycle::expected::Expected;
 use crate::cycle::slip_record::SlipRecord;
 use crate::effect::{Effect, Effects, Kept, Parameter};
 use crate::effects::corner::CornerEstimator;
@@ -14,7 +15,6 @@ use crate::fit::residuals::Residuals;
 use crate::fit::slip_scatter::SlipScatter;
 use crate::fit::{Data, Fit, rounding_n2};
 use crate::model::CycleParams;
-use crate::model::corner::Corner;
 use crate::num::math::{self, larger};
 use crate::stats::fading_trend::FadingTrend;
 use crate::stats::line::Line;
@@ -43,37 +43,6 @@ pub(crate) struct Expectations {
     weighted: bool,
     /// Speed of the winch times the mass, N periods; NaN where it is not known.
     momentum: f32,
-}
-
-/// What is expected of one event.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Expected {
-    /// Variance of the noise that the weights are relative to, N².
-    pub(crate) noise_n2: f32,
-    rate: Prior,
-    inverse_omega: Prior,
-    rate_change: Prior,
-    onset: Prior,
-    pub(crate) corner: Corner,
-}
-
-impl Expected {
-    /// The event's samples and lines with that.
-    #[inline(never)]
-    pub(crate) fn data<'a>(&self, pending: &'a SlipRecord, after: &'a Line) -> Data<'a> {
-        let Self { rate, inverse_omega, rate_change, onset, corner, .. } = *self;
-        Data {
-            before: &pending.before,
-            samples: pending.samples(),
-            after,
-            wander: pending.wander.followed(),
-            rate,
-            inverse_omega,
-            rate_change,
-            onset,
-            corner,
-        }
-    }
 }
 
 /// Least part of a fitted precision that has to be the event's own: a smaller part is

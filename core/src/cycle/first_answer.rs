@@ -1,26 +1,26 @@
 //! What is said of a slip before its second stick line is there: `mu_s` at the onset, and a
-//! first answer when the force has turned.
+//! first answer when the block rests again.
 
 use crate::cycle::CycleTracker;
-use crate::cycle::cycle_fit::iterations_within;
+use crate::cycle::ended::{Answer, Stage};
+use crate::cycle::expected::Expected;
 use crate::cycle::slip_record::SlipRecord;
 use crate::detector::Detector;
 use crate::event::Provisional;
-use crate::fit::Variances;
 use crate::fit::posterior::Posterior;
+use crate::fit::{Data, Fit, Variances};
 use crate::stats::line::Line;
 
-/// Steps of the fit for the first answer, which is wanted at once: two are usual.
+/// Most steps of the fit for the first answer: two are usual.
 const FIRST_STEPS: usize = 5;
-/// Samples that all steps together may look at: the time there is.
-const FIRST_SAMPLES: usize = 120;
+/// Samples beyond which a slip has no first answer.
+const MOST_SAMPLES: usize = 32;
 
 impl CycleTracker {
     /// The slip has begun: a first value of `mu_s`, between the last sample on the line
     /// and the first one off it.
     #[must_use]
-    pub fn onset(&mut self, detector: &Detector) -> Option<Provisional> {
-        self.early = None;
+    pub fn onset(&self, detector: &Detector) -> Option<Provisional> {
         let (stick, now) = (detector.stick(), detector.last());
         let line = stick.line_from(now.index);
         let (slope, noise_n, time) = (line.slope()?, detector.noise_n()?, -1.0);
@@ -32,32 +32,48 @@ impl CycleTracker {
         Some(Provisional { mu_s, mu: None })
     }
 
-    /// The force has turned: a first answer from what the other events tell.
-    pub fn turned(&mut self, detector: &Detector) -> Option<Provisional> {
-        let (stick, extremes) = (detector.stick(), detector.extremes());
-        let slip = self.slip(stick, detector, extremes);
-        let noise_n2 = self.learnt.fitted_noise_n2(&slip);
-        let steps =
-            FIRST_STEPS.min(iterations_within(FIRST_SAMPLES, slip.samples().forces_n.len()));
-        let none = Line::default();
-        let data = self.learnt.of(&slip, &none, noise_n2).data(&slip, &none);
-        let mut fitting = slip.guess(&data, self.learnt.knows_omega());
-        let mut step = || fitting.step(&data, noise_n2).break_value();
-        let mut fit = (0..steps).find_map(|_| step()).flatten();
-        let fit = fit.as_mut().filter(|fit| fit.converged && slip.holds(&fit.shape))?;
-        self.early = Some((slip.origin, *fit.cycle()));
-        let known = self.learnt.residuals.variance_n2().is_some();
-        fit.widen_forces(slip.wander.alike);
-        fit.widen(&Variances::UNSURE_SWING, self.learnt.unsure_swing(&slip, noise_n2));
-        let at = Posterior::at(fit, noise_n2);
-        (at.is_resolved() && known && slip.hidden.is_none())
-            .then(|| self.first_answer(&slip, &at, noise_n2))
+    /// Begins the first answer on a slip: from what the other events tell.
+    pub(super) fn begin_first(&mut self) {
+        let Some((ended, slip)) = self.ended.as_mut().zip(self.pending.as_ref()) else { return };
+        let noise_n2 = self.learnt.fitted_noise_n2(slip);
+        let expected = self.learnt.of(slip, &Line::NONE, noise_n2);
+        let knows_omega = self.learnt.knows_omega();
+        let fitting = slip.guess(&data(&expected, slip, knows_omega), knows_omega);
+        let is_long = slip.samples().forces_n.len() > MOST_SAMPLES;
+        let left = if is_long { 0 } else { FIRST_STEPS };
+        ended.stage = Stage::Answering(Answer { expected, fitting, left });
+    }
+
+    /// One step of it.
+    pub(super) fn step_first(&mut self) {
+        let Some((ended, slip)) = self.ended.as_mut().zip(self.pending.as_ref()) else { return };
+        let Stage::Answering(Answer { expected, fitting, left }) = &mut ended.stage else { return };
+        let data = data(expected, slip, self.learnt.knows_omega());
+        let step = fitting.step(&data, expected.noise_n2);
+        *left = left.saturating_sub(1);
+        if step.is_break() || *left == 0 {
+            ended.stage = Stage::Answered(step.break_value().flatten());
+        }
+    }
+
+    /// Does a fit show the pending slip?
+    pub(super) fn shows_slip(&self, fit: &Fit) -> bool {
+        fit.converged && self.pending.as_ref().is_some_and(|slip| slip.holds(&fit.shape))
     }
 
     /// With all that the events so far tell of the cable and of the noise, as the event itself
     /// will have it.
-    fn first_answer(&self, slip: &SlipRecord, at: &Posterior, noise_n2: f32) -> Provisional {
-        let Posterior { cycle, static_n2, dynamic_n2, .. } = *at;
+    pub(super) fn first_answer(&self, mut fit: Fit) -> Option<Provisional> {
+        let slip = self.pending.as_ref()?;
+        let noise_n2 = self.learnt.fitted_noise_n2(slip);
+        fit.widen_forces(slip.wander.alike);
+        fit.widen(&Variances::UNSURE_SWING, self.learnt.unsure_swing(slip, noise_n2));
+        let at = Posterior::at(&fit, noise_n2);
+        let known = self.learnt.residuals.variance_n2().is_some();
+        if !(at.is_resolved() && known && slip.hidden.is_none()) {
+            return None;
+        }
+        let Posterior { cycle, static_n2, dynamic_n2, .. } = at;
         let (shift_n, shift_n2) = self.shift(slip, &cycle);
         // The lowest sample may be one of a cable that flops, and makes about a quarter of `Fp`.
         let flop_n2 = (1.0 / slip.rest_weight - 1.0) * noise_n2 / 16.0;
@@ -67,6 +83,15 @@ impl CycleTracker {
         };
         let mu_s = self.site().coefficient(cycle.static_n, static_n2);
         // On a slack cable the time at zero will tell it.
-        Provisional { mu_s, mu: cycle.is_taut().then(mu) }
+        Some(Provisional { mu_s, mu: cycle.is_taut().then(mu) })
     }
+}
+
+/// What it is fitted to: all samples but the newest, by which the slip was seen to be over, and so more
+/// often too high than too low. While the swing is not known no sample can be spared.
+fn data<'a>(expected: &Expected, slip: &'a SlipRecord, knows_omega: bool) -> Data<'a> {
+    let mut data = expected.data(slip, &Line::NONE);
+    let before = data.samples.forces_n.split_last().filter(|_| knows_omega);
+    data.samples.forces_n = before.map_or(data.samples.forces_n, |(_, before)| before);
+    data
 }

@@ -1,18 +1,21 @@
 //! From transitions to events: the lines and samples around a slip, fitted.
 //!
 //! ```text
-//!  onset ──► force has turned ──► re-stick ──► next re-stick ───► some samples later
-//!  mu_s      first answer         pending      finishing: fit     outcome: the event
+//!  onset ──► re-stick ──► a sample later ──► next re-stick ───► some samples later
+//!  mu_s      pending      first answer       finishing: fit     outcome: the event
 //! ```
 //!
 //! While a slip's stick line grows it is *pending*; when the next slip has ended that
-//! line it is *finishing*: its fit is made, some iterations a sample. A first answer,
-//! from what the other events tell, is there as soon as the force has turned.
+//! line it is *finishing*: its fit is made. All that takes long, a first answer from what the
+//! other events tell included, is made in steps, one after the other, as many as a sample has
+//! time for ([`CycleTracker::work`]). A slip that ends before the fit under way waits in `ended`.
 
 mod cable;
 mod change;
 mod cycle_fit;
+mod ended;
 mod expectations;
+mod expected;
 mod first_answer;
 mod outcome;
 mod readings;
@@ -24,16 +27,15 @@ use core::ops::ControlFlow;
 
 use crate::coefficient::{Coefficient, Site};
 use crate::cycle::cycle_fit::CycleFit;
+use crate::cycle::ended::Ended;
 use crate::cycle::expectations::Expectations;
 use crate::cycle::refusal::Recurrence;
-use crate::cycle::slip_record::{SlipRecord, UNSURE};
-use crate::detector::{Detector, Stick};
+use crate::cycle::slip_record::SlipRecord;
+use crate::detector::Detector;
 use crate::effect::{Effect, Kept};
 use crate::effects::level_shift::{Change, Levels};
-use crate::event::{Event, Reason};
-use crate::model::CycleParams;
-use crate::sample::{ForcePoint, SampleTime, since};
-use crate::signal::window::Window;
+use crate::event::{Event, Provisional};
+use crate::sample::{ForcePoint, SampleTime};
 
 /// A complete event.
 #[derive(Clone, Copy, Debug)]
@@ -50,6 +52,7 @@ pub struct Finished {
 }
 
 impl From<Event> for Finished {
+    #[inline(never)]
     fn from(event: Event) -> Self {
         Self { event, alone: None, common: (0.0, 0.0), change: None }
     }
@@ -64,14 +67,14 @@ pub struct CycleTracker {
     pending: Option<SlipRecord>,
     /// The one before it.
     finishing: Option<CycleFit>,
-    /// First answer on the slip that has just ended, and the index of its time zero.
-    early: Option<(u64, CycleParams)>,
+    /// What ended the stick line of `pending`, until the next one's first answer is there.
+    ended: Option<Ended>,
     levels: Kept<Levels, { Effect::Level.room() }>,
     /// The first event after what may be a change.
     suspect: Option<(u32, SampleTime)>,
-    /// Stop of the last event, and when its cable began to load.
+    /// Stop of the last event, and the last index before its cable began to load.
     last_stop: Option<SampleTime>,
-    last_load: Option<SampleTime>,
+    last_load: Option<u64>,
     /// The same stop and the force there, N, if it was measured.
     rested: Option<(SampleTime, f32)>,
     count: u32,
@@ -91,7 +94,7 @@ impl CycleTracker {
             learnt: Expectations::new(&site),
             pending: None,
             finishing: None,
-            early: None,
+            ended: None,
             levels: Kept::default(),
             suspect: None,
             last_stop: None,
@@ -108,142 +111,111 @@ impl CycleTracker {
         self.count = self.count.saturating_sub(1);
     }
 
-    /// The block rests again: the event before has its lines, and this one is pending.
-    ///
-    /// `last_hidden` is the newest saturated index. Gives the event before that one if
-    /// it was not finished yet.
+    /// The block rests again, `last_hidden` is the newest saturated index. Gives an event, as
+    /// [`Self::end_line`].
     pub fn restick(
         &mut self,
         detector: &Detector,
-        (peak, low): (ForcePoint, ForcePoint),
-        last_hidden: Option<u64>,
-    ) -> Option<Finished> {
-        let (stick, window) = (detector.ended(), detector.window());
-        let mut refused = None;
-        if let Some(before) = &mut self.pending
-            && self.recurrence.is_aliased(since(before.peak.index, peak.index))
-        {
-            refused = Some(Reason::Aliased);
-            before.refused = refused;
-        }
-        let finished = self.complete(stick, window, peak);
-        let mut next = self.slip(stick, detector, (peak, low));
-        if last_hidden.is_some_and(|index| index + 4 >= stick.next) {
-            next.hidden = Some(Reason::Hidden);
-        }
-        if let Some((origin, cycle)) = self.early.take() {
-            next.know(CycleParams { onset: cycle.onset + since(next.origin, origin), ..cycle });
-        }
-        next.refused = refused;
-        self.pending = Some(next);
-        finished
-    }
-
-    /// Ends the pending event with what there is of its stick line. Gives the event
-    /// before it if it was not finished yet.
-    fn complete(
-        &mut self,
-        stick: &Stick,
-        window: &Window,
-        next_peak: ForcePoint,
-    ) -> Option<Finished> {
-        let outcome = self.finishing.as_mut().map(|finishing| finishing.cut(&mut self.learnt));
-        let finished = outcome.and_then(|outcome| self.end(outcome));
-        let next_onset = self.early.map(|(origin, cycle)| {
-            SampleTime::after(origin, cycle.onset - self.creep_periods() - UNSURE).index
-        });
-        if let Some(pending) = &mut self.pending {
-            pending.end_before(stick, window, next_peak.index, next_onset);
-            let periods = since(pending.low.index, next_peak.index);
-            let after = pending.line_after(stick, window, next_onset);
-            let rest = (&after, stick.highest.force_n);
-            let swing = self.learnt.swing();
-            let refused = refusal::of_fall(pending, rest, periods, self.slides, swing);
-            pending.refused = pending.refused.or(refused);
-            self.slides |= pending.refused.is_none() && refusal::takes_time(pending);
-            self.finishing = Some(CycleFit::new(pending, after));
-        }
-        self.pending = None;
-        finished
-    }
-
-    /// The slip between a stick line and now.
-    fn slip(
-        &self,
-        stick: &Stick,
-        detector: &Detector,
         extremes: (ForcePoint, ForcePoint),
-    ) -> SlipRecord {
-        SlipRecord::new(detector, stick, self.start(stick), extremes, self.unfinished())
-    }
-
-    /// First index of an event's samples: where the stick line ends, or right after
-    /// the cable began to load when the block rested too briefly for a line.
-    fn start(&self, stick: &Stick) -> u64 {
-        let load = if stick.line.count < 3 { self.newest_load() } else { None };
-        load.map_or(stick.next, |load| {
-            stick.next.min((load.index + 1).max(stick.next.saturating_sub(4)))
-        })
-    }
-
-    /// The slip before the one that is going on or has just ended, until it is fitted.
-    fn unfinished(&self) -> Option<&SlipRecord> {
-        self.pending.as_ref().or(self.finishing.as_ref().map(|f| &f.pending))
-    }
-
-    /// When the cable of a resting block last began to load, as far as is known yet.
-    fn newest_load(&self) -> Option<SampleTime> {
-        match self.unfinished() {
-            Some(slip) => {
-                slip.early.map(|cycle| SampleTime::after(slip.origin, cycle.shape().loads()))
-            }
-            None => self.last_load,
-        }
-    }
-
-    /// Is no fit under way?
-    #[must_use]
-    pub fn is_idle(&self) -> bool {
-        self.finishing.is_none()
-    }
-
-    /// Does some iterations of the fit that is under way: no sample waits for a whole fit.
-    pub fn work(&mut self) -> Option<Finished> {
-        let most = self.finishing.as_ref()?.iterations();
-        for done in 0..most {
-            let finishing = self.finishing.as_mut()?;
-            if done > 0 && finishing.is_long() {
-                break;
-            }
-            if let ControlFlow::Break(outcome) = finishing.step(&mut self.learnt) {
-                return self.end(outcome);
-            }
-        }
-        None
+        last_hidden: Option<u64>,
+        told: &mut Told,
+    ) {
+        let stick = detector.ended();
+        let hides = last_hidden.is_some_and(|index| index + 4 >= stick.next);
+        self.end_line(detector, Ended::by_slip(detector, extremes, hides), told);
     }
 
     /// A long gap: ends the pending event with the stick line that has ended.
-    pub fn lose(&mut self, detector: &Detector) -> Option<Finished> {
-        self.complete(detector.ended(), detector.window(), detector.last())
+    pub fn lose(&mut self, detector: &Detector, told: &mut Told) {
+        self.end_line(detector, Ended::by_loss(detector.ended(), detector.last().index), told);
+    }
+
+    /// The stick line after the pending event has ended. What ended before, and still waits, is dealt
+    /// with at once: samples have waited as long as there is room, or a gap has ended a line. Gives the
+    /// event that was being fitted then.
+    fn end_line(&mut self, detector: &Detector, ended: Ended, told: &mut Told) {
+        while self.ended.is_some() {
+            self.advance(detector, told);
+        }
+        self.ended = Some(ended);
+    }
+
+    /// Is there nothing to be done?
+    #[must_use]
+    pub fn is_idle(&self) -> bool {
+        self.finishing.is_none() && self.ended.is_none()
+    }
+
+    /// Is there no room for another slip?
+    #[must_use]
+    pub fn is_full(&self) -> bool {
+        self.ended.is_some()
+    }
+
+    /// Does as much of what is to be done as a sample has time for, and at least one step.
+    pub fn work(&mut self, detector: &Detector, told: &mut Told) {
+        let time = if detector.waiting() > LATE { MOST_TIME } else { TIME };
+        let mut left = time.saturating_sub(detector.spent());
+        while told.finished.is_none() {
+            let takes = self.next_takes();
+            if takes == 0 || (takes > left && left < TIME) {
+                break;
+            }
+            left = left.saturating_sub(takes);
+            self.advance(detector, told);
+        }
+    }
+
+    /// One step of what is to be done. Where too many samples wait for a fit, it looks at no more places
+    /// of an onset.
+    #[inline(never)]
+    fn advance(&mut self, detector: &Detector, told: &mut Told) {
+        // What has ended meanwhile waits for a fit.
+        let waits = self.ended.as_ref().is_none_or(Ended::waits);
+        let Some(fit) = self.finishing.as_mut().filter(|_| waits) else {
+            return self.follow_up(detector, &mut told.first);
+        };
+        if let ControlFlow::Break(outcome) = fit.step(&mut self.learnt, detector.waiting()) {
+            told.finished = self.end(outcome);
+        }
+    }
+
+    /// What the next step takes, as [`TIME`]; zero: there is nothing to be done.
+    fn next_takes(&self) -> usize {
+        match (&self.ended, &self.finishing) {
+            (Some(ended), finishing) if finishing.is_none() || !ended.waits() => self.takes(ended),
+            (_, Some(finishing)) => finishing.next_takes(self.learnt.knows_omega()),
+            (_, None) => 0,
+        }
     }
 
     /// Ends the test: does all that is left, one event a call, until `None`.
     pub fn finish(&mut self, detector: &Detector) -> Option<Finished> {
-        self.drain().or_else(|| {
-            let last = detector.last();
-            let end = ForcePoint { index: last.index + 1, ..last };
-            self.complete(detector.stick(), detector.window(), end);
-            self.drain()
-        })
-    }
-
-    /// All that is left of the fit that is under way.
-    fn drain(&mut self) -> Option<Finished> {
-        let finishing = self.finishing.as_mut()?;
-        loop {
-            if let ControlFlow::Break(outcome) = finishing.step(&mut self.learnt) {
-                return self.end(outcome);
+        let mut told = Told::default();
+        while told.finished.is_none() {
+            if self.is_idle() {
+                self.pending.as_ref()?;
+                let end = detector.last().index + 1;
+                self.ended = Some(Ended::by_loss(detector.stick(), end));
             }
+            self.advance(detector, &mut told);
         }
+        told.finished
     }
 }
+
+/// What a step of the work led to.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Told {
+    /// A first answer on the last slip.
+    pub first: Option<Provisional>,
+    /// An event that is complete.
+    pub finished: Option<Finished>,
+}
+
+/// What a sample has time for, in units of 160 instructions on the board: with what the detector takes
+/// at rest, less than 12 000.
+const TIME: usize = 62;
+/// The same where so many samples wait.
+const MOST_TIME: usize = 70;
+const LATE: u32 = 128;

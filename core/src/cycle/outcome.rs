@@ -13,29 +13,23 @@ impl CycleTracker {
     /// The fit has ended: gives the event, between the end of the last one and the next.
     pub(super) fn end(&mut self, outcome: Outcome) -> Option<Finished> {
         let finishing = self.finishing.take()?;
-        let CycleFit { pending, measured, .. } = &finishing;
-        let mut doubt = None;
+        let CycleFit { pending, .. } = &finishing;
         let (mut finished, load) = match outcome {
             Outcome::Failed(reason) => (self.without_coefficients(pending, reason).into(), None),
             Outcome::Fitted => {
                 let (finished, load) = self.fitted(&finishing);
-                doubt = self.of_fit(&measured.posterior, pending.limit);
                 (finished, Some(load))
             }
         };
-        let event = &finished.event;
-        let limit = SampleTime::after(pending.origin, pending.limit);
-        let overlaps =
-            limit.precedes(event.stop) || self.last_stop.is_some_and(|it| event.onset.precedes(it));
-        let overlaps = overlaps.then_some(Reason::NoFit).filter(|_| event.reason.is_none());
-        if let Some(reason) = refusal::of_event(event).or(overlaps).or(doubt) {
+        if let Some(reason) = self.refused(&finishing, &finished.event, load.is_some()) {
             finished = self.without_coefficients(pending, reason).into();
         }
-        let event = &mut finished.event;
+        let (event, limit) =
+            (&mut finished.event, SampleTime::after(pending.origin, pending.limit));
         event.onset = self.last_stop.map_or(event.onset, |it| later(it, event.onset));
         event.stop = later(event.onset, earlier(event.stop, limit));
         self.last_stop = Some(event.stop);
-        self.last_load = load.or(self.last_stop);
+        self.last_load = Some(load.unwrap_or(event.stop).index);
         if !event.reason.is_some_and(Reason::is_no_slip) {
             self.count = self.count.saturating_add(1);
         }
@@ -46,16 +40,15 @@ impl CycleTracker {
     fn fitted(&mut self, finishing: &CycleFit) -> (Finished, SampleTime) {
         let (pending, site) = (&finishing.pending, self.site());
         let Measured { posterior, alone, noise_n2, verdict } = &finishing.measured;
-        let alone = alone.map(|forces| {
-            let mu_s = site.coefficient(forces.static_n, noise_n2 * forces.static_variance);
-            let (shift_n, _) = self.shift(pending, &posterior.cycle);
-            let dynamic_n = forces.dynamic_n - shift_n;
-            (mu_s, site.coefficient(dynamic_n, noise_n2 * forces.dynamic_variance))
-        });
         let shape = posterior.cycle.shape();
         self.learn_sag(pending, posterior, &shape);
         let loads = shape.loads();
         let shift = self.shift(pending, &posterior.cycle);
+        let alone = alone.map(|forces| {
+            let mu_s = site.coefficient(forces.static_n, noise_n2 * forces.static_variance);
+            let dynamic_n = forces.dynamic_n - shift.0;
+            (mu_s, site.coefficient(dynamic_n, noise_n2 * forces.dynamic_variance))
+        });
         let event = self.measured(pending, posterior, &shape, shift);
         let mut finished = self.judged(event, alone, posterior, shift, *verdict);
         if event.slack && !finishing.shows(loads) {
@@ -66,28 +59,46 @@ impl CycleTracker {
         (finished, SampleTime::after(pending.origin, loads))
     }
 
-    /// Why a fitted event is not believed: what all tell, and, where the next one follows soon, what
-    /// it tells itself.
-    fn of_fit(&mut self, posterior: &Posterior, next: f32) -> Option<Reason> {
+    /// Why an event that has no reason yet is not believed: what all tell, and, where the next one
+    /// follows soon, what it tells itself.
+    #[inline(never)]
+    fn refused(&mut self, finishing: &CycleFit, event: &Event, fits: bool) -> Option<Reason> {
+        let CycleFit { pending, measured, .. } = finishing;
+        let limit = SampleTime::after(pending.origin, pending.limit);
+        let overlaps =
+            limit.precedes(event.stop) || self.last_stop.is_some_and(|it| event.onset.precedes(it));
+        let overlaps = (overlaps && event.reason.is_none()).then_some(Reason::NoFit);
+        let (folded, doubt) =
+            if fits { self.of_fit(&measured.posterior, pending.limit) } else { (false, None) };
+        // The few samples of a slip on a slack cable show no loading rate without any line.
+        let has_lines = pending.before.count + finishing.after.count > 0;
+        let short = (event.slack && !has_lines).then_some(Reason::TooShort);
+        let reason = refusal::of_event(event).or(overlaps).or(short).or(doubt);
+        // What is not believed for itself, of slips in quick succession, is no sign that the others are.
+        let is_fast = pending.limit - pending.extremes().0 < refusal::FAST;
+        let doubted = is_fast && reason.or(event.reason).is_some();
+        let aliased = self.recurrence.is_folded(folded || doubted);
+        reason.or((aliased && fits).then_some(Reason::Aliased))
+    }
+
+    /// Does a fit show slips that are folded, or why is it not believed?
+    fn of_fit(&self, posterior: &Posterior, next: f32) -> (bool, Option<Reason>) {
         let Posterior { cycle, unknowns, .. } = posterior;
         let (site, learnt) = (self.site(), &self.learnt);
         let (rate, swing) = (learnt.rate.now(), learnt.mass.inverse_omega().now());
         let is_clear = core::f32::consts::PI * swing.0 > CLEAR;
         let periods = next - cycle.onset;
         let mut folded = is_clear && refusal::is_folded(&site, rate, swing, periods);
-        if periods < refusal::FAST {
-            let (rate, swing) = ((cycle.rate, unknowns[1]), (cycle.inverse_omega(), unknowns[4]));
-            let drop = (cycle.half_drop_n, unknowns[3]);
-            if !(refusal::is_no_chance(rate) && refusal::is_no_chance(drop)) {
-                return Some(Reason::TooShort);
-            }
-            folded |= posterior.tells_swing(unknowns[4])
-                && refusal::is_folded(&site, rate, swing, periods);
-            if refusal::is_lame(&site, rate, swing) {
-                return Some(Reason::NoFit);
-            }
+        if periods >= refusal::FAST {
+            return (folded, None);
         }
-        self.recurrence.is_folded(folded).then_some(Reason::Aliased)
+        let (rate, swing) = ((cycle.rate, unknowns[1]), (cycle.inverse_omega(), unknowns[4]));
+        let drop = (cycle.half_drop_n, unknowns[3]);
+        folded |=
+            posterior.tells_swing(unknowns[4]) && refusal::is_folded(&site, rate, swing, periods);
+        let is_sure = refusal::is_no_chance(rate) && refusal::is_no_chance(drop);
+        let lame = || refusal::is_lame(&site, rate, swing).then_some(Reason::NoFit);
+        (folded, if is_sure { lame() } else { Some(Reason::TooShort) })
     }
 
     /// An event with its coefficients; omega where the slip shows it.
@@ -144,18 +155,13 @@ impl CycleTracker {
         let (onset, stop) = pending.fall_edges();
         let fall = stop - onset;
         let drop = pending.peak.force_n - pending.low.force_n;
+        let rate = self.learnt.rate.mean().or(pending.before.slope());
         let cycle = CycleParams {
             onset,
-            rate: self
-                .learnt
-                .rate
-                .mean()
-                .or(pending.before.slope())
-                .unwrap_or(0.0)
-                .max(1e-6 * drop),
+            rate: larger(rate.unwrap_or(0.0), 1e-6 * drop),
             static_n: pending.peak.force_n,
             half_drop_n: 0.5 * drop,
-            omega: core::f32::consts::PI / fall.max(1.0),
+            omega: core::f32::consts::PI / larger(fall, 1.0),
             rate_change: 0.0,
         };
         let mut event = self.bare(pending, &cycle, &cycle.shape());

@@ -68,7 +68,7 @@ pub(crate) fn of_fall(
     if slip.peak.force_n < -SURE * noise_n {
         return Some(Reason::Negative);
     }
-    let near_zero_n = (SURE * noise_n + slip.rate()).min(0.08 * drop_n);
+    let near_zero_n = math::smaller(SURE * noise_n + slip.rate(), 0.08 * drop_n);
     if !slides && to - from < INSTANT && slip.low.force_n.abs() < near_zero_n {
         return Some(Reason::LetGo);
     }
@@ -80,7 +80,7 @@ pub(crate) fn of_fall(
         return Some(Reason::Scatters);
     }
     let possible_n = slip.rate() * periods;
-    let stays = rise_n < 0.6 * drop_n && possible_n > drop_n.max(2.0 * rise_n);
+    let stays = rise_n < 0.6 * drop_n && possible_n > larger(drop_n, 2.0 * rise_n);
     stays.then_some(Reason::NoRest)
 }
 
@@ -105,7 +105,7 @@ pub(super) struct Recurrence {
 
 impl Default for Recurrence {
     fn default() -> Self {
-        Self { mean: FEWEST_PERIODS, folded: 0.0 }
+        Self { mean: FEWEST_PERIODS, folded: 0.4 }
     }
 }
 
@@ -192,8 +192,7 @@ fn is_even(slip: &SlipRecord, swing: Option<f32>, after: &Line) -> bool {
     if low - peak > LONGEST {
         return is_long_and_even(slip);
     }
-    let (mut straight, mut cosine) = (Line::default(), Line::default());
-    slip.fall_samples().for_each(|(time, force_n)| straight.add(time, force_n, 1.0, 1.0));
+    let (straight, cosine) = lines(slip, slip.steep(), 0.0, (peak, low));
     let off_n2 = straight.residual();
     let own_n2 = off_n2 / (straight.count as f32 - 2.0);
     let noise_n2 = larger(slip.line_noise_n2(after), rounding_n2(slip.peak.force_n));
@@ -205,10 +204,6 @@ fn is_even(slip: &SlipRecord, swing: Option<f32>, after: &Line) -> bool {
     if let Some(swing) = swing {
         return is_slow(slip, swing, &straight, noise_n2);
     }
-    let turn = core::f32::consts::PI / (low - peak);
-    for (time, force_n) in slip.fall_samples() {
-        cosine.add(math::sin_cos(turn * (time - peak)).1, force_n, 1.0, 1.0);
-    }
     let further_n2 = cosine.residual() - off_n2;
     let is_clear = further_n2 > LIKELIER * larger(own_n2, noise_n2);
     straight.count >= SHAPELY && is_clear && further_n2 > FURTHER * off_n2
@@ -217,17 +212,31 @@ fn is_even(slip: &SlipRecord, swing: Option<f32>, after: &Line) -> bool {
 /// The same of a fall with many samples, whose highest one may lie anywhere on a slow rest: half a
 /// cosine and a line through the samples in its middle, the noise unknown.
 fn is_long_and_even(slip: &SlipRecord) -> bool {
-    let (angle, (first, last)) = (slip.edge_angle(), slip.fall_edges());
-    let turn = (core::f32::consts::PI - 2.0 * angle) / (last - first);
-    let (mut straight, mut cosine) = (Line::default(), Line::default());
-    let inside = |&(time, _): &(f32, f32)| time >= first && time <= last;
-    for (time, force_n) in slip.samples().good().filter(inside) {
-        straight.add(time, force_n, 1.0, 1.0);
-        cosine.add(math::sin_cos(angle + turn * (time - first)).1, force_n, 1.0, 1.0);
-    }
+    let (first, last) = slip.fall_edges();
+    let (straight, cosine) = lines(slip, (first, last), slip.edge_angle(), (first, last));
     let likelier = straight.count as f32 * math::ln(cosine.residual() / straight.residual());
     // Also not for a force without any noise, or NaN.
     last - first >= SHAPELY_PERIODS && likelier > LIKELIER
+}
+
+/// Lines through the samples between two times, by their time and by a cosine of it, that goes from an
+/// angle at a third time to `π` less that angle at a fourth.
+#[inline(never)]
+fn lines(
+    slip: &SlipRecord,
+    (first, last): (f32, f32),
+    angle: f32,
+    (from, to): (f32, f32),
+) -> (Line, Line) {
+    let turn = (core::f32::consts::PI - 2.0 * angle) / (to - from);
+    let (mut straight, mut cosine) = (Line::default(), Line::default());
+    for (time, force_n) in slip.samples().good() {
+        if time >= first && time <= last {
+            straight.add(time, force_n, 1.0, 1.0);
+            cosine.add(math::sin_cos(angle + turn * (time - from)).1, force_n, 1.0, 1.0);
+        }
+    }
+    (straight, cosine)
 }
 
 /// Does a fall along a line take longer than a slip with this swing, periods? From one sample to

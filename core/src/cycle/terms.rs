@@ -1,5 +1,7 @@
 //! What an event's residuals tell of the force terms that its fit lacks.
 
+use core::ops::Range;
+
 use crate::cycle::expectations::Expectations;
 use crate::cycle::slip_record::SlipRecord;
 use crate::effect::Effect;
@@ -9,25 +11,26 @@ use crate::effects::{damping, onset};
 use crate::fit::correction::Correction;
 use crate::fit::posterior::Posterior;
 use crate::fit::{Alone, Data, Fit};
+use crate::model::Shape;
+use crate::model::corner::Corner;
 
 impl Expectations {
+    /// Is the event to be asked for its corners?
+    pub(crate) fn asks_corner(&mut self, used: &Corner) -> bool {
+        self.effects.has(Effect::Corner) && self.corner.tell(|corner| corner.is_due(used))
+    }
+
     /// Carries what the event's residuals tell of the corners to the next ones, and all that was
-    /// learnt along with it; `onset_n2` as from [`Self::learn_scores`].
+    /// learnt along with it.
     pub(crate) fn learn_corner(
         &mut self,
-        data: &Data<'_>,
+        used: Corner,
         fit: &Fit,
-        alone: &Alone,
+        asked: (&Alone, &Asked),
         noise_n2: f32,
-        onset_n2: f32,
     ) -> Correction {
-        if !self.effects.has(Effect::Corner) {
-            return Correction { static_n2: onset_n2, ..Correction::default() };
-        }
         let other_n2 = self.onset.ask(|onset| onset.largest_n2(fit.cycle().half_drop_n));
-        let mut effect =
-            self.corner.tell(|corner| corner.learn(data, fit, alone, noise_n2, other_n2));
-        effect.static_n2 += onset_n2;
+        let effect = self.corner.tell(|corner| corner.learn(used, fit, asked, noise_n2, other_n2));
         let [_, rate, _, _, inverse_omega, rate_change] = effect.moved;
         self.rate.translate(rate);
         self.mass.translate(inverse_omega);
@@ -77,29 +80,29 @@ impl Expectations {
         })
     }
 
-    /// What the event tells of the terms that widen; gives the variance of `Fs` by them, N².
-    pub(crate) fn learn_scores(
-        &mut self,
-        data: &Data<'_>,
-        fit: &Fit,
-        alone: &Alone,
-        noise_n2: f32,
-    ) -> f32 {
-        let [asks_losses, asks_onset] =
-            [Effect::Damping, Effect::Onset].map(|it| self.effects.has(it));
-        if !asks_losses && !asks_onset {
-            return 0.0;
+    /// Asks levels of the event for the terms that widen.
+    pub(crate) fn ask_scores(
+        &self,
+        asked: &mut Asked,
+        levels: (&Data<'_>, Range<usize>),
+        shape: &Shape,
+    ) {
+        if self.effects.has(Effect::Damping) || self.effects.has(Effect::Onset) {
+            let losses_n = damping::term_n(shape);
+            asked.take(levels, shape, |since_onset, gradient| {
+                let [even_n, odd_n] = onset::terms_n(shape, since_onset);
+                [losses_n(since_onset, gradient), even_n, odd_n]
+            });
         }
-        let shape = &fit.shape;
-        let losses_n = damping::term_n(shape);
-        let asked = Asked::of(data, shape, alone, |since_onset, gradient| {
-            let [even_n, odd_n] = onset::terms_n(shape, since_onset);
-            [losses_n(since_onset, gradient), even_n, odd_n]
-        });
-        if asks_losses {
+    }
+
+    /// Takes what all of them told; gives the variance of `Fs` by these terms, N².
+    pub(crate) fn learn_scores(&mut self, asked: &mut Asked, alone: &Alone, noise_n2: f32) -> f32 {
+        asked.free(alone);
+        if self.effects.has(Effect::Damping) {
             self.damping.tell(|damping| damping.0.learn(&asked.score(0), noise_n2));
         }
-        if !asks_onset {
+        if !self.effects.has(Effect::Onset) {
             return 0.0;
         }
         self.onset.tell(|onset| onset.learn(&[asked.score(1), asked.score(2)], noise_n2))

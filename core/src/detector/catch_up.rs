@@ -1,17 +1,33 @@
 //! Looking at samples later than they came: while there was no slip, and the noise turns out
-//! to be far less than was thought, the whole window is looked at again, a few samples a step.
+//! to be far less than was thought, the whole window is looked at again, a few samples a step; and
+//! slips that follow each other faster than they are fitted wait in the window.
 
 use crate::detector::{Detector, Transition};
 use crate::effect::Kept;
 use crate::num::math::larger;
 use crate::sample::{ForcePoint, Phase};
+use crate::signal::window::WINDOW;
 
 /// Samples looked at in a step, while catching up.
 pub(super) const CATCH_UP: u32 = 3;
 /// Part of the noise thought of that makes it worth looking at all samples again.
 const LESS_NOISE: f32 = 0.4;
 
+/// Samples that may have been put off: the others are room for what a slip looks back to.
+pub(crate) const MOST_PUT_OFF: u32 = WINDOW as u32 * 3 / 4;
+
 impl Detector {
+    /// Looks at a sample later, if there is room.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn put_off(&mut self, index: u64) -> bool {
+        if !self.is_behind {
+            (self.next, self.is_behind) = (index, true);
+        }
+        self.put_off = (index - self.window.first_from(self.next)) as u32;
+        self.put_off < MOST_PUT_OFF
+    }
+
     /// Looks at samples that were taken and not yet looked at, as many as given, up
     /// to the first transition. At the end of a test: until it returns `None`.
     pub fn catch_up(&mut self, most: u32) -> Option<Transition> {
@@ -36,6 +52,12 @@ impl Detector {
     #[must_use]
     pub fn is_up_to_date(&self) -> bool {
         !self.is_behind
+    }
+
+    /// Samples that wait.
+    #[must_use]
+    pub fn waiting(&self) -> u32 {
+        if self.is_behind { self.put_off } else { 0 }
     }
 
     /// Of a test without any slip so far. With far less noise than was thought: looks at

@@ -1,6 +1,8 @@
 //! The samples of a resting block, taken into its stick line: some way behind the newest
 //! one, weighted by the flop's profile, and left out where they are off the line.
 
+use core::ops::Range;
+
 use crate::detector::onset::OFF_LINE;
 use crate::detector::stick_line::Stick;
 use crate::detector::{Detector, slack_wait};
@@ -15,7 +17,21 @@ use crate::signal::window::WINDOW;
 /// four find a new line later.
 const NEW_LINE: u32 = 3;
 /// Samples of a longer stick that the profile looks at.
-pub(super) const PROFILE: u64 = WINDOW as u64 * 3 / 4;
+const PROFILE: i32 = WINDOW as i32 * 3 / 4;
+/// Samples of a stick that it looks at in one step, when the stick has ended. A longer one is looked at
+/// in two, with the first samples of the next, or with its own after so many.
+pub(super) const SHORT: i32 = 80;
+const FIRST: i32 = 1;
+const SECOND: i32 = FIRST + 1;
+const PAST_PROFILE: i32 = PROFILE + 1;
+
+/// What the profile does in a step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Look {
+    Begin,
+    Learn,
+    Both,
+}
 
 /// How far a stick line stays behind, for a usual fall, a usual rise after the onset and a time
 /// of creep before it, in periods.
@@ -40,8 +56,12 @@ impl Detector {
         while near(self.stick.next, newest) >= self.line_delay.cast_signed() {
             let index = self.stick.next;
             self.stick.next += 1;
-            if near(self.stick.origin, self.stick.next) == PROFILE as i32 {
-                self.learn_profile();
+            match near(self.stick.origin, self.stick.next) {
+                FIRST => self.look_for_flop(Look::Begin, SHORT..PROFILE, false),
+                SECOND => self.look_for_flop(Look::Learn, SHORT..PROFILE, false),
+                PROFILE => self.look_for_flop(Look::Begin, PROFILE..i32::MAX, true),
+                PAST_PROFILE => self.look_for_flop(Look::Learn, PROFILE..i32::MAX, true),
+                _ => {}
             }
             if let Some(force_n) = self.window.get_near(index) {
                 self.take_into_line(ForcePoint { index, force_n });
@@ -93,6 +113,7 @@ impl Detector {
         if stick.same_side < NEW_LINE && stick.strikes < 2 * NEW_LINE {
             return;
         }
+        self.spent += 8;
         // The samples that are on it are taken once more.
         let start = (index + 1).saturating_sub(u64::from(NEW_LINE));
         stick.next = start;
@@ -101,7 +122,7 @@ impl Detector {
         stick.broken = self.profile.get().is_none_or(FlopProfile::is_flat);
         // What was higher before, a spike perhaps, is not of this line.
         stick.highest = ForcePoint { index: start, force_n: f32::NEG_INFINITY };
-        for past in start..=self.last.index {
+        for past in start..self.last.index + 1 {
             let Some(force_n) = self.window.get(past) else { continue };
             if force_n > stick.highest.force_n {
                 stick.highest = ForcePoint { index: past, force_n };
@@ -121,23 +142,31 @@ impl Detector {
         false
     }
 
-    /// Takes the stick line so far into the profile.
-    pub(super) fn learn_profile(&mut self) {
-        let (stick, window) = (&self.stick, &self.window);
+    /// Looks for flop after the stick that has ended, or for that of the one that goes on, if it has as
+    /// many samples as given.
+    #[inline(never)]
+    pub(super) fn look_for_flop(&mut self, look: Look, lengths: Range<i32>, goes_on: bool) {
+        let (window, stick) = (&self.window, if goes_on { &self.stick } else { &self.ended });
         let (origin, next) = (stick.origin, stick.next);
-        if !self.effects.has(Effect::Flop) || window.first_from(origin) != origin {
+        let looks = self.effects.has(Effect::Flop) && lengths.contains(&near(origin, next));
+        if !looks || window.first_from(origin) != origin {
             return;
         }
-        let begins = self.profile.tell(|profile| {
-            if !profile.is_due() {
-                return false;
-            }
+        // A line that was not followed is made here: of half as many.
+        let most = if stick.is_straight() { PROFILE } else { PROFILE / 2 };
+        let forces_n = window.between(origin, next.min(origin + most as u64));
+        self.spent += forces_n.iter().map(|part| part.len() * 2 / 3).sum::<usize>();
+        let flops = self.profile.tell(|profile| {
             let was_flat = profile.is_flat();
-            let line = stick.is_straight().then(|| stick.line_from(origin));
-            profile.learn(line, window.between(origin, next));
+            if look != Look::Learn {
+                profile.begin(stick.is_straight().then(|| stick.line_from(origin)), forces_n);
+            }
+            if look != Look::Begin {
+                profile.learn(forces_n);
+            }
             was_flat && !profile.is_flat()
         });
-        if begins {
+        if flops {
             // What the innovations told had the swing in it.
             self.ripple = Kept::default();
         }

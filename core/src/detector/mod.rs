@@ -37,17 +37,18 @@ mod restick;
 mod slack_wait;
 mod stick_line;
 
+pub(crate) use crate::detector::catch_up::MOST_PUT_OFF;
 pub use crate::detector::stick_line::Stick;
 
 use crate::detector::catch_up::CATCH_UP;
-use crate::detector::line_following::{PROFILE, line_delay, whole};
+use crate::detector::line_following::{Look, SHORT, line_delay, whole};
 use crate::detector::slack_wait::SlackWait;
 use crate::detector::stick_line::LINE_POINTS;
 use crate::effect::{Effect, Effects, Kept};
 use crate::noise::flop::FlopProfile;
 use crate::noise::ripple::Ripple;
 use crate::noise::scale::Noise;
-use crate::num::math::smaller;
+use crate::num::math::{larger, smaller};
 use crate::sample::{ForcePoint, Phase};
 use crate::signal::window::{WINDOW, Window};
 
@@ -91,6 +92,10 @@ pub struct Detector {
     /// Usual drop of a slip, N; zero before the first.
     usual_drop_n: f32,
     effects: Effects,
+    /// What the newest step took beyond what one does at rest, in units of 160 instructions.
+    spent: usize,
+    /// How many samples were put off when one last was.
+    put_off: u32,
     phase: Phase,
     /// Are there samples that it has not looked at?
     is_behind: bool,
@@ -141,7 +146,9 @@ impl Detector {
             slack_wait: None,
             lowest: ForcePoint::default(),
             last: ForcePoint::default(),
+            spent: 0,
             is_behind: false,
+            put_off: 0,
             next: 0,
             judged_with_n: f32::INFINITY,
             usual_drop_n: 0.0,
@@ -154,8 +161,10 @@ impl Detector {
         }
     }
 
-    /// Takes a good sample with an index past all earlier ones.
-    pub fn step(&mut self, index: u64, force_n: f32) -> Option<Transition> {
+    /// Takes a good sample with an index past all earlier ones. It is looked at later if the one who
+    /// follows the slips `waits`, as far as there is room.
+    pub fn step(&mut self, index: u64, force_n: f32, waits: bool) -> Option<Transition> {
+        self.spent = 0;
         let in_a_row = self.window.push(index, force_n);
         self.noise.see(force_n, in_a_row && !self.lies_at_zero());
         let (line_std_n, std_n) = self.noise.std_n(force_n);
@@ -165,6 +174,9 @@ impl Detector {
         } else {
             self.std_n = std_n;
             self.judge_again();
+        }
+        if waits && self.put_off(index) {
+            return None;
         }
         if self.is_behind {
             return self.catch_up(CATCH_UP);
@@ -241,7 +253,7 @@ impl Detector {
         self.update_usual(drop, (low.index - peak.index) as f32);
         // Only now is it known how late the first slip was seen.
         self.shorten_line();
-        self.middle_n = peak.force_n - 0.5 * drop.max(self.usual_drop_n);
+        self.middle_n = peak.force_n - 0.5 * larger(drop, self.usual_drop_n);
         // As far from the lowest force to the stop as from the onset to the highest.
         let stop = low.index + u64::from(whole(self.usual_rise));
         self.rest_from(now, now.index.max(stop) + 1);
@@ -262,15 +274,14 @@ impl Detector {
 
     /// A new stick line whose first sample is `next`.
     fn rest_from(&mut self, highest: ForcePoint, next: u64) {
+        self.spent += 8;
         self.phase = Phase::Stick;
-        if self.stick.next < self.stick.origin + PROFILE {
-            self.learn_profile();
-        }
+        self.ended = self.stick;
+        self.look_for_flop(Look::Both, 0..SHORT, false);
         self.ripple.tell(|ripple| {
             ripple.interrupt();
             ripple.settle();
         });
-        self.ended = self.stick;
         if !self.line_fits() {
             self.ended.forget_line();
         }

@@ -3,10 +3,17 @@
 use crate::detector::{Detector, Stick};
 use crate::effect::Effect;
 use crate::noise::ripple::{ColoredNoise, Ripple};
+use crate::num::math::{larger, smaller};
 use crate::sample::{ForcePoint, Phase, since};
 use crate::signal::window::Window;
 
 impl Detector {
+    /// What the newest step took beyond what one does at rest, in units of 160 instructions on the board.
+    #[must_use]
+    pub fn spent(&self) -> usize {
+        self.spent
+    }
+
     /// What the block is doing.
     #[must_use]
     pub fn phase(&self) -> Phase {
@@ -102,7 +109,7 @@ impl Detector {
     pub fn creeps(&mut self, periods: f32) {
         // They are kept one by one, as the slip is.
         const ROOM: f32 = 48.0;
-        self.creep_periods = periods.min(ROOM - self.usual_fall).max(0.0);
+        self.creep_periods = larger(smaller(periods, ROOM - self.usual_fall), 0.0);
         self.update_delay();
     }
 

@@ -3,7 +3,7 @@
 
 use crate::detector::Detector;
 use crate::num::math::{self, larger, smaller};
-use crate::sample::{ForcePoint, Phase};
+use crate::sample::ForcePoint;
 
 /// Rise that ends a slip at once, parts of its drop. Tuned: a lower one lets noise and flop end
 /// long slips early, a higher one waits for the half of a slip's length.
@@ -19,15 +19,6 @@ const LEAST_SHIFT_BRIEF: f32 = 0.1;
 const USUAL_GAIN: f32 = 0.25;
 
 impl Detector {
-    /// Would the slip be over if this sample, the next one, is no spike?
-    #[must_use]
-    pub fn turns_with(&self, next: ForcePoint) -> bool {
-        self.phase == Phase::Slip
-            && self.is_up_to_date()
-            && next.force_n > self.lowest.force_n
-            && self.turns(next)
-    }
-
     /// Has the force stopped falling?
     pub(super) fn turns(&self, now: ForcePoint) -> bool {
         let drop = self.stick.highest.force_n - self.lowest.force_n;
@@ -66,8 +57,8 @@ impl Detector {
     pub(super) fn update_usual(&mut self, drop: f32, fall: f32) {
         if self.usual_drop_n > 0.0 {
             // Not `clamp`, which panics at a limit that is no number.
-            let change = (drop - self.usual_drop_n).max(-0.5 * self.usual_drop_n).min(drop);
-            self.usual_drop_n = (self.usual_drop_n + USUAL_GAIN * change).max(0.5 * drop);
+            let change = smaller(larger(drop - self.usual_drop_n, -0.5 * self.usual_drop_n), drop);
+            self.usual_drop_n = larger(self.usual_drop_n + USUAL_GAIN * change, 0.5 * drop);
             self.usual_fall += USUAL_GAIN * (fall - self.usual_fall);
         } else {
             self.usual_drop_n = drop;
@@ -90,7 +81,7 @@ impl Detector {
     /// Takes the samples since the slip's lowest one, seen before the re-stick was: the highest
     /// of them, and whether the cable has become taut already.
     pub(super) fn look_back(&mut self, low: u64, now: u64) {
-        for index in low..=now {
+        for index in low..now + 1 {
             let Some(force_n) = self.window.get(index) else { continue };
             if force_n > self.stick.highest.force_n {
                 self.stick.highest = ForcePoint { index, force_n };

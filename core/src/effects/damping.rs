@@ -85,10 +85,13 @@ mod tests {
         synthetic::events(events, force_n, |data, cycle| {
             let noise_n2 = NOISE_N * NOISE_N;
             let Some(fit) = data.fit(cycle, noise_n2) else { return };
-            let Some(alone) = fit.alone(&data) else { return };
+            let Some(alone) = fit.alone(&data, &fit.normal_at(&data)) else { return };
             let shape = &fit.shape;
             let losses_n = term_n(shape);
-            let asked = Asked::of(&data, shape, &alone, |time, by| [losses_n(time, by), 0.0, 0.0]);
+            let mut asked = Asked::default();
+            let levels = (&data, 0..data.places());
+            asked.take(levels, shape, |time, by| [losses_n(time, by), 0.0, 0.0]);
+            asked.free(&alone);
             damping.0.learn(&asked.score(0), noise_n2);
         });
         damping

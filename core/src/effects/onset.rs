@@ -94,12 +94,14 @@ mod tests {
             synthetic::events(100, force_n, |data, cycle| {
                 let noise_n2 = NOISE_N * NOISE_N;
                 let Some(fit) = data.fit(cycle, noise_n2) else { return };
-                let Some(alone) = fit.alone(&data) else { return };
+                let Some(alone) = fit.alone(&data, &fit.normal_at(&data)) else { return };
                 let shape = &fit.shape;
-                let asked = Asked::of(&data, shape, &alone, |time, _| {
+                let mut asked = Asked::default();
+                asked.take((&data, 0..data.places()), shape, |time, _| {
                     let [even_n, odd_n] = terms_n(shape, time);
                     [even_n, odd_n, 0.0]
                 });
+                asked.free(&alone);
                 let static_n2 = onset.learn(&[asked.score(0), asked.score(1)], noise_n2);
                 told += 1;
                 match told {

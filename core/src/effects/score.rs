@@ -7,6 +7,8 @@
 //! amplitude of one that the fit does not know moves its unknowns by `−R`. The scores and the
 //! information of the events add up, and `A` is one over the other.
 
+use core::ops::Range;
+
 use crate::fit::{Alone, Data};
 use crate::model::Shape;
 use crate::num::math::{self, larger};
@@ -36,29 +38,27 @@ pub(crate) struct Asked {
 }
 
 impl Asked {
-    /// Of terms at the shape of a fit: `by_n` gives their forces for amplitudes of one at a time
-    /// since the onset, with the model's derivatives there. Only the samples of a slip on a taut
-    /// cable are asked.
-    pub(crate) fn of(
-        data: &Data<'_>,
+    /// Asks levels at some places for terms at the shape of a fit: `by_n` gives their forces for
+    /// amplitudes of one at a time since the onset, with the model's derivatives there. Only the samples
+    /// of a slip on a taut cable are asked.
+    #[inline(always)]
+    pub(crate) fn take(
+        &mut self,
+        (data, places): (&Data<'_>, Range<usize>),
         shape: &Shape,
-        alone: &Alone,
         by_n: impl Fn(f32, &Gradient) -> [f32; TERMS],
-    ) -> Self {
-        let mut asked = Self::default();
+    ) {
         if shape.is_slack() {
-            return asked;
+            return;
         }
         let model = data.model(shape);
-        for (time, force_n, weight) in data.levels() {
+        for (time, force_n, weight) in data.levels_in(places) {
             let since_onset = time - shape.cycle().onset;
             if since_onset > 0.0 && since_onset < shape.slide_time() {
                 let (off_n, gradient) = model.residual(time, force_n);
-                asked.add(off_n, &gradient, by_n(since_onset, &gradient), weight);
+                self.add(off_n, &gradient, by_n(since_onset, &gradient), weight);
             }
         }
-        asked.free(alone);
-        asked
     }
 
     /// Of one term; one that the samples do not tell has no information.
@@ -135,6 +135,7 @@ impl ScoreSum {
     }
 
     /// The amplitude.
+    #[inline(never)]
     pub(crate) fn value(&self) -> f32 {
         if self.information > 0.0 { self.score / self.information } else { 0.0 }
     }

@@ -85,7 +85,7 @@ impl Correlation {
         for (place, &x) in later.first.iter().enumerate().take(heads) {
             self.pair_with_last(x + shift.rounded(), place);
         }
-        for lag in 1..=heads {
+        for lag in 1..heads + 1 {
             let pairs = later.count.saturating_sub(lag as u32);
             if pairs > 0 {
                 let (sums, pairs) = (later.sums(lag), DoubleSingle::from(pairs));
@@ -143,7 +143,7 @@ impl Correlation {
         let longest = (self.count as usize / 4).min(LAGS);
         let least = 1.5 / math::sqrt(count);
         let (mut missing, mut sum) = (0.0, 0.0);
-        for lag in 1..=longest {
+        for lag in 1..longest + 1 {
             let covariance = self.covariance(lag, mean).unwrap_or_default();
             let correlation = math::smaller((covariance / variance).rounded(), 1.0);
             if correlation <= least {

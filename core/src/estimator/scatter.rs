@@ -47,6 +47,7 @@ impl Scatter {
 
     /// What the values show: the noise is known, the rest has `free` degrees of freedom
     /// (Welch and Satterthwaite).
+    #[inline(never)]
     fn seen(free: f32, squares: f32, noise: f32) -> Self {
         let between = math::larger(squares / free - noise, 0.0);
         let variance = noise + between;

@@ -7,7 +7,7 @@ use crate::model::{CycleParams, Shape};
 use crate::noise::ripple::ColoredNoise;
 use crate::num::math::larger;
 use crate::stats::line::Line;
-use crate::stats::normal_equations::{Gradient, Normal, UNKNOWNS, dot};
+use crate::stats::normal_equations::{Gradient, Normal, UNKNOWNS, dot, scaled};
 use crate::stats::prior::{Prior, loosened};
 
 /// The samples of the slip and its surroundings, one a period.
@@ -117,13 +117,12 @@ impl Data<'_> {
         }
     }
 
-    /// Weighted squares of what samples and lines are off a shape, N².
+    /// Weighted squares of what samples and lines are off a shape with sharp corners, N².
     #[inline(never)]
     pub(crate) fn squares_n2(&self, shape: &Shape) -> f32 {
-        let model = self.model(shape);
         let mut squares_n2 = 0.0;
-        for (time, force_n, weight) in self.levels() {
-            let off_n = model.residual(time, force_n).0;
+        for (time, force_n, weight) in self.levels_in(0..self.places()) {
+            let off_n = force_n - shape.force(time).0;
             squares_n2 += weight * off_n * off_n;
         }
         squares_n2
@@ -139,7 +138,7 @@ impl Data<'_> {
     /// without that.
     #[must_use]
     pub fn slip_scatter(&self, fit: &Fit, noise_n2: f32) -> (SlipResiduals, Variances) {
-        const MOST: usize = 12;
+        const MOST: usize = 8;
         let (mut slip, mut wider) = (SlipResiduals::default(), Variances::default());
         let Some(factor) = fit.normal.factor(0.0) else { return (slip, wider) };
         let apart = fit.without_swing(self.inverse_omega);
@@ -151,10 +150,14 @@ impl Data<'_> {
         let model = self.model(&fit.shape);
         // Of each so far: its steepness, and by how much its error moves the unknowns.
         let mut others = [(0.0, Gradient::default()); MOST];
-        for (place, (time, measured_n)) in inside.step_by(stride).take(MOST).enumerate() {
+        let mut place = 0;
+        for (number, (time, measured_n)) in inside.enumerate() {
+            if !number.is_multiple_of(stride) || place >= MOST {
+                continue;
+            }
             let steepness = self.samples.steepness(time);
             let (off_n, gradient) = model.residual(time, measured_n);
-            let weighted = gradient.map(|by| by * self.samples.weight(time));
+            let weighted = scaled(&gradient, self.samples.weight(time));
             let moved = factor.solve(&weighted);
             let left = larger(1.0 - dot(&gradient, &moved), 0.0);
             slip.add(steepness, off_n * off_n / noise_n2, left);
@@ -164,6 +167,7 @@ impl Data<'_> {
             if let Some(own) = others.get_mut(place) {
                 *own = (steepness, moved);
             }
+            place += 1;
             wider.add(&moved, &apart.solve(&weighted), steepness * stride as f32);
         }
         (slip, wider)
@@ -194,12 +198,32 @@ impl Data<'_> {
         }
     }
 
-    /// Times, periods, forces, N, and weights of samples and lines.
-    pub fn levels(&self) -> impl Iterator<Item = (f32, f32, f32)> + '_ {
-        let weight = |line: &Line| loosened(line.weight, self.wander.level);
-        let line = move |line: &Line| (line.time, line.level_n, weight(line));
-        let samples = self.samples.good().map(|(time, n)| (time, n, self.samples.weight(time)));
-        samples.chain([line(self.before), line(self.after)])
+    /// Times, periods, forces, N, and weights of the samples and lines at some places.
+    pub(crate) fn levels_in(
+        &self,
+        places: core::ops::Range<usize>,
+    ) -> impl Iterator<Item = (f32, f32, f32)> + '_ {
+        places.filter_map(|place| self.level(place))
+    }
+
+    /// Places of samples, also where one is missing, and of lines.
+    pub(crate) fn places(&self) -> usize {
+        self.samples.forces_n.len() + 2
+    }
+
+    // Once: three loops look at the levels.
+    #[inline(never)]
+    fn level(&self, place: usize) -> Option<(f32, f32, f32)> {
+        if let Some(&force_n) = self.samples.forces_n.get(place) {
+            let time = self.samples.start + place as f32;
+            return (!force_n.is_nan()).then(|| (time, force_n, self.samples.weight(time)));
+        }
+        let line = match place - self.samples.forces_n.len() {
+            0 => self.before,
+            1 => self.after,
+            _ => return None,
+        };
+        Some((line.time, line.level_n, loosened(line.weight, self.wander.level)))
     }
 
     /// What is expected of each unknown, and its value.

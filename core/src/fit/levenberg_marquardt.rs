@@ -22,7 +22,7 @@ const DAMPING: f32 = 1e-3;
 const MOST_DAMPING: f32 = 1e9;
 
 /// Samples that one step looks at: most slips have fewer, and are passed over in one step.
-const SAMPLES_A_STEP: usize = 32;
+pub(crate) const SAMPLES_A_STEP: usize = 20;
 
 /// A fit under way, so that a board can do a piece of it with each sample.
 ///
@@ -44,19 +44,23 @@ pub struct Fitting {
 
 /// Normal equations at a trial cycle, as far as the samples have been taken.
 #[derive(Clone, Copy, Debug)]
-struct Pass {
+pub(crate) struct Pass {
     trial: CycleParams,
     normal: Normal,
     next: usize,
 }
 
 impl Pass {
-    fn at(trial: CycleParams) -> Self {
+    pub(super) fn at(trial: CycleParams) -> Self {
         Self { trial, normal: Normal::default(), next: 0 }
     }
 
+    pub(crate) fn normal(&self) -> &Normal {
+        &self.normal
+    }
+
     /// Takes some more samples; true with the last ones, and then the lines.
-    fn advance(&mut self, data: &Data<'_>) -> bool {
+    pub(crate) fn advance(&mut self, data: &Data<'_>) -> bool {
         let shape = self.trial.shape();
         data.add_samples(&mut self.normal, &shape, self.next, SAMPLES_A_STEP);
         self.next += SAMPLES_A_STEP;

@@ -18,6 +18,7 @@ pub use data::{Data, Samples};
 pub use levenberg_marquardt::Fitting;
 
 use crate::fit::correction::Correction;
+use crate::fit::levenberg_marquardt::Pass;
 use crate::model::{CycleParams, Shape};
 use crate::stats::normal_equations::{Factor, Gradient, Normal, UNKNOWNS};
 use crate::stats::prior::Prior;
@@ -185,7 +186,7 @@ impl Fit {
     }
 
     /// Normal equations at the fit, set up anew.
-    fn normal_at(&self, data: &Data<'_>) -> Normal {
+    pub(crate) fn normal_at(&self, data: &Data<'_>) -> Normal {
         let mut normal = Normal::default();
         data.add_samples(&mut normal, &self.shape, 0, usize::MAX);
         data.add_lines(&mut normal, &self.shape);
@@ -206,15 +207,18 @@ impl Fit {
         Some(self.forces_at(static_n, half_drop_n, &factor))
     }
 
-    /// What the event tells without what is expected of all but the bend, the last unknown.
-    ///
-    /// They are set up anew: a fit ends with a step that is not looked at again, and what that
-    /// leaves is no noise, so it would add up over the events.
+    /// A pass at the fit: it ended with a step that was not looked at again, and what that left is no
+    /// noise, so it would add up over the events.
+    pub(crate) fn anew(&self) -> Pass {
+        Pass::at(*self.cycle())
+    }
+
+    /// What the event tells without what is expected of all but the bend, the last unknown, from the
+    /// normal equations of such a pass.
     #[must_use]
-    pub(crate) fn alone(&self, data: &Data<'_>) -> Option<Alone> {
-        let normal = self.normal_at(data);
+    pub(crate) fn alone(&self, data: &Data<'_>, normal: &Normal) -> Option<Alone> {
         let expected = data.priors(self.cycle()).into_iter().enumerate();
-        without(&normal, normal.right, expected.take(UNKNOWNS - 1))
+        without(normal, normal.right, expected.take(UNKNOWNS - 1))
     }
 }
 

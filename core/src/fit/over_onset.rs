@@ -14,7 +14,7 @@ use crate::fit::posterior::{Posterior, RESOLVED};
 use crate::fit::{Data, Fit, Fitting};
 use crate::model::CycleParams;
 use crate::num::math;
-use crate::stats::normal_equations::{Gradient, UNKNOWNS};
+use crate::stats::normal_equations::{UNKNOWNS, scaled};
 use crate::stats::prior::Prior;
 
 /// Slips up to this length are averaged as well while no other event tells how long a slip is.
@@ -64,14 +64,6 @@ impl OverOnset {
         (slide < least).then_some(Self { sums, fine, place, from, fitting: None, is_beyond: false })
     }
 
-    /// Iterations a sample, so that those of all places end before the next slip if it comes as many
-    /// periods after this one: there are some twenty, and fifty where places lie close together,
-    /// in some records three times as many.
-    pub(crate) fn steps_a_sample(&self, periods: f32) -> usize {
-        const USUAL: f32 = 40.0;
-        ((USUAL * f32::from(self.fine) / periods) as usize).clamp(2, 4)
-    }
-
     /// One iteration; breaks with the result after the last place.
     pub fn step(&mut self, data: &Data<'_>, best: &Fit, noise_n2: f32) -> ControlFlow<Posterior> {
         let onset = best.cycle().onset + offset(self.place, self.fine).0;
@@ -85,6 +77,11 @@ impl OverOnset {
         };
         self.fitting = None;
         self.take(data, best, fit, noise_n2)
+    }
+
+    /// How many places were looked at.
+    pub(crate) fn seen(&self) -> i16 {
+        if self.place < 0 { STEPS + self.fine - 1 - self.place } else { self.place }
     }
 
     /// What the places so far tell, if all those above the best fit were looked at, and those below
@@ -136,7 +133,7 @@ fn along(fit: &Fit, by: f32) -> CycleParams {
     let Some(tied) = fit.normal.factor(0.0).map(|factor| factor.solve(&onset)) else {
         return *fit.cycle();
     };
-    moved(fit.cycle(), &tied.map(|entry| by * entry / tied[0]))
+    moved(fit.cycle(), &scaled(&tied, by / tied[0]))
 }
 
 /// How far a place is from the best fit, periods, and how wide the part is that it stands for,
@@ -175,14 +172,14 @@ impl Sums {
         // Likelihoods above one: the best fit was not quite the best.
         let weight = if weight.is_finite() { weight.min(1e3) } else { 0.0 };
         self.weight += weight;
-        let variances = [one.static_n2, one.dynamic_n2].into_iter().chain(one.unknowns);
-        let differences =
-            values(&one.cycle).into_iter().zip(values(best.cycle())).map(|(a, b)| a - b);
-        for (moment, (difference, variance)) in
-            self.moments.iter_mut().zip(differences.zip(variances))
-        {
+        let [onset, rate, static_n2, half_drop_n2, swing, bend] = one.unknowns;
+        let variances =
+            [one.static_n2, one.dynamic_n2, onset, rate, static_n2, half_drop_n2, swing, bend];
+        let (values, bests) = (values(&one.cycle), values(best.cycle()));
+        for (i, moment) in self.moments.iter_mut().enumerate() {
+            let difference = values[i] - bests[i];
             moment[0] += weight * difference;
-            moment[1] += weight * (difference * difference + variance);
+            moment[1] += weight * (difference * difference + variances[i]);
         }
     }
 
@@ -191,25 +188,27 @@ impl Sums {
         if self.weight <= 0.0 {
             return Posterior::at(best, noise_n2);
         }
-        let mean = |i: usize| self.moments[i][0] / self.weight;
-        let variance = |i: usize| (self.moments[i][1] / self.weight - mean(i) * mean(i)).max(0.0);
-        let from = best.cycle();
-        let (static_n, dynamic_n) = (from.static_n + mean(0), from.dynamic_n() + mean(1));
-        let cycle = CycleParams {
-            onset: from.onset + mean(2),
-            rate: from.rate + mean(3),
-            static_n,
-            half_drop_n: static_n - dynamic_n,
-            omega: 1.0 / (from.inverse_omega() + mean(6)),
-            rate_change: from.rate_change + mean(7),
-        };
-        let mut unknowns = Gradient::default();
-        for (unknown, entry) in unknowns.iter_mut().enumerate() {
-            *entry = variance(unknown + 2);
+        let mut spread = self.moments;
+        for [mean, square] in &mut spread {
+            *mean /= self.weight;
+            *square = math::larger(*square / self.weight - *mean * *mean, 0.0);
         }
+        let [by_static, by_dynamic, of_unknowns @ ..] = spread;
+        let (unknowns, by) = (of_unknowns.map(|it| it[1]), of_unknowns.map(|it| it[0]));
+        let [onset, rate, _, _, inverse_omega, rate_change] = by;
+        let from = best.cycle();
+        let static_n = from.static_n + by_static[0];
+        let cycle = CycleParams {
+            onset: from.onset + onset,
+            rate: from.rate + rate,
+            static_n,
+            half_drop_n: static_n - (from.dynamic_n() + by_dynamic[0]),
+            omega: 1.0 / (from.inverse_omega() + inverse_omega),
+            rate_change: from.rate_change + rate_change,
+        };
         let wider = best.wider_n2(noise_n2);
-        let static_n2 = variance(0) + SCATTER * wider.0;
-        let dynamic_n2 = variance(1) + SCATTER * wider.1;
+        let static_n2 = by_static[1] + SCATTER * wider.0;
+        let dynamic_n2 = by_dynamic[1] + SCATTER * wider.1;
         let (slide_time, common_n2) = (cycle.slide_time(), (0.0, 0.0));
         let over = Posterior { cycle, slide_time, static_n2, dynamic_n2, common_n2, unknowns };
         // An onset that is known better than the places are apart: few places have all the

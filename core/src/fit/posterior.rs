@@ -3,7 +3,8 @@
 use crate::fit::Fit;
 use crate::fit::correction::Correction;
 use crate::model::CycleParams;
-use crate::stats::normal_equations::Gradient;
+use crate::num::math::larger;
+use crate::stats::normal_equations::{Gradient, scaled};
 
 /// Slips shorter than this are averaged over the onset, periods.
 pub(crate) const RESOLVED: f32 = 1.5;
@@ -89,10 +90,10 @@ impl Posterior {
     /// With no variance less than another's.
     #[inline(never)]
     pub(crate) fn widened(mut self, other: &Self) -> Self {
-        self.static_n2 = self.static_n2.max(other.static_n2);
-        self.dynamic_n2 = self.dynamic_n2.max(other.dynamic_n2);
+        self.static_n2 = larger(self.static_n2, other.static_n2);
+        self.dynamic_n2 = larger(self.dynamic_n2, other.dynamic_n2);
         for (variance, least) in self.unknowns.iter_mut().zip(other.unknowns) {
-            *variance = variance.max(least);
+            *variance = larger(*variance, least);
         }
         self
     }
@@ -102,7 +103,7 @@ impl Posterior {
     #[inline(never)]
     pub fn at(fit: &Fit, noise_n2: f32) -> Self {
         let Fit { forces, .. } = fit;
-        let unknowns = fit.variances.map(|variance| noise_n2 * variance);
+        let unknowns = scaled(&fit.variances, noise_n2);
         let static_n2 = noise_n2 * forces.static_variance;
         let dynamic_n2 = noise_n2 * forces.dynamic_variance;
         let slide_time = fit.shape.slide_time();

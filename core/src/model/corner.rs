@@ -71,6 +71,7 @@ pub struct Rounded<'a> {
 impl Rounded<'_> {
     /// What is added to the force at a time since the onset.
     #[must_use]
+    #[inline(never)]
     pub fn shift(&self, since_onset: f32) -> Shift {
         if since_onset <= -self.half {
             return self.creep(since_onset);

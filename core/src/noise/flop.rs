@@ -39,6 +39,8 @@ pub struct FlopProfile {
     sticks: f32,
     /// Sticks in all, looked at or not.
     seen: u8,
+    /// Line of the stick that is looked at.
+    line: Line,
 }
 
 /// Sums over the first halves: `v`, `v age`, `v r²` and `v age r²` with a taper `v`.
@@ -68,65 +70,74 @@ impl FlopProfile {
     }
 
     /// Shall the stick that has ended be looked at?
-    #[must_use]
-    pub fn is_due(&mut self) -> bool {
+    fn is_due(&mut self) -> bool {
         self.seen = self.seen.wrapping_add(1);
         !self.is_flat() || self.sticks < SETTLED || self.seen.is_multiple_of(SELDOM)
     }
 
-    /// Takes a stick: its line, if all samples were followed by one, and its forces, N, one a
-    /// period, in two parts; NaN is missing.
-    pub fn learn(&mut self, line: Option<Line>, forces_n: [&[f32]; 2]) {
-        let line = line.unwrap_or_else(|| self.line(forces_n));
+    /// Begins with a stick: with its line, if all samples were followed by one, and its forces, N,
+    /// one a period, in two parts; NaN is missing.
+    pub fn begin(&mut self, line: Option<Line>, forces_n: [&[f32]; 2]) {
+        let is_due = self.is_due();
+        let line = || line.unwrap_or_else(|| self.line_through(forces_n));
+        self.line = if is_due { line() } else { Line::default() };
+    }
+
+    /// Takes the forces of the stick that it began with.
+    pub fn learn(&mut self, forces_n: [&[f32]; 2]) {
+        let line = self.line;
         let Some(slope) = line.slope().filter(|_| line.count >= FEWEST) else { return };
         let usual_n2 = if self.late > 0.0 { self.late_n2 / self.late } else { f32::INFINITY };
         self.fade();
         let half = 0.5 * line.count as f32;
         let taper = self.taper(half);
         let (mut v, step) = (1.0, math::exp(-taper));
-        for (age, force_n, variance) in self.samples(forces_n) {
+        // Of the line's own variance.
+        let (level, turn) = (1.0 / line.weight, 1.0 / line.slope_weight());
+        let (mut early, mut late_n2, mut late) = (self.early, 0.0, 0.0);
+        self.each(forces_n, |age, force_n, variance| {
             if !force_n.is_nan() {
-                let off_n = force_n - line.at(age, slope);
-                let free = larger(1.0 - line.leverage(age) / variance, 0.1);
+                let time = age - line.time;
+                let off_n = force_n - line.level_n - slope * time;
+                let free = larger(1.0 - (level + turn * time * time) / variance, 0.1);
                 let square_n2 = smaller(off_n * off_n / free, LARGEST * usual_n2 * variance);
                 if age > half {
-                    self.late_n2 += square_n2;
-                    self.late += 1.0;
+                    late_n2 += square_n2;
+                    late += 1.0;
                 } else {
-                    self.early.add(v, age, square_n2);
+                    early.add(v, age, square_n2);
                 }
             }
             v *= step;
-        }
+        });
+        self.early = early;
+        self.late_n2 += late_n2;
+        self.late += late;
         self.solve(taper);
     }
 
     /// The line through a stick, each sample with its weight.
-    fn line(&self, forces_n: [&[f32]; 2]) -> Line {
+    fn line_through(&self, forces_n: [&[f32]; 2]) -> Line {
         let mut line = Line::default();
-        for (age, force_n, variance) in self.samples(forces_n) {
+        self.each(forces_n, |age, force_n, variance| {
             if !force_n.is_nan() {
                 let weight = 1.0 / variance;
                 line.add(age, force_n, weight, weight);
             }
-        }
+        });
         line
     }
 
-    /// Age, force, N, and variance of each sample.
+    /// Gives age, force, N, and variance of each sample.
     #[inline(always)]
-    fn samples<'a>(
-        &self,
-        [first, second]: [&'a [f32]; 2],
-    ) -> impl Iterator<Item = (f32, f32, f32)> + 'a {
+    fn each(&self, [first, second]: [&[f32]; 2], mut take: impl FnMut(f32, f32, f32)) {
         let (mut excess, step) = (self.excess, math::exp(-self.decay));
-        let mut age = -1.0;
-        first.iter().chain(second).map(move |&force_n| {
-            let variance = 1.0 + excess;
+        let mut age = 0.0;
+        for &force_n in first.iter().chain(second) {
+            take(age, force_n, 1.0 + excess);
             excess *= step;
             age += 1.0;
-            (age, force_n, variance)
-        })
+        }
     }
 
     fn fade(&mut self) {
@@ -194,7 +205,9 @@ mod tests {
                 let force_n = 200.0 + 22.0 * age + amplitude_n * inverse_omega + random.normal();
                 if i % 11 == 5 { f32::NAN } else { force_n }
             });
-            profile.learn(None, [forces_n.get(..length).unwrap(), &[]]);
+            let forces_n = [forces_n.get(..length).unwrap(), &[]];
+            profile.begin(None, forces_n);
+            profile.learn(forces_n);
         }
         profile
     }
@@ -225,7 +238,10 @@ mod tests {
         assert!(seen(30.0, 0.2, 26, 1).is_flat());
         assert!(seen(30.0, 0.2, 7, 50).is_flat());
         let mut profile = FlopProfile::default();
-        (0..20).for_each(|_| profile.learn(None, [&[5.0; 20], &[]]));
+        for _ in 0..20 {
+            profile.begin(None, [&[5.0; 20], &[]]);
+            profile.learn([&[5.0; 20], &[]]);
+        }
         assert!(profile.is_flat(), "a force without noise");
     }
 }

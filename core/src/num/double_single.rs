@@ -44,6 +44,7 @@ impl DoubleSingle {
 
     /// Itself, or zero if it is below.
     #[must_use]
+    #[inline(never)]
     pub fn or_zero(self) -> Self {
         if self.high > 0.0 { self } else { Self::ZERO }
     }

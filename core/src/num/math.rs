@@ -124,6 +124,14 @@ pub fn ln(x: f32) -> f32 {
     bits::log(x)
 }
 
+/// The largest whole number that is no larger, of numbers within ±2³¹.
+#[must_use]
+#[inline(never)]
+pub fn floor(x: f32) -> f32 {
+    let whole = x as i32 as f32;
+    if whole > x { whole - 1.0 } else { whole }
+}
+
 /// The larger one of two numbers.
 ///
 /// One comparison, on the path of every sample, where `f32::max` also cares for NaN.

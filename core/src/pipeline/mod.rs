@@ -10,7 +10,7 @@ mod tally;
 
 use crate::coefficient::Site;
 use crate::config::{Config, ConfigError};
-use crate::cycle::CycleTracker;
+use crate::cycle::{CycleTracker, Told};
 use crate::detector::{Detector, Transition};
 use crate::effect::{Effect, Kept};
 use crate::effects::level_shift::Change;
@@ -175,7 +175,7 @@ impl Pipeline {
                 }
                 Judged::Good(good) => {
                     step.rate = self.derivative.step(good.index, good.force_n);
-                    self.good(good, newest, step);
+                    self.good(good, step);
                 }
             }
         }
@@ -191,33 +191,18 @@ impl Pipeline {
         step.phase = self.phase(step.sample);
     }
 
-    /// Takes a good sample on; `newest` is the one that may yet be a spike.
-    fn good(&mut self, good: ForcePoint, newest: ForcePoint, step: &mut Step) {
+    /// Takes a good sample on.
+    fn good(&mut self, good: ForcePoint, step: &mut Step) {
         let Some(block) = self.decimator.step(good) else { return };
-        let slips = self.detector.phase() == Phase::Slip;
-        // A sample of a block is no block: there the answer comes with the block itself.
-        let is_block = self.decimator.averages();
-        let mut turns = slips && is_block && self.detector.turns_with(block);
-        if turns {
-            step.provisional = self.cycles.turned(&self.detector);
-        }
         let transition = self.detect(block);
         // Nearly always: nothing has happened, and nothing is under way.
-        if transition.is_none() && !slips && self.cycles.is_idle() {
+        if transition.is_none() && self.cycles.is_idle() {
             return;
         }
-        if transition == Some(Transition::Onset) && !is_block {
+        // An event is long, and seldom.
+        (step.provisional, step.event) = self.follow(transition);
+        if transition == Some(Transition::Onset) && !self.decimator.averages() {
             step.provisional = self.cycles.onset(&self.detector);
-        } else if slips && !is_block && self.detector.turns_with(newest) {
-            turns = true;
-            step.provisional = self.cycles.turned(&self.detector);
-        }
-        // A first answer takes as long as a sample has time for: the fit under way waits.
-        if transition.is_some() || !(turns || self.cycles.is_idle()) {
-            // An event is long, and seldom.
-            if let Some(event) = self.follow(transition) {
-                step.event = Some(event);
-            }
         }
     }
 
@@ -225,24 +210,27 @@ impl Pipeline {
         if self.stretches.take(sample) {
             self.detector.stays_below(self.stretches.ceiling_n());
         }
-        self.detector.step(sample.index, sample.force_n)
+        let waits = self.detector.phase() == Phase::Slip && self.cycles.is_full();
+        self.detector.step(sample.index, sample.force_n, waits)
     }
 
-    /// Takes what the detector saw to the cycles.
-    fn follow(&mut self, transition: Option<Transition>) -> Option<Event> {
+    /// Takes what the detector saw to the cycles: a first answer, and an event.
+    fn follow(&mut self, transition: Option<Transition>) -> (Option<Provisional>, Option<Event>) {
         if transition.is_some() {
             let (peak, _) = self.detector.extremes();
             let is_new = self.detector.is_up_to_date();
             self.stretches.interrupt(is_new.then(|| peak.index.saturating_sub(1)));
         }
-        let finished = match transition {
-            None | Some(Transition::Onset | Transition::Cancelled) => self.cycles.work(),
+        let mut told = Told::default();
+        match transition {
+            None | Some(Transition::Onset | Transition::Cancelled) => {}
             Some(Transition::Restick { peak, low }) => {
-                self.cycles.restick(&self.detector, (peak, low), self.last_hidden)
+                self.cycles.restick(&self.detector, (peak, low), self.last_hidden, &mut told);
             }
-            Some(Transition::Lost) => self.cycles.lose(&self.detector),
-        };
-        finished.and_then(|finished| self.count(finished))
+            Some(Transition::Lost) => self.cycles.lose(&self.detector, &mut told),
+        }
+        self.cycles.work(&self.detector, &mut told);
+        (told.first, told.finished.and_then(|finished| self.count(finished)))
     }
 
     /// What the block is doing, with a first look at a sample that may still be a spike.
@@ -269,13 +257,13 @@ impl Pipeline {
         if transition.is_none() && self.cycles.is_idle() {
             return None;
         }
-        self.follow(transition)
+        self.follow(transition).1
     }
 
     /// The next event of samples that the detector has yet to look at.
     fn catch_up(&mut self) -> Option<Event> {
         while let Some(transition) = self.detector.catch_up(u32::MAX) {
-            let event = self.follow(Some(transition));
+            let (_, event) = self.follow(Some(transition));
             if event.is_some() {
                 return event;
             }

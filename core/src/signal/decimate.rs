@@ -7,6 +7,7 @@
 //! nothing is computed. Delay: one block.
 
 use crate::num::long_division::divide;
+use crate::num::math;
 use crate::sample::{ForcePoint, SampleTime};
 
 /// Fastest rate at which samples are taken as they come, Hz.
@@ -25,7 +26,7 @@ impl Decimator {
     /// For a rate of 1 to 2000 Hz.
     #[must_use]
     pub fn new(rate_hz: f32) -> Self {
-        let factor = libm::ceilf(rate_hz / FASTEST_HZ).max(1.0) as u16;
+        let factor = math::larger(-math::floor(-rate_hz / FASTEST_HZ), 1.0) as u16;
         Self { factor, block: 0, mean_n: 0.0, count: 0 }
     }
 
@@ -64,6 +65,7 @@ impl Decimator {
     }
 
     /// Ends the block begun, if it holds enough samples.
+    #[inline(never)]
     pub fn finish(&mut self) -> Option<ForcePoint> {
         let block = ForcePoint { index: self.block, force_n: self.mean_n };
         let enough = self.count * 2 >= self.factor && self.count > 0;
@@ -79,7 +81,7 @@ impl Decimator {
             return blocks;
         }
         let after = blocks.fraction * self.factor() + 0.5 * (self.factor() - 1.0);
-        let whole = libm::floorf(after);
+        let whole = math::floor(after);
         SampleTime {
             index: blocks.index.saturating_mul(self.factor.into()).saturating_add(whole as u64),
             fraction: after - whole,

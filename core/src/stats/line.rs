@@ -30,6 +30,18 @@ pub struct Line {
 }
 
 impl Line {
+    /// Without points.
+    pub(crate) const NONE: Self = Self {
+        weight: 0.0,
+        time: 0.0,
+        level_n: 0.0,
+        lost_n: 0.0,
+        tt: 0.0,
+        slope: 0.0,
+        residual_n2: 0.0,
+        count: 0,
+    };
+
     /// Takes a point with a weight above zero. Its squared residual counts `trust` times:
     /// with one over its own variance the residuals have a mean of one a weight.
     #[inline(never)]

@@ -208,8 +208,16 @@ impl Factor {
     }
 }
 
+/// So many times a gradient.
+#[must_use]
+#[inline(never)]
+pub fn scaled(u: &Gradient, by: f32) -> Gradient {
+    u.map(|entry| by * entry)
+}
+
 /// Scalar product.
 #[must_use]
+#[inline(never)]
 pub fn dot(u: &Gradient, v: &Gradient) -> f32 {
     u.iter().zip(v).fold(0.0, |sum, (a, b)| sum + a * b)
 }

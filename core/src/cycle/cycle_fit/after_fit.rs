@@ -1,12 +1,12 @@
 //! What is made of an event's fit, a step each: how far its samples are from it, what it tells of
 //! its unknowns, and what of the force terms that it lacks.
 
-use core::ops::ControlFlow;
-
 use crate::cycle::cycle_fit::{CycleFit, Measured, Outcome, Stage};
 use crate::cycle::expectations::{Expectations, is_clear, is_strained, own_residuals};
 use crate::cycle::slip_record::UNSURE;
+use crate::effects::corner::ask;
 use crate::effects::mass_change::Verdict;
+use crate::effects::score::Asked;
 use crate::event::Reason;
 use crate::fit::correction::Correction;
 use crate::fit::over_onset::OverOnset;
@@ -19,9 +19,12 @@ use crate::num::math::larger;
 /// the lowest sample. Tuned with the pauses of heavy blocks.
 const SPANNED: f32 = 0.03;
 
+/// Samples and lines that one step asks for their corners.
+pub(super) const LEVELS_A_STEP: usize = 12;
+
 impl CycleFit {
     /// How far the samples are from the fit: noise, what slips scatter, strain.
-    pub(super) fn judge(&mut self, learnt: &mut Expectations) -> ControlFlow<Outcome> {
+    pub(super) fn judge(&mut self, learnt: &mut Expectations) {
         let (fit, pending, noise_n2) = (&mut self.fit, &self.pending, self.expected.noise_n2);
         let data = self.expected.data(pending, &self.after);
         let (squares_n2, free) = own_residuals(&data, fit);
@@ -68,7 +71,6 @@ impl CycleFit {
             self.measured.posterior = Posterior::at(fit, now_n2);
             self.stage = Stage::Telling;
         }
-        ControlFlow::Continue(())
     }
 
     /// Leaves to the stick lines what lies on them with all places of the onset: these reach a period
@@ -84,7 +86,7 @@ impl CycleFit {
     }
 
     /// Carries what the event tells to the next ones.
-    pub(super) fn tell(&mut self, learnt: &mut Expectations) -> ControlFlow<Outcome> {
+    pub(super) fn tell(&mut self, learnt: &mut Expectations) {
         let (fit, noise_n2) = (&self.fit, learnt.noise_n2(&self.pending));
         let (pending, data) = (&self.pending, self.expected.data(&self.pending, &self.after));
         self.measured.noise_n2 = noise_n2;
@@ -101,39 +103,56 @@ impl CycleFit {
             let correction = learnt.learn_swing(pending, data, (fit, posterior), noise_n2, teaches);
             self.measured.take(&correction);
         }
-        self.stage = Stage::Terms;
-        ControlFlow::Continue(())
+        let Measured { posterior, verdict, .. } = &self.measured;
+        // A slip of two samples shows nothing of its corners.
+        let shows = posterior.is_resolved() && is_clear(posterior);
+        let asked = *verdict == Verdict::Same && self.strain == Strain::None && shows;
+        self.stage = if asked { Stage::Alone(self.fit.anew()) } else { Stage::Told };
     }
 
-    /// The same of the force terms that its fit lacks.
-    pub(super) fn terms(&mut self, learnt: &mut Expectations) -> ControlFlow<Outcome> {
-        let Measured { posterior, noise_n2, verdict, .. } = &self.measured;
-        let shows = posterior.is_resolved() && is_clear(posterior);
+    /// The event alone, which is asked for the force terms that its fit lacks.
+    pub(super) fn alone(&mut self) {
+        let Stage::Alone(pass) = &mut self.stage else { return };
         let data = self.expected.data(&self.pending, &self.after);
-        // A slip of two samples shows nothing of its corners.
-        let asked = *verdict == Verdict::Same && self.strain == Strain::None && shows;
-        let alone = if asked { self.fit.alone(&data) } else { None };
-        if let Some(alone) = alone {
-            let onset_n2 = learnt.learn_scores(&data, &self.fit, &alone, *noise_n2);
-            self.stage = Stage::Corner(alone, onset_n2);
-        } else {
-            self.stage = Stage::Told;
+        if pass.advance(&data) {
+            let alone = self.fit.alone(&data, pass.normal());
+            self.stage = alone.map_or(Stage::Told, |it| Stage::Terms(it, Asked::default(), 0));
         }
-        ControlFlow::Continue(())
+    }
+
+    /// The same of these terms.
+    pub(super) fn terms(&mut self, learnt: &mut Expectations) {
+        let Stage::Terms(alone, asked, next) = &mut self.stage else {
+            return;
+        };
+        let data = self.expected.data(&self.pending, &self.after);
+        learnt.ask_scores(asked, (&data, *next..*next + LEVELS_A_STEP), &self.fit.shape);
+        *next += LEVELS_A_STEP;
+        if *next < data.places() {
+            return;
+        }
+        let onset_n2 = learnt.learn_scores(asked, alone, self.measured.noise_n2);
+        let alone = *alone;
+        self.measured.share(&Correction { static_n2: onset_n2, ..Correction::default() });
+        let asked = learnt.asks_corner(&self.expected.corner);
+        self.stage = if asked { Stage::Corner(alone, Asked::default(), 0) } else { Stage::Told };
     }
 
     /// The same of its corners, which move its forces.
-    pub(super) fn corner(&mut self, learnt: &mut Expectations) -> ControlFlow<Outcome> {
-        let Stage::Corner(alone, onset_n2) = &self.stage else {
-            return ControlFlow::Continue(());
+    pub(super) fn corner(&mut self, learnt: &mut Expectations) {
+        let Stage::Corner(alone, asked, next) = &mut self.stage else {
+            return;
         };
         let data = self.expected.data(&self.pending, &self.after);
-        let noise_n2 = self.measured.noise_n2;
-        let correction = learnt.learn_corner(&data, &self.fit, alone, noise_n2, *onset_n2);
-        self.measured.take(&correction);
-        self.measured.posterior.share(&correction);
+        ask(asked, &data, &self.fit, *next..*next + LEVELS_A_STEP);
+        *next += LEVELS_A_STEP;
+        if *next < data.places() {
+            return;
+        }
+        let (corner, noise_n2) = (self.expected.corner, self.measured.noise_n2);
+        let correction = learnt.learn_corner(corner, &self.fit, (alone, asked), noise_n2);
+        self.measured.share(&correction);
         self.stage = Stage::Told;
-        ControlFlow::Continue(())
     }
 
     /// A misfit counts only as a sign of another block, and a strained fit only where it reaches
@@ -150,6 +169,12 @@ impl CycleFit {
 }
 
 impl Measured {
+    /// Takes what is known since the fit, and what is unsure of it in every event alike.
+    fn share(&mut self, correction: &Correction) {
+        self.take(correction);
+        self.posterior.share(correction);
+    }
+
     /// Takes what is known since the fit.
     #[inline(never)]
     fn take(&mut self, correction: &Correction) {

@@ -3,7 +3,7 @@
 //!
 //! ```text
 //!        iterations                                 a step each
-//! New ──► Free ──► Expected ──► Fitted ──► Telling ──► Terms ──► Corner ──► Told
+//! New ──► Free ──► Expected ──► Fitted ──► Telling ──► Alone ──► Terms ──► Corner ──► Told
 //!                                  └► Places ┘  hardly resolved: averaged over the onset
 //! ```
 
@@ -11,21 +11,31 @@ mod after_fit;
 
 use core::ops::ControlFlow;
 
-use crate::cycle::cycle_fit::after_fit::Strain;
-use crate::cycle::expectations::{Expectations, Expected, own_residuals};
+use crate::cycle::cycle_fit::after_fit::{LEVELS_A_STEP, Strain};
+use crate::cycle::expectations::{Expectations, own_residuals};
+use crate::cycle::expected::Expected;
 use crate::cycle::refusal::SURE;
 use crate::cycle::slip_record::SlipRecord;
+use crate::detector::{MOST_PUT_OFF, Stick};
 use crate::effect::Kept;
 use crate::effects::mass_change::Verdict;
+use crate::effects::score::Asked;
 use crate::event::Reason;
+use crate::fit::levenberg_marquardt::Pass;
 use crate::fit::over_onset::OverOnset;
 use crate::fit::posterior::Posterior;
 use crate::fit::{Alone, Fit, Fitting, Forces};
 use crate::num::math::{self, larger};
+use crate::signal::window::Window;
 use crate::stats::line::Line;
 
-/// Iterations that are still made when the next event wants to be fitted.
-const LEFT: usize = 8;
+/// Where so many samples wait there is time for what comes after the places of an onset, and for no more of
+/// those.
+const NO_PLACES: u32 = MOST_PUT_OFF - 8;
+
+/// Most places of an onset that are looked at, for every period until the next slip. Tuned: slips of which
+/// several are taken for one follow each other fast, and with all their places some are believed.
+const PLACES: f32 = 2.0;
 
 /// Periods from the highest to the lowest sample that tell when a slip began and how long it took:
 /// a single sample in between could be anywhere in slips of many lengths.
@@ -37,7 +47,7 @@ const TELLING: f32 = 3.0;
 #[repr(C)]
 pub(crate) struct CycleFit {
     pub(crate) pending: SlipRecord,
-    after: Line,
+    pub(crate) after: Line,
     stage: Stage,
     /// What the fit expects: the same from its beginning to its end.
     expected: Expected,
@@ -70,12 +80,16 @@ enum Stage {
     Places(OverOnset),
     /// Its unknowns are known; what they tell the next events is still to be learnt.
     Telling,
-    /// Measured; what the slip's samples tell of other force terms is still to be learnt.
-    Terms,
-    /// The same of its corners; with the variance of `Fs` by the other terms, N².
-    Corner(Alone, f32),
+    /// Measured; to be seen without what was expected of it.
+    Alone(Pass),
+    /// What the slip's samples tell of other force terms, as far as its levels have been asked.
+    Terms(Alone, Asked, usize),
+    /// The same of its corners.
+    Corner(Alone, Asked, usize),
     /// All is known.
     Told,
+    /// It has no fit.
+    Failed(Reason),
 }
 
 /// What the fit of an event tells.
@@ -100,18 +114,32 @@ pub(crate) enum Outcome {
 }
 
 impl CycleFit {
+    /// Of a slip whose line after it is yet to be given.
     // Made where it is kept.
     #[inline(always)]
-    pub(crate) fn new(pending: &SlipRecord, after: Line) -> Self {
+    pub(crate) fn new(pending: &SlipRecord) -> Self {
         Self {
             pending: *pending,
-            after,
+            after: Line::default(),
             stage: Stage::New,
             expected: Expected::default(),
             fit: Fit::default(),
             strain: Strain::None,
             measured: Measured::default(),
         }
+    }
+
+    /// Gives it the stick line after it, that ends at the next slip's highest sample, or with the
+    /// last index before its onset.
+    pub(crate) fn give_lines(
+        &mut self,
+        stick: &Stick,
+        window: &Window,
+        next_peak: u64,
+        last: Option<u64>,
+    ) {
+        self.pending.end_before(stick, window, next_peak, last);
+        self.after = self.pending.line_after(stick, window, last);
     }
 
     /// Does the last sample show the stick line that starts at a time, clearly above its start? A
@@ -121,96 +149,65 @@ impl CycleFit {
         self.after.count > 0 || risen_n > SURE * math::sqrt(self.pending.noise_n2)
     }
 
-    /// One step: an iteration, or what comes after the fit.
-    pub(crate) fn step(&mut self, learnt: &mut Expectations) -> ControlFlow<Outcome> {
+    /// One step: an iteration, or what comes after the fit; so many samples are `waiting` for it.
+    #[inline(never)]
+    pub(crate) fn step(&mut self, learnt: &mut Expectations, waiting: u32) -> ControlFlow<Outcome> {
         match &self.stage {
             Stage::New => self.start(learnt),
             Stage::Free(_) => self.free(learnt),
             Stage::Expected(_) => self.expected(learnt),
             Stage::Fitted => self.judge(learnt),
-            Stage::Places(_) => self.place(),
+            Stage::Places(_) => self.place(waiting > NO_PLACES),
             Stage::Telling => self.tell(learnt),
-            Stage::Terms => self.terms(learnt),
+            Stage::Alone(_) => self.alone(),
+            Stage::Terms(..) => self.terms(learnt),
             Stage::Corner(..) => self.corner(learnt),
-            Stage::Told => ControlFlow::Break(self.outcome()),
+            Stage::Told => return ControlFlow::Break(self.outcome()),
+            Stage::Failed(reason) => return ControlFlow::Break(Outcome::Failed(*reason)),
+        }
+        ControlFlow::Continue(())
+    }
+
+    /// What the next step takes, in units of 160 instructions on the board; without the swing from
+    /// earlier events guesses may have to be compared.
+    pub(crate) fn next_takes(&self, knows_omega: bool) -> usize {
+        let samples = self.pending.samples().forces_n.len();
+        match &self.stage {
+            Stage::New if self.pending.begins_again(&self.after) => 12,
+            Stage::New if knows_omega => 18,
+            Stage::New => 52,
+            Stage::Free(_) => 34 + self.expected.pass(&self.pending),
+            Stage::Expected(_) => self.expected.pass(&self.pending),
+            Stage::Places(_) => 10 + self.expected.pass(&self.pending),
+            Stage::Fitted => 25 + 5 * (self.pending.fall() as usize).min(8),
+            // With a second fit, if a swing is disputed.
+            Stage::Telling if self.pending.wander.is_disputed() => 34 + samples,
+            Stage::Telling => 22,
+            Stage::Alone(_) => 4 + self.expected.pass(&self.pending),
+            Stage::Terms(_, _, next) => 12 + (samples + 2 - next).min(LEVELS_A_STEP) * 3 / 2,
+            Stage::Corner(_, _, next) => 24 + 3 * (samples + 2 - next).min(LEVELS_A_STEP),
+            Stage::Told | Stage::Failed(_) => 46,
         }
     }
 
-    /// Steps a sample, as many as one has time for. With fewer passes over the samples first events
-    /// in quick succession have no fit in time.
-    pub(crate) fn iterations(&self) -> usize {
-        const TIME: usize = 52;
-        let most = match &self.stage {
-            Stage::New | Stage::Free(_) | Stage::Expected(_) => 3,
-            Stage::Places(places) => places.steps_a_sample(self.pending.limit),
-            Stage::Fitted | Stage::Telling | Stage::Terms | Stage::Corner(..) | Stage::Told => {
-                return 1;
-            }
-        };
-        iterations_within(TIME, self.pending.samples().forces_n.len()).clamp(1, most)
-    }
-
-    /// Is the next step as long as all that a sample has time for?
-    pub(crate) fn is_long(&self) -> bool {
-        self.is_known() || matches!(self.stage, Stage::Fitted)
-    }
-
-    /// Are its unknowns known?
-    fn is_known(&self) -> bool {
-        matches!(self.stage, Stage::Telling | Stage::Terms | Stage::Corner(..) | Stage::Told)
-    }
-
-    /// What there is when no time is left: what was measured, with all that follows from it, or no
-    /// fit. An onset whose places were not looked at as far as it is likely may be anywhere, unless
-    /// samples enough lie in the slip.
-    pub(crate) fn cut(&mut self, learnt: &mut Expectations) -> Outcome {
-        for _ in 0..LEFT {
-            if self.is_known() || matches!(self.stage, Stage::Places(_)) {
-                break;
-            }
-            if let ControlFlow::Break(outcome) = self.step(learnt) {
-                return outcome;
-            }
-        }
-        if let Stage::Places(places) = &self.stage {
-            let (fit, noise_n2) = (&self.fit, self.expected.noise_n2);
-            let anywhere = || {
-                let mut at = Posterior::at(fit, noise_n2);
-                if self.pending.fall() < TELLING {
-                    at.begin_anywhere();
-                }
-                at
-            };
-            let so_far = places.so_far(fit, noise_n2).unwrap_or_else(anywhere);
-            self.measured.posterior = self.strain.around(so_far, fit, noise_n2);
-            self.stage = Stage::Telling;
-        }
-        while self.is_known() {
-            if let ControlFlow::Break(outcome) = self.step(learnt) {
-                return outcome;
-            }
-        }
-        Outcome::Failed(Reason::TooShort)
-    }
-
-    fn start(&mut self, learnt: &mut Expectations) -> ControlFlow<Outcome> {
+    fn start(&mut self, learnt: &mut Expectations) {
         if let Some(reason) = self.pending.refused {
-            return ControlFlow::Break(Outcome::Failed(reason));
+            self.stage = Stage::Failed(reason);
+            return;
         }
         learnt.weigh(&self.pending);
         let known = learnt.residuals.variance_n2().is_some();
         let noise_n2 = learnt.fitted_noise_n2(&self.pending);
         let fitting = self.begin(learnt, noise_n2);
         self.stage = if known { Stage::Expected(fitting) } else { Stage::Free(fitting) };
-        ControlFlow::Continue(())
     }
 
-    fn free(&mut self, learnt: &Expectations) -> ControlFlow<Outcome> {
-        let Stage::Free(fitting) = &mut self.stage else { return ControlFlow::Continue(()) };
+    fn free(&mut self, learnt: &Expectations) {
+        let Stage::Free(fitting) = &mut self.stage else { return };
         let noise_n2 = self.expected.noise_n2;
         let data = self.expected.data(&self.pending, &self.after);
         let ControlFlow::Break(fit) = fitting.step(&data, noise_n2) else {
-            return ControlFlow::Continue(());
+            return;
         };
         if let Some(fit) = fit {
             let (squares_n2, free) = own_residuals(&data, &fit);
@@ -222,7 +219,6 @@ impl CycleFit {
         self.pending.expect(fit.map(|fit| *fit.cycle()));
         let noise_n2 = learnt.noise_n2(&self.pending);
         self.stage = Stage::Expected(self.begin(learnt, noise_n2));
-        ControlFlow::Continue(())
     }
 
     fn begin(&mut self, learnt: &Expectations, noise_n2: f32) -> Fitting {
@@ -233,42 +229,46 @@ impl CycleFit {
         })
     }
 
-    fn expected(&mut self, learnt: &mut Expectations) -> ControlFlow<Outcome> {
-        let Stage::Expected(fitting) = &mut self.stage else { return ControlFlow::Continue(()) };
+    fn expected(&mut self, learnt: &mut Expectations) {
+        let Stage::Expected(fitting) = &mut self.stage else { return };
         let pending = &self.pending;
         let data = self.expected.data(pending, &self.after);
         let ControlFlow::Break(fit) = fitting.step(&data, self.expected.noise_n2) else {
-            return ControlFlow::Continue(());
+            return;
         };
         let holds = |fit: &&Fit| fit.converged && pending.holds(&fit.shape);
         let Some(fit) = fit.as_ref().filter(holds) else {
             // Corners that are not there may be why.
             learnt.corner = Kept::default();
             learnt.contradict();
-            return ControlFlow::Break(Outcome::Failed(Reason::NoFit));
+            self.stage = Stage::Failed(Reason::NoFit);
+            return;
         };
-        if let Some(reason) = pending.hidden {
-            return ControlFlow::Break(Outcome::Failed(reason));
-        }
-        (self.fit, self.stage) = (*fit, Stage::Fitted);
-        ControlFlow::Continue(())
+        self.fit = *fit;
+        self.stage = pending.hidden.map_or(Stage::Fitted, Stage::Failed);
     }
 
-    fn place(&mut self) -> ControlFlow<Outcome> {
-        let Stage::Places(places) = &mut self.stage else { return ControlFlow::Continue(()) };
+    /// The next place; or no more of them, `late` or where slips follow each other fast. An onset whose
+    /// places were not looked at as far as it is likely may be anywhere then, unless samples enough lie
+    /// in the slip.
+    fn place(&mut self, late: bool) {
+        let Stage::Places(places) = &mut self.stage else { return };
         let (fit, noise_n2) = (&self.fit, self.expected.noise_n2);
-        let data = self.expected.data(&self.pending, &self.after);
-        if let ControlFlow::Break(posterior) = places.step(&data, fit, noise_n2) {
-            self.measured.posterior = self.strain.around(posterior, fit, noise_n2);
-            self.stage = Stage::Telling;
-        }
-        ControlFlow::Continue(())
+        let posterior = if late || f32::from(places.seen()) > PLACES * self.pending.limit {
+            places.so_far(fit, noise_n2).unwrap_or_else(|| {
+                let mut at = Posterior::at(fit, noise_n2);
+                if self.pending.fall() < TELLING {
+                    at.begin_anywhere();
+                }
+                at
+            })
+        } else {
+            let data = self.expected.data(&self.pending, &self.after);
+            let step = places.step(&data, fit, noise_n2);
+            let ControlFlow::Break(posterior) = step else { return };
+            posterior
+        };
+        self.measured.posterior = self.strain.around(posterior, fit, noise_n2);
+        self.stage = Stage::Telling;
     }
-}
-
-/// Iterations of a fit with so many samples around the slip in the time that this many samples
-/// take; lines and factorisation take as long as some more.
-pub(crate) fn iterations_within(time: usize, samples: usize) -> usize {
-    const OTHER: usize = 6;
-    time.checked_div(samples + OTHER).unwrap_or(1)
 }

@@ -1,10 +1,11 @@
 //! What the highest and the lowest sample tell of a slip, for those that the samples between
 //! them hardly resolve.
 
+use crate::cycle::refusal::SURE;
 use crate::cycle::slip_record::{PI, SlipRecord};
 use crate::detector::Stick;
 use crate::fit::posterior::CLEAR;
-use crate::num::math::{self, larger};
+use crate::num::math::{self, larger, smaller};
 use crate::sample::{ForcePoint, since};
 use crate::signal::window::Window;
 use crate::stats::line::Line;
@@ -107,12 +108,11 @@ impl SlipRecord {
         (since(self.origin, self.peak.index), since(self.origin, self.low.index))
     }
 
-    /// The samples of the fall between its highest and its lowest one, plateaus left out: times,
-    /// periods, and forces, N.
-    pub(crate) fn fall_samples(&self) -> impl Iterator<Item = (f32, f32)> {
+    /// Between which times, periods, the samples of the fall lie that are neither its highest nor its
+    /// lowest one, plateaus left out.
+    pub(crate) fn steep(&self) -> (f32, f32) {
         let ((peak, low), (from, to)) = (self.extremes(), self.fall_edges());
-        let inside = move |time: f32| time > peak && time < low && time >= from && time <= to;
-        self.samples().good().filter(move |&(time, _)| inside(time))
+        (larger(peak + 0.5, from), smaller(low - 0.5, to))
     }
 
     /// Variance of the noise about the stick lines before and after, N²; where both are brief the
@@ -151,13 +151,24 @@ impl SlipRecord {
     pub(super) fn slack(&self, after: &Line) -> Option<Slack> {
         let slope = after.slope()?;
         let below_n = -after.at(since(self.origin, self.low.index), slope);
-        if below_n <= 0.0 {
+        if below_n <= 0.0 || !self.reaches_zero(slope) {
             return None;
         }
         let peak_n = self.peak.force_n;
         let centre_n = 0.5 * peak_n * peak_n / (peak_n + below_n);
         let part = 1.0 - math::acos(centre_n / (peak_n - centre_n)) / PI;
         Some(Slack { centre_n, part })
+    }
+
+    /// Does the lowest sample show a slack cable? It lies less than a period from where one began to
+    /// load at a rate, N per period, or its neighbour that is missing does; by the noise above that.
+    #[inline(never)]
+    pub(super) fn reaches_zero(&self, rate: f32) -> bool {
+        const PERIODS: f32 = 2.0;
+        // Of the highest force: a zero of the cell that is that far off makes no other error as large.
+        const ZERO: f32 = 0.03;
+        let noise_n = SURE * math::sqrt(self.noise_n2);
+        self.low.force_n < PERIODS * rate + noise_n + ZERO * self.peak.force_n
     }
 
     /// Angle at which half a cosine has fallen by that part.

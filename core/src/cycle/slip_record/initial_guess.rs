@@ -12,10 +12,16 @@ use crate::stats::line::Line;
 const OTHERS: [f32; 4] = [0.6, 0.8, 1.25, 1.6];
 
 impl SlipRecord {
-    /// Begins a fit where an earlier one ended.
+    /// Can a fit begin where an earlier one ended? Without the line after it a slip on a slack cable is
+    /// hardly determined.
+    #[inline(never)]
+    pub(crate) fn begins_again(&self, after: &Line) -> bool {
+        self.early.is_some() && self.slack(after).is_none()
+    }
+
+    /// Begins a fit there.
     pub(crate) fn begin_again(&self, after: &Line) -> Option<Fitting> {
-        // Without the line after it a slip on a slack cable is hardly determined.
-        let early = self.early.filter(|_| self.slack(after).is_none());
+        let early = self.early.filter(|_| self.begins_again(after));
         early.map(|early| Fitting::new(&early))
     }
 
@@ -67,7 +73,7 @@ impl SlipRecord {
     fn through_samples(&self, mut cycle: CycleParams) -> CycleParams {
         let shape = cycle.shape();
         let low = since(self.origin, self.low.index);
-        let middle = libm::floorf(self.rough.middle + 0.5);
+        let middle = math::floor(self.rough.middle + 0.5);
         let middle_n = self.samples().forces_n.get((middle - self.start) as usize);
         // What a sample lies above the guess, and what onset and drop add to that.
         let seen = |time: f32, force_n: f32| {

@@ -4,14 +4,15 @@ mod extremes;
 mod initial_guess;
 mod shorten;
 
+use crate::cycle::ended::Slip;
 use crate::cycle::slip_record::extremes::Rough;
 use crate::detector::{Detector, Stick};
 use crate::event::Reason;
 use crate::fit::Samples;
 use crate::model::{CycleParams, Shape};
 use crate::noise::ripple::ColoredNoise;
-use crate::num::math::larger;
-use crate::sample::{ForcePoint, since};
+use crate::num::math::{self, larger};
+use crate::sample::{ForcePoint, SampleTime, since};
 use crate::signal::window::Window;
 use crate::stats::lattice::spacing;
 use crate::stats::line::Line;
@@ -62,13 +63,12 @@ pub(crate) struct SlipRecord {
 }
 
 impl SlipRecord {
-    /// The samples from `start` up to the detector's newest one; `previous` is the slip before.
+    /// The samples from `start` up to the last one of a slip.
     pub(crate) fn new(
         detector: &Detector,
         stick: &Stick,
         start: u64,
-        (peak, low): (ForcePoint, ForcePoint),
-        previous: Option<&Self>,
+        &Slip { peak, low, last, rest_weight, hides }: &Slip,
     ) -> Self {
         let (first, window) = (stick.next, detector.window());
         let noise_n = detector.noise_n().unwrap_or(1.0);
@@ -83,7 +83,7 @@ impl SlipRecord {
             rough: Rough::new(stick, window, (peak, low), noise_n),
             noise_n2: noise_n * noise_n,
             wander: detector.wander(),
-            rest_weight: detector.rest_weight(),
+            rest_weight,
             rest_from: since(first, low.index),
             broken: stick.broken,
             hidden: None,
@@ -93,22 +93,19 @@ impl SlipRecord {
             refused: None,
         };
         pending.slip = pending.extremes();
-        pending.take(window, start, detector.last().index);
+        pending.take(window, start, last);
         pending.rough.middle = pending.crossing();
         pending.rough.edges = pending.edges();
         let missing = pending.length - pending.samples().good().count();
         let too_long = (pending.length == CORE).then_some(Reason::TooLong);
-        pending.hidden = if missing > 3 { Some(Reason::Hidden) } else { too_long };
-        if let Some(previous) = previous {
-            pending.lengthen_line(previous, stick);
-        }
+        pending.hidden = if hides || missing > 3 { Some(Reason::Hidden) } else { too_long };
         pending
     }
 
-    /// Takes the cycle of the first answer.
-    pub(crate) fn know(&mut self, cycle: CycleParams) {
-        self.expect(Some(cycle));
-        if self.rest_weight < 1.0 {
+    /// Takes the cycle of the first answer, if there is one.
+    pub(crate) fn know(&mut self, cycle: Option<CycleParams>) {
+        self.expect(cycle);
+        if self.rest_weight < 1.0 && cycle.is_some() {
             self.rest_from = self.slip.1 - UNSURE;
         }
     }
@@ -172,8 +169,14 @@ impl SlipRecord {
         self.limit = since(self.origin, next_peak);
         let peak_time = self.early.map_or(0.0, |cycle| cycle.peak_time());
         let end = last.map_or(self.limit - peak_time, |last| since(self.origin, last) + 1.0);
-        let most = libm::ceilf(end - self.start).max(0.0) as usize;
+        let most = -math::floor(self.start - end) as usize;
         self.length = self.length.min(most);
+    }
+
+    /// The last index before it begins for sure, if that is known; creep begins so much earlier.
+    pub(crate) fn last_before(&self, creep_periods: f32) -> Option<u64> {
+        let begins = |cycle: CycleParams| cycle.onset - creep_periods - UNSURE;
+        self.early.map(|cycle| SampleTime::after(self.origin, begins(cycle)).index)
     }
 
     /// The stick line after the slip, up to the last index before the next onset: the
@@ -183,7 +186,7 @@ impl SlipRecord {
         // Of slips on a slack cable the first answers are rough.
         let is_straight = self.has_straight(stick, &line) && self.slack(&line).is_none();
         if let Some(last) = last.filter(|_| is_straight) {
-            for index in window.first_from(stick.next)..=last {
+            for index in window.first_from(stick.next)..last + 1 {
                 if let Some(force_n) = window.get(index) {
                     line.add(since(self.origin, index), force_n, 1.0, 1.0);
                 }
@@ -225,14 +228,19 @@ impl SlipRecord {
 
     /// Is a fitted cycle the slip that the samples show? Its ends lie within half the
     /// drop and the rise of two periods of the highest and the lowest sample, and its fall
-    /// begins and ends within two periods, and half of what it takes, of where theirs does.
+    /// begins and ends within two periods, and half of what it takes, of where theirs does; on a
+    /// slack cable it falls to nothing.
     pub(crate) fn holds(&self, shape: &Shape) -> bool {
         let cycle = shape.cycle();
         let (from, to) = self.rough.edges;
         let most = 2.0 + 0.5 * (to - from);
         let lead = self.lead(shape);
         let begins = (cycle.onset + lead - from).abs() < most;
-        let ends = !cycle.is_taut() || (shape.stop() - lead - to).abs() < most;
+        let ends = if cycle.is_taut() {
+            (shape.stop() - lead - to).abs() < most
+        } else {
+            self.reaches_zero(cycle.rate)
+        };
         begins && ends && self.is_spanned(cycle, 0.5, 2.0)
     }
 

@@ -11,8 +11,10 @@ mod score;
 
 use crate::effect::Parameter;
 use crate::effects::corner::score::Score;
+pub(crate) use crate::effects::corner::score::ask;
+use crate::effects::score::Asked;
 use crate::fit::correction::Correction;
-use crate::fit::{Alone, DYNAMIC, Data, Fit, STATIC};
+use crate::fit::{Alone, DYNAMIC, Fit, STATIC};
 use crate::model::corner::{Corner, NUMBERS};
 use crate::num::math;
 use crate::stats::normal_equations::{Factor, Gradient, Normal};
@@ -115,23 +117,26 @@ impl CornerEstimator {
         if missing_n > lacking_n { range_n * math::ln(missing_n / lacking_n) } else { 0.0 }
     }
 
+    /// Is the next event to be asked? Without any sign of a round corner only the first ones and some
+    /// others are.
+    pub(crate) fn is_due(&mut self, used: &Corner) -> bool {
+        self.events = self.events.wrapping_add(1);
+        let is_sharp = used.is_sharp() && self.possible.iter().all(|&v| v <= 0.0);
+        !is_sharp || self.events <= FIRST || self.events.is_multiple_of(SELDOM)
+    }
+
     /// Takes what an event's residuals tell. Where the slips depart from the model in another way
     /// as well, by a force of which this is the square: as far as that is as large as what the
     /// corners lack they may not be the cause, and `Fp` is as unsure as they move it.
     pub(crate) fn learn(
         &mut self,
-        data: &Data<'_>,
+        used: Corner,
         fit: &Fit,
-        alone: &Alone,
+        (alone, asked): (&Alone, &Asked),
         noise_n2: f32,
         other_n2: f32,
     ) -> Correction {
-        self.events = self.events.wrapping_add(1);
-        let is_sharp = data.corner.is_sharp() && self.possible.iter().all(|&v| v <= 0.0);
-        if is_sharp && self.events > FIRST && !self.events.is_multiple_of(SELDOM) {
-            return Correction::default();
-        }
-        let score = Score::of(data, fit, alone);
+        let score = Score::of(used, fit, alone, *asked);
         let effect = score.as_ref().and_then(|score| self.take(score, noise_n2));
         let mut effect = effect.unwrap_or_default();
         let Corner { smoothing, missing_n, range_n } = self.corner;
@@ -197,7 +202,7 @@ impl CornerEstimator {
         }
         self.best = best;
         // More than the noise explains: so much less is known.
-        let excess = (self.chi_square / (self.count - 1.0).max(1.0)).max(1.0);
+        let excess = math::larger(self.chi_square / math::larger(self.count - 1.0, 1.0), 1.0);
         let factor = self.decide(&free, excess, &used)?;
         let moved = self.limited(score, &used);
         let variance = |force: &Gradient| {
@@ -285,6 +290,7 @@ impl CornerEstimator {
 mod tests {
     use super::*;
     use crate::effects::synthetic::{self, NOISE_N};
+    use crate::fit::Data;
     use crate::model::CycleParams;
 
     /// So many events with these corners: how many were taken for round, and what is
@@ -299,8 +305,12 @@ mod tests {
             let data = Data { corner: learnt.expected(22.5, cycle.inverse_omega()), ..data };
             let noise_n2 = NOISE_N * NOISE_N;
             let Some(fit) = data.fit(cycle, noise_n2) else { return };
-            let Some(alone) = fit.alone(&data) else { return };
-            learnt.learn(&data, &fit, &alone, noise_n2, 0.0);
+            let Some(alone) = fit.alone(&data, &fit.normal_at(&data)) else { return };
+            // In two pieces, as the samples of a long slip are.
+            let mut asked = Asked::default();
+            ask(&mut asked, &data, &fit, 0..5);
+            ask(&mut asked, &data, &fit, 5..data.places());
+            learnt.learn(data.corner, &fit, (&alone, &asked), noise_n2, 0.0);
             round += u16::from(!learnt.corner.is_sharp());
         });
         (round, learnt)

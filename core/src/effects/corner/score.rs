@@ -1,5 +1,7 @@
 //! What one event says of the corners by itself: Rao's score with its information.
 
+use core::ops::Range;
+
 use crate::effects::score::Asked;
 use crate::fit::{Alone, Data, Fit};
 use crate::model::corner::{Corner, NUMBERS};
@@ -18,21 +20,25 @@ pub(super) struct Score {
     pub(super) asked: Asked,
 }
 
+/// Asks an event's levels at some places for its corners.
+pub(crate) fn ask(asked: &mut Asked, data: &Data<'_>, fit: &Fit, places: Range<usize>) {
+    let (shape, rounded) = (&fit.shape, data.corner.at(&fit.shape));
+    for (time, force_n, weight) in data.levels_in(places) {
+        let (force, mut gradient) = shape.force(time);
+        let shift = rounded.shift(time - fit.cycle().onset);
+        gradient[0] -= shift.rate;
+        asked.add(force_n - force - shift.force_n, &gradient, shift.by, weight);
+    }
+}
+
 impl Score {
-    /// `None` where the corners that are asked for are no numbers.
-    pub(super) fn of(data: &Data<'_>, fit: &Fit, alone: &Alone) -> Option<Self> {
-        let (corner, cycle, shape) = (data.corner, fit.cycle(), &fit.shape);
-        let (rounded, mut asked) = (corner.at(shape), Asked::default());
-        for (time, force_n, weight) in data.levels() {
-            let (force, mut gradient) = shape.force(time);
-            let shift = rounded.shift(time - cycle.onset);
-            gradient[0] -= shift.rate;
-            asked.add(force_n - force - shift.force_n, &gradient, shift.by, weight);
-        }
+    /// When all its levels have been asked. `None` where the corners that are asked for are no numbers.
+    pub(super) fn of(corner: Corner, fit: &Fit, alone: &Alone, mut asked: Asked) -> Option<Self> {
+        let inverse_omega = fit.cycle().inverse_omega();
         asked.free(alone);
         // Without creep its range is not known at all.
         let is_number = (0..NUMBERS).all(|i| !asked.normal.matrix[[i, i]].is_nan());
-        is_number.then_some(Self { corner, inverse_omega: cycle.inverse_omega(), asked })
+        is_number.then_some(Self { corner, inverse_omega, asked })
     }
 
     /// Does it not tell its smoothing or what it lacks?

@@ -35,6 +35,7 @@ impl ColoredNoise {
 
     /// Is it a swing that may be the cable's or the cell's?
     #[must_use]
+    #[inline(never)]
     pub fn is_disputed(&self) -> bool {
         self.level > 0.0 && !self.bends
     }

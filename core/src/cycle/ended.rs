@@ -1,0 +1,208 @@
+//! A stick line that has ended, by a slip or a long gap: taken up when the fit before is done.
+
+use crate::cycle::CycleTracker;
+use crate::cycle::cycle_fit::CycleFit;
+use crate::cycle::expected::Expected;
+use crate::cycle::refusal;
+use crate::cycle::slip_record::SlipRecord;
+use crate::detector::{Detector, Stick};
+use crate::event::{Provisional, Reason};
+use crate::fit::{Fit, Fitting};
+use crate::sample::{ForcePoint, SampleTime, since};
+
+/// What ended a stick line.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Ended {
+    stick: Stick,
+    by: By,
+    pub(super) stage: Stage,
+}
+
+/// What has been done about it.
+#[derive(Clone, Copy, Debug)]
+#[allow(clippy::large_enum_variant, reason = "there is one, and no heap to put it on")]
+pub(super) enum Stage {
+    /// The fit of the event before is under way.
+    Waiting,
+    /// The slip is pending.
+    Gathered,
+    /// The first answer on it is under way.
+    Answering(Answer),
+    /// What came of it; the event before is yet to be given its lines.
+    Answered(Option<Fit>),
+}
+
+#[derive(Clone, Copy, Debug)]
+enum By {
+    Slip(Slip),
+    /// A gap or the end of the test, at an index.
+    Loss(u64),
+}
+
+/// A first answer under way.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Answer {
+    pub(super) expected: Expected,
+    pub(super) fitting: Fitting,
+    /// Steps that it may still take.
+    pub(super) left: usize,
+}
+
+/// A slip as the detector saw it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Slip {
+    /// Highest sample before it.
+    pub(crate) peak: ForcePoint,
+    /// Lowest sample.
+    pub(crate) low: ForcePoint,
+    /// Index of the newest sample then.
+    pub(crate) last: u64,
+    /// Weight of the samples since the lowest one.
+    pub(crate) rest_weight: f32,
+    /// Saturated samples hide a part of it.
+    pub(crate) hides: bool,
+}
+
+impl Ended {
+    /// By a slip, with its highest and its lowest sample.
+    pub(super) fn by_slip(
+        detector: &Detector,
+        (peak, low): (ForcePoint, ForcePoint),
+        hides: bool,
+    ) -> Self {
+        let (last, rest_weight) = (detector.last().index, detector.rest_weight());
+        let by = By::Slip(Slip { peak, low, last, rest_weight, hides });
+        Self { stick: *detector.ended(), by, stage: Stage::Waiting }
+    }
+
+    /// By a gap, or the end of the test, at an index.
+    pub(super) fn by_loss(stick: &Stick, index: u64) -> Self {
+        Self { stick: *stick, by: By::Loss(index), stage: Stage::Waiting }
+    }
+
+    /// Has nothing been done about it?
+    pub(super) fn waits(&self) -> bool {
+        matches!(self.stage, Stage::Waiting)
+    }
+
+    /// Index of the highest sample before the slip, or where the loss was.
+    fn end(&self) -> u64 {
+        match self.by {
+            By::Slip(Slip { peak, .. }) => peak.index,
+            By::Loss(index) => index,
+        }
+    }
+}
+
+/// What it takes to gather a slip; to guess, and to compare several guesses; the lines; and an answer, in units of
+/// 160 instructions on the board.
+const SLIP: usize = 18;
+const GUESS: usize = 9;
+const GUESSES: usize = 33;
+const LINES: usize = 12;
+const ANSWER: usize = 12;
+
+/// Events after which it is known whether the cable flops, which shows on sticks with no fewer samples
+/// than that.
+const FLOP_SEEN: u32 = 1;
+const BRIEF: u32 = 8;
+
+impl CycleTracker {
+    /// What the next step takes of what follows from the end of a stick line, in such units.
+    pub(super) fn takes(&self, ended: &Ended) -> usize {
+        match (&ended.stage, &self.pending) {
+            (Stage::Waiting, _) => SLIP,
+            (Stage::Gathered, Some(slip)) if !self.learnt.knows_omega() => {
+                GUESSES + slip.samples().forces_n.len()
+            }
+            (Stage::Gathered, _) => GUESS,
+            (Stage::Answering(answer), Some(slip)) => answer.expected.pass(slip),
+            (Stage::Answering(_) | Stage::Answered(_), _) => {
+                // Whether a long fall is even is asked sample by sample.
+                let fall = self.finishing.as_ref().map_or(0.0, |fit| fit.pending.fall());
+                LINES + ANSWER + fall as usize
+            }
+        }
+    }
+
+    /// That step; the fit before is done.
+    pub(super) fn follow_up(&mut self, detector: &Detector, first: &mut Option<Provisional>) {
+        match self.ended.as_ref().map(|ended| &ended.stage) {
+            Some(Stage::Waiting) => self.take_up(detector),
+            Some(Stage::Gathered) => self.begin_first(),
+            Some(Stage::Answering(_)) => self.step_first(),
+            Some(Stage::Answered(_)) => *first = self.give_lines(detector),
+            None => {}
+        }
+    }
+
+    /// Takes up what has ended: the next slip is pending. The event before has its lines when the first
+    /// answer on that tells the next onset.
+    #[inline(never)]
+    fn take_up(&mut self, detector: &Detector) {
+        let Some(Ended { stick, by, .. }) = &self.ended else { return };
+        let mut next = None;
+        if let By::Slip(slip) = by {
+            next = Some(SlipRecord::new(detector, stick, self.start(stick), slip));
+        }
+        if let Some(next) = &mut next
+            && let Some(before) = &mut self.pending
+        {
+            if self.count >= FLOP_SEEN || next.before.count < BRIEF {
+                next.lengthen_line(before, stick);
+            }
+            if self.recurrence.is_aliased(since(before.peak.index, next.peak.index)) {
+                next.refused = Some(Reason::Aliased);
+                before.refused = next.refused;
+            }
+        }
+        self.finishing = self.pending.as_ref().map(CycleFit::new);
+        let stage = if next.is_some() { Stage::Gathered } else { Stage::Answered(None) };
+        self.pending = next;
+        if let Some(ended) = &mut self.ended {
+            ended.stage = stage;
+        }
+    }
+
+    /// First index of an event's samples: where the stick line ends, or right after
+    /// the cable began to load when the block rested too briefly for a line.
+    fn start(&self, stick: &Stick) -> u64 {
+        let load = if stick.line.count < 3 { self.newest_load() } else { None };
+        load.map_or(stick.next, |load| stick.next.min((load + 1).max(stick.next.saturating_sub(4))))
+    }
+
+    /// The last index before the cable of a resting block last began to load, as far as is known yet.
+    fn newest_load(&self) -> Option<u64> {
+        match &self.pending {
+            Some(slip) => {
+                slip.early.map(|cycle| SampleTime::after(slip.origin, cycle.shape().loads()).index)
+            }
+            None => self.last_load,
+        }
+    }
+
+    /// Gives the event before its lines, up to the next onset as a first answer has it: what has ended
+    /// is dealt with.
+    #[inline(never)]
+    fn give_lines(&mut self, detector: &Detector) -> Option<Provisional> {
+        let ended = self.ended.as_ref()?;
+        let Stage::Answered(first) = ended.stage else { return None };
+        let first = first.filter(|fit| self.shows_slip(fit));
+        if let Some(slip) = &mut self.pending {
+            slip.know(first.as_ref().map(|fit| *fit.cycle()));
+        }
+        if let Some(finishing) = &mut self.finishing {
+            let (stick, end) = (&ended.stick, ended.end());
+            let creep_periods = self.learnt.creep_periods();
+            let last = self.pending.as_ref().and_then(|slip| slip.last_before(creep_periods));
+            finishing.give_lines(stick, detector.window(), end, last);
+            let (slip, after) = (&mut finishing.pending, &finishing.after);
+            let (periods, rest) = (since(slip.low.index, end), (after, stick.highest.force_n));
+            let refused = refusal::of_fall(slip, rest, periods, self.slides, self.learnt.swing());
+            slip.refused = slip.refused.or(refused);
+            self.slides |= slip.refused.is_none() && refusal::takes_time(slip);
+        }
+        self.ended = None;
+        self.first_answer(first?)
+    }
+}

@@ -1,0 +1,47 @@
+//! What the events so far let expect of one event.
+
+use crate::cycle::slip_record::SlipRecord;
+use crate::fit::Data;
+use crate::fit::levenberg_marquardt::SAMPLES_A_STEP;
+use crate::model::corner::Corner;
+use crate::stats::line::Line;
+use crate::stats::prior::Prior;
+
+/// What is expected of one event.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Expected {
+    /// Variance of the noise that the weights are relative to, N².
+    pub(crate) noise_n2: f32,
+    pub(super) rate: Prior,
+    pub(super) inverse_omega: Prior,
+    pub(super) rate_change: Prior,
+    pub(super) onset: Prior,
+    pub(crate) corner: Corner,
+}
+
+impl Expected {
+    /// The event's samples and lines with that.
+    #[inline(never)]
+    pub(crate) fn data<'a>(&self, pending: &'a SlipRecord, after: &'a Line) -> Data<'a> {
+        let Self { rate, inverse_omega, rate_change, onset, corner, .. } = *self;
+        Data {
+            before: &pending.before,
+            samples: pending.samples(),
+            after,
+            wander: pending.wander.followed(),
+            rate,
+            inverse_omega,
+            rate_change,
+            onset,
+            corner,
+        }
+    }
+
+    /// What a pass over the samples and lines takes, in units of 160 instructions on the board.
+    pub(crate) fn pass(&self, pending: &SlipRecord) -> usize {
+        let samples = pending.samples().forces_n.len().min(SAMPLES_A_STEP);
+        let wanders = if pending.wander.level > 0.0 { 3 } else { 0 };
+        let pass = if self.corner.is_sharp() { 12 + samples * 5 / 4 } else { 16 + samples * 5 / 2 };
+        pass + wanders
+    }
+}
