@@ -114,9 +114,16 @@ pub(crate) fn scenes(folders: &[&str]) -> Result<Vec<PathBuf>> {
 /// Every linear and hard scene, those outside the model, and what no block does.
 fn records() -> Result<Vec<Record>> {
     let files = scenes(&["linear", "hard", "honesty"])?;
-    let mut records = Vec::new();
+    let mut records: Vec<Record> = Vec::new();
     for file in &files {
-        records.push(scene_record(file)?);
+        let mut record = scene_record(file)?;
+        // A budget is kept by its name: scenes of two folders that have the same are told apart.
+        if records.iter().any(|other| other.name == record.name) {
+            let scenes = root().join("host-sim/scenes");
+            let place = file.strip_prefix(scenes).unwrap_or(file).with_extension("");
+            record.name = place.to_string_lossy().into_owned();
+        }
+        records.push(record);
     }
     records.extend(adversarial());
     Ok(records)
