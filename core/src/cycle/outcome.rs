@@ -70,9 +70,11 @@ impl CycleTracker {
         let overlaps = (overlaps && event.reason.is_none()).then_some(Reason::NoFit);
         let (folded, doubt) =
             if fits { self.of_fit(&measured.posterior, pending.limit) } else { (false, None) };
-        // The few samples of a slip on a slack cable show no loading rate without any line.
-        let has_lines = pending.before.count + finishing.after.count > 0;
-        let short = (event.slack && !has_lines).then_some(Reason::TooShort);
+        // A slack cable that loads within two samples shows no loading rate without any line.
+        let cycle = &measured.posterior.cycle;
+        let has_line = pending.before.count + finishing.after.count > 0;
+        let loads_fast = event.slack && !has_line && 2.0 * cycle.rate > cycle.static_n;
+        let short = loads_fast.then_some(Reason::TooShort);
         let reason = refusal::of_event(event).or(overlaps).or(short).or(doubt);
         // What is not believed for itself, of slips in quick succession, is no sign that the others are.
         let is_fast = pending.limit - pending.extremes().0 < refusal::FAST;
