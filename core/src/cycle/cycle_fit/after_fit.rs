@@ -19,7 +19,7 @@ use crate::num::math::larger;
 /// the lowest sample. Tuned with the pauses of heavy blocks.
 const SPANNED: f32 = 0.03;
 
-/// Samples and lines that one step asks for their corners.
+/// Samples and lines that one step asks for other force terms, or for the corners.
 pub(super) const LEVELS_A_STEP: usize = 12;
 
 impl CycleFit {

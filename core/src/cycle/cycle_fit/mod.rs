@@ -5,6 +5,7 @@
 //!        iterations                                 a step each
 //! New ──► Free ──► Expected ──► Fitted ──► Telling ──► Alone ──► Terms ──► Corner ──► Told
 //!                                  └► Places ┘  hardly resolved: averaged over the onset
+//!  └──────────────────┴─► Failed    without a fit
 //! ```
 
 mod after_fit;
