@@ -49,8 +49,6 @@ pub struct OverOnset {
     place: i16,
     from: CycleParams,
     fitting: Option<Fitting>,
-    /// The newest place is one that the samples rule out.
-    is_beyond: bool,
 }
 
 impl OverOnset {
@@ -61,7 +59,7 @@ impl OverOnset {
         let slide = best.shape.slide_time();
         let fine = if slide < RESOLVED { FINE } else { 1 };
         let (sums, place, from) = (Sums::default(), 0, *best.cycle());
-        (slide < least).then_some(Self { sums, fine, place, from, fitting: None, is_beyond: false })
+        (slide < least).then_some(Self { sums, fine, place, from, fitting: None })
     }
 
     /// One iteration; breaks with the result after the last place.
@@ -84,12 +82,6 @@ impl OverOnset {
         if self.place < 0 { STEPS + self.fine - 1 - self.place } else { self.place }
     }
 
-    /// What the places so far tell, if all those above the best fit were looked at, and those below
-    /// it as far as they are likely.
-    pub fn so_far(&self, best: &Fit, noise_n2: f32) -> Option<Posterior> {
-        (self.place < -1 && self.is_beyond).then(|| self.sums.posterior(best, noise_n2))
-    }
-
     /// Takes the fit of one place.
     fn take(
         &mut self,
@@ -100,16 +92,14 @@ impl OverOnset {
     ) -> ControlFlow<Posterior> {
         let (by, width) = offset(self.place, self.fine);
         let onset = best.cycle().onset + by;
-        // A slip of samples enough has one best place: where nothing is likely any more
-        // nothing is beyond.
+        // Where nothing is likely any more nothing is beyond.
         let mut ends = fit.is_none();
         if let Some(fit) = &fit {
             let expected =
                 data.onset.weight * (onset - data.onset.mean) * (onset - data.onset.mean);
             let cost = fit.cost() + expected - best.cost();
             let likelihood = math::exp(-0.5 * cost / noise_n2);
-            self.is_beyond = likelihood < UNLIKELY;
-            ends = self.is_beyond && self.fine == 1;
+            ends = likelihood < UNLIKELY;
             self.sums.add(width * likelihood, &Posterior::at(fit, noise_n2), best);
         }
         let Some(next) = following(self.place, STEPS + self.fine - 1, ends) else {
@@ -293,7 +283,7 @@ mod tests {
     #[test]
     fn a_slip_between_two_samples_leaves_the_onset_open() {
         let (truth, got, [passes, places]) = posterior(0.5, 0.25);
-        assert!(places == 23 && passes < 3 * places, "{passes} passes, {places} places");
+        assert!((9..20).contains(&places) && passes < 3 * places, "{passes} passes, {places} places");
         let onset_std = math::sqrt(got.unknowns[0]);
         assert!(onset_std > 0.05 && onset_std < 0.5, "{onset_std}");
         let std = math::sqrt(got.static_n2);

@@ -256,13 +256,11 @@ impl CycleFit {
         let Stage::Places(places) = &mut self.stage else { return };
         let (fit, noise_n2) = (&self.fit, self.expected.noise_n2);
         let posterior = if late || f32::from(places.seen()) > PLACES * self.pending.limit {
-            places.so_far(fit, noise_n2).unwrap_or_else(|| {
-                let mut at = Posterior::at(fit, noise_n2);
-                if self.pending.fall() < TELLING {
-                    at.begin_anywhere();
-                }
-                at
-            })
+            let mut at = Posterior::at(fit, noise_n2);
+            if self.pending.fall() < TELLING {
+                at.begin_anywhere();
+            }
+            at
         } else {
             let data = self.expected.data(&self.pending, &self.after);
             let step = places.step(&data, fit, noise_n2);
