@@ -19,14 +19,12 @@ const HIDDEN: f32 = 1.75;
 /// Least and most correlation of the next neighbour but one over that of the next in such noise. Less
 /// is white enough, more is not told from a trend.
 const RED: (f32, f32) = (0.2, 0.8);
-/// Noise that only its roughness tells: its correlation must fall at least so fast from sample to sample,
-/// or a slow swing is as rough.
+/// Slow noise: its correlation must fall at least so fast from sample to sample, or a slow swing looks
+/// alike.
 const SLOWEST: f32 = 0.91;
-/// How far the mean squares of its differences may be from `3 − r`, and by how much more it may be alike
-/// four samples apart, in parts of the whole. Tuned with correlations of .9 and rests of 40 samples
-/// (coverage of `mu_s` .54 without it) against winches that ripple in .7 to 3 s: wider limits take these
-/// for noise.
-const ROUGHER: f32 = 0.18;
+/// By how much more it may be alike four samples apart than it is if its correlation falls evenly, in parts
+/// of the whole: a line that is off is alike at any distance. Tuned with correlations of .9 and rests of 40
+/// samples (coverage of `mu_s` .54 without any slow noise) against cables that sag.
 const NEAR: f32 = 0.08;
 /// Fewest samples that show it.
 const FEWEST: f32 = 24.0;
@@ -138,20 +136,15 @@ impl Sums {
         let is_nearer =
             swing < 0.0 && (first > 0.0 || red > swing) && 2.0 * (seen + unsure) > swing + red;
         second + unsure > RED.0 * first.abs()
-            && (is_nearer || self.is_rough(ratio, seen - red, unsure))
+            && (is_nearer || self.falls_evenly(ratio, seen - red, unsure))
     }
 
-    /// The same of many samples in long rests, where a swing may have `cos 4ω > 0` as well: is what
-    /// wanders as rough as noise whose correlation falls by the part `ratio` from sample to sample? Its
-    /// second differences have `3 − ratio` times the mean square of the first ones. What is seen four
+    /// The same of slow ones, where a swing may have `cos 4ω > 0` as well: does the correlation go on to
+    /// fall by the part `ratio` from sample to sample? A swing's falls faster and faster. What is seen four
     /// samples apart is by so much `over` what such noise has there, known to a standard error `unsure`.
-    fn is_rough(&self, ratio: f32, over: f32, unsure: f32) -> bool {
-        let rougher = self.bends / self.steps - (3.0 - ratio);
-        self.count > TELLS_BEND
-            && ratio < SLOWEST
-            && rougher.abs() < ROUGHER
-            && over > -0.5 * unsure
-            && over < 0.5 * unsure + NEAR * self.squares
+    fn falls_evenly(&self, ratio: f32, over: f32, unsure: f32) -> bool {
+        let is_above = over > -0.5 * unsure;
+        ratio < SLOWEST && is_above && over < 0.5 * unsure + NEAR * self.squares
     }
 
     /// As if there were as many as samples.
