@@ -17,6 +17,9 @@ const LEAST_BLOCK: f32 = 16.0;
 const BLOCKS: (u32, u32) = (8, 128);
 /// Standard deviations that are no chance.
 const SURE: f32 = 4.0;
+/// Standard deviations by which the means may rise by chance: one constant force in a thousand
+/// is not told.
+const UNLIKELY: f32 = 3.0;
 /// A mean that differs by less than this part of the force is the same.
 const SAME: f32 = 0.01;
 /// Largest scatter of the samples, parts of the weight: more of it hides slips.
@@ -122,11 +125,14 @@ impl SteadyForce {
     #[inline(never)]
     fn end(&mut self, next: u64) -> Option<Steady> {
         let (start, means) = (self.start, self.means);
+        // What seems to rise is as likely a slow stick line.
+        let is_level = self.scatters || self.slope_over_std(0.0) < UNLIKELY;
         let stop = self.last.index.saturating_sub(self.count.into());
         self.clear_block();
         (self.start, self.means) = (next, Line::default());
         (self.noise_n2, self.variance_n2) = (0.0, 0.0);
-        (means.count >= BLOCKS.0).then_some((start, stop, means, self.scatters))
+        let is_told = means.count >= BLOCKS.0 && is_level;
+        is_told.then_some((start, stop, means, self.scatters))
     }
 
     fn clear_block(&mut self) {
@@ -182,9 +188,14 @@ impl SteadyForce {
         larger(self.means.residual() / free, larger(self.noise_n2, noise_n2))
     }
 
+    /// Have the means a slope?
     fn rises(&self, noise_n2: f32) -> bool {
+        self.slope_over_std(noise_n2).abs() > SURE
+    }
+
+    fn slope_over_std(&self, noise_n2: f32) -> f32 {
         let slope = self.means.slope().unwrap_or(0.0);
-        slope * slope * self.means.slope_weight() > SURE * SURE * self.scatter_n2(noise_n2)
+        slope * math::sqrt(self.means.slope_weight() / self.scatter_n2(noise_n2))
     }
 }
 

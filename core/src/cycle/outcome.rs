@@ -68,8 +68,11 @@ impl CycleTracker {
         let overlaps =
             limit.precedes(event.stop) || self.last_stop.is_some_and(|it| event.onset.precedes(it));
         let overlaps = (overlaps && event.reason.is_none()).then_some(Reason::NoFit);
-        let (folded, doubt) =
-            if fits { self.of_fit(&measured.posterior, pending.limit) } else { (false, None) };
+        let (folded, cleared, doubt) = if fits {
+            self.of_fit(&measured.posterior, pending.limit)
+        } else {
+            (false, false, None)
+        };
         // A slack cable that loads within two samples shows no loading rate without any line.
         let cycle = &measured.posterior.cycle;
         let has_line = pending.before.count + finishing.after.count > 0;
@@ -80,11 +83,11 @@ impl CycleTracker {
         let is_fast = pending.limit - pending.extremes().0 < refusal::FAST;
         let doubted = is_fast && reason.or(event.reason).is_some();
         let aliased = self.recurrence.is_folded(folded || doubted);
-        reason.or((aliased && fits).then_some(Reason::Aliased))
+        reason.or((aliased && fits && !cleared).then_some(Reason::Aliased))
     }
 
     /// Does a fit show slips that are folded, or why is it not believed?
-    fn of_fit(&self, posterior: &Posterior, next: f32) -> (bool, Option<Reason>) {
+    fn of_fit(&self, posterior: &Posterior, next: f32) -> (bool, bool, Option<Reason>) {
         let Posterior { cycle, unknowns, .. } = posterior;
         let (site, learnt) = (self.site(), &self.learnt);
         let (rate, swing) = (learnt.rate.now(), learnt.mass.inverse_omega().now());
@@ -92,7 +95,7 @@ impl CycleTracker {
         let periods = next - cycle.onset;
         let mut folded = is_clear && refusal::is_folded(&site, rate, swing, periods);
         if periods >= refusal::FAST {
-            return (folded, None);
+            return (folded, false, None);
         }
         let (rate, swing) = ((cycle.rate, unknowns[1]), (cycle.inverse_omega(), unknowns[4]));
         let drop = (cycle.half_drop_n, unknowns[3]);
@@ -100,7 +103,8 @@ impl CycleTracker {
             posterior.tells_swing(unknowns[4]) && refusal::is_folded(&site, rate, swing, periods);
         let is_sure = refusal::is_no_chance(rate) && refusal::is_no_chance(drop);
         let lame = || refusal::is_lame(&site, rate, swing).then_some(Reason::NoFit);
-        (folded, if is_sure { lame() } else { Some(Reason::TooShort) })
+        let cleared = !folded && refusal::is_whole(&site, rate, swing);
+        (folded, cleared, if is_sure { lame() } else { Some(Reason::TooShort) })
     }
 
     /// An event with its coefficients; omega where the slip shows it.

@@ -149,6 +149,12 @@ pub(crate) fn is_lame(site: &Site, rate: (f32, f32), swing: (f32, f32)) -> bool 
     exceeds(1.0 - math::sqrt(SOFTER * ratio), rate, swing)
 }
 
+/// Is it surely not folded?
+pub(crate) fn is_whole(site: &Site, rate: (f32, f32), swing: (f32, f32)) -> bool {
+    let ratio = stiffness_ratio(site, rate.0, swing.0);
+    exceeds(math::sqrt(STIFFER / ratio) - 1.0, rate, swing)
+}
+
 /// `k = F'/w` over `k = ω² M`; NaN where the speed of the winch is not known.
 fn stiffness_ratio(site: &Site, rate: f32, swing: f32) -> f32 {
     rate * swing * swing / site.momentum
