@@ -17,8 +17,7 @@ const LEAST_BLOCK: f32 = 16.0;
 const BLOCKS: (u32, u32) = (8, 128);
 /// Standard deviations that are no chance.
 const SURE: f32 = 4.0;
-/// Standard deviations by which the means may rise by chance: one constant force in a thousand
-/// is not told.
+/// Standard deviations of a slope that may be chance: one constant force in four hundred is not told.
 const UNLIKELY: f32 = 3.0;
 /// A mean that differs by less than this part of the force is the same.
 const SAME: f32 = 0.01;
@@ -126,12 +125,12 @@ impl SteadyForce {
     fn end(&mut self, next: u64) -> Option<Steady> {
         let (start, means) = (self.start, self.means);
         // What seems to rise is as likely a slow stick line.
-        let is_level = self.scatters || self.slope_over_std(0.0) < UNLIKELY;
+        let rises = means.slope() > Some(0.0) && self.has_slope(0.0, UNLIKELY);
         let stop = self.last.index.saturating_sub(self.count.into());
         self.clear_block();
         (self.start, self.means) = (next, Line::default());
         (self.noise_n2, self.variance_n2) = (0.0, 0.0);
-        let is_told = means.count >= BLOCKS.0 && is_level;
+        let is_told = means.count >= BLOCKS.0 && (self.scatters || !rises);
         is_told.then_some((start, stop, means, self.scatters))
     }
 
@@ -188,14 +187,14 @@ impl SteadyForce {
         larger(self.means.residual() / free, larger(self.noise_n2, noise_n2))
     }
 
-    /// Have the means a slope?
     fn rises(&self, noise_n2: f32) -> bool {
-        self.slope_over_std(noise_n2).abs() > SURE
+        self.has_slope(noise_n2, SURE)
     }
 
-    fn slope_over_std(&self, noise_n2: f32) -> f32 {
+    /// Have the means a slope of more than so many standard deviations?
+    fn has_slope(&self, noise_n2: f32, sigmas: f32) -> bool {
         let slope = self.means.slope().unwrap_or(0.0);
-        slope * math::sqrt(self.means.slope_weight() / self.scatter_n2(noise_n2))
+        slope * slope * self.means.slope_weight() > sigmas * sigmas * self.scatter_n2(noise_n2)
     }
 }
 

@@ -68,11 +68,8 @@ impl CycleTracker {
         let overlaps =
             limit.precedes(event.stop) || self.last_stop.is_some_and(|it| event.onset.precedes(it));
         let overlaps = (overlaps && event.reason.is_none()).then_some(Reason::NoFit);
-        let (folded, cleared, doubt) = if fits {
-            self.of_fit(&measured.posterior, pending.limit)
-        } else {
-            (false, false, None)
-        };
+        let (folded, doubt) =
+            if fits { self.of_fit(&measured.posterior, pending.limit) } else { (None, None) };
         // A slack cable that loads within two samples shows no loading rate without any line.
         let cycle = &measured.posterior.cycle;
         let has_line = pending.before.count + finishing.after.count > 0;
@@ -82,29 +79,34 @@ impl CycleTracker {
         // What is not believed for itself, of slips in quick succession, is no sign that the others are.
         let is_fast = pending.limit - pending.extremes().0 < refusal::FAST;
         let doubted = is_fast && reason.or(event.reason).is_some();
-        let aliased = self.recurrence.is_folded(folded || doubted);
-        reason.or((aliased && fits && !cleared).then_some(Reason::Aliased))
+        let aliased = self.recurrence.is_folded(folded == Some(true) || doubted);
+        let believed = !fits || folded == Some(false);
+        reason.or((aliased && !believed).then_some(Reason::Aliased))
     }
 
-    /// Does a fit show slips that are folded, or why is it not believed?
-    fn of_fit(&self, posterior: &Posterior, next: f32) -> (bool, bool, Option<Reason>) {
+    /// Does a fit show slips that are folded, or surely not, and why is it not believed?
+    fn of_fit(&self, posterior: &Posterior, next: f32) -> (Option<bool>, Option<Reason>) {
         let Posterior { cycle, unknowns, .. } = posterior;
         let (site, learnt) = (self.site(), &self.learnt);
         let (rate, swing) = (learnt.rate.now(), learnt.mass.inverse_omega().now());
         let is_clear = core::f32::consts::PI * swing.0 > CLEAR;
         let periods = next - cycle.onset;
-        let mut folded = is_clear && refusal::is_folded(&site, rate, swing, periods);
+        let learnt = refusal::stiffer(&site, rate, swing);
+        let folded = is_clear && refusal::is_folded(learnt, periods);
         if periods >= refusal::FAST {
-            return (folded, false, None);
+            return (folded.then_some(true), None);
         }
-        let (rate, swing) = ((cycle.rate, unknowns[1]), (cycle.inverse_omega(), unknowns[4]));
-        let drop = (cycle.half_drop_n, unknowns[3]);
-        folded |=
-            posterior.tells_swing(unknowns[4]) && refusal::is_folded(&site, rate, swing, periods);
+        let (rate, drop) = ((cycle.rate, unknowns[1]), (cycle.half_drop_n, unknowns[3]));
+        let own = refusal::stiffer(&site, rate, (cycle.inverse_omega(), unknowns[4]));
+        let tells = posterior.tells_swing(unknowns[4]);
         let is_sure = refusal::is_no_chance(rate) && refusal::is_no_chance(drop);
-        let lame = || refusal::is_lame(&site, rate, swing).then_some(Reason::NoFit);
-        let cleared = !folded && refusal::is_whole(&site, rate, swing);
-        (folded, cleared, if is_sure { lame() } else { Some(Reason::TooShort) })
+        let lame = || refusal::is_lame(own).then_some(Reason::NoFit);
+        let doubt = if is_sure { lame() } else { Some(Reason::TooShort) };
+        if folded || (tells && refusal::is_folded(own, periods)) {
+            (Some(true), doubt)
+        } else {
+            (refusal::is_whole(own).then_some(false), doubt)
+        }
     }
 
     /// An event with its coefficients; omega where the slip shows it.

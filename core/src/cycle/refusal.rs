@@ -22,7 +22,9 @@ pub(super) const FAST: f32 = 16.0;
 /// Ratio of the stiffness by the winch to that by the slip which is no error of weight, winch or
 /// model: of the scenes that can be read none comes to 1.2.
 const STIFFER: f32 = 2.0;
-/// Standard errors by which it exceeds the limit: the true ratio is far from it. Tuned: at four, seven
+/// Such a ratio the other way: weight and speed of a winch are known better than to a half.
+const SOFTER: f32 = 2.0 / 3.0;
+/// Standard errors by which it is beyond a limit: the true ratio is far from it. Tuned: at four, seven
 /// times as many events of `aliased_fast` and `aliased_stiff` are believed.
 const LIKELY: f32 = 2.0;
 /// Periods of a fall that shows no sample between its ends.
@@ -128,49 +130,42 @@ impl Recurrence {
     }
 }
 
+/// Between which limits the root of the ratio of two stiffnesses lies, `k = F'/w` over `k = ω² M`, from the
+/// loading rate, N per period, and the swing, periods, each with its variance. NaN where the speed of the
+/// winch is not known: then nothing is told by it.
+#[inline(never)]
+pub(crate) fn stiffer(site: &Site, rate: (f32, f32), swing: (f32, f32)) -> (f32, f32) {
+    let root = swing.0 * math::sqrt(rate.0 / site.momentum);
+    // Of the root, the rate counts half.
+    let unsure = 0.25 * rate.1 / (rate.0 * rate.0) + swing.1 / (swing.0 * swing.0);
+    let by = LIKELY * root * math::sqrt(unsure);
+    (root - by, root + by)
+}
+
 /// Does a cable that the winch shows to be stiff let the block slip as slowly as a soft one? Then
 /// the slips that are seen are made of single samples of many: with time stretched by a factor,
 /// `k = F'/w` falls by it, `k = ω² M` by its square, and the true slips follow each other as much
-/// faster. From the loading rate, N per period, and the swing, periods, each with its variance, and
-/// the periods to the next slip. Not where the speed of the winch is not known.
-pub(crate) fn is_folded(site: &Site, rate: (f32, f32), swing: (f32, f32), periods: f32) -> bool {
-    let ratio = stiffness_ratio(site, rate.0, swing.0);
-    let least = larger(STIFFER, periods / FEWEST_PERIODS);
-    exceeds(1.0 - math::sqrt(least / ratio), rate, swing)
+/// faster. With the periods to the next slip.
+pub(crate) fn is_folded((least, _): (f32, f32), periods: f32) -> bool {
+    least > 0.0 && least * least > larger(STIFFER, periods / FEWEST_PERIODS)
+}
+
+/// Is it surely not folded?
+pub(crate) fn is_whole((_, most): (f32, f32)) -> bool {
+    most * most < STIFFER
 }
 
 /// Is the loading rate far too low for the swing? A winch of known speed loads the cable that the
 /// swing shows by `ω² M w`; two thirds of that are another slip than the one in the samples, which a fit
-/// with few of them may find. As [`is_folded`] where that speed is not known.
-pub(crate) fn is_lame(site: &Site, rate: (f32, f32), swing: (f32, f32)) -> bool {
-    // Weight and speed of a winch are known better than that.
-    const SOFTER: f32 = 1.5;
-    let ratio = stiffness_ratio(site, rate.0, swing.0);
-    exceeds(1.0 - math::sqrt(SOFTER * ratio), rate, swing)
-}
-
-/// Is it surely not folded?
-pub(crate) fn is_whole(site: &Site, rate: (f32, f32), swing: (f32, f32)) -> bool {
-    let ratio = stiffness_ratio(site, rate.0, swing.0);
-    exceeds(math::sqrt(STIFFER / ratio) - 1.0, rate, swing)
-}
-
-/// `k = F'/w` over `k = ω² M`; NaN where the speed of the winch is not known.
-fn stiffness_ratio(site: &Site, rate: f32, swing: f32) -> f32 {
-    rate * swing * swing / site.momentum
+/// with few of them may find.
+pub(crate) fn is_lame((_, most): (f32, f32)) -> bool {
+    most * most < SOFTER
 }
 
 /// Is a value, with its variance, more than chance? What may be nothing says nothing: fits of slips
 /// that follow each other too fast may end with hardly a drop. Not for NaN.
 pub(crate) fn is_no_chance((value, variance): (f32, f32)) -> bool {
     SURE * SURE * variance < value * value
-}
-
-/// Is a part of the root of that ratio more than chance?
-fn exceeds(part: f32, rate: (f32, f32), swing: (f32, f32)) -> bool {
-    // Of the root, the rate counts half.
-    let unsure = 0.25 * rate.1 / (rate.0 * rate.0) + swing.1 / (swing.0 * swing.0);
-    part > 0.0 && LIKELY * LIKELY * unsure < part * part
 }
 
 /// Why a measured event is not believed.

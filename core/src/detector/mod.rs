@@ -215,6 +215,7 @@ impl Detector {
         } else if self.slips(now) {
             self.phase = Phase::Slip;
             self.lowest = now;
+            self.find_peak(now.index);
             self.shorten_line();
             return Some(Transition::Onset);
         }

@@ -21,6 +21,9 @@ const LEAST_PART_BRIEF: f32 = 0.35;
 /// Least drop of a slip that starts in the lower half, usual drops. Tuned: a lower one takes
 /// flop for slips.
 const LEAST_PART_LOW: f32 = 0.5;
+/// Most samples from the highest one until a slip is seen. Tuned: with fewer the highest may lie in a slow
+/// slip, with more it lies long before one where the force rises slowly in its noise.
+const FARTHEST: u64 = 16;
 /// A larger fall in one sample, usual drops, is not taken for a slip beforehand: it is more
 /// likely a spike. Only the phase that is shown depends on it.
 const LARGEST_DROP: f32 = 1.1;
@@ -72,6 +75,16 @@ impl Detector {
         let rises = line.slope().is_some_and(|slope| slope > 0.0);
         let below_line = -off_n / self.spread(now, variance);
         Some(if rises { larger(below_line, below_mean) } else { below_line })
+    }
+
+    /// Where the force hardly rises in its noise the highest sample may lie long before a slip that shows
+    /// now: the highest of late is what counts.
+    pub(super) fn find_peak(&mut self, now: u64) {
+        if now - self.stick.highest.index > FARTHEST {
+            let from = now - FARTHEST;
+            self.stick.highest = ForcePoint { index: from, force_n: f32::NEG_INFINITY };
+            self.look_back(from, now);
+        }
     }
 
     /// Is the sample far above all before and above the stick line: more than one
