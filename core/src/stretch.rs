@@ -125,7 +125,7 @@ impl SteadyForce {
     fn end(&mut self, next: u64) -> Option<Steady> {
         let (start, means) = (self.start, self.means);
         // What seems to rise is as likely a slow stick line.
-        let rises = means.slope() > Some(0.0) && self.has_slope(0.0, UNLIKELY);
+        let rises = self.slope_over_std2(0.0) > UNLIKELY * UNLIKELY;
         let stop = self.last.index.saturating_sub(self.count.into());
         self.clear_block();
         (self.start, self.means) = (next, Line::default());
@@ -188,13 +188,13 @@ impl SteadyForce {
     }
 
     fn rises(&self, noise_n2: f32) -> bool {
-        self.has_slope(noise_n2, SURE)
+        self.slope_over_std2(noise_n2).abs() > SURE * SURE
     }
 
-    /// Have the means a slope of more than so many standard deviations?
-    fn has_slope(&self, noise_n2: f32, sigmas: f32) -> bool {
+    /// Square of the slope of the means over its variance, with the sign of the slope.
+    fn slope_over_std2(&self, noise_n2: f32) -> f32 {
         let slope = self.means.slope().unwrap_or(0.0);
-        slope * slope * self.means.slope_weight() > sigmas * sigmas * self.scatter_n2(noise_n2)
+        slope * slope.abs() * self.means.slope_weight() / self.scatter_n2(noise_n2)
     }
 }
 

@@ -293,7 +293,7 @@ mod tests {
         let (hz, rate_n_per_s, omega) = (16.0, 360.0, 18.93_f32);
         let mass_kg = 630.0 / 9.806_65;
         let winch_m_per_s = rate_n_per_s / (omega * omega * mass_kg);
-        let folded = |winch_m_per_s: f32, stretched: f32, std: f32| {
+        let limits = |winch_m_per_s: f32, stretched: f32, std: f32| {
             let site = Site {
                 weight_n: 630.0,
                 momentum: mass_kg * winch_m_per_s * hz,
@@ -303,20 +303,25 @@ mod tests {
             };
             let (rate, swing) = (rate_n_per_s / hz / stretched, stretched * hz / omega);
             let variance = |value: f32| std * std * value * value;
-            is_folded(&site, (rate, variance(rate)), (swing, variance(swing)), 29.0)
+            stiffer(&site, (rate, variance(rate)), (swing, variance(swing)))
         };
-        for (stretched, std, seen) in [
-            (1.0, 0.001, false),
-            (2.5, 0.001, false),
-            (7.0, 0.001, false),
-            (7.5, 0.001, true),
-            (7.5, 0.01, false),
-            (29.0, 0.1, true),
-            (29.0, 0.2, true),
-            (29.0, 0.25, false),
+        for (stretched, std, folded, whole) in [
+            (1.0, 0.001, false, true),
+            (1.0, 0.15, false, true),
+            (1.0, 0.25, false, false),
+            (2.5, 0.001, false, false),
+            (7.0, 0.001, false, false),
+            (7.5, 0.001, true, false),
+            (7.5, 0.01, false, false),
+            (29.0, 0.1, true, false),
+            (29.0, 0.2, true, false),
+            (29.0, 0.25, false, false),
         ] {
-            assert_eq!(folded(winch_m_per_s, stretched, std), seen, "{stretched} ± {std}");
-            assert!(!folded(f32::NAN, stretched, std));
+            let seen = limits(winch_m_per_s, stretched, std);
+            let told = (is_folded(seen, 29.0), is_whole(seen));
+            assert_eq!(told, (folded, whole), "{stretched} ± {std}");
+            let unknown = limits(f32::NAN, stretched, std);
+            assert!(!is_folded(unknown, 29.0) && !is_whole(unknown) && !is_lame(unknown));
         }
     }
 }

@@ -4,7 +4,7 @@
 use crate::detector::Detector;
 use crate::detector::stick_line::LINE_POINTS;
 use crate::num::math::{self, larger};
-use crate::sample::{ForcePoint, Phase};
+use crate::sample::{ForcePoint, Phase, near};
 
 /// Samples whose innovation exceeds this many standard deviations are not on the line: of
 /// normal noise one in 5e8, and the noise is known to about 10 %.
@@ -21,9 +21,8 @@ const LEAST_PART_BRIEF: f32 = 0.35;
 /// Least drop of a slip that starts in the lower half, usual drops. Tuned: a lower one takes
 /// flop for slips.
 const LEAST_PART_LOW: f32 = 0.5;
-/// Most samples from the highest one until a slip is seen. Tuned: with fewer the highest may lie in a slow
-/// slip, with more it lies long before one where the force rises slowly in its noise.
-const FARTHEST: u64 = 16;
+/// Most samples of a slip before it is seen.
+const FARTHEST: i32 = 32;
 /// A larger fall in one sample, usual drops, is not taken for a slip beforehand: it is more
 /// likely a spike. Only the phase that is shown depends on it.
 const LARGEST_DROP: f32 = 1.1;
@@ -78,12 +77,16 @@ impl Detector {
     }
 
     /// Where the force hardly rises in its noise the highest sample may lie long before a slip that shows
-    /// now: the highest of late is what counts.
+    /// now: the highest since the last one on the line is what counts.
     pub(super) fn find_peak(&mut self, now: u64) {
-        if now - self.stick.highest.index > FARTHEST {
-            let from = now - FARTHEST;
-            self.stick.highest = ForcePoint { index: from, force_n: f32::NEG_INFINITY };
-            self.look_back(from, now);
+        for back in 1..near(self.stick.highest.index, now).min(FARTHEST) {
+            let index = now - back as u64;
+            let force_n = self.window.get(index).unwrap_or(f32::NEG_INFINITY);
+            let off_n = self.off_line_n(ForcePoint { index, force_n });
+            if off_n > Some(-self.std_n) {
+                self.stick.highest = ForcePoint { index, force_n };
+                return self.look_back(index + 1, now);
+            }
         }
     }
 

@@ -150,11 +150,11 @@ fn following(place: i16, last: i16, ends: bool) -> Option<i16> {
 }
 
 /// Weighted sums of values relative to the best fit, of their squares and of their
-/// variances: `Fs`, `Fp` and the unknowns.
+/// variances: `Fp` and the unknowns.
 #[derive(Clone, Copy, Debug, Default)]
 struct Sums {
     weight: f32,
-    moments: [[f32; 2]; 2 + UNKNOWNS],
+    moments: [[f32; 2]; 1 + UNKNOWNS],
 }
 
 impl Sums {
@@ -163,8 +163,7 @@ impl Sums {
         let weight = if weight.is_finite() { weight.min(1e3) } else { 0.0 };
         self.weight += weight;
         let [onset, rate, static_n2, half_drop_n2, swing, bend] = one.unknowns;
-        let variances =
-            [one.static_n2, one.dynamic_n2, onset, rate, static_n2, half_drop_n2, swing, bend];
+        let variances = [one.dynamic_n2, onset, rate, static_n2, half_drop_n2, swing, bend];
         let (values, bests) = (values(&one.cycle), values(best.cycle()));
         for (i, moment) in self.moments.iter_mut().enumerate() {
             let difference = values[i] - bests[i];
@@ -183,11 +182,11 @@ impl Sums {
             *mean /= self.weight;
             *square = math::larger(*square / self.weight - *mean * *mean, 0.0);
         }
-        let [by_static, by_dynamic, of_unknowns @ ..] = spread;
+        let [by_dynamic, of_unknowns @ ..] = spread;
         let (unknowns, by) = (of_unknowns.map(|it| it[1]), of_unknowns.map(|it| it[0]));
-        let [onset, rate, _, _, inverse_omega, rate_change] = by;
+        let [onset, rate, by_static, _, inverse_omega, rate_change] = by;
         let from = best.cycle();
-        let static_n = from.static_n + by_static[0];
+        let static_n = from.static_n + by_static;
         let cycle = CycleParams {
             onset: from.onset + onset,
             rate: from.rate + rate,
@@ -197,7 +196,7 @@ impl Sums {
             rate_change: from.rate_change + rate_change,
         };
         let wider = best.wider_n2(noise_n2);
-        let static_n2 = by_static[1] + SCATTER * wider.0;
+        let static_n2 = unknowns[2] + SCATTER * wider.0;
         let dynamic_n2 = by_dynamic[1] + SCATTER * wider.1;
         let (slide_time, common_n2) = (cycle.slide_time(), (0.0, 0.0));
         let over = Posterior { cycle, slide_time, static_n2, dynamic_n2, common_n2, unknowns };
@@ -211,18 +210,9 @@ impl Sums {
     }
 }
 
-/// `Fs`, `Fp` and the unknowns of a cycle.
-fn values(c: &CycleParams) -> [f32; 2 + UNKNOWNS] {
-    [
-        c.static_n,
-        c.dynamic_n(),
-        c.onset,
-        c.rate,
-        c.static_n,
-        c.half_drop_n,
-        c.inverse_omega(),
-        c.rate_change,
-    ]
+/// `Fp` and the unknowns of a cycle.
+fn values(c: &CycleParams) -> [f32; 1 + UNKNOWNS] {
+    [c.dynamic_n(), c.onset, c.rate, c.static_n, c.half_drop_n, c.inverse_omega(), c.rate_change]
 }
 
 #[cfg(test)]

@@ -56,7 +56,6 @@ impl Window {
 
     /// Force at an index, if it is in the window and was good.
     #[must_use]
-    #[inline(never)]
     pub fn get(&self, index: u64) -> Option<f32> {
         let inside = self.end.wrapping_sub(index).wrapping_sub(1) < WINDOW as u64;
         self.force_n(index).filter(|_| inside)
