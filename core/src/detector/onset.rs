@@ -79,7 +79,9 @@ impl Detector {
     /// Where the force hardly rises in its noise the highest sample may lie long before a slip that shows
     /// now: the highest since the last one on the line is what counts.
     pub(super) fn find_peak(&mut self, now: u64) {
-        for back in 1..near(self.stick.highest.index, now).min(FARTHEST) {
+        let most = near(self.stick.highest.index, now).clamp(0, FARTHEST);
+        self.spent += most as usize / 2;
+        for back in 1..most {
             let index = now - back as u64;
             let force_n = self.window.get(index).unwrap_or(f32::NEG_INFINITY);
             let off_n = self.off_line_n(ForcePoint { index, force_n });

@@ -178,7 +178,7 @@ impl CycleFit {
             Stage::New if knows_omega => 18,
             Stage::New => 52,
             Stage::Free(_) => 34 + self.expected.pass(&self.pending),
-            Stage::Expected(_) => self.expected.pass(&self.pending),
+            Stage::Expected(_) => 4 + self.expected.pass(&self.pending),
             Stage::Places(_) => 10 + self.expected.pass(&self.pending),
             Stage::Fitted => 25 + 5 * (self.pending.fall() as usize).min(8),
             // With a second fit, if a swing is disputed.
