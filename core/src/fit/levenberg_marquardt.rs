@@ -16,8 +16,10 @@ const SETTLED: f32 = 1e-2;
 /// The same when the iterations are used up: a sample may sit right on an end of
 /// the slip, where the sum of squares has a kink.
 const NEARLY_SETTLED: f32 = 0.05;
-/// Damping after the first refused step, and below which it is none.
+/// Damping after the first refused step, and below which it is none. Tuned: where it is none after one
+/// good step, the next one goes too far again in a valley that bends, as that of a slip with one sample is.
 const DAMPING: f32 = 1e-3;
+const LEAST_DAMPING: f32 = 1e-6;
 /// Damping beyond which the data do not determine the unknowns.
 const MOST_DAMPING: f32 = 1e9;
 
@@ -118,7 +120,7 @@ impl Fitting {
         // is a refused step.
         if next.cost <= self.normal.cost + SETTLED * least_n2 {
             (self.cycle, self.normal) = (trial, next);
-            self.damping = if self.damping > DAMPING { 0.1 * self.damping } else { 0.0 };
+            self.damping = if self.damping > LEAST_DAMPING { 0.1 * self.damping } else { 0.0 };
         } else {
             self.refuse()?;
         }
@@ -137,12 +139,11 @@ impl Fitting {
         let gain = dot(&step, &self.normal.right);
         let least_n2 = self.least_n2(noise_n2);
         let trial = limited(moved(&self.cycle, &step));
-        if self.damping > 0.0 && gain < SETTLED * least_n2 {
-            return ControlFlow::Break(self.settled(true));
-        }
         if smaller(data.nonlinearity_n2(&self.cycle, &step), gain) < SETTLED * least_n2 {
             (self.cycle, self.normal.cost) = (trial, self.normal.cost - gain);
-            return ControlFlow::Break(self.fit(&factor, true));
+            let is_damped = self.damping > 0.0;
+            let fit = if is_damped { self.settled(true) } else { self.fit(&factor, true) };
+            return ControlFlow::Break(fit);
         }
         (self.gain, self.pass) = (gain, Some(Pass::at(trial)));
         ControlFlow::Continue(())
@@ -154,7 +155,7 @@ impl Fitting {
 
     /// Smaller steps from here on.
     fn refuse(&mut self) -> ControlFlow<Option<Fit>> {
-        self.damping = larger(10.0 * self.damping, DAMPING);
+        self.damping = if self.damping > 0.0 { 10.0 * self.damping } else { DAMPING };
         if self.damping > MOST_DAMPING || self.steps > MOST_STEPS {
             return ControlFlow::Break(None);
         }
