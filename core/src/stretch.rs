@@ -125,7 +125,7 @@ impl SteadyForce {
     fn end(&mut self, next: u64) -> Option<Steady> {
         let (start, means) = (self.start, self.means);
         // What seems to rise is as likely a slow stick line.
-        let rises = self.slope_over_std2(0.0) > UNLIKELY * UNLIKELY;
+        let rises = self.slope_over_std2() > UNLIKELY * UNLIKELY;
         let stop = self.last.index.saturating_sub(self.count.into());
         self.clear_block();
         (self.start, self.means) = (next, Line::default());
@@ -163,7 +163,7 @@ impl SteadyForce {
         self.noise_n2 += (noise_n2 - self.noise_n2) / (blocks + 1.0);
         self.variance_n2 += (block_n2 - self.variance_n2) / (blocks + 1.0);
         self.means.add(blocks, mean_n, 1.0, 1.0);
-        if self.means.count == BLOCKS.0 && !scatters && self.rises(self.noise_n2) {
+        if self.means.count == BLOCKS.0 && !scatters && self.rises() {
             // A slow stick line.
             (self.start, self.means) = (self.last.index + 1, Line::default());
         }
@@ -177,7 +177,7 @@ impl SteadyForce {
         let scatter_n = SURE * math::sqrt(self.scatter_n2(noise_n2));
         let is_same =
             (mean_n - means.level_n).abs() < larger(SAME * means.level_n.abs(), scatter_n);
-        means.count == 0 || (is_same && (means.count < BLOCKS.0 || !self.rises(noise_n2)))
+        means.count == 0 || (is_same && (means.count < BLOCKS.0 || !self.rises()))
     }
 
     /// Variance of a block's mean, N².
@@ -187,14 +187,14 @@ impl SteadyForce {
         larger(self.means.residual() / free, larger(self.noise_n2, noise_n2))
     }
 
-    fn rises(&self, noise_n2: f32) -> bool {
-        self.slope_over_std2(noise_n2).abs() > SURE * SURE
+    fn rises(&self) -> bool {
+        self.slope_over_std2().abs() > SURE * SURE
     }
 
     /// Square of the slope of the means over its variance, with the sign of the slope.
-    fn slope_over_std2(&self, noise_n2: f32) -> f32 {
+    fn slope_over_std2(&self) -> f32 {
         let slope = self.means.slope().unwrap_or(0.0);
-        slope * slope.abs() * self.means.slope_weight() / self.scatter_n2(noise_n2)
+        slope * slope.abs() * self.means.slope_weight() / self.scatter_n2(0.0)
     }
 }
 

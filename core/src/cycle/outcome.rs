@@ -68,14 +68,14 @@ impl CycleTracker {
         let overlaps =
             limit.precedes(event.stop) || self.last_stop.is_some_and(|it| event.onset.precedes(it));
         let overlaps = (overlaps && event.reason.is_none()).then_some(Reason::NoFit);
-        let (folded, doubt) =
-            if fits { self.of_fit(&measured.posterior, pending.limit) } else { (None, None) };
+        let (folded, unsure) =
+            if fits { self.of_fit(&measured.posterior, pending.limit) } else { (None, false) };
         // A slack cable that loads within two samples shows no loading rate without any line.
         let cycle = &measured.posterior.cycle;
         let has_line = pending.before.count + finishing.after.count > 0;
         let loads_fast = event.slack && !has_line && 2.0 * cycle.rate > cycle.static_n;
-        let short = loads_fast.then_some(Reason::TooShort);
-        let reason = refusal::of_event(event).or(overlaps).or(short).or(doubt);
+        let short = (loads_fast || unsure).then_some(Reason::TooShort);
+        let reason = refusal::of_event(event).or(overlaps).or(short);
         // What is not believed for itself, of slips in quick succession, is no sign that the others are.
         let is_fast = pending.limit - pending.extremes().0 < refusal::FAST;
         let doubted = is_fast && reason.or(event.reason).is_some();
@@ -84,8 +84,8 @@ impl CycleTracker {
         reason.or((aliased && !believed).then_some(Reason::Aliased))
     }
 
-    /// Does a fit show slips that are folded, or surely not, and why is it not believed?
-    fn of_fit(&self, posterior: &Posterior, next: f32) -> (Option<bool>, Option<Reason>) {
+    /// Does a fit show slips that are folded, or surely not? And is it known too little to be believed?
+    fn of_fit(&self, posterior: &Posterior, next: f32) -> (Option<bool>, bool) {
         let Posterior { cycle, unknowns, .. } = posterior;
         let (site, learnt) = (self.site(), &self.learnt);
         let (rate, swing) = (learnt.rate.now(), learnt.mass.inverse_omega().now());
@@ -94,19 +94,21 @@ impl CycleTracker {
         let learnt = refusal::stiffer(&site, rate, swing);
         let folded = is_clear && refusal::is_folded(learnt, periods);
         if periods >= refusal::FAST {
-            return (folded.then_some(true), None);
+            return (folded.then_some(true), false);
         }
         let (rate, drop) = ((cycle.rate, unknowns[1]), (cycle.half_drop_n, unknowns[3]));
         let own = refusal::stiffer(&site, rate, (cycle.inverse_omega(), unknowns[4]));
         let tells = posterior.tells_swing(unknowns[4]);
-        let is_sure = refusal::is_no_chance(rate) && refusal::is_no_chance(drop);
-        let lame = || refusal::is_lame(own).then_some(Reason::NoFit);
-        let doubt = if is_sure { lame() } else { Some(Reason::TooShort) };
-        if folded || (tells && refusal::is_folded(own, periods)) {
-            (Some(true), doubt)
-        } else {
-            (refusal::is_whole(own).then_some(false), doubt)
+        let folded = (folded || (tells && refusal::is_folded(own, periods))).then_some(true);
+        let is_told = refusal::is_no_chance(rate) && refusal::is_no_chance(drop);
+        if !is_told || refusal::is_lame(own) {
+            return (folded, true);
         }
+        if refusal::is_asked_for(own) {
+            return (Some(folded.is_some()), false);
+        }
+        // Without two samples at rest a swing of the force is as good a slip, unless the winch asks for it.
+        (folded, cycle.half_drop_n <= cycle.rate)
     }
 
     /// An event with its coefficients; omega where the slip shows it.

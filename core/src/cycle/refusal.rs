@@ -24,6 +24,8 @@ pub(super) const FAST: f32 = 16.0;
 const STIFFER: f32 = 2.0;
 /// Such a ratio the other way: weight and speed of a winch are known better than to a half.
 const SOFTER: f32 = 2.0 / 3.0;
+/// Between these the root of the ratio is one.
+const CLOSE: (f32, f32) = (0.9, 1.11);
 /// Standard errors by which it is beyond a limit: the true ratio is far from it. Tuned: at four, seven
 /// times as many events of `aliased_fast` and `aliased_stiff` are believed.
 const LIKELY: f32 = 2.0;
@@ -150,9 +152,10 @@ pub(crate) fn is_folded((least, _): (f32, f32), periods: f32) -> bool {
     least > 0.0 && least * least > larger(STIFFER, periods / FEWEST_PERIODS)
 }
 
-/// Is it surely not folded?
-pub(crate) fn is_whole((_, most): (f32, f32)) -> bool {
-    most * most < STIFFER
+/// Is that ratio one, as far as weight and winch are known? Then the slips are not folded, and no swing of
+/// the cell.
+pub(crate) fn is_asked_for((least, most): (f32, f32)) -> bool {
+    least > CLOSE.0 && most < CLOSE.1
 }
 
 /// Is the loading rate far too low for the swing? A winch of known speed loads the cable that the
@@ -305,10 +308,10 @@ mod tests {
             let variance = |value: f32| std * std * value * value;
             stiffer(&site, (rate, variance(rate)), (swing, variance(swing)))
         };
-        for (stretched, std, folded, whole) in [
+        for (stretched, std, folded, asked_for) in [
             (1.0, 0.001, false, true),
-            (1.0, 0.15, false, true),
-            (1.0, 0.25, false, false),
+            (1.0, 0.04, false, true),
+            (1.0, 0.06, false, false),
             (2.5, 0.001, false, false),
             (7.0, 0.001, false, false),
             (7.5, 0.001, true, false),
@@ -318,10 +321,10 @@ mod tests {
             (29.0, 0.25, false, false),
         ] {
             let seen = limits(winch_m_per_s, stretched, std);
-            let told = (is_folded(seen, 29.0), is_whole(seen));
-            assert_eq!(told, (folded, whole), "{stretched} ± {std}");
+            let told = (is_folded(seen, 29.0), is_asked_for(seen));
+            assert_eq!(told, (folded, asked_for), "{stretched} ± {std}");
             let unknown = limits(f32::NAN, stretched, std);
-            assert!(!is_folded(unknown, 29.0) && !is_whole(unknown) && !is_lame(unknown));
+            assert!(!is_folded(unknown, 29.0) && !is_asked_for(unknown) && !is_lame(unknown));
         }
     }
 }

@@ -1,0 +1,29 @@
+//! What swings about a constant force is no slip.
+
+use std::f64::consts::TAU;
+
+use floe::bench::scenes::phase;
+
+use crate::{HZ, SEEDS, config, noisy, read};
+
+/// Hum of the mains on a block that slides evenly: 50 Hz at 16 Hz is a swing of eight samples, 60 Hz one of
+/// four. Its falls may be seen; next to none has coefficients.
+#[test]
+fn hum_on_a_steady_slide_has_no_coefficients() {
+    for (hz, noise) in [(50.0, 1.0), (50.0, 0.25), (50.3, 0.25), (60.0, 1.0), (60.0, 0.25)] {
+        let (mut seen, mut believed) = (0, 0);
+        let humming = |seed| {
+            let hum = move |t: f64| 20.0 * (TAU * (hz * t + phase(seed))).sin();
+            let white = noisy(seed, 120.0, |_| 0.0);
+            let at = |(i, noise_n): (usize, f64)| 491.4 + noise * noise_n + hum(i as f64 / HZ);
+            white.into_iter().enumerate().map(at).collect::<Vec<f64>>()
+        };
+        for seed in 1..=SEEDS {
+            let events = read(&config(), humming(seed)).events;
+            seen += events.len();
+            believed += events.iter().filter(|it| it.mu_s.is_some()).count();
+        }
+        println!("{hz} Hz, {noise} of the noise: {believed} of {seen} falls with coefficients");
+        assert!(believed * 50 < seen.max(50), "{hz} Hz, {noise}: {believed} of {seen}");
+    }
+}
