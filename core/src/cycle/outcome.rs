@@ -9,6 +9,17 @@ use crate::model::{CycleParams, Shape};
 use crate::num::math::larger;
 use crate::sample::SampleTime;
 
+/// What a fit tells.
+#[derive(Clone, Copy, Debug, Default)]
+struct Told {
+    /// The slips that are seen are made of many.
+    folded: bool,
+    /// The winch asks for this slip.
+    asked_for: bool,
+    /// It is known too little.
+    unsure: bool,
+}
+
 impl CycleTracker {
     /// The fit has ended: gives the event, between the end of the last one and the next.
     pub(super) fn end(&mut self, outcome: Outcome) -> Option<Finished> {
@@ -68,8 +79,10 @@ impl CycleTracker {
         let overlaps =
             limit.precedes(event.stop) || self.last_stop.is_some_and(|it| event.onset.precedes(it));
         let overlaps = (overlaps && event.reason.is_none()).then_some(Reason::NoFit);
-        let (folded, unsure) =
-            if fits { self.of_fit(&measured.posterior, pending.limit) } else { (None, false) };
+        let Told { folded, asked_for, unsure } = match fits {
+            true => self.of_fit(&measured.posterior, pending.limit),
+            false => Told::default(),
+        };
         // A slack cable that loads within two samples shows no loading rate without any line.
         let cycle = &measured.posterior.cycle;
         let has_line = pending.before.count + finishing.after.count > 0;
@@ -79,13 +92,12 @@ impl CycleTracker {
         // What is not believed for itself, of slips in quick succession, is no sign that the others are.
         let is_fast = pending.limit - pending.extremes().0 < refusal::FAST;
         let doubted = is_fast && reason.or(event.reason).is_some();
-        let aliased = self.recurrence.is_folded(folded == Some(true) || doubted);
-        let believed = !fits || folded == Some(false);
-        reason.or((aliased && !believed).then_some(Reason::Aliased))
+        let aliased = self.recurrence.is_folded(folded || doubted);
+        reason.or((aliased && fits && !asked_for).then_some(Reason::Aliased))
     }
 
-    /// Does a fit show slips that are folded, or surely not? And is it known too little to be believed?
-    fn of_fit(&self, posterior: &Posterior, next: f32) -> (Option<bool>, bool) {
+    /// What a fit tells of its slip and of those that follow.
+    fn of_fit(&self, posterior: &Posterior, next: f32) -> Told {
         let Posterior { cycle, unknowns, .. } = posterior;
         let (site, learnt) = (self.site(), &self.learnt);
         let (rate, swing) = (learnt.rate.now(), learnt.mass.inverse_omega().now());
@@ -94,21 +106,19 @@ impl CycleTracker {
         let learnt = refusal::stiffer(&site, rate, swing);
         let folded = is_clear && refusal::is_folded(learnt, periods);
         if periods >= refusal::FAST {
-            return (folded.then_some(true), false);
+            return Told { folded, ..Told::default() };
         }
         let (rate, drop) = ((cycle.rate, unknowns[1]), (cycle.half_drop_n, unknowns[3]));
         let own = refusal::stiffer(&site, rate, (cycle.inverse_omega(), unknowns[4]));
         let tells = posterior.tells_swing(unknowns[4]);
-        let folded = (folded || (tells && refusal::is_folded(own, periods))).then_some(true);
-        let is_told = refusal::is_no_chance(rate) && refusal::is_no_chance(drop);
-        if !is_told || refusal::is_lame(own) {
-            return (folded, true);
-        }
-        if refusal::is_asked_for(own) {
-            return (Some(folded.is_some()), false);
-        }
-        // Without two samples at rest a swing of the force is as good a slip, unless the winch asks for it.
-        (folded, cycle.half_drop_n <= cycle.rate)
+        let folded = folded || (tells && refusal::is_folded(own, periods));
+        // Without a sample that is surely at rest a swing of the force is as good a slip, unless the winch
+        // asks for it.
+        let asked_for = refusal::is_asked_for(own);
+        let rests = (2.0 * drop.0 - rate.0, 4.0 * drop.1 + rate.1);
+        let shown = if asked_for { drop } else { rests };
+        let is_told = refusal::is_no_chance(shown) && refusal::is_no_chance(rate);
+        Told { folded, asked_for, unsure: !is_told || refusal::is_lame(own) }
     }
 
     /// An event with its coefficients; omega where the slip shows it.

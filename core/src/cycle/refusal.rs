@@ -165,10 +165,10 @@ pub(crate) fn is_lame((_, most): (f32, f32)) -> bool {
     most * most < SOFTER
 }
 
-/// Is a value, with its variance, more than chance? What may be nothing says nothing: fits of slips
+/// Is a value, with its variance, more than nothing and no chance? What may be nothing says nothing: fits of slips
 /// that follow each other too fast may end with hardly a drop. Not for NaN.
 pub(crate) fn is_no_chance((value, variance): (f32, f32)) -> bool {
-    SURE * SURE * variance < value * value
+    value > 0.0 && SURE * SURE * variance < value * value
 }
 
 /// Why a measured event is not believed.
