@@ -9,9 +9,9 @@ use crate::model::{CycleParams, Shape};
 use crate::num::math::larger;
 use crate::sample::SampleTime;
 
-/// What a fit tells.
+/// Whether a fit is to be believed.
 #[derive(Clone, Copy, Debug, Default)]
-struct Told {
+struct Belief {
     /// The slips that are seen are made of many.
     folded: bool,
     /// The winch asks for this slip.
@@ -79,9 +79,9 @@ impl CycleTracker {
         let overlaps =
             limit.precedes(event.stop) || self.last_stop.is_some_and(|it| event.onset.precedes(it));
         let overlaps = (overlaps && event.reason.is_none()).then_some(Reason::NoFit);
-        let Told { folded, asked_for, unsure } = match fits {
+        let Belief { folded, asked_for, unsure } = match fits {
             true => self.of_fit(&measured.posterior, pending.limit),
-            false => Told::default(),
+            false => Belief::default(),
         };
         // A slack cable that loads within two samples shows no loading rate without any line.
         let cycle = &measured.posterior.cycle;
@@ -96,8 +96,8 @@ impl CycleTracker {
         reason.or((aliased && fits && !asked_for).then_some(Reason::Aliased))
     }
 
-    /// What a fit tells of its slip and of those that follow.
-    fn of_fit(&self, posterior: &Posterior, next: f32) -> Told {
+    /// Is a fit to be believed, with the next slip at a time?
+    fn of_fit(&self, posterior: &Posterior, next: f32) -> Belief {
         let Posterior { cycle, unknowns, .. } = posterior;
         let (site, learnt) = (self.site(), &self.learnt);
         let (rate, swing) = (learnt.rate.now(), learnt.mass.inverse_omega().now());
@@ -106,7 +106,7 @@ impl CycleTracker {
         let learnt = refusal::stiffer(&site, rate, swing);
         let folded = is_clear && refusal::is_folded(learnt, periods);
         if periods >= refusal::FAST {
-            return Told { folded, ..Told::default() };
+            return Belief { folded, ..Belief::default() };
         }
         let (rate, drop) = ((cycle.rate, unknowns[1]), (cycle.half_drop_n, unknowns[3]));
         let own = refusal::stiffer(&site, rate, (cycle.inverse_omega(), unknowns[4]));
@@ -118,7 +118,7 @@ impl CycleTracker {
         let rests = (2.0 * drop.0 - rate.0, 4.0 * drop.1 + rate.1);
         let shown = if asked_for { drop } else { rests };
         let is_told = refusal::is_no_chance(shown) && refusal::is_no_chance(rate);
-        Told { folded, asked_for, unsure: !is_told || refusal::is_lame(own) }
+        Belief { folded, asked_for, unsure: !is_told || refusal::is_lame(own) }
     }
 
     /// An event with its coefficients; omega where the slip shows it.

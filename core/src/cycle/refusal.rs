@@ -165,8 +165,8 @@ pub(crate) fn is_lame((_, most): (f32, f32)) -> bool {
     most * most < SOFTER
 }
 
-/// Is a value, with its variance, more than nothing and no chance? What may be nothing says nothing: fits of slips
-/// that follow each other too fast may end with hardly a drop. Not for NaN.
+/// Is a value, with its variance, more than nothing and no chance? What may be nothing says nothing: fits
+/// of slips that follow each other too fast may end with hardly a drop. Not for NaN.
 pub(crate) fn is_no_chance((value, variance): (f32, f32)) -> bool {
     value > 0.0 && SURE * SURE * variance < value * value
 }

@@ -78,10 +78,10 @@ impl Detector {
         Some(swing * math::asin(2.0 * self.stick.line.slope()? * swing / drop))
     }
 
-    /// Takes the samples since the slip's lowest one, seen before the re-stick was: the highest
-    /// of them, and whether the cable has become taut already.
-    pub(super) fn look_back(&mut self, low: u64, now: u64) {
-        for index in low..now + 1 {
+    /// Takes samples that came before what they belong to was seen, a slip's peak or a re-stick: the
+    /// highest of them, and whether the cable has become taut already.
+    pub(super) fn look_back(&mut self, from: u64, now: u64) {
+        for index in from..now + 1 {
             let Some(force_n) = self.window.get(index) else { continue };
             if force_n > self.stick.highest.force_n {
                 self.stick.highest = ForcePoint { index, force_n };

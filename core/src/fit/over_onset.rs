@@ -273,10 +273,7 @@ mod tests {
     #[test]
     fn a_slip_between_two_samples_leaves_the_onset_open() {
         let (truth, got, [passes, places]) = posterior(0.5, 0.25);
-        assert!(
-            (9..20).contains(&places) && passes < 3 * places,
-            "{passes} passes, {places} places"
-        );
+        assert!(places == 16 && passes < 3 * places, "{passes} passes, {places} places");
         let onset_std = math::sqrt(got.unknowns[0]);
         assert!(onset_std > 0.05 && onset_std < 0.5, "{onset_std}");
         let std = math::sqrt(got.static_n2);
