@@ -166,10 +166,11 @@ impl Effects {
         self.0
     }
 
-    /// With one more, if wanted.
+    /// With one of them, or without it.
     #[must_use]
     pub const fn with(self, effect: Effect, wanted: bool) -> Self {
-        if wanted { Self(self.0 | effect.bit()) } else { self }
+        let others = self.0 & !effect.bit();
+        Self(if wanted { others | effect.bit() } else { others })
     }
 
     /// Is an effect among them, and compiled in? Known at compile time where it is not: then

@@ -54,7 +54,7 @@ pub enum Reason {
     /// Fewer than four samples from slip to slip, or a cable that the winch shows to be far stiffer
     /// than the slips do.
     Aliased,
-    /// The force does not rise again after the fall.
+    /// The force does not rise before the fall, or not again after it.
     NoRest,
     /// A coefficient above 3, or clearly below zero.
     Implausible,
@@ -76,6 +76,13 @@ impl Reason {
     }
 }
 
+impl Reason {
+    /// Does it say that the force does not go as that of a slip?
+    pub(crate) fn is_of_shape(self) -> bool {
+        matches!(self, Self::NoFit | Self::NoRest | Self::LetGo)
+    }
+}
+
 impl fmt::Display for Quality {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
@@ -94,12 +101,12 @@ impl fmt::Display for Reason {
             Self::TooShort => "too few samples around the slip",
             Self::TooLong => "the slip has more samples than are kept: sample more slowly",
             Self::NoFit => "the model does not describe the samples",
-            Self::Suspect => "omega is another than before: the block may have changed",
+            Self::Suspect => "omega is another than before: another block, or the pull changed in the slip",
             Self::Aliased => {
                 "fewer than four samples from slip to slip: sample faster, or check weight and winch speed"
             }
             Self::NoRest => {
-                "the force does not rise after it: the block slid on or the winch stood"
+                "the force does not rise before or after it: the winch stood or the block slid on"
             }
             Self::Implausible => "a coefficient above 3 or below 0: check weight, unit and zero",
             Self::LetGo => {

@@ -287,9 +287,9 @@ impl Hindrance {
     #[must_use]
     pub fn words(self) -> &'static str {
         match self {
-            Self::Short => "8 s of rest are needed",
+            Self::Short => "8 s of rest needed",
             Self::Drifts => "it drifts: wait until it hangs still",
-            Self::Moves => "it moves, or swings by more than 15 degrees: calm it",
+            Self::Moves => "it moves, or swings beyond 15 degrees: calm it",
             Self::OutOfRange => "OUT OF RANGE: overloaded, or a wire is off",
         }
     }

@@ -82,6 +82,30 @@ fn a_zero_before_and_after_is_taken_off_linearly() {
     assert!((number(&line(&zeroed, "zero_n")["std"]) - 12.6 / 12_f64.sqrt()).abs() < 1e-3);
 }
 
+/// Friction that wanders looks like a zero that moves. Whoever has taken the zero before and after is not told
+/// to, and has it in no interval.
+#[test]
+fn a_zero_that_was_taken_twice_is_asked_of_no_event() {
+    let folder = tempfile::tempdir().unwrap();
+    let log = folder.path().join("wandering.csv");
+    let scene = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/honesty/wandering.toml");
+    let floe = || Command::new(env!("CARGO_BIN_EXE_floe"));
+    let made = floe().args(["simulate", scene, "--seed", "1", "-o"]).arg(&log).output();
+    assert!(made.unwrap().status.success());
+    let read = |zeros: &[&str]| {
+        let read = floe().arg("replay").arg(&log).arg("--json").args(EXACT).args(zeros).output();
+        let result: Value = serde_json::from_slice(&read.unwrap().stdout).unwrap();
+        let drift = result["effects"].as_array().unwrap().iter().find(|it| it["name"] == "drift");
+        let enabled = drift.unwrap()["enabled"].as_bool().unwrap();
+        let moved = line(&result, "zero_drift_n")["std"].as_f64().unwrap();
+        let last = result["events"].as_array().unwrap().last().unwrap();
+        (enabled, moved > 0.0, number(&last["mu_combined_std"]) < 1.01 * number(&last["mu_std"]))
+    };
+    assert_eq!(read(&[]), (true, true, false));
+    assert_eq!(read(&["--zero-before-n", "0", "--zero-after-n", "0"]), (false, false, true));
+    assert_eq!(read(&["--zero-before-n", "0"]), (true, true, false));
+}
+
 #[test]
 fn both_stiffnesses_and_the_recurrence_agree_with_the_scene() {
     let result = replay(&[]);

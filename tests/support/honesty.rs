@@ -7,7 +7,7 @@ use floe::bench::matching::Detection;
 use floe::bench::scenes::at_phase;
 use floe::replay::known::Zero;
 use floe::sim::{Scene, Simulation, TrueEvent, simulate};
-use floe_core::{Coefficient, Config, Estimate, Event, InputStd, Report};
+use floe_core::{Coefficient, Config, Effect, Estimate, Event, InputStd, Report};
 
 use crate::normal::Normal;
 use crate::score::{average, pair, quantile, rms};
@@ -259,6 +259,7 @@ fn read(scene: &Scene, record: &Record, errors: [f64; 4], std: InputStd) -> (Vec
     let moved = moved.map(|after_n| Zero { before_n: 0.0, after_n });
     if let Some(moved) = moved {
         let left_n = moved.remainder_std_n() as f32;
+        config.effects = config.effects.with(Effect::Drift, false);
         config.std.zero_n = Some(config.std.zero_n.map_or(left_n, |std_n| std_n.hypot(left_n)));
     }
     let whole = scene.duration_s * scene.rate_hz;

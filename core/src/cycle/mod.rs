@@ -127,7 +127,7 @@ impl CycleTracker {
 
     /// A long gap: ends the pending event with the stick line that has ended.
     pub fn lose(&mut self, detector: &Detector, told: &mut Told) {
-        self.end_line(detector, Ended::by_loss(detector.ended(), detector.last().index), told);
+        self.end_line(detector, Ended::by_loss(detector.ended(), detector.lost()), told);
     }
 
     /// The stick line after the pending event has ended. What ended before, and still waits, is dealt

@@ -89,11 +89,13 @@ impl CycleTracker {
         let loads_fast = event.slack && !has_line && 2.0 * cycle.rate > cycle.static_n;
         let short = (loads_fast || unsure).then_some(Reason::TooShort);
         let reason = refusal::of_event(event).or(overlaps).or(short);
-        // What is not believed for itself, of slips in quick succession, is no sign that the others are.
+        // What is not believed for itself is no sign that the others are: of slips in quick succession
+        // whatever the reason, of slower ones where the force itself is another than a slip's.
         let is_fast = pending.limit - pending.extremes().0 < refusal::FAST;
-        let doubted = is_fast && reason.or(event.reason).is_some();
-        let aliased = self.recurrence.is_folded(folded || doubted);
-        reason.or((aliased && fits && !asked_for).then_some(Reason::Aliased))
+        let doubted = reason.or(event.reason).is_some_and(|it| is_fast || it.is_of_shape());
+        let doubtful = self.recurrence.is_folded(folded || doubted) && fits && !asked_for;
+        let why = if is_fast { Reason::Aliased } else { Reason::NoFit };
+        reason.or(doubtful.then_some(why))
     }
 
     /// Is a fit to be believed, with the next slip at a time?
@@ -105,10 +107,12 @@ impl CycleTracker {
         let periods = next - cycle.onset;
         let learnt = refusal::stiffer(&site, rate, swing);
         let folded = is_clear && refusal::is_folded(learnt, periods);
-        if periods >= refusal::FAST {
-            return Belief { folded, ..Belief::default() };
-        }
         let (rate, drop) = ((cycle.rate, unknowns[1]), (cycle.half_drop_n, unknowns[3]));
+        // Without a load nothing slips.
+        let unsure = !refusal::is_no_chance(rate);
+        if periods >= refusal::FAST {
+            return Belief { folded, unsure, ..Belief::default() };
+        }
         let own = refusal::stiffer(&site, rate, (cycle.inverse_omega(), unknowns[4]));
         let tells = posterior.tells_swing(unknowns[4]);
         let folded = folded || (tells && refusal::is_folded(own, periods));
@@ -117,8 +121,8 @@ impl CycleTracker {
         let asked_for = refusal::is_asked_for(own);
         let rests = (2.0 * drop.0 - rate.0, 4.0 * drop.1 + rate.1);
         let shown = if asked_for { drop } else { rests };
-        let is_told = refusal::is_no_chance(shown) && refusal::is_no_chance(rate);
-        Belief { folded, asked_for, unsure: !is_told || refusal::is_lame(own) }
+        let unsure = unsure || !refusal::is_no_chance(shown) || refusal::is_lame(own);
+        Belief { folded, asked_for, unsure }
     }
 
     /// An event with its coefficients; omega where the slip shows it.

@@ -85,7 +85,18 @@ pub(crate) fn of_fall(
     }
     let possible_n = slip.rate() * periods;
     let stays = rise_n < 0.6 * drop_n && possible_n > larger(drop_n, 2.0 * rise_n);
-    stays.then_some(Reason::NoRest)
+    (stays || is_held(slip, rise_n / periods)).then_some(Reason::NoRest)
+}
+
+/// Part of the rate after a fall below which the force was held.
+const FLAT: f32 = 0.25;
+
+/// Was the force held before a fall, so that no load made the block slip? Its line rises, for sure, by far less
+/// than the force after the fall, which has such a rate on average.
+fn is_held(slip: &SlipRecord, rate: f32) -> bool {
+    let before = &slip.before;
+    let less = FLAT * rate - before.slope().unwrap_or(0.0);
+    is_no_chance((less, slip.noise_n2 / before.slope_weight()))
 }
 
 /// Does a sample show the force on its way down? A hand lets go at once.
@@ -167,6 +178,7 @@ pub(crate) fn is_lame((_, most): (f32, f32)) -> bool {
 
 /// Is a value, with its variance, more than nothing and no chance? What may be nothing says nothing: fits
 /// of slips that follow each other too fast may end with hardly a drop. Not for NaN.
+#[inline(never)]
 pub(crate) fn is_no_chance((value, variance): (f32, f32)) -> bool {
     value > 0.0 && SURE * SURE * variance < value * value
 }

@@ -50,6 +50,11 @@ impl Detector {
         &self.ended
     }
 
+    /// The first index after the rest before the last long gap, or fall without end.
+    pub(crate) fn lost(&self) -> u64 {
+        self.ended.next + u64::from(self.line_delay)
+    }
+
     /// Standard deviation of the noise, N, to about 10 %; infinite before it is known.
     pub(crate) fn std_n(&self) -> f32 {
         self.std_n

@@ -150,6 +150,13 @@ impl KnownOptions {
         }
     }
 
+    /// Was the zero taken before and after? Then how far it moved is known, and asked of no event.
+    #[must_use]
+    pub fn has_both_zeros(&self, said: &KnownMetadata) -> bool {
+        let [.., before, after] = self.or(said);
+        before.and(after).is_some()
+    }
+
     /// The zero to take off.
     #[must_use]
     pub fn zero(&self, log: &Log) -> Zero {

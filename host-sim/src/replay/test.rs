@@ -90,6 +90,8 @@ pub fn configure(log: &Log, options: &TestOptions) -> Result<Config, InputError>
     let said = log.metadata();
     let slope_deg = options.slope_deg.or(said.slope_deg).unwrap_or(0.0);
     let Pressed { force_n: weight_n, mass_kg } = pressed(log, options, slope_deg)?;
+    let effects = options.effects.map_or_else(|| said_effects(log), Ok)?;
+    let drifts = effects.has(Effect::Drift) && !options.known.has_both_zeros(&said.known);
     let config = Config {
         rate_hz: log.rate_hz() as f32,
         weight_n: weight_n as f32,
@@ -98,7 +100,7 @@ pub fn configure(log: &Log, options: &TestOptions) -> Result<Config, InputError>
         winch_m_per_s: said.winch_m_per_s.map(|speed| speed as f32),
         range_n: said.range_n.map(|range| range as f32),
         calibration: calibration(log, options)?,
-        effects: options.effects.map_or_else(|| said_effects(log), Ok)?,
+        effects: effects.with(Effect::Drift, drifts),
         std: options.known.std(&said.known, weight_n, said.winch_m_per_s),
     };
     let given = format!("weight {weight_n} N, slope {slope_deg}°");

@@ -132,7 +132,7 @@ impl Sums {
         let cos2 = (first / swing_n2) * (first / swing_n2);
         let swing = swing_n2 * (1.0 - 8.0 * cos2 * (1.0 - cos2));
         let red = first * ratio * ratio * ratio;
-        let unsure = self.squares / math::sqrt(self.count);
+        let unsure = self.unsure();
         let is_nearer =
             swing < 0.0 && (first > 0.0 || red > swing) && 2.0 * (seen + unsure) > swing + red;
         second + unsure > RED.0 * first.abs()
@@ -147,6 +147,11 @@ impl Sums {
         ratio < SLOWEST && is_above && over < 0.5 * unsure + NEAR * self.squares
     }
 
+    /// Standard error of a sum of products.
+    fn unsure(&self) -> f32 {
+        self.squares / math::sqrt(self.count)
+    }
+
     /// As if there were as many as samples.
     fn far_steps_n2(&self) -> f32 {
         self.far_steps * self.count / self.far_count
@@ -154,10 +159,12 @@ impl Sums {
 
     /// Variance of the mean of samples whose correlation falls by the part `r = γ₂/γ₁` from each to
     /// the next, over that of independent ones, less one: `2 γ₁/γ₀ / (1 − r)`; by another `1 − r`, as
-    /// far as a line hides it. None for noise that alternates.
+    /// far as a line hides it. `r` is taken a standard error higher: a line hides the more of it the higher
+    /// it is, and white noise beside it leaves little to be seen. None for noise that alternates.
     fn alike(&self) -> f32 {
         let [first, second] = self.products;
-        let left = 1.0 - smaller(larger(second / first, 0.0), RED.1);
+        let most = second + self.unsure();
+        let left = 1.0 - smaller(larger(most / first, 0.0), RED.1);
         HIDDEN * 2.0 * larger(first, 0.0) / self.squares / (left * left)
     }
 

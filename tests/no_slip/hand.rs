@@ -1,0 +1,52 @@
+//! A cable that is tightened, held and let go by hand: nothing slides.
+
+use floe::bench::scenes::phase;
+
+use crate::{HZ, SEEDS, config, noisy, read};
+
+/// A winch that tightens by 360 N/s.
+const RATE: f64 = 360.0;
+
+/// What a hand does, over and over.
+#[derive(Clone, Copy, Debug)]
+struct Hand {
+    /// Where it holds, N, and for how long, s.
+    top_n: f64,
+    hold_s: f64,
+    /// How long it takes to let go, and how long the cable then hangs slack, s.
+    fall_s: f64,
+    slack_s: f64,
+}
+
+impl Hand {
+    fn force_n(&self, t: f64) -> f64 {
+        let up_s = self.top_n / RATE;
+        let let_go_s = up_s + self.hold_s;
+        let t = t % (let_go_s + self.fall_s + self.slack_s);
+        let fallen = ((t - let_go_s) / self.fall_s).clamp(0.0, 1.0);
+        self.top_n * (1.0 - fallen) * (t / up_s).min(1.0)
+    }
+}
+
+/// From half a second to six of holding, let go at once or within a quarter of a second, tightened again at
+/// once or after a while: at most one fall of fifty has a coefficient.
+#[test]
+fn a_cable_that_was_held_gives_no_coefficient() {
+    let (mut seen, mut believed) = (0, 0);
+    for (top_n, hold_s) in [(360.0, 6.0), (500.0, 2.5), (500.0, 0.7), (250.0, 1.3)] {
+        for (fall_s, slack_s) in [(0.01, 0.0), (0.07, 0.0), (0.17, 0.0), (0.07, 1.9), (0.17, 1.9)] {
+            let hand = Hand { top_n, hold_s, fall_s, slack_s };
+            let (mut falls, mut coefficients) = (0, 0);
+            for seed in 1..=SEEDS {
+                let record = noisy(seed, 120.0, |t| hand.force_n(t + phase(seed) / HZ));
+                let outcome = read(&config(), record);
+                falls += outcome.events.len();
+                coefficients += outcome.coefficients();
+            }
+            println!("{hand:?}: {coefficients} of {falls} falls with coefficients");
+            (seen, believed) = (seen + falls, believed + coefficients);
+        }
+    }
+    println!("all: {believed} of {seen}");
+    assert!(seen > 10_000 && believed * 50 < seen, "{believed} of {seen}");
+}
