@@ -288,7 +288,7 @@ impl Hindrance {
     pub fn words(self) -> &'static str {
         match self {
             Self::Short => "8 s of rest needed",
-            Self::Drifts => "it drifts: wait until it hangs still",
+            Self::Drifts => "it drifts: let it hang still",
             Self::Moves => "it moves, or swings beyond 15 degrees: calm it",
             Self::OutOfRange => "OUT OF RANGE: overloaded, or a wire is off",
         }

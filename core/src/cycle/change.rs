@@ -20,8 +20,8 @@ impl Expectations {
     /// Does an event leave far more than the others do? The winch paused or started, the
     /// block hit something; or all is different from now on.
     pub(crate) fn is_misfit(&mut self, pending: &SlipRecord, squares_n2: f32, free: f32) -> bool {
-        let rounding_n2 = rounding_n2(pending.peak.force_n);
-        if !self.residuals.is_outlier(squares_n2, free, rounding_n2) {
+        let least_n2 = (pending.noise_n2, rounding_n2(pending.peak.force_n));
+        if !self.residuals.is_outlier(squares_n2, free, least_n2) {
             self.misfits = 0;
             return false;
         }

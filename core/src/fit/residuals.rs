@@ -42,7 +42,7 @@ impl Residuals {
         // Foul events among the first ones are no larger than what the median comes back from.
         let most_n2 = LIMIT * ROUGH * rough_n2;
         self.median_n2.add(math::smaller(squares_n2 / (free * skew * skew * skew), most_n2));
-        let limit = LIMIT * self.median_n2.value().unwrap_or(ROUGH * rough_n2);
+        let limit = LIMIT * self.usual_n2(rough_n2);
         if self.free > MEMORY {
             self.squares_n2 *= 0.5;
             self.free *= 0.5;
@@ -61,13 +61,23 @@ impl Residuals {
     /// Does an event leave so much more than the others that the model cannot be what
     /// its samples show? The winch paused or started, the block hit something.
     ///
-    /// `rounding_n2` is the variance of what single precision leaves of its forces.
+    /// `rough_n2` is a rough variance of the noise, for the first events, `rounding_n2` the variance of
+    /// what single precision leaves of its forces.
     #[must_use]
-    pub fn is_outlier(&self, squares_n2: f32, free: f32, rounding_n2: f32) -> bool {
-        let usual = self.median_n2.value().zip(self.variance_n2());
-        usual.is_some_and(|(median, mean)| {
-            squares_n2 > MISFIT * (median.max(mean) + rounding_n2) * math::larger(free, 1.0)
-        })
+    pub fn is_outlier(
+        &self,
+        squares_n2: f32,
+        free: f32,
+        (rough_n2, rounding_n2): (f32, f32),
+    ) -> bool {
+        let usual_n2 = self.usual_n2(rough_n2) + rounding_n2;
+        squares_n2 > MISFIT * usual_n2 * math::larger(free, 1.0)
+    }
+
+    /// The median, or what the first events may leave.
+    #[inline(never)]
+    fn usual_n2(&self, rough_n2: f32) -> f32 {
+        self.median_n2.value().unwrap_or(ROUGH * rough_n2)
     }
 
     /// Degrees of freedom that count.
@@ -105,6 +115,18 @@ impl Default for Residuals {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// The first events are compared with the detector's noise, later ones with what they leave themselves.
+    #[test]
+    fn a_foul_event_is_told_from_the_first_one_on() {
+        let (mut residuals, known) = (Residuals::new(), (4.0, 0.0));
+        assert!(residuals.is_outlier(20.0 * 1000.0, 20.0, known));
+        assert!(!residuals.is_outlier(20.0 * 100.0, 20.0, known));
+        // What all of them leave is how things are.
+        (0..12).for_each(|_| residuals.add(20.0 * 60.0, 20.0, 4.0));
+        assert!(!residuals.is_outlier(20.0 * 1000.0, 20.0, known));
+        assert!(residuals.is_outlier(20.0 * 10_000.0, 20.0, known));
+    }
 
     #[test]
     fn pools_all_degrees_of_freedom() {

@@ -33,7 +33,7 @@ impl CycleFit {
         let around_n2 = squares_n2 - line_n2;
         let misfit = learnt.is_misfit(pending, around_n2, free - points);
         let counts = free >= 1.0 && !misfit;
-        if counts {
+        if free >= 1.0 {
             let squares_n2 = free * pending.least_n2(squares_n2 / free);
             learnt.residuals.add(squares_n2, free, pending.noise_n2);
         }
