@@ -3,11 +3,13 @@
 
 use crate::detector::Detector;
 use crate::num::math::{self, larger, smaller};
-use crate::sample::ForcePoint;
+use crate::sample::{ForcePoint, near};
 
 /// Rise that ends a slip at once, parts of its drop. Tuned: a lower one lets noise and flop end
 /// long slips early, a higher one waits for the half of a slip's length.
 const CLEAR_RISE: f32 = 0.12;
+/// Part of the usual fall and of the usual drop in which it is too early for a slip to end: half of both.
+const EARLY: f32 = 0.5;
 /// A slip leaves the force lower by at least this part of its drop; a spike does not. Tuned: a
 /// slip that is cut short by flop needs a low one, two spikes in a row a high one.
 const LEAST_SHIFT: f32 = 0.4;
@@ -23,6 +25,11 @@ impl Detector {
     pub(super) fn turns(&self, now: ForcePoint) -> bool {
         let drop = self.stick.highest.force_n - self.lowest.force_n;
         let fall = self.lowest.index - self.stick.highest.index;
+        // All slips of a block take as long: in the first part of a long one noise turns the force as well.
+        let elapsed = near(self.stick.highest.index, now.index) as f32;
+        if drop < EARLY * self.usual_drop_n && elapsed < EARLY * self.usual_fall {
+            return false;
+        }
         let rise = now.force_n - self.lowest.force_n;
         let rises = rise > larger(smaller(4.0 * self.std_n, 0.5 * drop), CLEAR_RISE * drop);
         rises || now.index - self.lowest.index >= fall.div_ceil(2).max(2)

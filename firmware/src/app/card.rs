@@ -109,7 +109,7 @@ impl<P: Read + ReadReady + Write, S: Store> App<'_, P, S> {
     pub(super) fn check_store(&mut self, failed: bool) {
         // Said at the first failure and about every half hour of them.
         if failed && self.journal.failures() % 4096 == 1 {
-            self.console.tell(&Line::Trouble("no card, or full or broken: nothing is kept"));
+            self.console.tell(&Line::Trouble("no card, full or broken: nothing is kept"));
         }
     }
 }

@@ -81,11 +81,11 @@ impl<P: Read + ReadReady + Write, S: Store> App<'_, P, S> {
 pub(super) fn config_error(error: floe_core::ConfigError) -> &'static str {
     use floe_core::ConfigError::{Calibration, Range, Rate, Slope, Std, Weight, Winch};
     match error {
-        Rate => "the rate must be 1 to 2000 Hz",
+        Rate => "rate: 1 to 2000 Hz",
         Weight => "set weight N first",
         Slope => "the slope must be within 68 degrees",
         Winch => "the winch speed must be above zero, in m/s",
-        Range => "the range must be above zero, in N",
+        Range => "the range must be above zero",
         Calibration => "the span is zero",
         Std => "a standard deviation is below zero",
     }
