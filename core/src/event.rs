@@ -74,9 +74,7 @@ impl Reason {
     pub fn is_no_slip(self) -> bool {
         matches!(self, Self::WoundBack | Self::Negative | Self::Scatters)
     }
-}
 
-impl Reason {
     /// Does it say that the force does not go as that of a slip?
     pub(crate) fn is_of_shape(self) -> bool {
         matches!(self, Self::NoFit | Self::NoRest | Self::LetGo)

@@ -1,8 +1,10 @@
 //! The error budget from outside: options, metadata, JSON.
 
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use serde_json::Value;
+use tempfile::TempDir;
 
 const LOG: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/logs/dff8-13.csv");
 /// Everything exactly known.
@@ -20,13 +22,32 @@ const EXACT: [&str; 10] = [
 ];
 
 fn replay(options: &[&str]) -> Value {
+    replay_of(LOG.as_ref(), options)
+}
+
+fn replay_of(log: &Path, options: &[&str]) -> Value {
     let program = Command::new(env!("CARGO_BIN_EXE_floe"))
-        .args(["replay", LOG, "--json", "-"])
+        .arg("replay")
+        .arg(log)
+        .args(["--json", "-"])
         .args(options)
         .output()
         .unwrap();
     assert!(program.status.success(), "{}", String::from_utf8_lossy(&program.stderr));
     serde_json::from_slice(&program.stdout).unwrap()
+}
+
+/// A log of one of the scenes of honesty.
+fn simulated(folder: &TempDir, name: &str, seed: &str) -> PathBuf {
+    let log = folder.path().join("log.csv");
+    let scene = format!("{}/scenes/honesty/{name}.toml", env!("CARGO_MANIFEST_DIR"));
+    let made = Command::new(env!("CARGO_BIN_EXE_floe"))
+        .args(["simulate", &scene, "--seed", seed, "-o"])
+        .arg(&log)
+        .output()
+        .unwrap();
+    assert!(made.status.success(), "{}", String::from_utf8_lossy(&made.stderr));
+    log
 }
 
 fn number(value: &Value) -> f64 {
@@ -87,14 +108,9 @@ fn a_zero_before_and_after_is_taken_off_linearly() {
 #[test]
 fn a_zero_that_was_taken_twice_is_asked_of_no_event() {
     let folder = tempfile::tempdir().unwrap();
-    let log = folder.path().join("wandering.csv");
-    let scene = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/honesty/wandering.toml");
-    let floe = || Command::new(env!("CARGO_BIN_EXE_floe"));
-    let made = floe().args(["simulate", scene, "--seed", "1", "-o"]).arg(&log).output();
-    assert!(made.unwrap().status.success());
+    let log = simulated(&folder, "wandering", "1");
     let read = |zeros: &[&str]| {
-        let read = floe().arg("replay").arg(&log).arg("--json").args(EXACT).args(zeros).output();
-        let result: Value = serde_json::from_slice(&read.unwrap().stdout).unwrap();
+        let result = replay_of(&log, &[&EXACT, zeros].concat());
         let drift = result["effects"].as_array().unwrap().iter().find(|it| it["name"] == "drift");
         let enabled = drift.unwrap()["enabled"].as_bool().unwrap();
         let moved = line(&result, "zero_drift_n")["std"].as_f64().unwrap();
@@ -127,14 +143,8 @@ fn both_stiffnesses_and_the_recurrence_agree_with_the_scene() {
 #[test]
 fn every_event_holds_the_losses_that_the_whole_test_tells() {
     let folder = tempfile::tempdir().unwrap();
-    let log = folder.path().join("lossy.csv");
-    let scene = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/honesty/damping_5.toml");
-    let floe = || Command::new(env!("CARGO_BIN_EXE_floe"));
-    let made = floe().args(["simulate", scene, "--seed", "3", "-o"]).arg(&log).output().unwrap();
-    assert!(made.status.success(), "{}", String::from_utf8_lossy(&made.stderr));
-    let exact = &EXACT[..8];
-    let read = floe().arg("replay").arg(&log).arg("--json").args(exact).output().unwrap();
-    let result: Value = serde_json::from_slice(&read.stdout).unwrap();
+    let log = simulated(&folder, "damping_5", "3");
+    let result = replay_of(&log, &EXACT[..8]);
     let std = number(&line(&result, "damping")["std"]);
     assert!(std > 0.03, "{std}");
     let events = result["events"].as_array().unwrap();

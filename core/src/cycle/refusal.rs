@@ -16,6 +16,8 @@ pub(super) const SURE: f32 = 4.0;
 /// Part of the rise after it below which a fall is no slip: what the first load does to a cable
 /// that was quieter before.
 const LEAST_FALL: f32 = 0.02;
+/// Part of the rate after a fall below which the force was held.
+const FLAT: f32 = 0.25;
 /// Periods from slip to slip below which one event alone may tell that it is folded, or that its rate
 /// is not known; of slower ones only all of them tell.
 pub(super) const FAST: f32 = 16.0;
@@ -87,9 +89,6 @@ pub(crate) fn of_fall(
     let stays = rise_n < 0.6 * drop_n && possible_n > larger(drop_n, 2.0 * rise_n);
     (stays || is_held(slip, rise_n / periods)).then_some(Reason::NoRest)
 }
-
-/// Part of the rate after a fall below which the force was held.
-const FLAT: f32 = 0.25;
 
 /// Was the force held before a fall, so that no load made the block slip? Its line rises, for sure, by far less
 /// than the force after the fall, which has such a rate on average.

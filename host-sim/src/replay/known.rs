@@ -123,12 +123,11 @@ impl KnownOptions {
     /// Standard deviations for the core, of a weight and a winch speed.
     #[must_use]
     pub fn std(&self, said: &KnownMetadata, weight_n: f64, winch_m_per_s: Option<f64>) -> InputStd {
-        let [weight, slope, zero, span, damping, winch, before, after] = self.or(said);
+        let [weight, slope, zero, span, damping, winch, ..] = self.or(said);
         let usual = InputStd::default();
         let from = self.weight_from.or(said.weight_from);
         let or = |value: Option<f64>, usual: f32| value.map_or(usual, |value| value as f32);
-        let remainder = before.zip(after).map(|(before_n, after_n)| Zero { before_n, after_n });
-        let remainder = remainder.map(Zero::remainder_std_n);
+        let remainder = self.both_zeros(said).map(Zero::remainder_std_n);
         // The caller knows best; else the scatter of both zeros and what is between them.
         let measured = match (zero, remainder) {
             (Some(scatter), Some(remainder)) if self.zero_std_n.is_none() => {
@@ -150,11 +149,11 @@ impl KnownOptions {
         }
     }
 
-    /// Was the zero taken before and after? Then how far it moved is known, and asked of no event.
+    /// The zero before and after, if both were taken: then how far it moved is known, and asked of no event.
     #[must_use]
-    pub fn has_both_zeros(&self, said: &KnownMetadata) -> bool {
+    pub fn both_zeros(&self, said: &KnownMetadata) -> Option<Zero> {
         let [.., before, after] = self.or(said);
-        before.and(after).is_some()
+        before.zip(after).map(|(before_n, after_n)| Zero { before_n, after_n })
     }
 
     /// The zero to take off.

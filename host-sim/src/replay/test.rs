@@ -91,7 +91,7 @@ pub fn configure(log: &Log, options: &TestOptions) -> Result<Config, InputError>
     let slope_deg = options.slope_deg.or(said.slope_deg).unwrap_or(0.0);
     let Pressed { force_n: weight_n, mass_kg } = pressed(log, options, slope_deg)?;
     let effects = options.effects.map_or_else(|| said_effects(log), Ok)?;
-    let drifts = effects.has(Effect::Drift) && !options.known.has_both_zeros(&said.known);
+    let drifts = effects.has(Effect::Drift) && options.known.both_zeros(&said.known).is_none();
     let config = Config {
         rate_hz: log.rate_hz() as f32,
         weight_n: weight_n as f32,
