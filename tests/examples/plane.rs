@@ -92,13 +92,20 @@ fn stretch(tried: &Tried) -> String {
     }
 }
 
+/// How many of how many, and in percent.
+fn share(what: &str, [read, all]: [usize; 2]) -> String {
+    format!("{read} of {all} {what} ({:.1} %)", 100.0 * read as f64 / all.max(1) as f64)
+}
+
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut args = std::env::args().skip(1);
     let scenes: u32 = args.next().map_or(Ok(300), |n| n.parse())?;
     let seed: u64 = args.next().map_or(Ok(1), |n| n.parse())?;
     let recurrences: f64 = args.next().map_or(Ok(20.0), |n| n.parse())?;
     let mut random = Normal::new(seed);
-    let (mut far, mut refused, mut clear, mut clear_events) = (Vec::new(), Vec::new(), 0, [0, 0]);
+    let (mut far, mut refused) = (Vec::new(), Vec::new());
+    // Of the clear scenes: those with both means and all, and events with both coefficients and all.
+    let (mut clear, mut clear_events) = ([0, 0], [0, 0]);
     for number in 1..=scenes {
         let case = case(&mut random, recurrences);
         let tried = run(&case.scene, u64::from(number));
@@ -125,7 +132,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             refused.push(format!("{about}: {why}"));
         }
         if *slip >= 1.0 && *recurrence >= 4.0 && *noise <= 0.02 {
-            clear += 1;
+            clear[0] += usize::from(offs.iter().all(Option::is_some));
+            clear[1] += 1;
             let read = |&&(_, f): &&(usize, usize)| {
                 tried.found[f].mu_s.is_some() && tried.found[f].mu.is_some()
             };
@@ -139,11 +147,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     far.iter().for_each(|line| println!("- {line}"));
     println!("\n{} without a mean of both coefficients:", refused.len());
     refused.iter().for_each(|line| println!("- {line}"));
-    let [read, all] = clear_events;
     println!(
-        "\n{clear} with slips of a sample or more, a recurrence of four or more and noise of 2 % or \
-         less: {read} of their {all} events with both coefficients ({:.1} %)",
-        100.0 * f64::from(read as u32) / f64::from((all as u32).max(1))
+        "\nWith slips of a sample or more, a recurrence of four or more and noise of 2 % or less: means of \
+         both coefficients in {}, both coefficients of {}",
+        share("scenes", clear),
+        share("events", clear_events)
     );
     Ok(())
 }
