@@ -259,7 +259,7 @@ impl Expectations {
 /// Does the slip have samples enough to tell a small change of the swing from what the
 /// sampling makes of it?
 pub(crate) fn is_clear(posterior: &Posterior) -> bool {
-    posterior.slide_time > CLEAR && posterior.cycle.restick_n() > 0.0
+    posterior.fall_time > CLEAR && posterior.cycle.restick_n() > 0.0
 }
 
 /// Are the samples around the slip, with these squared residuals, far from the fit?

@@ -217,5 +217,5 @@ pub struct Told {
 /// at rest, less than 12 000.
 const TIME: usize = 62;
 /// The same where so many samples wait.
-const MOST_TIME: usize = 70;
+const MOST_TIME: usize = 69;
 const LATE: u32 = 128;

@@ -12,12 +12,13 @@ use core::ops::ControlFlow;
 use crate::fit::levenberg_marquardt::moved;
 use crate::fit::posterior::{Posterior, RESOLVED};
 use crate::fit::{Data, Fit, Fitting};
-use crate::model::CycleParams;
+use crate::model::{CycleParams, Shape};
 use crate::num::math;
 use crate::stats::normal_equations::{UNKNOWNS, scaled};
 use crate::stats::prior::Prior;
 
-/// Slips up to this length are averaged as well while no other event tells how long a slip is.
+/// Slips up to this length are averaged as well while no other event tells how long a slip is, and those
+/// that end right at a sample on a slack cable.
 const CLEARLY_RESOLVED: f32 = 3.0;
 /// Places of the onset up to a period on either side of the best fit, so far apart, periods.
 const STEP: f32 = 0.125;
@@ -54,12 +55,13 @@ pub struct OverOnset {
 impl OverOnset {
     /// For a slip that its best fit does not resolve; `None`: the fit says it all.
     #[must_use]
-    pub fn new(best: &Fit, knows_omega: bool) -> Option<Self> {
-        let least = if knows_omega { RESOLVED } else { CLEARLY_RESOLVED };
-        let slide = best.shape.slide_time();
-        let fine = if slide < RESOLVED { FINE } else { 1 };
+    pub fn new(best: &Fit, knows_omega: bool, noise_n2: f32) -> Option<Self> {
+        let fall = best.shape.fall_time();
+        let clear = knows_omega && !is_at_edge(&best.shape, noise_n2);
+        let least = if clear { RESOLVED } else { CLEARLY_RESOLVED };
+        let fine = if fall < RESOLVED { FINE } else { 1 };
         let (sums, place, from) = (Sums::default(), 0, *best.cycle());
-        (slide < least).then_some(Self { sums, fine, place, from, fitting: None })
+        (fall < least).then_some(Self { sums, fine, place, from, fitting: None })
     }
 
     /// One iteration; breaks with the result after the last place.
@@ -115,6 +117,14 @@ impl OverOnset {
         self.place = next;
         ControlFlow::Continue(())
     }
+}
+
+/// Is the last sample of a fall to nothing within the noise of it? Of a cable that went slack earlier it
+/// would be as likely, and all the fit knows of the fall's end is that this sample lies before it.
+fn is_at_edge(shape: &Shape, noise_n2: f32) -> bool {
+    const SURE: f32 = 4.0;
+    let (force_n, _) = shape.force(math::floor(shape.cycle().onset + shape.fall_time()));
+    shape.is_slack() && force_n * force_n < SURE * SURE * noise_n2
 }
 
 /// A fit whose onset is moved, the other unknowns with it as far as the data tie them to it.
@@ -198,11 +208,11 @@ impl Sums {
         let wider = best.wider_n2(noise_n2);
         let static_n2 = unknowns[2] + SCATTER * wider.0;
         let dynamic_n2 = by_dynamic[1] + SCATTER * wider.1;
-        let (slide_time, common_n2) = (cycle.slide_time(), (0.0, 0.0));
-        let over = Posterior { cycle, slide_time, static_n2, dynamic_n2, common_n2, unknowns };
+        let (fall_time, common_n2) = (cycle.shape().fall_time(), (0.0, 0.0));
+        let over = Posterior { cycle, fall_time, static_n2, dynamic_n2, common_n2, unknowns };
         // An onset that is known better than the places are apart: few places have all the
         // weight, and their fits know nothing of the onset's own uncertainty.
-        if best.shape.slide_time() < RESOLVED && over.unknowns[0] > STEP * STEP / 4.0 {
+        if best.shape.fall_time() < RESOLVED && over.unknowns[0] > STEP * STEP / 4.0 {
             over
         } else {
             over.widened(&Posterior::at(best, noise_n2))
@@ -254,7 +264,7 @@ mod tests {
             corner: Corner::default(),
         };
         let fit = data.fit(&CycleParams { onset: onset + 0.1, ..truth }, 4.0).unwrap();
-        let Some(mut places) = OverOnset::new(&fit, true) else {
+        let Some(mut places) = OverOnset::new(&fit, true, 4.0) else {
             return (truth, Posterior::at(&fit, 4.0), [0, 0]);
         };
         let [mut passes, mut seen] = [0, 1];

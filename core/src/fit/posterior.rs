@@ -18,8 +18,8 @@ const SWING_KNOWN: f32 = 0.2;
 pub struct Posterior {
     /// The cycle of the means.
     pub cycle: CycleParams,
-    /// Its time of sliding, periods.
-    pub slide_time: f32,
+    /// How long the force tells of its slide, periods: up to the stop, or up to a slack cable.
+    pub fall_time: f32,
     /// Variance of `Fs`, N².
     pub static_n2: f32,
     /// Variance of `Fp`, N².
@@ -37,7 +37,7 @@ impl Posterior {
     #[inline(never)]
     pub fn is_resolved(&self) -> bool {
         let most = SWING_KNOWN * self.cycle.inverse_omega();
-        self.slide_time >= RESOLVED && self.unknowns[4] < most * most
+        self.fall_time >= RESOLVED && self.unknowns[4] < most * most
     }
 
     /// Does it tell the next events how long a slip is? What one sample in a slip of less than
@@ -48,7 +48,7 @@ impl Posterior {
     pub(crate) fn tells_swing(&self, variance: f32) -> bool {
         const WELL: f32 = 0.08;
         let well = WELL * self.cycle.inverse_omega();
-        self.is_resolved() && (self.slide_time > CLEAR || variance < well * well)
+        self.is_resolved() && (self.fall_time > CLEAR || variance < well * well)
     }
 
     /// How unsure a correction is, is the same in every event.
@@ -106,8 +106,8 @@ impl Posterior {
         let unknowns = scaled(&fit.variances, noise_n2);
         let static_n2 = noise_n2 * forces.static_variance;
         let dynamic_n2 = noise_n2 * forces.dynamic_variance;
-        let slide_time = fit.shape.slide_time();
+        let fall_time = fit.shape.fall_time();
         let common_n2 = (0.0, 0.0);
-        Self { cycle: *fit.cycle(), slide_time, static_n2, dynamic_n2, common_n2, unknowns }
+        Self { cycle: *fit.cycle(), fall_time, static_n2, dynamic_n2, common_n2, unknowns }
     }
 }

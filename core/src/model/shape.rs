@@ -62,6 +62,13 @@ impl Shape {
         self.slide
     }
 
+    /// Time from the onset in which the force tells of the slide: up to the stop, or up to where the
+    /// cable goes slack.
+    #[must_use]
+    pub fn fall_time(&self) -> f32 {
+        self.arc
+    }
+
     /// Time from the onset to the largest force, `φ / ω`.
     #[must_use]
     pub fn peak_time(&self) -> f32 {

@@ -24,6 +24,7 @@ pub(super) const LEVELS_A_STEP: usize = 12;
 
 impl CycleFit {
     /// How far the samples are from the fit: noise, what slips scatter, strain.
+    #[inline(never)]
     pub(super) fn judge(&mut self, learnt: &mut Expectations) {
         let (fit, pending, noise_n2) = (&mut self.fit, &self.pending, self.expected.noise_n2);
         let data = self.expected.data(pending, &self.after);
@@ -62,7 +63,7 @@ impl CycleFit {
             (_, true) => Strain::Strained,
             _ => Strain::None,
         };
-        let places = OverOnset::new(fit, learnt.knows_omega()).filter(|_| !misfit);
+        let places = OverOnset::new(fit, learnt.knows_omega(), now_n2).filter(|_| !misfit);
         if let Some(places) = places {
             self.expected = learnt.of(pending, &self.after, now_n2);
             self.stage = Stage::Places(places);
@@ -86,6 +87,7 @@ impl CycleFit {
     }
 
     /// Carries what the event tells to the next ones.
+    #[inline(never)]
     pub(super) fn tell(&mut self, learnt: &mut Expectations) {
         let (fit, noise_n2) = (&self.fit, learnt.noise_n2(&self.pending));
         let (pending, data) = (&self.pending, self.expected.data(&self.pending, &self.after));

@@ -15,6 +15,8 @@ use crate::stats::prior::Prior;
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Rough {
     pub(crate) rate: f32,
+    /// Time from the onset to the highest force, periods.
+    pub(super) rise: f32,
     /// Time of sliding and its standard deviation, periods.
     slide: f32,
     slide_std: f32,
@@ -51,11 +53,11 @@ impl Rough {
         (peak, low): (ForcePoint, ForcePoint),
         noise_n: f32,
     ) -> Self {
-        let rise = |back: u64| {
-            let force_n = window.get(peak.index.checked_sub(back)?)?;
-            Some((peak.force_n - force_n) / back as f32)
-        };
-        let climb = rise(2).into_iter().chain(rise(1)).reduce(f32::max);
+        let before = |back: u64| window.get(peak.index.checked_sub(back)?);
+        let newest = before(1).map(|before_n| peak.force_n - before_n);
+        let older =
+            before(2).zip(newest).map(|(earlier_n, rise_n)| peak.force_n - rise_n - earlier_n);
+        let climb = older.into_iter().chain(newest).reduce(f32::max);
         let line = stick.line.slope().filter(|_| stick.line.count >= 4);
         let drop_n = peak.force_n - low.force_n;
         let least = 1e-4 * drop_n;
@@ -67,10 +69,13 @@ impl Rough {
         let (slide, slide_std) = (fall - 0.4, 0.3 + 0.25 * fall);
         // From the highest to the lowest force the slide turns by π, in all by π + 2 φ.
         let turn = core::f32::consts::FRAC_2_PI * fall / drop_n;
-        let longer = 1.0 + core::f32::consts::FRAC_2_PI * math::atan2(rate * turn, 1.0);
+        let sin = smaller(rate * turn, 1.0);
+        let phase = math::atan2(sin, math::rough_sqrt(1.0 - sin * sin));
+        let longer = 1.0 + core::f32::consts::FRAC_2_PI * phase;
         let edge_part = math::smaller(0.1 + 3.0 * noise_n / drop_n, 0.3);
         let (slide, slide_std) = (slide * longer, slide_std * longer);
-        Self { rate, slide, slide_std, edge_part, ..Self::default() }
+        let rise = phase * fall / PI;
+        Self { rate, rise, slide, slide_std, edge_part, ..Self::default() }
     }
 
     /// The swing `1/ω` and its standard deviation, periods. Where the samples hardly show how long the

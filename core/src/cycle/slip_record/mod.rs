@@ -167,7 +167,7 @@ impl SlipRecord {
             self.take(window, next, next_peak.saturating_sub(1));
         }
         self.limit = since(self.origin, next_peak);
-        let peak_time = self.early.map_or(0.0, |cycle| cycle.peak_time());
+        let peak_time = self.early.map_or(self.rough.rise, |cycle| cycle.peak_time());
         let end = last.map_or(self.limit - peak_time, |last| since(self.origin, last) + 1.0);
         let most = -math::floor(self.start - end) as usize;
         self.length = self.length.min(most);
