@@ -123,8 +123,11 @@ impl OverOnset {
 /// would be as likely, and all the fit knows of the fall's end is that this sample lies before it.
 fn is_at_edge(shape: &Shape, noise_n2: f32) -> bool {
     const SURE: f32 = 4.0;
+    if !shape.is_slack() {
+        return false;
+    }
     let (force_n, _) = shape.force(math::floor(shape.cycle().onset + shape.fall_time()));
-    shape.is_slack() && force_n * force_n < SURE * SURE * noise_n2
+    force_n * force_n < SURE * SURE * noise_n2
 }
 
 /// A fit whose onset is moved, the other unknowns with it as far as the data tie them to it.

@@ -24,6 +24,7 @@ pub(super) const LEVELS_A_STEP: usize = 12;
 
 impl CycleFit {
     /// How far the samples are from the fit: noise, what slips scatter, strain.
+    // Of its own: inside `step` it takes two hundred bytes of flash more.
     #[inline(never)]
     pub(super) fn judge(&mut self, learnt: &mut Expectations) {
         let (fit, pending, noise_n2) = (&mut self.fit, &self.pending, self.expected.noise_n2);
@@ -87,6 +88,7 @@ impl CycleFit {
     }
 
     /// Carries what the event tells to the next ones.
+    // Of its own: inside `step` it takes two hundred bytes of flash more.
     #[inline(never)]
     pub(super) fn tell(&mut self, learnt: &mut Expectations) {
         let (fit, noise_n2) = (&self.fit, learnt.noise_n2(&self.pending));

@@ -69,6 +69,7 @@ impl Rough {
         let (slide, slide_std) = (fall - 0.4, 0.3 + 0.25 * fall);
         // From the highest to the lowest force the slide turns by π, in all by π + 2 φ.
         let turn = core::f32::consts::FRAC_2_PI * fall / drop_n;
+        // `sin φ = q / a`; the rate is rough, and so may the root be that makes an arc sine of it.
         let sin = smaller(rate * turn, 1.0);
         let phase = math::atan2(sin, math::rough_sqrt(1.0 - sin * sin));
         let longer = 1.0 + core::f32::consts::FRAC_2_PI * phase;
