@@ -35,11 +35,15 @@ impl Detector {
         rises || now.index - self.lowest.index >= fall.div_ceil(2).max(2)
     }
 
-    /// Is the force back on the old stick line, as after a spike?
+    /// Is the force back on the old stick line, as after a spike? A block that creeps leaves the line
+    /// before it slips: then on the one through the highest sample.
     pub(super) fn is_back(&self, now: ForcePoint, drop: f32) -> bool {
         let off_n = self.off_line_n(now).filter(|_| self.line_fits());
         match (off_n, self.before_peak_n()) {
-            (Some(off_n), _) => off_n > -LEAST_SHIFT * drop,
+            (Some(off_n), _) => {
+                let peak_off_n = self.off_line_n(self.stick.highest).unwrap_or_default();
+                off_n - smaller(peak_off_n, 0.0) > -LEAST_SHIFT * drop
+            }
             (None, Some(before_n)) => self.lowest.force_n > before_n - LEAST_SHIFT_BRIEF * drop,
             (None, None) => false,
         }
