@@ -1,11 +1,11 @@
-//! Stick lines that are not straight: a winch that ripples, a cable that sags.
+//! Stick lines that are not straight: a winch that ripples, a cable that sags, a block that creeps.
 //!
 //! What counts is the force at the onset and at the stop, not the line's. Limits, percent
 //! of the truth, on bias and 95th percentile, and on the coverage of the 95 % intervals.
 //! `cargo test -p floe-tests --test bent_lines -- --nocapture` prints the figures.
 
 use floe::sim::Scene;
-use floe::sim::terms::{Sag, WinchProfile};
+use floe::sim::terms::{Creep, Sag, WinchProfile};
 use floe_tests::score::{Score, run};
 
 const EVENTS: usize = 600;
@@ -22,6 +22,13 @@ fn ripple(fraction: f64, period_s: f64) -> Scene {
 
 fn sag(weight_n_per_m: f64) -> Scene {
     Scene { sag: Some(Sag { weight_n_per_m, height_m: 0.3 }), ..dff8_13() }
+}
+
+fn creep(range_n: f64, white_n: f64) -> Scene {
+    let mut scene = dff8_13();
+    scene.creep = Some(Creep { onset_fraction: 0.5, range_n });
+    scene.measurement.white_n = white_n;
+    scene
 }
 
 /// Bias, 95th percentile and least coverage of `mu_s` and of `mu`.
@@ -66,6 +73,20 @@ fn a_cable_that_sags_is_told_from_its_rests() {
         (1.2, [(0.3, 0.7, 0.9), (0.8, 3.2, 0.9)]),
     ] {
         check(&format!("sag {weight_n_per_m} N/m"), &sag(weight_n_per_m), limits);
+    }
+}
+
+/// A line that is followed to its end instead goes on above `Fs`: `mu_s` and `mu` are .6 % high. The first
+/// events are, until the creep is known.
+#[test]
+fn a_block_that_creeps_is_told_from_a_force_that_wanders() {
+    const LIMITS: Limits = [(0.15, 1.0, 0.9), (0.15, 1.0, 0.9)];
+    for (range_n, white_n) in [(30.0, 0.5), (30.0, 2.0), (60.0, 1.0), (60.0, 2.0)] {
+        check(
+            &format!("creep over {range_n} N, noise {white_n} N"),
+            &creep(range_n, white_n),
+            LIMITS,
+        );
     }
 }
 

@@ -4,6 +4,7 @@ use crate::cycle::slip_record::SlipRecord;
 use crate::fit::Data;
 use crate::fit::levenberg_marquardt::SAMPLES_A_STEP;
 use crate::model::corner::Corner;
+use crate::noise::ripple::ColoredNoise;
 use crate::stats::line::Line;
 use crate::stats::prior::Prior;
 
@@ -35,6 +36,17 @@ impl Expected {
             onset,
             corner,
         }
+    }
+
+    /// The same, to be asked for other terms. Where the force bends down to the onset creep may be why,
+    /// and is not seen about a line that follows the bend.
+    #[inline(never)]
+    pub(crate) fn asked<'a>(&self, pending: &'a SlipRecord, after: &'a Line) -> Data<'a> {
+        let mut data = self.data(pending, after);
+        if pending.wander.creeps {
+            data.wander = ColoredNoise::NONE;
+        }
+        data
     }
 
     /// What a pass over the samples and lines takes, in units of 160 instructions on the board.

@@ -1,7 +1,7 @@
 //! What others may know of the detector, and what they let it know.
 
 use crate::detector::{Detector, Stick};
-use crate::effect::Effect;
+use crate::effect::{Effect, Kept};
 use crate::noise::ripple::{ColoredNoise, Ripple};
 use crate::num::math::{larger, smaller};
 use crate::sample::{ForcePoint, Phase, since};
@@ -114,7 +114,12 @@ impl Detector {
     pub fn creeps(&mut self, periods: f32) {
         // They are kept one by one, as the slip is.
         const ROOM: f32 = 48.0;
+        let before = self.creep_periods;
         self.creep_periods = larger(smaller(periods, ROOM - self.usual_fall), 0.0);
+        if self.creep_periods > before + 0.5 {
+            // What the innovations told had the creep in it.
+            self.ripple = Kept::default();
+        }
         self.update_delay();
     }
 

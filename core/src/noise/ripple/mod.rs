@@ -27,11 +27,14 @@ pub struct ColoredNoise {
     pub alike: f32,
     /// All rests are bent alike: that is in the force.
     pub bends: bool,
+    /// They are bent down to the onset: the block may creep.
+    pub creeps: bool,
 }
 
 impl ColoredNoise {
     /// The line is straight.
-    pub const NONE: Self = Self { level: 0.0, slope: 0.0, unsure: 0.0, alike: 0.0, bends: false };
+    pub const NONE: Self =
+        Self { level: 0.0, slope: 0.0, unsure: 0.0, alike: 0.0, bends: false, creeps: false };
 
     /// Is it a swing that may be the cable's or the cell's?
     #[must_use]

@@ -92,7 +92,10 @@ impl Sums {
         let likely_red = surely(errors, LIKELY_RED * LIKELY_RED);
         // What alternates is no bend.
         if self.products[0] > 0.0 && (bends || (is_red && self.count < TELLS_BEND)) {
-            return self.followed(UNSURE_BEND * part * likely_red, true);
+            let bent = self.followed(UNSURE_BEND * part * likely_red, true);
+            // A slow swing bends whole rests, creep their last samples.
+            let is_brief = self.products[1] < RED.1 * self.products[0];
+            return ColoredNoise { creeps: bends && self.sum < 0.0 && is_brief, ..bent };
         }
         if is_red {
             return ColoredNoise { alike: self.alike() * likely_red, ..ColoredNoise::NONE };
@@ -118,7 +121,7 @@ impl Sums {
         let sure = !bends || step * step * self.count > 4.0 * SIGNIFICANT * SIGNIFICANT;
         let far = (self.far_steps_n2() / white - 2.0) / (FAR * FAR) as f32;
         let slope = larger(larger(far, if sure { step } else { 0.0 }), 0.0);
-        ColoredNoise { level, slope, unsure, alike: 0.0, bends }
+        ColoredNoise { level, slope, unsure, bends, ..ColoredNoise::NONE }
     }
 
     /// Is what wanders no swing, but noise whose neighbours are alike? Four samples apart a swing has
