@@ -158,6 +158,22 @@ fn two_sample_spikes_up_long_before_a_slip() {
     script.at(100, 1500.0).at(101, 1500.0).becomes(&usual);
 }
 
+/// A block that creeps leaves its line before it slips; the highest sample is on it no more either.
+#[test]
+fn a_low_sample_of_a_creeping_block() {
+    let creeping = Script::noisy(2.0).stick().slip().line(200.0, 20.0, 26);
+    let script = creeping.push([714.0, 724.0, 732.0, 632.0, 744.0, 754.0, 764.0]).slip();
+    let script = script.line(200.0, 20.0, 10);
+    script.becomes(&[
+        "30 onset",
+        "34 restick 29 32",
+        "62 onset",
+        "63 cancelled",
+        "66 onset",
+        "70 restick 65 68",
+    ]);
+}
+
 /// One sample far off is a spike, and no event is.
 #[test]
 fn one_sample_spikes_never_reach_the_detector() {
