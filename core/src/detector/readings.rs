@@ -114,9 +114,11 @@ impl Detector {
     pub fn creeps(&mut self, periods: f32) {
         // They are kept one by one, as the slip is.
         const ROOM: f32 = 48.0;
+        // Half a sample: less is no other end of the lines.
+        const LONGER: f32 = 0.5;
         let before = self.creep_periods;
         self.creep_periods = larger(smaller(periods, ROOM - self.usual_fall), 0.0);
-        if self.creep_periods > before + 0.5 {
+        if self.creep_periods > before + LONGER {
             // What the innovations told had the creep in it.
             self.ripple = Kept::default();
         }

@@ -51,13 +51,13 @@ const SELDOM: u32 = 4;
 const FADE: f32 = 1.0 - 1.0 / 40.0;
 /// Events before which nothing counts, it is possible at most.
 const LEAST_EVENTS: f32 = 2.5;
-/// Standard errors beyond which a number counts, beyond which it is possible, and beyond which
-/// it is so in the first events. Tuned: a smaller one widens linear scenes, a larger one lets
-/// smooth onsets pass for sharp ones; the last with creep in 5 N of noise, where 2 leaves the first two events
-/// up to 11 standard deviations off, and with tests of one to three events, which 1.3 makes twice as
-/// wide as they are off.
+/// Standard errors beyond which a number counts, and beyond which it is possible. Tuned: a smaller one
+/// widens linear scenes, a larger one lets smooth onsets pass for sharp ones.
 const SIGNIFICANT: f32 = 3.0;
 const POSSIBLE: f32 = 1.1;
+/// The same in the first events, where it only is possible. Tuned: 2 leaves the first two of creep in 5 N of
+/// noise up to 11 standard deviations off, 1.3 makes those of tests of one to three events twice as wide as
+/// they are off.
 const POSSIBLE_EARLY: f32 = 1.5;
 /// What a number that does not count is held at zero with, times its own information.
 const HELD: f32 = 1e12;

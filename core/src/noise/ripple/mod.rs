@@ -27,7 +27,7 @@ pub struct ColoredNoise {
     pub alike: f32,
     /// All rests are bent alike: that is in the force.
     pub bends: bool,
-    /// They are bent down to the onset: the block may creep.
+    /// They are bent down, in their last samples: the block may creep before it slips.
     pub creeps: bool,
 }
 
