@@ -74,7 +74,7 @@ pub fn replay_with(
             changes.push(ChangeSummary::new(change, timeline.seconds(change.onset)));
         }
         if let Some(stretch) = &step.stretch {
-            add(&mut stretches, stretch, &timeline);
+            add(&mut stretches, stretch, config, &timeline);
         }
     };
     if zero.is_nothing() {
@@ -94,7 +94,7 @@ pub fn replay_with(
         ))
     })?;
     while let Some(stretch) = pipeline.finish_stretch() {
-        add(&mut stretches, &stretch, &timeline);
+        add(&mut stretches, &stretch, config, &timeline);
     }
     events.start = log.start();
     let report = pipeline.report();
@@ -124,8 +124,8 @@ fn so_far(pipeline: &Pipeline) -> Means {
     [report.mu_s.into(), report.mu.into()]
 }
 
-fn add(stretches: &mut Stretches, it: &Stretch, timeline: &Timeline) {
-    stretches.add(it, timeline.seconds(it.start), timeline.seconds(it.stop));
+fn add(stretches: &mut Stretches, it: &Stretch, config: &Config, timeline: &Timeline) {
+    stretches.add(it, config, timeline.seconds(it.start), timeline.seconds(it.stop));
 }
 
 fn summary(event: &Event, pipeline: &Pipeline, timeline: &Timeline) -> EventSummary {

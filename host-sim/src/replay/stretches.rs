@@ -1,9 +1,9 @@
 //! Stretches of a log that belong to no event.
 
-use floe_core::{Stretch, StretchKind};
+use floe_core::{Config, Stretch, StretchKind};
 use serde::Serialize;
 
-use crate::rounding::{digits, narrow};
+use crate::rounding::{digits, narrow, plus_minus};
 
 /// All of a log, in order.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -25,8 +25,12 @@ pub struct SteadySummary {
     pub force_over_weight: f64,
     /// One standard deviation of that mean.
     pub std: f64,
-    /// Whether the block moved; `null`: not known, as when the cable was slack.
+    /// Whether the winch turns as far as its speed tells; `null`: not known, as when the cable
+    /// was slack.
     pub moving: Option<bool>,
+    /// One standard deviation of the coefficient, if the block slid: with that of the inputs.
+    #[serde(skip)]
+    pub sliding_std: f64,
 }
 
 /// Falls of the force that are no slips.
@@ -42,15 +46,22 @@ pub struct NotUnderstood {
 
 impl Stretches {
     /// Takes the next one, with its times in the log's seconds.
-    pub fn add(&mut self, stretch: &Stretch, start_s: f64, stop_s: f64) {
+    pub fn add(&mut self, stretch: &Stretch, config: &Config, start_s: f64, stop_s: f64) {
         match stretch.kind {
             StretchKind::Steady { force_over_weight, std, moving } => {
                 let [force_over_weight, std] = [force_over_weight, std].map(shortest);
                 // A winch that turns moves no block by a slack cable.
                 let slides = |moves: &bool| !(*moves && is_nothing(force_over_weight, std));
                 let moving = moving.filter(slides);
-                let steady = SteadySummary { start_s, stop_s, force_over_weight, std, moving };
-                self.steady.push(steady);
+                let sliding_std = sliding_std(config, force_over_weight, std);
+                self.steady.push(SteadySummary {
+                    start_s,
+                    stop_s,
+                    force_over_weight,
+                    std,
+                    moving,
+                    sliding_std,
+                });
             }
             StretchKind::NotUnderstood(reason) => {
                 let reason = reason.to_string();
@@ -64,7 +75,7 @@ impl SteadySummary {
     /// One sentence for a person, on ice with this slope.
     #[must_use]
     pub fn sentence(&self, slope_rad: f64) -> String {
-        let Self { start_s, stop_s, force_over_weight, std, moving } = self;
+        let Self { start_s, stop_s, force_over_weight, std, moving, sliding_std } = self;
         let (sin, cos) = slope_rad.sin_cos();
         let decimals = digits(*std).max(4);
         let what = match moving {
@@ -75,10 +86,7 @@ impl SteadySummary {
             Some(false) => "the winch stood: the cable was held".to_string(),
             Some(true) => {
                 let mu = (force_over_weight - sin) / cos;
-                let std = std / cos;
-                format!(
-                    "the winch turned, so the block slid: mu {mu:.decimals$} ± {std:.decimals$}"
-                )
+                format!("mu {}, if the winch turned then", plus_minus(mu, *sliding_std))
             }
         };
         format!(
@@ -105,7 +113,7 @@ pub fn told(stretch: &Stretch) -> String {
                 _ if is_nothing(force_over_weight.into(), std.into()) => "no force",
                 None => "held or sliding",
                 Some(false) => "held",
-                Some(true) => "sliding",
+                Some(true) => "mu, if the winch turned",
             };
             let std = narrow(std.into());
             format!("constant force, F/W {force_over_weight:.4} ± {std}: {what}")
@@ -119,6 +127,25 @@ fn is_nothing(force_over_weight: f64, std: f64) -> bool {
     force_over_weight.abs() <= 3.0 * std
 }
 
+/// Standard deviation of `c = (F/W − sin α)/cos α`, by the formulas of [`floe_core::budget`].
+fn sliding_std(config: &Config, force_over_weight: f64, std: f64) -> f64 {
+    let known = config.std;
+    let (sin, cos) = f64::from(config.slope_rad).sin_cos();
+    let of_force = (force_over_weight / cos).abs();
+    let by_slope = (force_over_weight - sin) / cos * (sin / cos) - 1.0;
+    let zero = known
+        .zero_n
+        .map_or(1e-3 * of_force, |zero_n| f64::from(zero_n) / (f64::from(config.weight_n) * cos));
+    let parts = [
+        std / cos,
+        of_force * f64::from(known.weight),
+        by_slope * f64::from(known.slope_rad),
+        zero,
+        of_force * f64::from(known.span),
+    ];
+    parts.into_iter().fold(0.0, f64::hypot)
+}
+
 /// The number whose shortest text is that of the `f32`.
 fn shortest(value: f32) -> f64 {
     value.to_string().parse().unwrap_or(f64::from(value))
@@ -127,19 +154,25 @@ fn shortest(value: f32) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use floe_core::{Reason, SampleTime};
+    use floe_core::{InputStd, Reason, SampleTime};
 
     fn stretch(kind: StretchKind) -> Stretch {
         let time = SampleTime { index: 0, fraction: 0.0 };
         Stretch { start: time, stop: time, kind }
     }
 
+    fn steady(force_over_weight: f64, std: f64, moving: Option<bool>) -> SteadySummary {
+        let (start_s, stop_s, sliding_std) = (0.0, 9.0, 2e-3);
+        SteadySummary { start_s, stop_s, force_over_weight, std, moving, sliding_std }
+    }
+
     #[test]
     fn each_is_said_as_the_interface_has_it() {
         let mut all = Stretches::default();
         let steady = StretchKind::Steady { force_over_weight: 0.78, std: 0.000_5, moving: None };
-        all.add(&stretch(steady), 2.0, 22.5);
-        all.add(&stretch(StretchKind::NotUnderstood(Reason::WoundBack)), 30.0, 31.5);
+        all.add(&stretch(steady), &Config::default(), 2.0, 22.5);
+        let back = stretch(StretchKind::NotUnderstood(Reason::WoundBack));
+        all.add(&back, &Config::default(), 30.0, 31.5);
         let json = serde_json::to_string(&all).unwrap();
         assert_eq!(
             json,
@@ -154,7 +187,7 @@ mod tests {
         let moving = |force_over_weight, moving| {
             let steady = StretchKind::Steady { force_over_weight, std: 1e-4, moving };
             let mut all = Stretches::default();
-            all.add(&stretch(steady), 0.0, 9.0);
+            all.add(&stretch(steady), &Config::default(), 0.0, 9.0);
             all.steady[0].moving
         };
         assert_eq!(moving(2e-5, Some(true)), None);
@@ -164,26 +197,30 @@ mod tests {
 
     #[test]
     fn only_a_winch_that_turns_makes_it_a_coefficient() {
-        let said = |moving| {
-            SteadySummary { start_s: 0.0, stop_s: 9.0, force_over_weight: 0.5, std: 1e-3, moving }
-                .sentence(0.1)
-        };
+        let said = |moving| steady(0.5, 1e-3, moving).sentence(0.1);
         assert!(said(None).contains("held or sliding: the force alone cannot tell"));
-        assert!(said(Some(true)).ends_with("mu 0.4022 ± 0.0010"), "{}", said(Some(true)));
+        let sliding = said(Some(true));
+        assert!(sliding.ends_with("; mu 0.4022 ± 0.0020, if the winch turned then"), "{sliding}");
         assert!(!said(Some(false)).contains("mu"));
     }
 
     #[test]
     fn a_slack_cable_is_no_block_that_slides() {
-        let stretch = |force_over_weight, std| SteadySummary {
-            start_s: 0.0,
-            stop_s: 9.0,
-            force_over_weight,
-            std,
-            moving: Some(true),
-        };
-        let said = stretch(-2e-5, 1e-4).sentence(0.0);
+        let said = steady(-2e-5, 1e-4, Some(true)).sentence(0.0);
         assert!(said.contains("the cable was slack") && !said.contains("mu"), "{said}");
-        assert!(stretch(4e-4, 1e-4).sentence(0.0).contains("mu 0.00040 ± 0.00010"));
+        let said = steady(4e-4, 1e-4, Some(true)).sentence(0.0);
+        assert!(said.contains("mu 0.0004 ± 0.0020, if"), "{said}");
+    }
+
+    #[test]
+    fn what_a_slide_would_tell_is_no_better_than_the_inputs() {
+        let std =
+            InputStd { weight: 0.01, slope_rad: 0.01, zero_n: Some(6.3), ..Default::default() };
+        let config = Config { weight_n: 630.0, slope_rad: 0.1, std, ..Config::default() };
+        let cos = 0.1_f64.cos();
+        let by_slope = 1.0 - (0.78 - 0.1_f64.sin()) / cos * 0.1_f64.tan();
+        let parts = [1e-3 / cos, 7.8e-3 / cos, 0.01 * by_slope, 0.01 / cos, 7.8e-4 / cos];
+        let expected = parts.iter().map(|part| part * part).sum::<f64>().sqrt();
+        assert!((sliding_std(&config, 0.78, 1e-3) - expected).abs() < 1e-7);
     }
 }

@@ -169,7 +169,7 @@ impl Outcome {
         let changes = self.changes.iter().map(|c| ChangeSummary::new(c, seconds(c.onset)));
         let mut stretches = Stretches::default();
         self.stretches.iter().for_each(|it| {
-            stretches.add(it, seconds(it.start), seconds(it.stop));
+            stretches.add(it, &self.config, seconds(it.start), seconds(it.stop));
         });
         let inputs = (&self.config, &self.report);
         let result = ReplayResult::new(log, test, inputs, events, changes.collect());
