@@ -42,6 +42,8 @@ pub struct Events {
     stride: usize,
     left_out: usize,
     left_out_odd: usize,
+    /// Why events have no coefficient, and how many.
+    refused: Vec<(String, u64)>,
     all: Arc<Mutex<BufWriter<SpooledTempFile>>>,
     quantities: Quantities,
     pub(super) start: Option<Start>,
@@ -56,6 +58,7 @@ impl Default for Events {
             stride: 1,
             left_out: 0,
             left_out_odd: 0,
+            refused: Vec::new(),
             all: Arc::new(Mutex::new(BufWriter::new(SpooledTempFile::new(IN_MEMORY)))),
             quantities: Quantities::default(),
             start: None,
@@ -80,12 +83,28 @@ impl Events {
         let mut scratch = [0; LONGEST];
         let bytes = postcard::to_slice(&event, &mut scratch).map_err(io::Error::other)?;
         self.all.lock().unwrap_or_else(PoisonError::into_inner).write_all(bytes)?;
+        self.count_refused(&event);
         let means = if is_wanted(&event, self.stride) { means() } else { Means::default() };
         self.last.push_back((event, means));
         if self.last.len() > ENDS {
             self.keep_oldest();
         }
         Ok(())
+    }
+
+    fn count_refused(&mut self, event: &EventSummary) {
+        let EventSummary { mu_s: None, mu: None, reason: Some(reason), .. } = event else { return };
+        match self.refused.iter_mut().find(|(known, _)| known == reason) {
+            Some((_, count)) => *count += 1,
+            None => self.refused.push((reason.clone(), 1)),
+        }
+    }
+
+    /// Why events have no coefficient, the most frequent reason first: `3 not counted: a gap`.
+    pub fn refused(&self) -> impl Iterator<Item = String> {
+        let mut refused: Vec<_> = self.refused.iter().collect();
+        refused.sort_by_key(|(_, count)| std::cmp::Reverse(*count));
+        refused.into_iter().map(|(reason, count)| format!("{count} not counted: {reason}"))
     }
 
     /// The one that is no longer among the last.
@@ -245,6 +264,19 @@ mod tests {
         };
         events.for_each(same).unwrap();
         assert_eq!((place, events.found(), events.len()), (3 * ENDS, 3 * ENDS, 3 * ENDS));
+    }
+
+    #[test]
+    fn what_is_not_counted_is_counted_by_its_reason() {
+        let mut events = Events::default();
+        for (mu, reason) in
+            [(Some(0.78), None), (None, Some("a")), (None, Some("b")), (None, Some("b"))]
+        {
+            let reason = reason.map(str::to_string);
+            events.push(EventSummary { mu, reason, ..event() }, Means::default).unwrap();
+        }
+        let refused: Vec<String> = events.refused().collect();
+        assert_eq!(refused, ["2 not counted: b", "1 not counted: a"]);
     }
 
     #[test]

@@ -170,9 +170,11 @@ fn coefficients(out: &mut String, result: &ReplayResult) -> std::fmt::Result {
     let found = result.events.found();
     writeln!(
         out,
-        "       ± one standard deviation, all that is known of it; {} of {found} events count\n",
+        "       ± one standard deviation, all that is known of it; {} of {found} events count",
         estimate.events
-    )
+    )?;
+    result.events.refused().try_for_each(|it| writeln!(out, "       {it}"))?;
+    writeln!(out)
 }
 
 fn coefficient(out: &mut String, name: &str, value: &CoefficientSummary) -> std::fmt::Result {

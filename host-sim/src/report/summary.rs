@@ -46,8 +46,10 @@ fn notices(result: &ReplayResult) -> String {
     let unclear = result.stretches.not_understood.iter().map(NotUnderstood::sentence);
     let unclear =
         unclear.map(|it| format!("<p class=\"notice\">Not understood: {}.</p>", escape(&it)));
+    let refused = result.events.refused();
+    let refused = refused.map(|it| format!("<p class=\"notice\">Events: {}.</p>", escape(&it)));
     nothing(result).to_string()
-        + &steady.chain(unclear).collect::<String>()
+        + &refused.chain(steady).chain(unclear).collect::<String>()
         + &result.changes.iter().map(change).collect::<String>()
         + &result.zero_n.map(zero).unwrap_or_default()
 }
@@ -68,7 +70,7 @@ fn nothing(result: &ReplayResult) -> &'static str {
             "<p class=\"notice\">No stick-slip event was found in this log, so there is no \
              coefficient.</p>"
         }
-        (false, 0) => "<p class=\"notice\">No event gives a coefficient; the table says why.</p>",
+        (false, 0) => "<p class=\"notice\">No event gives a coefficient.</p>",
         (false, _) => "",
     }
 }
