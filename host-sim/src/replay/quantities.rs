@@ -6,7 +6,8 @@ use serde::Serialize;
 use super::result::{EventSummary, known, short_or_null};
 use crate::log::STANDARD_GRAVITY;
 
-/// Rates, frequencies, stiffnesses, times. What is not known is `None`.
+/// Rates, frequencies, stiffnesses, times. What is not known is `None`: all of them where no
+/// event counts.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Quantities {
     /// Mean rate of the force at rest.
@@ -63,6 +64,9 @@ impl Quantities {
     /// Of a test.
     #[must_use]
     pub fn new(config: &Config, report: &Report) -> Self {
+        if report.mu_s.or(report.mu).is_none() {
+            return Self::default();
+        }
         let rate = relative(report.loading_rate_n_per_s);
         let omega = relative(report.omega_rad_per_s);
         let winch = config.winch_m_per_s.map(f64::from);

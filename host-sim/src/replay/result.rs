@@ -183,6 +183,11 @@ pub struct CoefficientSummary {
 }
 
 impl ReplayResult {
+    /// The effects that the data show; none where no event counts.
+    pub fn effects_found(&self) -> impl Iterator<Item = &EffectSummary> {
+        self.effects.iter().filter(|it| it.found && self.estimate.events > 0)
+    }
+
     /// Puts the parts together.
     #[must_use]
     pub fn new(

@@ -144,7 +144,7 @@ fn notices(out: &mut String, result: &ReplayResult) -> std::fmt::Result {
     if let Some(zero_n) = result.zero_n {
         writeln!(out, "zero   {}", zero_sentence(zero_n))?;
     }
-    let found: Vec<String> = result.effects.iter().filter(|it| it.found).map(effect).collect();
+    let found: Vec<String> = result.effects_found().map(effect).collect();
     if !found.is_empty() {
         writeln!(out, "shows  {}", found.join("; "))?;
     }

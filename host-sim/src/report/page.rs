@@ -128,6 +128,6 @@ fn footer(result: &ReplayResult, provenance: &Provenance) -> String {
         env!("CARGO_PKG_VERSION"),
         escape(&result.log.path),
         escape(&result.log.format),
-        provenance.html(&result.effects),
+        provenance.html(result),
     )
 }

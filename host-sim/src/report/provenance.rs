@@ -1,7 +1,7 @@
 //! Where a report comes from: enough to make it again.
 
 use super::svg::escape;
-use crate::replay::result::EffectSummary;
+use crate::replay::result::ReplayResult;
 use crate::replay::table::effect;
 
 /// What a reviewer needs to make the same report.
@@ -19,19 +19,20 @@ pub struct Provenance {
 
 impl Provenance {
     /// The lines of the page's foot, with what was looked for and found beyond the linear model.
-    pub(super) fn html(&self, effects: &[EffectSummary]) -> String {
+    pub(super) fn html(&self, result: &ReplayResult) -> String {
         let line = |name: &str, value: Option<&str>| {
             let value = value.filter(|value| !value.is_empty());
             value.map_or_else(String::new, |value| {
                 format!("<div><dt>{name}</dt><dd class=\"path\">{}</dd></div>", escape(value))
             })
         };
-        let listed = |which: fn(&&EffectSummary) -> bool, text: fn(&EffectSummary) -> String| {
-            let all: Vec<String> = effects.iter().filter(which).map(text).collect();
-            if all.is_empty() { "none".to_string() } else { all.join(", ") }
+        let listed = |all: Vec<String>| match all.is_empty() {
+            true => "none".to_string(),
+            false => all.join(", "),
         };
-        let sought = listed(|it| it.enabled, |it| it.name.to_string());
-        let found = listed(|it| it.found, effect);
+        let sought = result.effects.iter().filter(|it| it.enabled);
+        let sought = listed(sought.map(|it| it.name.to_string()).collect());
+        let found = listed(result.effects_found().map(effect).collect());
         let lines = [
             line("Command", Some(&self.command)),
             line("Effects looked for", Some(&sought)),
@@ -46,17 +47,22 @@ impl Provenance {
 
 #[cfg(test)]
 mod tests {
+    use super::super::sample_log::SampleLog;
     use super::*;
-    use crate::replay::result::ParameterSummary;
+    use crate::replay::result::{EffectSummary, ParameterSummary};
 
     #[test]
     fn what_was_looked_for_and_found_is_said() {
         let effect = |name, found| EffectSummary { name, enabled: true, found, parameters: vec![] };
         let missing = ParameterSummary { name: "missing_n", value: 20.696, std: 0.578 };
         let corner = EffectSummary { parameters: vec![missing], ..effect("corner", true) };
-        let html = Provenance::default().html(&[corner, effect("sag", false)]);
+        let mut result = SampleLog::dff8_13(20.0).result;
+        result.effects = vec![corner, effect("sag", false)];
+        let html = Provenance::default().html(&result);
         assert!(html.contains("<dt>Effects looked for</dt><dd class=\"path\">corner, sag</dd>"));
         assert!(html.contains("<dd class=\"path\">corner missing_n 20.70 ± 0.58</dd>"), "{html}");
-        assert!(Provenance::default().html(&[]).contains(">none</dd>"));
+        result.estimate.events = 0;
+        let html = Provenance::default().html(&result);
+        assert!(html.contains("<dt>Effects found</dt><dd class=\"path\">none</dd>"), "{html}");
     }
 }
