@@ -37,6 +37,28 @@ fn what_hardly_belongs_together_is_asked_about() {
     );
 }
 
+/// Both stiffnesses are those of one cable, if weight and winch speed are right.
+#[test]
+fn a_weight_that_the_winch_contradicts_is_asked_about() {
+    let path = directory("stiffness").join("pull.csv");
+    let path = path.to_str().unwrap();
+    let made = floe(&["simulate", "scenes/dff8-13.toml", "-o", path]);
+    assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
+    let said = |weight: &str| {
+        let json = json_with_warnings(&floe(&["replay", path, "--weight-n", weight, "--json"]));
+        let summary = floe(&["replay", path, "--weight-n", weight, "--summary"]);
+        (json, text(&summary.stdout))
+    };
+    let (asked, line) = said("700");
+    assert!(asked.contains("the stiffness from the winch speed is 0.8"), "{asked}");
+    assert!(line.contains("of the two: they disagree") && !line.contains("checks both"), "{line}");
+    let (told, line) = said("630");
+    assert!(
+        !told.contains("stiffness") && line.contains("of the two: checks both"),
+        "{told} {line}"
+    );
+}
+
 /// A slip every few samples may be made of single samples of many: only the winch tells.
 #[test]
 fn fast_slips_without_the_speed_of_the_winch_are_asked_about() {

@@ -2,20 +2,28 @@
 
 use floe_core::{Config, Report};
 
+use super::quantities::Quantities;
 use crate::log::Log;
+use crate::rounding::plus_minus;
 
 /// Static coefficients beyond these are hardly friction of anything on ice.
 const FRICTION: std::ops::RangeInclusive<f32> = 0.004..=20.0;
 /// Slips that follow each other within fewer samples may be made of those of several.
 const FAST: f64 = 16.0;
+/// Stiffnesses that differ less may be those of a cable that sags and flops, which `sag_flop` shows.
+const OTHER_STIFFNESS: f64 = 0.07;
 /// Weights within this share of each other are the same.
 const SAME: f64 = 0.005;
 
 /// One sentence each.
 #[must_use]
 pub fn doubts(log: &Log, config: &Config, report: &Report) -> Vec<String> {
-    let doubts =
-        [other_weight(log, config), no_friction(log, config, report), alias(log, config, report)];
+    let doubts = [
+        other_weight(log, config),
+        no_friction(log, config, report),
+        alias(log, config, report),
+        other_stiffness(config, report),
+    ];
     doubts.into_iter().flatten().collect()
 }
 
@@ -41,6 +49,20 @@ fn no_friction(log: &Log, config: &Config, report: &Report) -> Option<String> {
         log.unit().name(),
         config.weight_n
     ))
+}
+
+/// The winch's speed and the weight contradict each other.
+fn other_stiffness(config: &Config, report: &Report) -> Option<String> {
+    let quantities = Quantities::new(config, report);
+    let (ratio, std) = quantities.stiffness_ratio.zip(quantities.stiffness_ratio_std)?;
+    let far = (ratio - 1.0).abs() > OTHER_STIFFNESS;
+    (far && quantities.disagree()).then(|| {
+        format!(
+            "the stiffness from the winch speed is {} of that from omega and the weight: weight or \
+             winch speed is wrong, or friction changes along the slip, or the sampling is too slow",
+            plus_minus(ratio, std)
+        )
+    })
 }
 
 /// Slips that may be made of the samples of faster ones, where no speed of the winch tells.

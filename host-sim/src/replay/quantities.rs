@@ -102,6 +102,14 @@ impl Quantities {
         }
     }
 
+    /// Do the two stiffnesses differ by more than three standard deviations? Then weight or winch
+    /// speed is wrong, or the slips are.
+    #[must_use]
+    pub fn disagree(&self) -> bool {
+        let ratio = self.stiffness_ratio.zip(self.stiffness_ratio_std);
+        ratio.is_some_and(|(ratio, std)| (ratio - 1.0).abs() > 3.0 * std)
+    }
+
     /// Gives an event, which has none yet, the losses of the cable; and its slip length,
     /// `(Fs − Fe)/k + w T`, with the work against the friction over it, unless the cable went
     /// slack or the stiffness is not known.

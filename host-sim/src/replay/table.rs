@@ -203,6 +203,7 @@ fn coefficient(out: &mut String, name: &str, value: &CoefficientSummary) -> std:
 fn quantities(out: &mut String, result: &ReplayResult) -> std::fmt::Result {
     let Quantities { recurrence_predicted_s: predicted, .. } = result.quantities;
     let q = &result.quantities;
+    let checks = if q.disagree() { "of the two: they disagree" } else { "of the two: checks both" };
     let lines = [
         ("noise", result.noise_n, None, "N"),
         ("loading rate", q.loading_rate_n_per_s, q.loading_rate_n_per_s_std, "N/s"),
@@ -219,7 +220,7 @@ fn quantities(out: &mut String, result: &ReplayResult) -> std::fmt::Result {
             q.stiffness_from_omega_n_per_m_std,
             "N/m from omega and the weight",
         ),
-        ("ratio", q.stiffness_ratio, q.stiffness_ratio_std, "of the two: checks both"),
+        ("ratio", q.stiffness_ratio, q.stiffness_ratio_std, checks),
         ("recurrence", q.recurrence_s, None, "s"),
         ("by the model", predicted, None, "s, (22) to (25)"),
     ];

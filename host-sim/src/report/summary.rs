@@ -129,9 +129,6 @@ fn measured(result: &ReplayResult) -> Vec<Fact> {
     let hertz = quantities.omega_rad_per_s.map_or_else(String::new, |omega| {
         format!(" <small>{} Hz</small>", significant(omega / std::f64::consts::TAU))
     });
-    // Weight and winch speed contradict each other.
-    let ratio = quantities.stiffness_ratio.zip(quantities.stiffness_ratio_std);
-    let off = ratio.is_some_and(|(ratio, std)| (ratio - 1.0).abs() > 3.0 * std);
     let (used, found) = (result.estimate.events, result.events.found() as u64);
     let without = found.saturating_sub(used);
     let events = match without {
@@ -177,7 +174,7 @@ fn measured(result: &ReplayResult) -> Vec<Fact> {
         (
             "Ratio of the two",
             pair(quantities.stiffness_ratio, quantities.stiffness_ratio_std, ""),
-            off,
+            quantities.disagree(),
         ),
         ("Recurrence", recurrence, false),
         ("Recurrence by the model", predicted, false),
