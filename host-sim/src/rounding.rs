@@ -39,15 +39,16 @@ pub fn own_digits(std: f64) -> String {
     if std < LEAST { "0".to_string() } else { format!("{std:.*}", digits(std)) }
 }
 
-/// A part of an uncertainty: where it is less than a hundredth of the whole, only that.
+/// A part of an uncertainty: below a power of ten that is at most a hundredth of the whole,
+/// only that.
 #[must_use]
 pub fn part_of(part: f64, whole: f64) -> String {
-    let limit = 0.01 * whole;
+    let exponent = (0.01 * whole).log10().floor().min(0.0);
+    let limit = 10_f64.powf(exponent);
     if part < LEAST * whole.max(LEAST) || part >= limit {
         return own_digits(part);
     }
-    let exponent = limit.log10().ceil().min(0.0);
-    format!("<{:.*}", -exponent as usize, 10_f64.powf(exponent))
+    format!("<{limit:.*}", -exponent as usize)
 }
 
 /// An uncertainty in a column of four decimals; never one that reads as none.
@@ -78,14 +79,16 @@ mod tests {
     fn a_part_that_does_not_count_says_only_that() {
         assert_eq!(part_of(0.0035, 0.0035), "0.0035");
         assert_eq!(part_of(0.000_38, 0.0035), "0.00038");
-        assert_eq!(part_of(2.2e-7, 0.0035), "<0.0001");
-        assert_eq!(part_of(2.2e-7, 0.000_35), "<0.00001");
+        assert_eq!(part_of(2.2e-7, 0.0035), "<0.00001");
+        assert_eq!(part_of(2.2e-7, 0.000_35), "<0.000001");
         assert_eq!(part_of(0.0, 0.0035), "0");
         assert_eq!(part_of(0.4, 120.0), "<1");
         for whole in [0.001, 0.0031, 0.01, 0.3, 1.0] {
-            let text = part_of(0.009_99 * whole, whole);
+            let text = part_of(0.000_99 * whole, whole);
             let limit: f64 = text.strip_prefix('<').unwrap().parse().unwrap();
-            assert!(limit >= 0.009_99 * whole && limit < 0.11 * whole, "{whole}: {text}");
+            assert!((0.000_99..0.010_01).contains(&(limit / whole)), "{whole}: {text}");
+            // What is shown beside it is not less.
+            assert_ne!(part_of(1.01 * limit, whole), text);
         }
     }
 

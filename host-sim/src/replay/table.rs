@@ -9,7 +9,7 @@ use super::result::{
     zero_sentence,
 };
 use super::stretches::Stretches;
-use crate::rounding::{self, LEAST, counted, decimals, digits, own_digits, part_of};
+use crate::rounding::{self, LEAST, counted, decimals, digits, own_digits, part_of, plus_minus};
 
 /// Events, then the result with its uncertainty, then what to know about it.
 ///
@@ -61,6 +61,11 @@ fn cell(value: Option<f64>, decimals: usize) -> String {
 /// An uncertainty with two digits of its own.
 fn part(std: Option<f64>) -> String {
     std.map_or_else(|| "-".to_string(), own_digits)
+}
+
+/// A part of a whole, if there is one.
+fn part_beside(own: Option<f64>, whole: Option<f64>) -> String {
+    own.zip(whole).map_or_else(|| part(own), |(own, whole)| part_of(own, whole))
 }
 
 fn narrow(std: Option<f64>) -> String {
@@ -179,7 +184,7 @@ fn coefficients(out: &mut String, result: &ReplayResult) -> std::fmt::Result {
 
 fn coefficient(out: &mut String, name: &str, value: &CoefficientSummary) -> std::fmt::Result {
     let Some(mean) = value.mean else { return writeln!(out, "{name:<6} unknown") };
-    let systematic = part(value.systematic_std);
+    let systematic = part_beside(value.systematic_std, value.combined_std);
     let spread = match value.spread {
         Some(spread) if spread < LEAST => "none beyond the noise".to_string(),
         spread => part(spread),
@@ -190,7 +195,7 @@ fn coefficient(out: &mut String, name: &str, value: &CoefficientSummary) -> std:
             out,
             "{name:<6} {mean:.decimals$} ± {combined:.decimals$}   random {}, systematic {systematic}; \
              95 % {low:.decimals$} to {high:.decimals$}; spread between events {spread}",
-            part(Some(random))
+            part_of(random, combined)
         ),
         _ => writeln!(
             out,
@@ -229,9 +234,11 @@ fn quantities(out: &mut String, result: &ReplayResult) -> std::fmt::Result {
             writeln!(out, "{name:<14}unknown{}", unit.find(" from").map_or("", |at| &unit[at..]))?;
             continue;
         };
-        let decimals = std.map_or(0, digits).max(decimals(value));
-        let std = std.map_or(String::new(), |std| format!(" ± {std:.decimals$}"));
-        writeln!(out, "{name:<14}{value:.decimals$}{std} {unit}")?;
+        let value = match std {
+            Some(std) => plus_minus(value, std),
+            None => format!("{value:.*}", decimals(value)),
+        };
+        writeln!(out, "{name:<14}{value} {unit}")?;
     }
     writeln!(out)
 }
@@ -253,10 +260,7 @@ fn budget(out: &mut String, result: &ReplayResult) -> std::fmt::Result {
             let percent =
                 share.contribution.zip(mean.combined_std).map(|(a, b)| 100.0 * (a / b).powi(2));
             let (by, percent) = (number(share.sensitivity), cell(percent, 1));
-            let own = match (share.contribution, mean.combined_std) {
-                (Some(own), Some(whole)) => part_of(own, whole),
-                (own, _) => part(own),
-            };
+            let own = part_beside(share.contribution, mean.combined_std);
             write!(out, "   {by:>11}{own:>11}{percent:>6}%")?;
         }
         writeln!(out)?;
@@ -264,7 +268,8 @@ fn budget(out: &mut String, result: &ReplayResult) -> std::fmt::Result {
     write!(out, "{:<34}", "random")?;
     for mean in [&estimate.mu_s, &estimate.mu] {
         let percent = mean.std_error.zip(mean.combined_std).map(|(a, b)| 100.0 * (a / b).powi(2));
-        write!(out, "   {:>11}{:>11}{:>6}%", "", part(mean.std_error), cell(percent, 1))?;
+        let own = part_beside(mean.std_error, mean.combined_std);
+        write!(out, "   {:>11}{own:>11}{:>6}%", "", cell(percent, 1))?;
     }
     writeln!(out, "\n")
 }

@@ -3,6 +3,7 @@
 use super::fit::neighbours;
 use super::number::Unit;
 use super::recorder::Recorder;
+use super::svg::escape;
 use crate::replay::result::{EventSummary, ReplayResult};
 
 /// The result, the samples, and the units they are shown in.
@@ -27,6 +28,16 @@ pub(super) struct Focus<'a> {
 
 /// Beyond this, s, the times of a log are counted from its start.
 const LONG_TIME_S: f64 = 1e5;
+
+impl Focus<'_> {
+    /// That its curve is no result, if it gives no coefficient.
+    pub fn refused(&self) -> String {
+        let reason = self.event.reason.as_deref().map(escape);
+        reason.map_or_else(String::new, |reason| {
+            format!(" This event is refused, and its curve is no result: {reason}.")
+        })
+    }
+}
 
 impl<'a> Context<'a> {
     pub fn new(result: &'a ReplayResult, recorder: &'a Recorder) -> Self {
@@ -101,7 +112,7 @@ impl<'a> Context<'a> {
         let penalty = |bad: bool, cost: f64| if bad { cost } else { 0.0 };
         off(event.mu_s, estimate.mu_s.mean)
             + off(event.mu, estimate.mu.mean)
-            + penalty(event.quality != "good", 4.0)
+            + penalty(event.is_odd(), 4.0)
             + penalty(event.omega_rad_per_s.is_none(), 8.0)
             + penalty(at_end, 2.0)
     }

@@ -2,9 +2,10 @@
 
 use super::context::Context;
 use super::figure::{Figure, both, dot_key, line_key};
-use super::number::fixed;
+use super::number::{count, fixed};
 use super::plot::{Axis, Layout, Plot, Spec};
 use super::scale::{Steps, extent};
+use crate::replay::events::Events;
 use crate::replay::result::EventSummary;
 use crate::rounding::digits;
 
@@ -31,14 +32,25 @@ pub(super) fn correlation(context: &Context<'_>) -> Option<Figure> {
     let decimals = decimals(found.ci95);
     let [low, high] = found.ci95.map(|r| fixed(r, decimals));
     let caption = format!(
-        "<i>μ</i> against <i>μ</i><sub>s</sub> of the {} events that have both: correlation {} (95 % \
+        "<i>μ</i> against <i>μ</i><sub>s</sub> of {} that have both: correlation {} (95 % \
          interval {low} to {high}, from Fisher's transformation; events counted as independent). The \
          errors of an event are in it as well: <i>F</i><sub>s</sub> is in both coefficients, and a \
          wrong weight or zero moves both alike.",
-        pairs.len(),
+        which(pairs.len(), &context.result.events),
         fixed(found.value, decimals),
     );
     Some(Figure { class: "pair", drawings: vec![drawing], keys, caption })
+}
+
+/// The events that are looked at: of a long log not all are kept.
+fn which(pairs: usize, events: &Events) -> String {
+    let pairs = count(pairs as u64);
+    match events.found() {
+        all if all > events.len() => {
+            format!("{pairs} events, spread evenly over all {},", count(all as u64))
+        }
+        _ => format!("the {pairs} events"),
+    }
 }
 
 /// Decimals that show how wide an interval is.
@@ -118,6 +130,19 @@ mod tests {
     fn an_interval_near_one_is_told_from_one() {
         let intervals = [[-0.23, 0.16], [0.976, 0.986], [0.999_1, 0.999_5], [1.0, 1.0]];
         assert_eq!(intervals.map(decimals), [2, 3, 4, 2]);
+    }
+
+    #[test]
+    fn of_a_long_log_it_says_of_how_many_events() {
+        let log = SampleLog::dff8_13(60.0);
+        assert_eq!(which(5, &log.result.events), "the 5 events");
+        let mut events = Events::default();
+        for index in 0..30_000 {
+            let event = EventSummary { index, ..log.result.events[0].clone() };
+            events.push(event, Default::default).unwrap();
+        }
+        let said = which(events.len(), &events);
+        assert!(said.ends_with("events, spread evenly over all 29\u{202f}744,"), "{said}");
     }
 
     #[test]

@@ -31,7 +31,7 @@ pub(super) fn phase_plane(context: &Context<'_>, focus: Option<&Focus<'_>>) -> O
         keys.push(line_key("seen", "the ellipse as ±1 sample sees it"));
     }
     keys.extend(mark_keys());
-    let caption = plane.caption();
+    let caption = plane.caption() + &focus.refused();
     Some(Figure { class: "plane", drawings: vec![drawing], keys, caption })
 }
 

@@ -5,7 +5,7 @@ use super::number::{count, decimals_of_error, fixed, quantity, significant};
 use super::svg::escape;
 use crate::replay::result::{ChangeSummary, CoefficientSummary, ReplayResult, zero_sentence};
 use crate::replay::stretches::NotUnderstood;
-use crate::rounding::part_of;
+use crate::rounding::{LEAST, own_digits, part_of, plus_minus};
 
 /// Both coefficients, large, then everything else.
 pub(super) fn summary(result: &ReplayResult) -> String {
@@ -96,13 +96,16 @@ fn coefficient(class: &str, symbol: &str, value: &CoefficientSummary, name: &str
     };
     let spread = match (value.mean, value.spread) {
         (None, _) => format!("not measured: {}", value.reason.unwrap_or("no event gives a value")),
-        (_, Some(spread)) if spread <= 0.0 => "no spread between events beyond the noise".into(),
-        (_, Some(spread)) => format!("spread between events {}", show(spread)),
+        (_, Some(spread)) if spread < LEAST => "no spread between events beyond the noise".into(),
+        (_, Some(spread)) => format!("spread between events {}", own_digits(spread)),
         (_, None) => "spread between events unknown".into(),
     };
+    let interval = value.ci95.map_or_else(String::new, |[low, high]| {
+        format!("<p class=\"small\">95 % {} to {}</p>", show(low), show(high))
+    });
     format!(
         "<div class=\"coefficient {class}\"><h2>{name}</h2><p class=\"large\">{symbol}\
-         <span class=\"{}\">{large}</span></p><p class=\"small\">{parts}{spread}</p></div>",
+         <span class=\"{}\">{large}</span></p>{interval}<p class=\"small\">{parts}{spread}</p></div>",
         if value.mean.is_some() { "value" } else { "none" },
     )
 }
@@ -121,8 +124,7 @@ fn measured(result: &ReplayResult) -> Vec<Fact> {
         quantities.recurrence_predicted_s.map_or("–".into(), |t| format!("{} s", significant(t)));
     let pair = |value: Option<f64>, std: Option<f64>, unit: &str| match (value, std) {
         (Some(value), Some(std)) => {
-            let decimals = decimals_of_error(Some(std));
-            format!("{} ± {} {unit}", fixed(value, decimals), fixed(std, decimals))
+            format!("{} {unit}", plus_minus(value, std).replace('-', "−"))
         }
         (value, _) => show(value, unit),
     };

@@ -22,21 +22,26 @@ pub(super) fn zoom(context: &Context<'_>, focus: &Focus<'_>) -> Figure {
         tint_key("stick", "stick"),
         tint_key("slip", "slip"),
     ];
+    let panel = Panel::new(context, window_s(context, focus, Layout::Wide));
+    if panel.events().iter().any(|event| event.omega_rad_per_s.is_none()) {
+        keys.push(line_key("model unresolved", "model of an unresolved slip"));
+    }
     keys.extend(mark_keys());
     let caption = format!(
         "Cycles around event {} ({}), and its slip alone. The block rests while the force rises \
          along a line; at <i>F</i><sub>s</sub> it slips, and the force follows \
          <i>F</i><sub>p</sub> + <i>a</i> cos <i>ω</i>(<i>t</i> − <i>t</i><sub>0</sub>) to \
-         <i>F</i><sub>e</sub> = 2<i>F</i><sub>p</sub> − <i>F</i><sub>s</sub>.",
+         <i>F</i><sub>e</sub> = 2<i>F</i><sub>p</sub> − <i>F</i><sub>s</sub>.{}",
         count(focus.event.index.into()),
         place(context, focus),
+        focus.refused(),
     );
     Figure { class: "zoom", drawings: vec![cycles, slip], keys, caption }
 }
 
 fn place(context: &Context<'_>, focus: &Focus<'_>) -> &'static str {
     let event = focus.event;
-    let usual = event.quality == "good" && context.result.events.len() > 2;
+    let usual = !event.is_odd() && context.result.events.len() > 2;
     if usual { "the one nearest to the mean" } else { "the best one there is" }
 }
 
@@ -206,6 +211,8 @@ fn label_marks(context: &Context<'_>, plot: &mut Plot, event: &EventSummary, clo
             label.push_str(&format!("<tspan dy=\"-3\"> {value}</tspan>"));
         }
         let (x, y) = plot.at(shown);
-        plot.annotate(&text(class, (x + dx, y + dy), &label));
+        // Not among the labels of the axis.
+        let lowest = plot.y.range.0 - 6.0;
+        plot.annotate(&text(class, (x + dx, (y + dy).min(lowest)), &label));
     }
 }
