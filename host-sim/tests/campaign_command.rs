@@ -70,6 +70,10 @@ fn recorded_logs_give_the_same_as_a_replay() {
         assert_eq!(record["mu"], replayed["estimate"]["mu"]);
         assert_eq!(record["mu_s"], replayed["estimate"]["mu_s"]);
     }
+    let systematic = |it: &serde_json::Value| it["mu"]["systematic_std"].as_f64().unwrap();
+    let common = records.iter().map(systematic).sum::<f64>() / 4.0;
+    let group = all["groups"].as_array().unwrap().iter().find(|it| it["group"] == "all").unwrap();
+    assert!((group["mu_systematic_std"].as_f64().unwrap() - common).abs() < 1e-9);
     assert_eq!(json(&["campaign", "list", "--json"])["tests"], 2);
     fs::remove_dir_all(folder).unwrap();
 }

@@ -8,7 +8,7 @@ use super::TestRecord;
 use super::programme::PUBLISHED;
 use super::trend::{Against, Coefficient, Group, Mean, Trend, mean, points, trend};
 use crate::replay::result::CoefficientSummary;
-use crate::rounding::plus_minus;
+use crate::rounding::{own_digits, plus_minus};
 
 /// Name and version of this format; changes when a meaning changes.
 pub const SCHEMA: &str = "floe-campaign/1";
@@ -48,6 +48,11 @@ pub struct GroupMeans {
     pub mu: Option<Mean>,
     /// Static coefficient.
     pub mu_s: Option<Mean>,
+    /// What the tests may have in common, as tests with one instrument have: the mean of their
+    /// systematic standard deviations of `mu`. No number of tests averages it out.
+    pub mu_systematic_std: Option<f64>,
+    /// That of `mu_s`.
+    pub mu_s_systematic_std: Option<f64>,
     /// Published mean of `mu`; `null` for how a block was pulled.
     pub published_mu: Option<f64>,
     /// Published mean of `mu_s`.
@@ -75,10 +80,16 @@ impl Summary {
             let tests = tests.iter().filter(|test| group.holds(test));
             mean(&tests.filter_map(|test| coefficient.of(test)).collect::<Vec<_>>())
         };
+        let common = |group: Group, of: fn(&TestRecord) -> Option<f64>| {
+            let tests = tests.iter().filter(|test| group.holds(test));
+            mean(&tests.filter_map(of).collect::<Vec<_>>()).map(|common| common.mean)
+        };
         let means = |group, published: Option<(f64, f64)>| GroupMeans {
             group,
             mu: of(group, Coefficient::Mu),
             mu_s: of(group, Coefficient::MuS),
+            mu_systematic_std: common(group, |test| test.mu.systematic_std),
+            mu_s_systematic_std: common(group, |test| test.mu_s.systematic_std),
             published_mu: published.map(|published| published.0),
             published_mu_s: published.map(|published| published.1),
         };
@@ -105,15 +116,18 @@ impl Summary {
     #[must_use]
     pub fn text(&self) -> String {
         let mut text = self.list();
-        text += "\ngroup      tests  mu                 mu_s               published mu, mu_s\n";
+        text += "\ngroup      tests  mu                 systematic  mu_s               systematic  \
+                 published mu, mu_s\n";
         for group in &self.groups {
             let tests = group.mu.or(group.mu_s).map_or(0, |m| m.tests);
             let _ = writeln!(
                 text,
-                "{:<11}{tests:>5}  {:<17}  {:<17}  {}  {}",
+                "{:<11}{tests:>5}  {:<17}  {:<10}  {:<17}  {:<10}  {}  {}",
                 group.group.name(),
                 of_group(group.mu),
+                systematic(group.mu_systematic_std),
                 of_group(group.mu_s),
+                systematic(group.mu_s_systematic_std),
                 published(group.published_mu),
                 published(group.published_mu_s),
             );
@@ -128,7 +142,9 @@ impl Summary {
             let _ = writeln!(text, "{what:<38} {slope:<18} per {unit}, {} tests", t.trend.tests);
         }
         text + "\n± of a test: one standard deviation, all that is known of it; of groups and slopes: \
-                standard error from the scatter between tests\n"
+                standard error from the scatter between tests alone; systematic: the mean of the tests' \
+                systematic parts,\nwhich tests with one instrument may have in common and no number of \
+                them averages out\n"
     }
 
     fn list(&self) -> String {
@@ -161,8 +177,16 @@ impl Summary {
     }
 }
 
-fn published(mean: Option<f64>) -> String {
-    mean.map_or("-".to_owned(), |mean| format!("{mean:.2}"))
+/// A mean with the digits it was published with.
+#[must_use]
+pub fn published(mean: Option<f64>) -> String {
+    mean.map_or("-".to_owned(), |mean| format!("{mean:?}"))
+}
+
+/// What tests may have in common.
+#[must_use]
+pub fn systematic(std: Option<f64>) -> String {
+    std.map_or("-".to_owned(), own_digits)
 }
 
 /// A test's coefficient with all that is known of its uncertainty.

@@ -1,7 +1,9 @@
 //! The report of a campaign: coefficients against weight, pull rate and snow.
 
 use crate::campaign::TestRecord;
-use crate::campaign::summary::{GroupMeans, NamedTrend, Summary, of_group, of_test};
+use crate::campaign::summary::{
+    GroupMeans, NamedTrend, Summary, of_group, of_test, published, systematic,
+};
 use crate::campaign::trend::{Against, Coefficient, Group, points};
 use crate::rounding::plus_minus;
 
@@ -63,20 +65,26 @@ fn minus(text: &str) -> String {
 fn groups(groups: &[GroupMeans]) -> String {
     let row = |g: &GroupMeans| {
         format!(
-            "<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td></tr>",
+            "<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td>\
+             <td>{}</td></tr>",
             g.group.name(),
             g.mu.or(g.mu_s).map_or(0, |m| m.tests),
             minus(&of_group(g.mu)),
-            g.published_mu.map_or("–".to_owned(), |mean| fixed(mean, 2)),
+            minus(&systematic(g.mu_systematic_std)),
+            minus(&published(g.published_mu)),
             minus(&of_group(g.mu_s)),
-            g.published_mu_s.map_or("–".to_owned(), |mean| fixed(mean, 2)),
+            minus(&systematic(g.mu_s_systematic_std)),
+            minus(&published(g.published_mu_s)),
         )
     };
     let rows: String = groups.iter().map(row).collect();
     format!(
         "<h2>Means of the groups</h2><div class=\"scroll\"><table><thead><tr><th>group</th>\
-         <th>tests</th><th><i>μ</i></th><th>published</th><th><i>μ</i><sub>s</sub></th>\
-         <th>published</th></tr></thead><tbody>{rows}</tbody></table></div>"
+         <th>tests</th><th><i>μ</i></th><th>systematic</th><th>published</th>\
+         <th><i>μ</i><sub>s</sub></th><th>systematic</th><th>published</th></tr></thead>\
+         <tbody>{rows}</tbody></table></div><p>±: standard error from the scatter between tests \
+         alone. Systematic: the mean of the tests' systematic parts, which tests with one instrument \
+         may have in common and no number of them averages out.</p>"
     )
 }
 
@@ -100,7 +108,8 @@ fn list(tests: &[TestRecord]) -> String {
     };
     let rows: String = tests.iter().map(row).collect();
     format!(
-        "<section><h2>Tests</h2><div class=\"scroll\"><table><thead><tr><th>test</th>\
+        "<section><h2>Tests</h2><p>±: one standard deviation, all that is \
+         known of it.</p><div class=\"scroll\"><table><thead><tr><th>test</th>\
          <th>weight<small>N</small></th><th>pull<small>mm/s</small></th>\
          <th>snow<small>mm</small></th><th>events</th><th><i>μ</i></th>\
          <th><i>μ</i><sub>s</sub></th></tr></thead><tbody>{rows}</tbody></table></div></section>"
