@@ -35,6 +35,10 @@ impl Question {
         self != Self::Stop
     }
 
+    fn wants_number(self) -> bool {
+        matches!(self, Self::Weight | Self::Slope | Self::Calibrate)
+    }
+
     fn command(self, answer: &str) -> String {
         let answer = answer.trim();
         match self {
@@ -171,7 +175,7 @@ impl Ask {
         } else if let Some(letter) = code.as_char().filter(|_| question.wants_text()) {
             let fits = self.typed.len() < LONGEST && (' '..='~').contains(&letter);
             // A keyboard of another country has its decimal comma.
-            let letter = if letter == ',' { '.' } else { letter };
+            let letter = if letter == ',' && question.wants_number() { '.' } else { letter };
             self.typed.extend(fits.then_some(letter));
         }
         Deed::None
@@ -229,6 +233,9 @@ mod tests {
             ("b", say("weigh")),
             ("y", say("accept")),
             ("z", say("abort")),
+            ("mwind, 3 m/s\n", say("note wind, 3 m/s")),
+            (":note a, b\n", say("note a, b")),
+            ("a-1,5\n", say("set slope -1.5")),
             ("mwind 3 m/s\n", say("note wind 3 m/s")),
             ("nmy test\n", say("set name my test")),
             ("c98.1\n", say("calibrate 98.1")),

@@ -66,7 +66,7 @@ pub fn draw(frame: &mut Frame<'_>, area: Rect, state: &State, style: Style) {
     let forces = points.iter().map(|point| point.0).fold((0.0, 1.0), widen);
     let rates = points.iter().map(|point| point.1).fold((-1.0, 1.0), widen);
     let axis = |(low, high): (f64, f64), unit: &str| {
-        let labels = [format!("{low:.0}"), format!("{high:.0} {unit}")];
+        let labels = [format!("{:.0}", low.round() + 0.0), format!("{high:.0} {unit}")];
         Axis::default().bounds([low, high]).labels(labels)
     };
     let seen = attenuation(state).map(|part| format!(", a slip's shown x {part:.2}"));

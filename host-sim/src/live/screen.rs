@@ -281,16 +281,18 @@ fn about(state: &State) -> Vec<Span<'static>> {
 
 fn quantities(state: &State) -> Vec<Span<'static>> {
     let report = state.report.as_ref();
+    // Events that are refused tell nothing.
+    let told = report.filter(|report| report.mu_s.or(report.mu).is_some());
     let parts = [
         ("noise", report.and_then(|report| report.noise_n), "N", 1),
         (
             "loading",
-            report.and_then(|report| report.loading_rate_n_per_s).map(|rate| rate.value),
+            told.and_then(|report| report.loading_rate_n_per_s).map(|rate| rate.value),
             "N/s",
             0,
         ),
-        ("a slip every", report.and_then(|report| report.recurrence_s), "s", 2),
-        ("k", report.and_then(|report| report.stiffness_n_per_m).map(|k| k / 1000.0), "kN/m", 1),
+        ("a slip every", told.and_then(|report| report.recurrence_s), "s", 2),
+        ("k", told.and_then(|report| report.stiffness_n_per_m).map(|k| k / 1000.0), "kN/m", 1),
         ("converter", state.temperature_c, "°C", 1),
     ];
     let parts = parts.iter().filter_map(|&(name, value, unit, decimals)| {

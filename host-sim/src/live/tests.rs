@@ -62,7 +62,7 @@ pub(super) fn report() -> Report {
             mean,
             std_error: Some(0.0003),
             freedom: 6.0,
-            systematic_std: 0.0004,
+            systematic_std: 0.0056,
             common_std: 0.0,
             spread: None,
             events: 7,
@@ -161,7 +161,7 @@ fn the_whole_display() {
         "█▀▀ ▄█  █▀▀   █▀█          ▄█    ▀▀█ █ █ █▀█ █▀▀     █▀█   ▀▀█ █▀█ █▀█ ▀▀█",
         "▀▀█  █  ▀▀█   █ █           █    █▀▀ ▀▀█ █ █ █▀█     █ █     █ █▀█ █ █ █▀▀",
         "▀▀▀ ▀▀▀ ▀▀▀ ▀ ▀▀▀          ▀▀▀ ▀ ▀▀▀   ▀ ▀▀▀ ▀▀▀     ▀▀▀ ▀   ▀ ▀▀▀ ▀▀▀ ▀▀▀",
-        "                           ± 0.0005 (7 events)       ± 0.0005 (7 events)",
+        "                           ± 0.0056 (7 events)       ± 0.0056 (7 events)",
         "event 6 at 12.9 s   mu_s 1.2404 ± 0.0007   mu 0.7798 ± 0.0007   good",
         "noise 1.9 N   loading 360 N/s   a slip every 1.78 s   k 23.0 kN/m",
         "card ok, 15 kB   lost 0   missing 3   bad 0   out of range 0   16.000 Hz",
@@ -189,8 +189,8 @@ fn small_terminals_keep_what_matters() {
     assert_eq!(rows[0], " measuring; all is well");
     assert_eq!(rows[1], " STICKS");
     assert_eq!(rows[2], "force, N     515.0");
-    assert_eq!(rows[3], "mu_s, mean  1.2406 ± 0.0005 (7 events)");
-    assert_eq!(rows[4], "mu, mean    0.7802 ± 0.0005 (7 events)");
+    assert_eq!(rows[3], "mu_s, mean  1.2406 ± 0.0056 (7 events)");
+    assert_eq!(rows[4], "mu, mean    0.7802 ± 0.0056 (7 events)");
     assert_eq!(screen_rows(&state, (24, 1), 15.0), [" measuring; all is well"]);
 }
 

@@ -66,8 +66,9 @@ pub fn draw(frame: &mut Frame<'_>, area: Rect, state: &State, style: Style) {
     });
     let start = format!("-{window_s:.0} s");
     let x = Axis::default().bounds([-window_s, 0.0]).labels([start, "now".to_string()]);
-    let y =
-        Axis::default().bounds([low, high]).labels([format!("{low:.0}"), format!("{high:.0} N")]);
+    let y = Axis::default()
+        .bounds([low, high])
+        .labels([format!("{:.0}", low.round() + 0.0), format!("{high:.0} N")]);
     frame.render_widget(Chart::new(lines.collect()).x_axis(x).y_axis(y), area);
 }
 

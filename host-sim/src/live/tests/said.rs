@@ -82,7 +82,7 @@ fn silence_and_a_port_that_goes_away_and_comes_back() {
     // The last result stays to be read, the force does not.
     let rows = screen_rows(&state, (40, 6), 31.0);
     assert_eq!(rows[2], "force, N       ---");
-    assert_eq!(rows[3], "mu_s, mean  1.2406 ± 0.0005 (7 events)");
+    assert_eq!(rows[3], "mu_s, mean  1.2406 ± 0.0056 (7 events)");
     state.up(seconds(40.0));
     assert_eq!(verdict(&state, seconds(40.1)).text, "asking the board");
     // Meanwhile the board was switched on anew: no test, nothing set.
@@ -181,4 +181,27 @@ fn a_command_is_followed_by_what_came_of_it() {
     said(&mut state, "start");
     state.down("closed".to_string());
     assert_eq!(last(&state, 15.3), "start: not said, there is no port");
+}
+
+#[test]
+fn a_force_just_below_zero_is_no_negative_zero() {
+    let mut state = measuring();
+    say(&mut state, &Line::Sample(sample(240, -0.3, Phase::Stick)), 15.0);
+    for size in [(80, 24), (160, 50)] {
+        let rows = screen_rows(&state, size, 15.0);
+        let label = |row: &String| row.split_whitespace().any(|word| word.starts_with("-0"));
+        assert!(!rows.iter().skip(13).any(label), "{rows:#?}");
+    }
+}
+
+#[test]
+fn events_that_are_refused_tell_no_stiffness() {
+    let mut state = measuring();
+    let told = |state: &State| screen_rows(state, (160, 50), 15.0).join("\n");
+    assert!(told(&state).contains("kN/m") && told(&state).contains("a slip every"));
+    let refused = Report { mu_s: None, mu: None, ..report() };
+    say(&mut state, &Line::Report(refused), 15.0);
+    let told = told(&state);
+    assert!(!told.contains("kN/m") && !told.contains("a slip every"), "{told}");
+    assert!(told.contains("noise 1.9 N"), "{told}");
 }
