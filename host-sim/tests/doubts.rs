@@ -105,3 +105,22 @@ fn a_table_that_does_not_fit_says_so_plainly() {
         assert_refused(&refused, &["full.parquet: cannot be written: No space left"]);
     }
 }
+
+/// Falls that are refused tell neither omega nor stiffness, and show no effect.
+#[test]
+fn a_record_without_an_event_that_counts_says_why_and_no_more() {
+    let path = directory("refused").join("fast.csv");
+    let path = path.to_str().unwrap();
+    let made = floe(&["simulate", "scenes/honesty/aliased_fast.toml", "-o", path, "--seed", "1"]);
+    assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
+    let json: serde_json::Value =
+        serde_json::from_slice(&floe(&["replay", path, "--json"]).stdout).unwrap();
+    assert_eq!(json["estimate"]["events"], 0);
+    for name in ["omega_rad_per_s", "loading_rate_n_per_s", "stiffness_n_per_m", "recurrence_s"] {
+        assert!(json[name].is_null(), "{name}: {}", json[name]);
+    }
+    let said = text(&floe(&["replay", path, "--summary"]).stdout);
+    let refused = json["events"].as_array().unwrap().len();
+    assert!(said.contains(&format!("0 of {refused} events count\n       ")), "{said}");
+    assert!(said.contains(" not counted: ") && !said.contains("shows "), "{said}");
+}
