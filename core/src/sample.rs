@@ -117,7 +117,10 @@ impl SampleTime {
     /// The moment that is so many periods after an index; before it, if they are negative.
     pub(crate) fn after(origin: u64, periods: f32) -> Self {
         let whole = math::floor(periods);
-        Self { index: origin.saturating_add_signed(whole as i64), fraction: periods - whole }
+        Self {
+            index: origin.saturating_add_signed((whole as i32).into()),
+            fraction: periods - whole,
+        }
     }
 
     /// Is it before another moment? In one place: the board compares 64 bits in many instructions.

@@ -9,6 +9,7 @@ use crate::detector::{Detector, slack_wait};
 use crate::effect::{Effect, Kept};
 use crate::noise::flop::FlopProfile;
 use crate::noise::ripple::Ripple;
+use crate::num::math::{larger, smaller};
 use crate::sample::{ForcePoint, near};
 use crate::signal::window::WINDOW;
 
@@ -24,6 +25,12 @@ pub(super) const SHORT: i32 = 80;
 const FIRST: i32 = 1;
 const SECOND: i32 = FIRST + 1;
 const PAST_PROFILE: i32 = PROFILE + 1;
+
+/// Samples of a stick that is longer than usual after which half of the usual drop is forgotten, time and
+/// again. Tuned: a knock hides the slips of as many, and no flop lasts as long.
+const FORGET: i32 = 32;
+/// Least usual drop, standard deviations of the noise: with half of it at least a slip begins.
+const TELLS_SLIPS: f32 = 16.0;
 
 /// What the profile does in a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -56,7 +63,11 @@ impl Detector {
         while near(self.stick.next, newest) >= self.line_delay.cast_signed() {
             let index = self.stick.next;
             self.stick.next += 1;
-            match near(self.stick.origin, self.stick.next) {
+            let rested = near(self.stick.origin, self.stick.next);
+            if rested % FORGET == 0 && rested > 2 * near(self.ended.origin, self.ended.next) {
+                self.forget_usual();
+            }
+            match rested {
                 FIRST => self.look_for_flop(Look::Begin, SHORT..PROFILE, false),
                 SECOND => self.look_for_flop(Look::Learn, SHORT..PROFILE, false),
                 PROFILE => self.look_for_flop(Look::Begin, PROFILE..i32::MAX, true),
@@ -67,6 +78,15 @@ impl Detector {
                 self.take_into_line(ForcePoint { index, force_n });
             }
         }
+    }
+
+    /// No slip for far longer than before: the usual one may be no more, after a knock or a first slip of a
+    /// block that was frozen in. Half of it is, and no more of it than tells slips from the noise.
+    #[cold]
+    #[inline(never)]
+    fn forget_usual(&mut self) {
+        let usual_n = self.usual_drop_n;
+        self.usual_drop_n = larger(0.5 * usual_n, smaller(usual_n, TELLS_SLIPS * self.std_n));
     }
 
     /// A slip that was seen late, as that after a brief rest is, may have samples on the line:
@@ -133,10 +153,15 @@ impl Detector {
     /// Does the cable still hang slack? Where its force has risen the line starts.
     pub(super) fn hangs(&mut self, now: ForcePoint) -> bool {
         let Some(wait) = &mut self.slack_wait else { return false };
+        if wait.is_endless() {
+            self.slack_wait = None;
+            return false;
+        }
         let Some(risen_n) = wait.risen_n(now.force_n) else { return true };
         self.slack_wait = None;
         let since =
             self.ended.line.slope().map_or(0, |rate| slack_wait::periods_above(risen_n, rate));
+        self.spent += 2 * since as usize;
         let origin = self.stick.origin.max(now.index.saturating_sub(since));
         self.stick = Stick::new(origin, self.stick.highest);
         false

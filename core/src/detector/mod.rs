@@ -49,7 +49,7 @@ use crate::noise::flop::FlopProfile;
 use crate::noise::ripple::Ripple;
 use crate::noise::scale::Noise;
 use crate::num::math::{larger, smaller};
-use crate::sample::{ForcePoint, Phase};
+use crate::sample::{ForcePoint, Phase, near};
 use crate::signal::window::{WINDOW, Window};
 
 /// Most noise, usual drops: with more of it the drops could not have been seen.
@@ -251,7 +251,7 @@ impl Detector {
             // What strayed from the first line may be the line's own bend.
             self.ripple = Kept::default();
         }
-        self.update_usual(drop, (low.index - peak.index) as f32);
+        self.update_usual(drop, near(peak.index, low.index) as f32);
         // Only now is it known how late the first slip was seen.
         self.shorten_line();
         self.middle_n = peak.force_n - 0.5 * larger(drop, self.usual_drop_n);

@@ -105,9 +105,9 @@ impl Detector {
         }
     }
 
-    /// Takes the noise that the fits of the events leave, N.
-    pub fn fitted_noise(&mut self, noise_n: f32) {
-        self.noise.fitted(noise_n);
+    /// Takes the noise that the fits of the events leave, N, after one more that is `believed`, or not.
+    pub fn fitted_noise(&mut self, noise_n: f32, believed: bool) {
+        self.noise.fitted(noise_n, believed);
     }
 
     /// So many periods before the onset creep bends the line: they are not taken into it.

@@ -22,6 +22,11 @@ const SURE: f32 = 0.7;
 
 /// So many samples at zero in a row are no turning point.
 const LONG: u32 = 5;
+/// After so many it is the level of something else, that a knock or a converter's overflow hid.
+const LONGEST: u32 = 1024;
+/// Most periods that the line starts before the rise is seen: where the line before was flat its rate
+/// tells nothing.
+const MOST_PERIODS: u32 = 24;
 
 /// Waits for the rise.
 #[derive(Clone, Copy, Debug)]
@@ -40,6 +45,11 @@ impl SlackWait {
         let rise_n = smaller(most_n, RISE * std_n);
         let is_near = low.force_n.abs() < NEAR_ZERO * drop_n + NEAR * rise_n;
         is_near.then_some(Self { mean_n: low.force_n, count: 1, rise_n, above: false })
+    }
+
+    /// Has it stayed there for longer than any cable hangs slack after a slip?
+    pub(crate) fn is_endless(self) -> bool {
+        self.count > LONGEST
     }
 
     /// Has the force stayed down? A cell that reads no force below zero cuts the noise.
@@ -64,8 +74,7 @@ impl SlackWait {
 
 /// Periods since a force has risen surely, at so many newtons a period.
 pub(crate) fn periods_above(risen_n: f32, rate: f32) -> u64 {
-    let periods = SURE * risen_n / rate;
-    if periods > 0.0 { periods as u64 } else { 0 }
+    ((SURE * risen_n / rate) as u32).min(MOST_PERIODS).into()
 }
 
 #[cfg(test)]

@@ -42,7 +42,7 @@ impl Damping {
         if !self.0.counts() || value <= 0.0 || stated <= 0.0 {
             return stated;
         }
-        math::hypotenuse(stated, value).min(MOST)
+        math::smaller(math::hypotenuse(stated, value), MOST)
     }
 
     /// The damping ratio, if it is significant.

@@ -10,7 +10,7 @@
 
 use crate::effect::Parameter;
 use crate::model::CycleParams;
-use crate::num::math;
+use crate::num::math::{self, larger};
 use crate::stats::fading_trend::FadingTrend;
 
 /// A rest between two slips.
@@ -84,7 +84,7 @@ impl Sag {
         let (mut sure, mut unsure) = (0.0, mean * mean);
         let weight = self.softness.prior(1.0).weight;
         if self.softness.is_well_known() {
-            sure = (mean - 1.0 / (weight * mean)).max(0.0);
+            sure = larger(mean - 1.0 / (weight * mean), 0.0);
             unsure = (mean - sure) * (mean - sure) + 1.0 / weight;
         }
         let all = product * product + 0.5 * mean * (high_n + low_n);

@@ -28,7 +28,7 @@ use crate::coefficient::{Coefficient, Estimate};
 use crate::estimator::autocovariance::Correlation;
 use crate::estimator::scatter::{FEW, Scatter};
 use crate::num::double_single::DoubleSingle;
-use crate::num::math;
+use crate::num::math::{self, larger};
 
 const ONE: DoubleSingle = DoubleSingle::ONE;
 
@@ -209,7 +209,7 @@ impl Estimator {
             return shared_line;
         }
         let variance = self.squares / DoubleSingle::from(self.count);
-        self.correlation.inflation(self.mean, variance).max(shared_line)
+        larger(self.correlation.inflation(self.mean, variance), shared_line)
     }
 }
 

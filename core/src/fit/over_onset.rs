@@ -13,7 +13,7 @@ use crate::fit::levenberg_marquardt::moved;
 use crate::fit::posterior::{Posterior, RESOLVED};
 use crate::fit::{Data, Fit, Fitting};
 use crate::model::{CycleParams, Shape};
-use crate::num::math;
+use crate::num::math::{self, smaller};
 use crate::stats::normal_equations::{UNKNOWNS, scaled};
 use crate::stats::prior::Prior;
 
@@ -173,7 +173,7 @@ struct Sums {
 impl Sums {
     fn add(&mut self, weight: f32, one: &Posterior, best: &Fit) {
         // Likelihoods above one: the best fit was not quite the best.
-        let weight = if weight.is_finite() { weight.min(1e3) } else { 0.0 };
+        let weight = if weight.is_finite() { smaller(weight, 1e3) } else { 0.0 };
         self.weight += weight;
         let [onset, rate, static_n2, half_drop_n2, swing, bend] = one.unknowns;
         let variances = [one.dynamic_n2, onset, rate, static_n2, half_drop_n2, swing, bend];

@@ -1,7 +1,7 @@
 //! What the fits leave over: the noise that is reported and that scales every
 //! standard deviation.
 
-use crate::num::math;
+use crate::num::math::{self, smaller};
 use crate::stats::prior::surely;
 use crate::stats::quantile::Quantile;
 
@@ -49,7 +49,7 @@ impl Residuals {
         }
         if self.squares_n2 > limit * self.free {
             // What was pooled before the median was known does not belong.
-            self.free = self.free.min(2.0);
+            self.free = smaller(self.free, 2.0);
             self.squares_n2 = limit / LIMIT * self.free;
         }
         if squares_n2 <= limit * free {

@@ -8,7 +8,7 @@
 //! are, so that foul slips do no harm.
 
 use crate::fit::residuals::Residuals;
-use crate::num::math;
+use crate::num::math::{self, larger};
 use crate::stats::prior::surely;
 
 /// Standard errors beyond which the scatter counts.
@@ -77,7 +77,7 @@ impl SlipScatter {
         const LARGEST: f32 = 1e4;
         if slip.squares.is_finite() && slip.free > LEAST {
             self.pooled.add(slip.squares, slip.free, LARGEST);
-            let part = slip.free / self.pooled.free().max(slip.free);
+            let part = slip.free / larger(self.pooled.free(), slip.free);
             self.shown += part * (slip.shown / slip.free - self.shown);
         }
     }

@@ -85,7 +85,7 @@ impl Shape {
     /// stops on a slack cable.
     #[must_use]
     pub fn loads(&self) -> f32 {
-        self.cycle.onset + self.slack.map_or(self.slide, |slack| slack.stop.max(slack.taut))
+        self.cycle.onset + self.slack.map_or(self.slide, |slack| larger(slack.stop, slack.taut))
     }
 
     /// The cycle.

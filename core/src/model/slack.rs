@@ -25,7 +25,7 @@
 //! Exactness: `tests/equations.rs`.
 
 use crate::model::CycleParams;
-use crate::num::math;
+use crate::num::math::{self, larger};
 
 /// Derivatives by the loading rate, `Fs`, `d` and the swing.
 pub(crate) type ByShape = [f32; 4];
@@ -117,7 +117,7 @@ impl Ellipse {
         let Self { drop_n: d, q, h, centre_n, a2 } = *self;
         let part = 2.0 * h / (a2 * centre_n);
         Angle {
-            value: 2.0 * (h / centre_n - until).max(0.0),
+            value: 2.0 * larger(h / centre_n - until, 0.0),
             by_q: part * q,
             by_centre: -2.0 * h / (centre_n * centre_n),
             by_drop: part * d,

@@ -172,9 +172,9 @@ impl FlopProfile {
         }
         // Decay and taper together make the mean age R: their sum is ln(1 + 1/R), as the
         // first two terms of 2 artanh(1/(2 R + 1)).
-        let inverse = all / (2.0 * by_age.max(0.0) + all);
+        let inverse = all / (2.0 * larger(by_age, 0.0) + all);
         let both = 2.0 * inverse * (1.0 + inverse * inverse / 3.0);
-        self.decay = (both - taper).max(0.25 * taper);
+        self.decay = larger(both - taper, 0.25 * taper);
         let [both, taper] = [self.decay + taper, taper].map(|rate| 1.0 - math::exp(-rate));
         let excess = all / sums[0] * both / taper;
         self.excess = surely(all, limit) * surely(excess, LEAST) * excess;

@@ -97,11 +97,11 @@ impl Noise {
         }
     }
 
-    /// Takes the noise that the fits of the events leave, N.
-    pub fn fitted(&mut self, noise_n: f32) {
+    /// Takes the noise that the fits of the events leave, N, after one more that is `believed`, or not.
+    pub fn fitted(&mut self, noise_n: f32, believed: bool) {
         // The fits allow for what a line does not.
         self.fitted_n = 1.5 * noise_n;
-        self.fits = self.fits.saturating_add(1).min(TRUSTED);
+        self.fits = (self.fits + u8::from(believed)).min(TRUSTED);
     }
 
     /// Takes a sample; `in_a_row` if it follows the one before without a gap.

@@ -25,7 +25,7 @@ impl Pipeline {
         event.onset = self.decimator.moment(onset);
         event.stop = self.decimator.moment(stop);
         if let Some(noise_n) = self.cycles.noise_n() {
-            self.detector.fitted_noise(noise_n);
+            self.detector.fitted_noise(noise_n, event.mu_s.is_some());
             self.detector.creeps(self.cycles.creep_periods());
         }
         if self.events == 0 {

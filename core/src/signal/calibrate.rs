@@ -44,7 +44,7 @@ impl Calibrator {
                     return Err(SampleFlag::Saturated);
                 }
                 // Exact in integers: a large tare costs no digits of a small force.
-                let net = i64::from(counts) - i64::from(self.tare_counts);
+                let net = counts.checked_sub(self.tare_counts).ok_or(SampleFlag::Saturated)?;
                 net as f32 * self.n_per_count
             }
             Reading::Force(Newtons(force_n)) => force_n,

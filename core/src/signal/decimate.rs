@@ -83,7 +83,10 @@ impl Decimator {
         let after = blocks.fraction * self.factor() + 0.5 * (self.factor() - 1.0);
         let whole = math::floor(after);
         SampleTime {
-            index: blocks.index.saturating_mul(self.factor.into()).saturating_add(whole as u64),
+            index: blocks
+                .index
+                .saturating_mul(self.factor.into())
+                .saturating_add((whole as u32).into()),
             fraction: after - whole,
         }
     }

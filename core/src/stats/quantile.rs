@@ -17,6 +17,8 @@ pub struct Quantile {
 const SMALLEST_GAIN: f32 = 0.08;
 /// Numbers after which the step is final.
 const SETTLED: u32 = 40;
+/// Where zero grows to, newtons: far below any noise.
+const LEAST: f32 = 1e-6;
 /// Fewest numbers that tell a quantile.
 const FEWEST: u32 = 8;
 
@@ -41,8 +43,9 @@ impl Quantile {
         } else {
             1.0 / (1.0 + gain * (1.0 - self.part))
         };
-        // Zero (a noiseless start) could not grow by a factor alone.
-        self.value = larger(self.value * factor, 1e-3 * size);
+        // Zero (a noiseless start) could not grow by a factor alone; a knock is no noise.
+        let least = smaller(1e-3 * size, 2.0 * self.value + LEAST);
+        self.value = larger(self.value * factor, least);
     }
 
     /// Sorts the first numbers in: their quantile is where to start from. Larger steps at

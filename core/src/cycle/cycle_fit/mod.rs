@@ -26,7 +26,7 @@ use crate::fit::levenberg_marquardt::Pass;
 use crate::fit::over_onset::OverOnset;
 use crate::fit::posterior::Posterior;
 use crate::fit::{Alone, Fit, Fitting, Forces};
-use crate::num::math::{self, larger};
+use crate::num::math::{self, larger, smaller};
 use crate::signal::window::Window;
 use crate::stats::line::Line;
 
@@ -214,7 +214,7 @@ impl CycleFit {
             let (squares_n2, free) = own_residuals(&data, &fit);
             if free >= 1.0 {
                 let own_n2 = larger(self.pending.least_n2(squares_n2 / free), noise_n2);
-                self.pending.noise_n2 = self.pending.noise_n2.min(own_n2);
+                self.pending.noise_n2 = smaller(self.pending.noise_n2, own_n2);
             }
         }
         self.pending.expect(fit.map(|fit| *fit.cycle()));

@@ -57,7 +57,7 @@ impl Rough {
         let newest = before(1).map(|before_n| peak.force_n - before_n);
         let older =
             before(2).zip(newest).map(|(earlier_n, rise_n)| peak.force_n - rise_n - earlier_n);
-        let climb = older.into_iter().chain(newest).reduce(f32::max);
+        let climb = older.into_iter().chain(newest).reduce(larger);
         let line = stick.line.slope().filter(|_| stick.line.count >= 4);
         let drop_n = peak.force_n - low.force_n;
         let least = 1e-4 * drop_n;

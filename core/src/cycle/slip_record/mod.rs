@@ -161,9 +161,9 @@ impl SlipRecord {
         next_peak: u64,
         last: Option<u64>,
     ) {
-        let periods = |time: f32| time as i64;
         if stick.first_from(stick.origin).count == 0 {
-            let next = self.origin.saturating_add_signed(periods(self.start)) + self.length as u64;
+            let start = self.origin.saturating_add_signed((self.start as i32).into());
+            let next = start + self.length as u64;
             self.take(window, next, next_peak.saturating_sub(1));
         }
         self.limit = since(self.origin, next_peak);

@@ -16,7 +16,7 @@ use crate::effects::score::Asked;
 use crate::fit::correction::Correction;
 use crate::fit::{Alone, DYNAMIC, Fit, STATIC};
 use crate::model::corner::{Corner, NUMBERS};
-use crate::num::math;
+use crate::num::math::{self, larger, smaller};
 use crate::stats::normal_equations::{Factor, Gradient, Normal};
 use crate::stats::prior::surely;
 
@@ -255,13 +255,13 @@ impl CornerEstimator {
         }
         let factor = likely.factor(0.0)?;
         let numbers = factor.solve(&likely.right);
-        let counted = |k: usize| if counts[k] { numbers[k].max(0.0) } else { 0.0 };
+        let counted = |k: usize| if counts[k] { larger(numbers[k], 0.0) } else { 0.0 };
         let missing_n = counted(1);
         let range = used[2] + (numbers[2] - used[2]).clamp(-MOST_STEP, MOST_STEP);
         self.corner = Corner {
-            smoothing: counted(0).min(MOST_SMOOTHING),
+            smoothing: smaller(counted(0), MOST_SMOOTHING),
             missing_n,
-            range_n: (self.unit_n * math::exp(range)).max(LEAST_RANGE * missing_n),
+            range_n: larger(self.unit_n * math::exp(range), LEAST_RANGE * missing_n),
         };
         Some(factor)
     }
@@ -273,7 +273,7 @@ impl CornerEstimator {
         steps.iter_mut().zip(used).for_each(|(step, used)| *step -= used);
         let mut moved = score.moved(&steps);
         let [onset, _, _, _, inverse_omega, _] = moved;
-        let far = (onset / MOST_ONSET).abs().max((inverse_omega / MOST_SWING).abs())
+        let far = larger((onset / MOST_ONSET).abs(), (inverse_omega / MOST_SWING).abs())
             / score.inverse_omega;
         if far > 1.0 {
             let part = 1.0 / far;

@@ -1,0 +1,96 @@
+//! What is no part of a test, and far larger than it: a knock, a converter that overflows for some
+//! samples, noise before the pull, a block that was frozen in. It hides the slips of some seconds, and
+//! those after it are read all the same.
+
+use floe::sim::{Measurement, Scene, TrueEvent, simulate};
+use floe_core::{Config, Event};
+use floe_tests::feed;
+use floe_tests::normal::Normal;
+
+const HZ: f64 = 16.0;
+const DURATION_S: f64 = 240.0;
+
+/// DFF8-13 with something else in its forces, N; gives its slips after a time and the core's events.
+fn disturbed(seed: u64, disturb: impl FnOnce(&mut [f64])) -> (Vec<TrueEvent>, Vec<Event>) {
+    let measurement = Measurement { white_n: 2.0, ..Measurement::default() };
+    let scene = Scene { duration_s: DURATION_S, measurement, ..Scene::default() };
+    let simulation = simulate(&scene, seed).expect("a scene");
+    let mut forces: Vec<f64> = simulation.samples.iter().map(|sample| sample.force_n).collect();
+    disturb(&mut forces);
+    let config = Config { weight_n: scene.weight_n as f32, ..Config::default() };
+    (simulation.events, feed::replay(&config, feed::in_a_row(&forces)).events)
+}
+
+/// Slips after a time that are not read, or that are five standard deviations off.
+fn missed(truths: &[TrueEvent], found: &[Event], from_s: f64) -> usize {
+    let onset_s = |event: &Event| (event.onset.index as f64 + f64::from(event.onset.fraction)) / HZ;
+    let is_read = |truth: &TrueEvent| {
+        let event = found.iter().find(|it| (onset_s(it) - truth.onset_s).abs() < 2.0 / HZ);
+        event.and_then(|event| event.mu_s.zip(event.mu)).is_some_and(|(mu_s, mu)| {
+            [(mu_s, truth.mu_s), (mu, truth.mu)].iter().all(|(got, truth)| {
+                let off = (f64::from(got.value) - truth) / f64::from(got.combined_std());
+                off.abs() < 5.0
+            })
+        })
+    };
+    truths.iter().filter(|truth| truth.onset_s > from_s && !is_read(truth)).count()
+}
+
+#[test]
+fn a_knock_hides_no_more_than_a_few_slips_after_it() {
+    const AT: usize = 40 * 16;
+    for force_n in [-50_000.0, -5000.0, 1500.0, 4000.0, 50_000.0, 999_999.0] {
+        for length in [1, 2, 3, 6, 10, 20, 40] {
+            let (truths, found) = disturbed(1, |forces| forces[AT..AT + length].fill(force_n));
+            let missed = missed(&truths, &found, 42.5);
+            assert!(missed <= 12, "{force_n} N for {length} samples: {missed} of {}", truths.len());
+            if force_n.abs() <= 5000.0 {
+                assert!(missed <= 4, "{force_n} N for {length} samples: {missed}");
+            }
+        }
+    }
+}
+
+#[test]
+fn an_overflow_before_the_first_slip_hides_a_minute_at_most() {
+    for force_n in [-50_000.0, 5000.0, 50_000.0, 999_999.0] {
+        for length in [1, 3, 10, 40] {
+            let (truths, found) = disturbed(2, |forces| forces[20..20 + length].fill(force_n));
+            let missed = missed(&truths, &found, 80.0);
+            assert_eq!(missed, 0, "{force_n} N for {length} samples");
+        }
+    }
+}
+
+#[test]
+fn noise_at_first_hides_no_slip_of_the_second_half() {
+    for noise_n in [20.0, 100.0, 500.0, 2000.0] {
+        for length in [48, 160, 320, 960] {
+            let mut noise = Normal::new(3);
+            let (truths, found) = disturbed(3, |forces| {
+                forces[..length].iter_mut().for_each(|it| *it += noise_n * noise.sample());
+            });
+            let missed = missed(&truths, &found, 110.0);
+            assert!(missed <= 1, "{noise_n} N for {length} samples: {missed}");
+        }
+    }
+}
+
+/// The first slip falls by up to seven times as much as all others.
+#[test]
+fn slips_after_a_block_has_broken_loose_are_found() {
+    for static_n in [1200.0, 1500.0, 2500.0, 4000.0] {
+        let load = |i: usize| 23.0 * i as f64;
+        let length = (static_n / 23.0) as usize;
+        let (truths, found) = disturbed(4, |forces| {
+            forces.rotate_right(length);
+            (0..length).for_each(|i| forces[i] = load(i));
+        });
+        let shift_s = length as f64 / HZ;
+        let moved = |truth: &TrueEvent| TrueEvent { onset_s: truth.onset_s + shift_s, ..*truth };
+        let end_s = DURATION_S - shift_s - 2.0;
+        let truths: Vec<_> = truths.iter().filter(|it| it.onset_s < end_s).map(moved).collect();
+        let missed = missed(&truths, &found, shift_s + 20.0);
+        assert!(missed <= 1, "{static_n} N: {missed} of {}", truths.len());
+    }
+}
