@@ -42,6 +42,7 @@ pub mod plain;
 pub mod rows;
 pub mod stamp;
 pub mod start;
+pub mod time_column;
 pub mod timing;
 pub mod toa5;
 

@@ -1,0 +1,192 @@
+//! The time of a text table: which column it is, and how it tells the time.
+
+use crate::error::InputError;
+
+use super::LogOptions;
+use super::columns::Columns;
+use super::csv::{agreed_time, find, there_are};
+use super::label::Label;
+use super::layout::TimeCells;
+use super::number::{Decimal, number};
+use super::stamp::{TimeUnit, clock_seconds, date_seconds, date_time_seconds, is_since_1970};
+use super::timing::RATES_HZ;
+
+/// Names that are taken before any other, in this order.
+const TIME_COLUMNS: [&str; 4] = ["time_s", "t_s", "t", "time"];
+
+impl Columns<'_> {
+    /// The time column, if there is one.
+    ///
+    /// # Errors
+    /// Of the column that is named, or two of the name.
+    pub fn time(&self, options: &LogOptions) -> Result<Option<usize>, InputError> {
+        if let Some(name) = &options.time_column {
+            return self.header.column(name, "--time-column").map(Some);
+        }
+        if self.names.is_empty() {
+            return self.time_without_header(options);
+        }
+        for name in TIME_COLUMNS {
+            if let Some(place) = find(&self.names, name, "--time-column")? {
+                return Ok(Some(place));
+            }
+        }
+        self.refuse_parts()?;
+        let Some(place) = self.labels.iter().position(Label::is_time) else {
+            return Ok(self.dated().or_else(|| self.only_in_time_units()));
+        };
+        find(&self.names, &self.names[place], "--time-column").map(|_| Some(place))
+    }
+
+    /// The only column in a unit of time, whatever it is called.
+    fn only_in_time_units(&self) -> Option<usize> {
+        let in_time = |&i: &usize| self.stated(i).any(|unit| TimeUnit::from_label(unit).is_some());
+        let is_force = |&i: &usize| self.labels.get(i).is_some_and(Label::is_force);
+        let mut places = (0..self.names.len()).filter(in_time).filter(|i| !is_force(i));
+        places.next().filter(|_| places.next().is_none())
+    }
+
+    /// Refuses a time that is spread over columns: hours, minutes and seconds apart.
+    fn refuse_parts(&self) -> Result<(), InputError> {
+        const HOURS: [&str; 6] = ["h", "hh", "hhmm", "hour", "hours", "stunde"];
+        let is_part = |i: &usize| {
+            let Some(label) = self.labels.get(*i) else { return false };
+            let alone = label.quantity.is_empty() && label.time_unit().is_some();
+            alone || HOURS.contains(&label.quantity.as_str())
+        };
+        let parts: Vec<&str> =
+            (0..self.names.len()).filter(is_part).map(|i| self.names[i].as_str()).collect();
+        if parts.len() < 2 {
+            return Ok(());
+        }
+        Err(InputError::new(format!(
+            "the time is spread over the columns {}: put it into one, or give --time-column NAME \
+             of one that runs on",
+            parts.join(", ")
+        )))
+    }
+
+    /// The only column of dates with times of day: the time, whatever it is called.
+    fn dated(&self) -> Option<usize> {
+        let is_dated = |&place: &usize| {
+            let mut cells = self.header.cells(place).filter(|cell| !cell.is_empty()).peekable();
+            cells.peek().is_some() && cells.all(|cell| date_time_seconds(cell.as_bytes()).is_some())
+        };
+        let mut dated = (0..self.names.len()).filter(is_dated);
+        dated.next().filter(|_| dated.next().is_none())
+    }
+
+    /// Two columns are time and force, one is the force.
+    fn time_without_header(&self, options: &LogOptions) -> Result<Option<usize>, InputError> {
+        match self.header.width {
+            1 => Ok(None),
+            2 => Ok(Some(0)),
+            _ if options.column.is_some() => Ok(Some(0)),
+            width => Err(InputError::new(format!(
+                "no header line over {width} columns: name the columns, e.g. 'time_s,force_n', \
+                 or give --time-column 1 --column 2"
+            ))),
+        }
+    }
+
+    /// How the time column tells the time.
+    ///
+    /// # Errors
+    /// Units that contradict each other, or one that is not known.
+    pub fn time_cells(
+        &self,
+        column: usize,
+        options: &LogOptions,
+        decimal: Decimal,
+    ) -> Result<TimeCells, InputError> {
+        let cell = self.header.cells(column).find(|cell| !cell.is_empty()).unwrap_or_default();
+        if options.time_unit.is_none() && date_time_seconds(cell.as_bytes()).is_some() {
+            return Ok(TimeCells::Number { cell: column, unit: TimeUnit::Iso });
+        }
+        if let Some(clock) = self.clock(column, cell) {
+            return clock;
+        }
+        let name = self.header.name(column);
+        let stated: Vec<&str> = self.stated(column).collect();
+        let units: Vec<TimeUnit> =
+            stated.iter().filter_map(|unit| TimeUnit::from_label(unit)).collect();
+        let unit = match (options.time_unit, units.as_slice()) {
+            (Some(given), _) if given.is_calendar() => given,
+            (given, units) => match (agreed_time(name, units, given)?, stated.first()) {
+                (Some(unit), _) => self.since_1970(column, unit, decimal).unwrap_or(unit),
+                (None, Some(label)) => {
+                    return Err(InputError::new(format!(
+                        "the unit of column '{name}' is '{label}': \
+                         give --time-unit s|ms|us|ns|min|iso|epoch|excel"
+                    )));
+                }
+                (None, None) => self.unit_by_size(column, decimal),
+            },
+        };
+        Ok(TimeCells::Number { cell: column, unit })
+    }
+
+    /// A column in a unit of time may count from 1970.
+    fn since_1970(&self, column: usize, unit: TimeUnit, decimal: Decimal) -> Option<TimeUnit> {
+        let first = self.header.cells(column).next()?;
+        let counts = unit != TimeUnit::Minute
+            && unit.seconds(first.as_bytes(), decimal).is_some_and(is_since_1970);
+        counts.then_some(TimeUnit::Epoch)
+    }
+
+    /// A time of day without a date, or with one in a column of its own.
+    fn clock(&self, column: usize, cell: &str) -> Option<Result<TimeCells, InputError>> {
+        let first = |place: usize| self.header.cells(place).next().unwrap_or_default();
+        let is_date = |place: &usize| date_seconds(first(*place)).is_some();
+        let is_clock = |place: &usize| {
+            *place != column
+                && first(*place).contains(':')
+                && clock_seconds(first(*place)).is_some()
+        };
+        let mut others = 0..self.header.width;
+        if date_seconds(cell).is_some() {
+            return others
+                .find(is_clock)
+                .map(|clock| Ok(TimeCells::DateAndClock { date: Some(column), clock }));
+        }
+        let clock = cell.contains(':') && clock_seconds(cell).is_some();
+        clock.then(|| Ok(TimeCells::DateAndClock { date: others.find(is_date), clock: column }))
+    }
+
+    /// Seconds, unless the numbers can only be a date: counted since 1970, or in days
+    /// with steps that would be far too short for seconds.
+    fn unit_by_size(&self, column: usize, decimal: Decimal) -> TimeUnit {
+        let values: Vec<f64> =
+            self.header.cells(column).filter_map(|c| number(c.as_bytes(), decimal)).collect();
+        let Some(first) = values.first().copied() else { return TimeUnit::Second };
+        let steps = values.windows(2).filter_map(|w| Some(w.last()? - w.first()?));
+        let step = steps.filter(|&step| step > 0.0).fold(f64::INFINITY, f64::min);
+        let rates = |unit_s: f64| RATES_HZ.contains(&(step * unit_s).recip());
+        match first {
+            8e8..1e20 => TimeUnit::Epoch,
+            20_000.0..80_000.0 if !rates(1.0) && rates(86_400.0) => TimeUnit::Excel,
+            _ => TimeUnit::Second,
+        }
+    }
+
+    /// The error for rows without a time.
+    #[must_use]
+    pub fn no_time(&self, force: usize) -> InputError {
+        if self.names.is_empty() {
+            return InputError::new(
+                "no header and one column only: give --rate-hz R for forces without a time",
+            );
+        }
+        let known = "no time column (time_s, t_s, t or time): give";
+        let rate = "--rate-hz R for rows without a time";
+        let mut others = (0..self.names.len()).filter(|&place| place != force);
+        let Some(other) = others.next().and_then(|place| self.names.get(place)) else {
+            return InputError::new(format!("{known} {rate}; {}", there_are(&self.names)));
+        };
+        let such: String = other.chars().take(40).flat_map(char::escape_debug).collect();
+        InputError::new(format!(
+            "{known} --time-column NAME, such as '{such}', or {rate}; {}",
+            there_are(&self.names)
+        ))
+    }
+}
