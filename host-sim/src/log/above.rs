@@ -3,8 +3,9 @@
 use crate::error::InputError;
 
 use super::cells::texts;
-use super::header::{Content, IN_A_ROW, Kind, SEPARATORS, are_known, comment, kind};
+use super::header::{Content, IN_A_ROW, Kind, SEPARATORS, are_known, kind};
 use super::lines::{MAX_LINE, too_long};
+use super::metadata::comment;
 
 /// Names in the comment right above the rows, as numpy and MATLAB's users write them.
 pub fn commented_names(

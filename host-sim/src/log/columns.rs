@@ -5,7 +5,7 @@ use crate::error::InputError;
 use super::LogOptions;
 use super::csv::{agreed, find, there_are};
 use super::header::Header;
-use super::label::{Label, bare_unit};
+use super::label::{Label, bare_unit, unit_within};
 use super::number::{Decimal, Unit, number};
 
 /// Names that are taken before any other, in this order.
@@ -123,9 +123,7 @@ impl<'a> Columns<'a> {
                 "the unit of column '{name}' is '{label}', which is not read: turn it into N, or give \
                  --unit N|kN|lbf|kgf|counts if it is one of these"
             ))),
-            (None, None) => {
-                Ok((Unit::Newton, vec![format!("{} has no unit: taken as N", said(name))]))
-            }
+            (None, None) => assumed(name),
         })?
     }
 
@@ -158,6 +156,16 @@ impl<'a> Columns<'a> {
                  give --decimal . or --decimal ,"
             ))),
         }
+    }
+}
+
+/// A force without a unit is in N, unless its name holds another one.
+fn assumed(name: &str) -> Result<(Unit, Vec<String>), InputError> {
+    match unit_within(name) {
+        Some(unit) => Err(InputError::new(format!(
+            "the name of column '{name}' holds '{unit}': give the unit, --unit N|kN|lbf|kgf|counts"
+        ))),
+        None => Ok((Unit::Newton, vec![format!("{} has no unit: taken as N", said(name))])),
     }
 }
 

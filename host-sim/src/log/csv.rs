@@ -45,6 +45,7 @@ pub fn layout(
             None => return Err(columns.no_time(force)),
         },
     };
+    columns.refuse_channels(time, force)?;
     if header.names.is_none() {
         let time = if header.width > 1 { "the first column is the time, " } else { "" };
         notes.insert(0, format!("no header: {time}column {} is the force", force + 1));

@@ -14,9 +14,10 @@ use crate::error::{InputError, excerpt};
 
 use super::above;
 use super::cells::texts;
-use super::label::{Label, is_unit_cell};
+use super::label::{Label, bare_unit, is_unit_cell};
 use super::lines::MAX_LINE;
-use super::number::finite;
+use super::metadata::comment;
+use super::number::{Unit, finite};
 use super::stamp::{clock_seconds, date_seconds, date_time_seconds};
 
 /// Rows whose cells are looked at.
@@ -124,14 +125,6 @@ fn named_otherwise(content: &[Content<'_>], first: usize, separators: &[u8]) -> 
     Some(without_rows(content.get(from..)?, Some(separator)))
 }
 
-/// The text of a comment: `#`, or `%` as MATLAB has it.
-pub(super) fn comment(line: &[u8]) -> Option<&[u8]> {
-    match line.trim_ascii_start() {
-        [b'#' | b'%', text @ ..] => Some(text.trim_ascii_start()),
-        _ => None,
-    }
-}
-
 /// Separator and place of the first row, if there are rows.
 fn begin_of_rows(content: &[Content<'_>], separators: &[u8]) -> Option<(u8, usize)> {
     let all: fn(&[Kind]) -> bool = |kinds| kinds.len() > 1 && !kinds.contains(&Kind::Text);
@@ -215,7 +208,14 @@ fn header_above(
         (Some(names), Some(units)) if is_units(&units.1) && is_header(&names.1) => {
             (Some(names), Some(units))
         }
-        (_, Some(names)) if is_names(&names.1, width) => (Some(names), None),
+        (units, Some(names)) if is_names(&names.1, width) => {
+            let are_above = |(_, cells): &(u64, Vec<String>)| {
+                cells.len() == width
+                    && is_units(cells)
+                    && cells.iter().any(|cell| is_force_unit(cell))
+            };
+            (Some(names), units.filter(are_above))
+        }
         _ => (above::commented_names(lines, first_row, separator, width), None),
     };
     let mut header = Header { separator, names, units, first_row, width, rows };
@@ -225,6 +225,10 @@ fn header_above(
 
 fn is_units(cells: &[String]) -> bool {
     cells.iter().all(|cell| is_unit_cell(cell)) && cells.iter().any(|cell| !cell.is_empty())
+}
+
+fn is_force_unit(cell: &str) -> bool {
+    Unit::from_label(bare_unit(cell)).is_some()
 }
 
 /// Text without a single value.

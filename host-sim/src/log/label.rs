@@ -96,6 +96,12 @@ impl Label {
         FORCE.contains(&self.quantity.as_str())
     }
 
+    /// Whether the unit is one of time.
+    #[must_use]
+    pub fn is_in_time(&self) -> bool {
+        self.time_unit().is_some()
+    }
+
     /// Its unit, if that is one of time.
     #[must_use]
     pub fn time_unit(&self) -> Option<TimeUnit> {
@@ -119,6 +125,14 @@ fn is_foreign(text: &str) -> bool {
     const FOREIGN: [&str; 12] =
         ["mn", "cn", "dn", "dan", "g", "gf", "tf", "kip", "kips", "ozf", "v", "mv"];
     FOREIGN.contains(&text.to_lowercase().as_str())
+}
+
+/// A unit of force other than N that stands somewhere in a name: `Load_kgf_Avg`.
+#[must_use]
+pub fn unit_within(name: &str) -> Option<&str> {
+    let words = || name.split(|letter: char| !letter.is_alphanumeric());
+    let is_other = |word: &&str| Unit::from_label(word).is_some_and(|unit| unit != Unit::Newton);
+    words().find(is_other).or_else(|| words().skip(1).find(|word| is_foreign(word)))
 }
 
 /// Whether a cell of a units row could be one: empty, in brackets, or a unit's name.

@@ -3,7 +3,7 @@
 use crate::error::{InputError, excerpt};
 use crate::replay::known::{KnownMetadata, WeightFrom};
 
-use super::number::{STANDARD_GRAVITY, finite};
+use super::number::{STANDARD_GRAVITY, finite, is_grouped};
 
 /// The keys that are known; every other comment is skipped.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -73,8 +73,11 @@ impl Metadata {
     /// # Errors
     /// A known key whose value is not a finite number, or not what an earlier line says.
     pub fn take(&mut self, line: &[u8], number: u64) -> Result<(), InputError> {
+        let line = comment(line).unwrap_or(line);
         let text = String::from_utf8_lossy(line);
-        let text = text.trim().trim_start_matches(['#', '%']).trim();
+        // A spreadsheet fills a comment up with empty cells.
+        let text = text.trim_end_matches(|end: char| end.is_whitespace() || ",;".contains(end));
+        let text = text.trim_start_matches(['#', '%', ' ', '\t']);
         let Some((key, value)) = text.split_once(':') else {
             self.look_at(text, number);
             return Ok(());
@@ -95,8 +98,12 @@ impl Metadata {
             "synthetic" => replaced(&mut self.synthetic, Some(value.to_string())),
             key => match self.field(key) {
                 Some(field) => {
-                    let value = finite(value.as_bytes()).ok_or_else(|| not_a_number(key, value))?;
-                    replaced(field, Some(value))
+                    // A comma that leads cuts cells, and one before three digits may set
+                    // thousands apart: neither is a decimal mark.
+                    let other_comma = value.starts_with(',')
+                        || value.contains(',') && is_grouped(value.as_bytes());
+                    let number = finite(value.as_bytes()).filter(|_| !other_comma);
+                    replaced(field, Some(number.ok_or_else(|| not_a_number(key, value))?))
                 }
                 None => {
                     self.look_at(text, number);
@@ -138,14 +145,21 @@ impl Metadata {
     fn look_at(&mut self, text: &str, number: u64) {
         const MEANT: [(&str, &str); 3] =
             [("weight", "weight_n: 630"), ("mass", "mass_kg: 64.2"), ("slope", "slope_deg: 1.5")];
-        let (key, value) = text.split_once([':', '=']).unwrap_or((text, ""));
-        let key = key.trim().to_ascii_lowercase();
-        let is_value = value.trim_start().starts_with(|first: char| first.is_ascii_digit());
-        let meant = MEANT.iter().find(|(start, _)| key.starts_with(start) && is_value);
-        if let Some((_, write)) = meant {
-            let said = excerpt(text.as_bytes());
-            self.notes.push(format!("line {number}: {said} is not read: write '# {write}'"));
+        let cut = |marks: &[char]| text.split_once(marks);
+        let (key, value) =
+            cut(&[':', '=', ',', ';', '\t']).or_else(|| cut(&[' '])).unwrap_or((text, ""));
+        let (key, value) = (key.trim().to_ascii_lowercase(), value.trim());
+        if !value.starts_with(|first: char| first.is_ascii_digit()) {
+            return;
         }
+        let meant = MEANT.iter().find(|(start, _)| key.starts_with(start));
+        let write = match meant {
+            Some((_, write)) => (*write).to_string(),
+            None if self.field(&key).is_some() => format!("{key}: {value}"),
+            None => return,
+        };
+        let said = excerpt(text.as_bytes());
+        self.notes.push(format!("line {number}: {said} is not read: write '# {write}'"));
     }
 
     /// The line that says a key first.
@@ -172,6 +186,22 @@ impl Metadata {
             "counts_per_n" => &mut self.counts_per_n,
             key => return self.known.field(key),
         })
+    }
+}
+
+/// The text of a comment: behind `#`, or `%` as MATLAB has it, also where a spreadsheet has put
+/// the whole of it in quotes.
+#[must_use]
+pub fn comment(line: &[u8]) -> Option<&[u8]> {
+    match line.trim_ascii_start() {
+        [b'#' | b'%', text @ ..] => Some(text.trim_ascii_start()),
+        [b'"', cell @ ..] => {
+            let end = cell.iter().position(|&byte| byte == b'"')?;
+            let (cell, behind) = cell.split_at_checked(end)?;
+            let alone = behind.iter().all(|byte| b"\",;\t ".contains(byte));
+            comment(cell).filter(|text| alone && text.contains(&b':'))
+        }
+        _ => None,
     }
 }
 
@@ -245,7 +275,9 @@ mod tests {
         );
         assert_eq!(metadata.notes.len(), 3);
         metadata.take(b"% weight_n: 630", 9).unwrap();
-        assert_eq!(metadata.weight_n, Some(630.0));
+        metadata.take(b"\"# slope_deg: 5\",;", 10).unwrap();
+        assert_eq!((metadata.weight_n, metadata.slope_deg), (Some(630.0), Some(5.0)));
+        assert_eq!(comment(b"\"#\",\"time\""), None);
     }
 
     #[test]

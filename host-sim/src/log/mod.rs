@@ -24,6 +24,7 @@ use crate::rounding::counted;
 
 pub mod above;
 pub mod cells;
+pub mod channels;
 pub mod clock;
 pub mod columns;
 pub mod cr10;
@@ -39,6 +40,7 @@ pub mod open;
 pub mod options;
 pub mod other_forces;
 pub mod plain;
+pub mod rate;
 pub mod rows;
 pub mod stamp;
 pub mod start;
@@ -54,6 +56,7 @@ use metadata::Metadata;
 pub use number::{Decimal, STANDARD_GRAVITY, Unit};
 use open::{begin, peek, recognise, refuse_binary, utf8};
 pub use options::LogOptions;
+use rate::{agrees_with_stamps, keeps_up};
 use rows::{Row, Rows};
 use start::Start;
 
@@ -305,42 +308,6 @@ impl Log {
             told: card::Told::default(),
         })
     }
-}
-
-/// Rows that show a rate.
-const ENOUGH: usize = 32;
-
-/// Refuses a given rate with which many samples would be taken for duplicates.
-fn keeps_up(given: f64, head: &[Row], rows: &Rows) -> Result<(), InputError> {
-    const SURELY: f64 = 1.5;
-    let Ok(found) = timing::find(head, None, rows.layout().resolution_s) else { return Ok(()) };
-    let found_hz = found.rate_hz;
-    if found.shared.is_some() || head.len() < ENOUGH || found_hz < SURELY * given {
-        return Ok(());
-    }
-    Err(InputError::new(format!(
-        "--rate-hz says {given}, and the samples come {found_hz:.3} times a second: those in between \
-         would be lost; leave --rate-hz out"
-    )))
-}
-
-/// Refuses a rate in the log's metadata that its stamps contradict.
-fn agrees_with_stamps(head: &[Row], rows: &Rows) -> Result<(), InputError> {
-    const NEAR: f64 = 0.02;
-    let metadata = &rows.metadata;
-    let (Some(said), Some(line)) = (metadata.rate_hz, metadata.line("rate_hz")) else {
-        return Ok(());
-    };
-    let Ok(found) = timing::find(head, None, rows.layout().resolution_s) else { return Ok(()) };
-    let near = (found.rate_hz / said - 1.0).abs() < NEAR;
-    if near || found.shared.is_some() || head.len() < ENOUGH {
-        return Ok(());
-    }
-    let (first, found) = (head.first().map_or(0, |row| row.line), found.rate_hz);
-    Err(InputError::new(format!(
-        "line {line}: '# rate_hz: {said}', and the times from line {first} on come {found:.3} times \
-         a second; correct one of them, or give --rate-hz R"
-    )))
 }
 
 fn no_samples(rows: &Rows) -> InputError {

@@ -44,12 +44,12 @@ impl Unit {
     /// The unit a column's name or units row states.
     #[must_use]
     pub fn from_label(label: &str) -> Option<Self> {
-        match label.trim().to_ascii_lowercase().as_str() {
-            "n" | "newton" | "newtons" => Some(Self::Newton),
-            "kn" | "kilonewton" | "kilonewtons" => Some(Self::Kilonewton),
+        match label.trim().to_lowercase().as_str() {
+            "n" | "newton" | "newtons" | "н" => Some(Self::Newton),
+            "kn" | "kilonewton" | "kilonewtons" | "кн" => Some(Self::Kilonewton),
             "lbf" | "lbs" | "lb" => Some(Self::PoundForce),
             // A load cell that shows kg shows the force of that mass.
-            "kgf" | "kg" | "kp" => Some(Self::KilogramForce),
+            "kgf" | "kg" | "kp" | "кгс" => Some(Self::KilogramForce),
             "counts" | "count" | "adc" => Some(Self::Counts),
             _ => None,
         }

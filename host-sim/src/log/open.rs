@@ -10,7 +10,7 @@ use super::cells::texts;
 use super::header;
 use super::layout::Layout;
 use super::lines::Lines;
-use super::metadata::Metadata;
+use super::metadata::{Metadata, comment};
 use super::options::LogOptions;
 use super::rows::Rows;
 use super::{Format, Recognised, cr10, csv, toa5};
@@ -120,7 +120,7 @@ fn control_share(bytes: &[u8]) -> f64 {
 #[must_use]
 pub fn recognise(head: &[u8]) -> Format {
     let lines = head.split(|&byte| byte == b'\n').map(<[u8]>::trim_ascii);
-    let first = lines.into_iter().find(|line| !line.is_empty() && !line.starts_with(b"#"));
+    let first = lines.into_iter().find(|line| !line.is_empty() && comment(line).is_none());
     match first.unwrap_or_default() {
         line if is_toa5(line) => Format::Toa5,
         line if cr10::is_row(line) => Format::Cr10,
@@ -195,7 +195,7 @@ fn header_line(lines: &mut Lines, metadata: &mut Metadata) -> Result<(Vec<u8>, u
         let number = line.number;
         match line.bytes.trim_ascii_start().first() {
             None => {}
-            Some(b'#') => {
+            Some(b'#' | b'"') if comment(line.bytes).is_some() => {
                 let taken = metadata.take(line.bytes, number);
                 taken.map_err(|error| error.within(format_args!("line {number}")))?;
             }

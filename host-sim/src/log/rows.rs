@@ -7,7 +7,7 @@ use crate::error::InputError;
 use super::cells::Cells;
 use super::layout::{Layout, TimeCells, is_empty};
 use super::lines::Lines;
-use super::metadata::Metadata;
+use super::metadata::{Metadata, comment};
 use super::plain::Plain;
 use super::stamp::{DAY_S, TimeUnit};
 
@@ -90,7 +90,9 @@ impl Rows {
                     self.empty += 1;
                     Ok(None)
                 }
-                Some(b'#') => self.metadata.take(line.bytes, number).map(|()| None),
+                Some(b'#' | b'"') if comment(line.bytes).is_some() => {
+                    self.metadata.take(line.bytes, number).map(|()| None)
+                }
                 Some(_) => self.layout.row(line.bytes, ended, &mut self.cells),
             };
             if result.is_err() && is_empty(line.bytes, self.layout.separator) {

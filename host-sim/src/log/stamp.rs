@@ -46,10 +46,10 @@ impl TimeUnit {
     #[must_use]
     pub fn from_label(label: &str) -> Option<Self> {
         match label.trim().to_lowercase().as_str() {
-            "s" | "sec" | "secs" | "second" | "seconds" | "sekunde" | "sekunden" => {
+            "s" | "sec" | "secs" | "с" | "сек" | "second" | "seconds" | "sekunde" | "sekunden" => {
                 Some(Self::Second)
             }
-            "ms" | "msec" | "millisecond" | "milliseconds" => Some(Self::Millisecond),
+            "ms" | "msec" | "мс" | "millisecond" | "milliseconds" => Some(Self::Millisecond),
             "us" | "µs" | "μs" | "microsecond" | "microseconds" => Some(Self::Microsecond),
             "ns" | "nsec" | "nanosecond" | "nanoseconds" => Some(Self::Nanosecond),
             "min" | "mins" | "minute" | "minutes" | "minuten" => Some(Self::Minute),

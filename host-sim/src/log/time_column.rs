@@ -12,7 +12,7 @@ use super::stamp::{TimeUnit, clock_seconds, date_seconds, date_time_seconds, is_
 use super::timing::RATES_HZ;
 
 /// Names that are taken before any other, in this order.
-const TIME_COLUMNS: [&str; 4] = ["time_s", "t_s", "t", "time"];
+const TIME_COLUMNS: [&str; 4] = ["time_s", "t_s", "time", "t"];
 
 impl Columns<'_> {
     /// The time column, if there is one.
@@ -28,14 +28,22 @@ impl Columns<'_> {
         }
         for name in TIME_COLUMNS {
             if let Some(place) = find(&self.names, name, "--time-column")? {
-                return Ok(Some(place));
+                let other = (name == "t").then(|| self.rather_than_t(place)).flatten();
+                return Ok(other.or(Some(place)));
             }
         }
         self.refuse_parts()?;
-        let Some(place) = self.labels.iter().position(Label::is_time) else {
+        let named = self.labels.iter().position(|label| label.is_time() && !is_temperature(label));
+        let Some(place) = named else {
             return Ok(self.dated().or_else(|| self.only_in_time_units()));
         };
         find(&self.names, &self.names[place], "--time-column").map(|_| Some(place))
+    }
+
+    /// A bare `t` or `T` may be a temperature: what says more of the time goes before it.
+    fn rather_than_t(&self, t: usize) -> Option<usize> {
+        let says_unit = |label: &Label| label.is_time() && label.is_in_time();
+        self.labels.iter().position(says_unit).or_else(|| self.dated()).filter(|&place| place != t)
     }
 
     /// The only column in a unit of time, whatever it is called.
@@ -189,4 +197,9 @@ impl Columns<'_> {
             there_are(&self.names)
         ))
     }
+}
+
+/// `T [°C]`: called like a time, in a unit that is none of time.
+fn is_temperature(label: &Label) -> bool {
+    label.quantity == "t" && label.unit.is_some() && !label.is_in_time()
 }

@@ -4,6 +4,7 @@
 
 mod columns;
 mod doubtful;
+mod misread;
 mod people;
 mod texts;
 
@@ -108,6 +109,8 @@ fn forms() -> Vec<Form> {
         doubtful::lines(),
         doubtful::said(),
         doubtful::more(),
+        misread::columns(),
+        misread::metadata(),
     ]
     .into_iter()
     .flatten()
