@@ -44,7 +44,7 @@ impl Columns<'_> {
         )))
     }
 
-    fn said(&self, column: usize) -> String {
+    pub(super) fn said(&self, column: usize) -> String {
         match self.name(column) {
             "" => (column + 1).to_string(),
             name => format!("'{name}'"),

@@ -33,11 +33,16 @@ pub struct Clock {
     period_s: f64,
     /// Index of the last sample plus one.
     next: u64,
-    /// Time of the last sample, s.
+    /// Time of the last sample, s from the first one on: small, so that adding periods to it stays
+    /// exact.
     time_s: f64,
     /// Samples in the mean that gives the phase.
     averaged: f64,
     misfits: u64,
+    /// Rows whose sample another row has, rows behind a short gap, and all rows.
+    dropped: u64,
+    gaps: u64,
+    rows: u64,
     /// The last stamp; the first interval of those alike that end there, where it began, and
     /// how many they are.
     stamp_s: f64,
@@ -51,7 +56,7 @@ impl Clock {
     #[must_use]
     pub fn new(timing: Timing) -> Self {
         let period_s = timing.rate_hz.recip();
-        let time_s = timing.start_s - period_s;
+        let time_s = -period_s;
         Self {
             timing,
             period_s,
@@ -59,6 +64,9 @@ impl Clock {
             time_s,
             averaged: PHASE_SAMPLES,
             misfits: 0,
+            dropped: 0,
+            gaps: 0,
+            rows: 0,
             stamp_s: f64::NAN,
             interval_s: 0.0,
             since_s: f64::NAN,
@@ -75,14 +83,19 @@ impl Clock {
         records: u32,
         ahead: impl Iterator<Item = f64>,
     ) -> (u64, f64) {
-        let records = f64::from(records);
+        let (records, start_s) = (f64::from(records), self.timing.start_s);
+        let stamp_s = stamp_s - start_s;
+        let ahead = ahead.map(|stamp| stamp - start_s);
         let steps = match self.timing.shared {
             None => self.fine_steps(stamp_s, records),
             Some(shared) => self.shared_steps(shared, stamp_s, records, ahead),
         };
         self.compare_interval(stamp_s);
+        self.rows += 1;
+        self.dropped += u64::from(steps == 0);
+        self.gaps += u64::from(steps > 1 && (steps as f64) < LONG_GAP);
         self.next = self.next.saturating_add(steps);
-        (self.next.saturating_sub(1), self.time_s)
+        (self.next.saturating_sub(1), start_s + self.time_s)
     }
 
     /// How many stamps beyond a row are needed.
@@ -128,6 +141,14 @@ impl Clock {
     #[must_use]
     pub fn misfits(&self) -> u64 {
         self.misfits
+    }
+
+    /// Whether so many rows are dropped and missing beside each other that the rate, or the stamps,
+    /// must be wrong.
+    #[must_use]
+    pub fn is_uneven(&self) -> bool {
+        const FEW: u64 = 8;
+        self.dropped.min(self.gaps) > FEW.max(self.rows / 200)
     }
 
     fn fine_steps(&mut self, stamp_s: f64, records: f64) -> u64 {

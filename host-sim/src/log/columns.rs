@@ -6,7 +6,7 @@ use super::LogOptions;
 use super::csv::{agreed, find, there_are};
 use super::header::Header;
 use super::label::{Label, bare_unit, unit_within};
-use super::number::{Decimal, Unit, number};
+use super::number::{Decimal, Unit, finite, is_thousand, number, thousand};
 
 /// Names that are taken before any other, in this order.
 const FORCE_COLUMNS: [&str; 2] = ["force_n", "force_kn"];
@@ -127,6 +127,20 @@ impl<'a> Columns<'a> {
         })?
     }
 
+    /// Refuses numbers that have a mark where, and only where, they have thousands.
+    fn refuse_thousands(&self, column: usize) -> Result<(), InputError> {
+        let marked = |cell: &&str| cell.contains(['.', ',']);
+        let cells = || self.header.cells(column).filter(|cell| finite(cell.as_bytes()).is_some());
+        let is_short = |cell: &str| cell.trim_start_matches('-').len() < 4;
+        let mut others = cells().filter(|cell| !marked(cell)).peekable();
+        let mut grouped = cells().filter(marked).peekable();
+        let Some(first) = grouped.peek().copied() else { return Ok(()) };
+        if others.peek().is_none() || !others.all(is_short) || !grouped.all(is_thousand) {
+            return Ok(());
+        }
+        Err(thousand(first))
+    }
+
     /// The decimal mark: as given, or the only one that the first rows show.
     ///
     /// # Errors
@@ -146,6 +160,9 @@ impl<'a> Columns<'a> {
             .flat_map(|column| self.header.cells(column))
             .filter(|cell| number(cell.as_bytes(), Decimal::Any).is_some())
             .collect();
+        for column in [Some(force), time].into_iter().flatten() {
+            self.refuse_thousands(column)?;
+        }
         let with = |mark: char| numbers.iter().find(|cell| cell.contains(mark));
         match (with('.'), with(',')) {
             (Some(_), None) => Ok(Decimal::Point),

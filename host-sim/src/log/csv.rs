@@ -46,6 +46,7 @@ pub fn layout(
         },
     };
     columns.refuse_channels(time, force)?;
+    notes.extend(columns.assumed_seconds(time, options));
     if header.names.is_none() {
         let time = if header.width > 1 { "the first column is the time, " } else { "" };
         notes.insert(0, format!("no header: {time}column {} is the force", force + 1));

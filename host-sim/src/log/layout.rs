@@ -4,10 +4,13 @@ use crate::error::{InputError, excerpt};
 use crate::rounding::counted;
 
 use super::cells::Cells;
-use super::number::{Decimal, Unit, finite, is_grouped, number, reading, reading_of};
+use super::number::{
+    Decimal, Unit, finite, is_grouped, is_thousand, number, reading, reading_of, thousand,
+};
 use super::plain::PlainRow;
 use super::rows::Row;
-use super::stamp::{TimeUnit, clock_seconds, cr10_seconds, date_seconds, has_zone};
+use super::stamp::{DAY_S, TimeUnit, clock_seconds, cr10_seconds, date_seconds, has_zone};
+use super::timing::{self, Timing};
 
 /// What to do about a line that cannot be read.
 const CORRECT: &str = "correct the line or take it out";
@@ -83,6 +86,23 @@ impl TimeCells {
 }
 
 impl Layout {
+    /// The timing of the first rows; `rate_hz` if the user or the log states it.
+    ///
+    /// # Errors
+    /// They do not tell it.
+    pub fn timing(&self, rows: &[Row], rate_hz: Option<f64>) -> Result<Timing, InputError> {
+        let unit_s = match self.time {
+            TimeCells::Number { unit: TimeUnit::Minute, .. } => 60.0,
+            TimeCells::Number { unit: TimeUnit::Excel, .. } => DAY_S,
+            // Of the others, the digits are those of seconds.
+            TimeCells::Number { .. }
+            | TimeCells::DateAndClock { .. }
+            | TimeCells::Count { .. }
+            | TimeCells::Cr10 { .. } => 1.0,
+        };
+        timing::find(rows, rate_hz, self.resolution_s, unit_s)
+    }
+
     /// A row of two numbers; `None` if they cannot be a time and a force.
     pub(super) fn plain_row(&self, &PlainRow { time_s, force, .. }: &PlainRow) -> Option<Row> {
         let reading = reading_of(force, self.unit)?;
@@ -116,9 +136,24 @@ impl Layout {
         }
         let reading =
             reading(force, self.unit, self.decimal).ok_or_else(|| self.no_force(force))?;
+        if self.decimal == Decimal::Any {
+            self.settle(force)?;
+        }
         let row = Row { time_s: self.time_s(line, cells)?, reading, records: 1, line: 0 };
         let record = self.record.and_then(|cell| finite(cells.get(line, cell)?));
         Ok(Some((row, record)))
+    }
+
+    /// Takes the decimal mark from the first force that has one.
+    fn settle(&mut self, force: &[u8]) -> Result<(), InputError> {
+        let Some(mark) = force.iter().find(|byte| b".,".contains(byte)) else { return Ok(()) };
+        if is_thousand(text(force)) {
+            return Err(thousand(text(force)));
+        }
+        if finite(force).is_some() {
+            self.decimal = if *mark == b',' { Decimal::Comma } else { Decimal::Point };
+        }
+        Ok(())
     }
 
     /// Whether a row's time is in a zone that it says.

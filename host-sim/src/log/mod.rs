@@ -29,7 +29,9 @@ pub mod clock;
 pub mod columns;
 pub mod cr10;
 pub mod csv;
+pub mod groups;
 pub mod header;
+pub mod held;
 pub mod inspection;
 pub mod label;
 pub mod layout;
@@ -50,6 +52,7 @@ pub mod toa5;
 
 use clock::Clock;
 use header::Header;
+use held::Held;
 use layout::Layout;
 use lines::Lines;
 use metadata::Metadata;
@@ -109,6 +112,7 @@ pub struct Log {
     ahead: VecDeque<Row>,
     clock: Clock,
     origin_s: f64,
+    held: Held,
     /// The rate was given: samples further apart are gaps.
     rate_is_given: bool,
     head: Recognised,
@@ -177,6 +181,7 @@ impl Log {
         if let Some(interval_s) = self.clock.other_interval_s().filter(|_| !self.rate_is_given) {
             return Err(self.other_interval(row.line, interval_s));
         }
+        self.held.push(row.reading);
         let raw = RawSample { index, reading: row.reading };
         Ok(Some(Sample { raw, time_s: time_s - self.origin_s }))
     }
@@ -267,9 +272,15 @@ impl Log {
         let (misfits, rate_hz) = (self.clock.misfits(), self.rate_hz());
         let misfits = (misfits > 0)
             .then(|| format!("{misfits} time stamps do not fit {rate_hz} samples per second"));
+        let uneven = self.clock.is_uneven().then(|| {
+            format!(
+                "many samples are missing and as many are dropped: the times do not fit {rate_hz} \
+                 samples per second; give --rate-hz R, or write them with more digits"
+            )
+        });
         let told = self.told.warnings();
         let found = self.head.notes.iter().cloned().chain(said).chain(truncated).chain(left_out);
-        found.chain(misfits).chain(told).collect()
+        found.chain(misfits).chain(uneven).chain(self.held.warning(rate_hz)).chain(told).collect()
     }
 
     /// Reads the head and finds the timing in it.
@@ -295,7 +306,7 @@ impl Log {
             Some(given) => keeps_up(given, &head, &rows)?,
             None => agrees_with_stamps(&head, &rows)?,
         }
-        let timing = timing::find(&head, rate_hz, rows.layout().resolution_s)?;
+        let timing = rows.layout().timing(&head, rate_hz)?;
         let origin_s = if rows.layout().time.is_calendar() { timing.start_s } else { 0.0 };
         Ok(Self {
             format,
@@ -303,6 +314,7 @@ impl Log {
             ahead: head.into(),
             clock: Clock::new(timing),
             origin_s,
+            held: Held::default(),
             rate_is_given: options.rate_hz.is_some(),
             head: recognised,
             told: card::Told::default(),

@@ -2,6 +2,8 @@
 
 use floe_core::{Counts, Fault, Newtons, Reading};
 
+use crate::error::InputError;
+
 /// Values that Campbell loggers write for a measurement that failed.
 pub const SENTINELS: [f64; 3] = [-6999.0, 6999.0, -99999.0];
 
@@ -165,7 +167,23 @@ pub fn is_grouped(cell: &[u8]) -> bool {
     first && groups.next().is_some_and(|group| digits(group) && group.len() == 3)
 }
 
-/// The same for a number that is read already.
+/// Whether a number may be one of thousands as well as a decimal one: `1.006`.
+#[must_use]
+pub fn is_thousand(cell: &str) -> bool {
+    let is_long = cell.split(['.', ',']).skip(1).any(|group| group.len() != 3);
+    !is_long && cell.contains(['.', ',']) && is_grouped(cell.as_bytes())
+}
+
+/// The error for it.
+#[must_use]
+pub fn thousand(cell: &str) -> InputError {
+    InputError::new(format!(
+        "'{cell}' is among numbers without a mark: are these thousands? write it without marks between \
+         the thousands, or give --decimal . or --decimal ,"
+    ))
+}
+
+/// A reading from a number that is read already.
 #[must_use]
 pub fn reading_of(value: f64, unit: Unit) -> Option<Reading> {
     const BAD: Reading = Reading::Bad(Fault::Sentinel);

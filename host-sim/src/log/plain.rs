@@ -36,13 +36,24 @@ impl Plain {
         let TimeCells::Number { cell: time, unit: TimeUnit::Second } = layout.time else {
             return None;
         };
-        let mark = if layout.decimal == Decimal::Comma { b',' } else { b'.' };
+        let mark = match layout.decimal {
+            Decimal::Point => b'.',
+            Decimal::Comma => b',',
+            // The first number with a mark says which it is; no text holds this byte.
+            Decimal::Any => 0xFF,
+        };
         let other = layout.record.is_some()
             || layout.array_id.is_some()
             || layout.unit == Unit::Counts
             || [b' ', b'-', mark].contains(&layout.separator);
         let Layout { separator, width, force, .. } = *layout;
         (!other && time != force).then_some(Self { separator, mark, width: width?, time, force })
+    }
+
+    /// Whether it knows the decimal mark.
+    #[must_use]
+    pub fn has_mark(&self) -> bool {
+        self.mark != 0xFF
     }
 
     /// The row that a text begins with; `None` if it is not a plain one, or goes on to within

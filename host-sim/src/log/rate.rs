@@ -3,7 +3,6 @@
 use crate::error::InputError;
 
 use super::rows::{Row, Rows};
-use super::timing;
 
 /// Rows that show a rate.
 const ENOUGH: usize = 32;
@@ -14,7 +13,7 @@ const ENOUGH: usize = 32;
 /// It is far below the rate of the stamps.
 pub fn keeps_up(given: f64, head: &[Row], rows: &Rows) -> Result<(), InputError> {
     const SURELY: f64 = 1.5;
-    let Ok(found) = timing::find(head, None, rows.layout().resolution_s) else { return Ok(()) };
+    let Ok(found) = rows.layout().timing(head, None) else { return Ok(()) };
     let found_hz = found.rate_hz;
     if found.shared.is_some() || head.len() < ENOUGH || found_hz < SURELY * given {
         return Ok(());
@@ -35,7 +34,7 @@ pub fn agrees_with_stamps(head: &[Row], rows: &Rows) -> Result<(), InputError> {
     let (Some(said), Some(line)) = (metadata.rate_hz, metadata.line("rate_hz")) else {
         return Ok(());
     };
-    let Ok(found) = timing::find(head, None, rows.layout().resolution_s) else { return Ok(()) };
+    let Ok(found) = rows.layout().timing(head, None) else { return Ok(()) };
     let near = (found.rate_hz / said - 1.0).abs() < NEAR;
     if near || found.shared.is_some() || head.len() < ENOUGH {
         return Ok(());

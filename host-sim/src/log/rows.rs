@@ -8,6 +8,7 @@ use super::cells::Cells;
 use super::layout::{Layout, TimeCells, is_empty};
 use super::lines::Lines;
 use super::metadata::{Metadata, comment};
+use super::number::Decimal;
 use super::plain::Plain;
 use super::stamp::{DAY_S, TimeUnit};
 
@@ -99,6 +100,11 @@ impl Rows {
                 // What a spreadsheet leaves of an empty row.
                 continue;
             }
+            if self.plain.is_none_or(|plain| !plain.has_mark())
+                && self.layout.decimal != Decimal::Any
+            {
+                self.plain = Plain::of(&self.layout);
+            }
             if let (Ok(Some(_)), None) = (&result, self.utc) {
                 self.utc = Some(self.layout.says_zone(line.bytes, &self.cells));
             }
@@ -188,10 +194,18 @@ impl Rows {
 #[cold]
 fn goes_back(seconds: f64) -> InputError {
     const NEAR_S: f64 = 10.0;
+    const COUNTERS_S: [f64; 4] = [65.536, 4_294.967_296, 4_294_967.296, 86_400.0];
     let by = |hours: f64| (seconds - 3600.0 * hours).abs() < NEAR_S;
+    let began_anew = |span_s: &f64| (0.98 * span_s..=*span_s).contains(&seconds);
     let why = match (by(1.0), by(12.0)) {
         (true, _) => " (a clock set back by an hour? write its zone with each time)",
         (_, true) => " (twelve hours: are AM and PM missing?)",
+        _ if COUNTERS_S.iter().any(began_anew) => {
+            return InputError::new(format!(
+                "time goes back by {seconds:.6} s: its counter, or the day, begins anew there; let the \
+                 times run on, or cut the log there"
+            ));
+        }
         _ => "",
     };
     InputError::new(format!("time goes back by {seconds:.6} s{why}; cut the log there, or sort it"))

@@ -103,18 +103,18 @@ pub fn no_rate(rate_hz: f64) -> InputError {
     let fits = |(_, seconds): &&(&str, f64)| RATES_HZ.contains(&(rate_hz * seconds));
     let unit = units.iter().find(fits).map_or_else(
         || "--time-unit".to_string(),
-        |(unit, seconds)| format!("--time-unit, such as {unit} ({:.3} Hz),", rate_hz * seconds),
+        |(unit, seconds)| format!("--time-unit; in {unit} they would be {:.3}", rate_hz * seconds),
     );
     InputError::new(format!(
         "the time stamps say {rate_hz:.6} samples per second, not 1 to 2000; is time in seconds? else \
-         give {unit} or --rate-hz"
+         give {unit}"
     ))
 }
 
-/// Whether so many seconds, counted since 1970, lead to a day from 1995 to 5138.
+/// Whether so many seconds, counted since 1970, lead to a day from 1995 to 2052.
 #[must_use]
 pub fn is_since_1970(seconds: f64) -> bool {
-    (8e8..1e11).contains(&seconds)
+    (8e8..2.6e9).contains(&seconds)
 }
 
 /// Seconds from a count since 1970 whose unit shows in its size.

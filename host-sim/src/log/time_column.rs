@@ -128,7 +128,7 @@ impl Columns<'_> {
                          give --time-unit s|ms|us|ns|min|iso|epoch|excel"
                     )));
                 }
-                (None, None) => self.unit_by_size(column, decimal),
+                (None, None) => self.unit_by_size(column, decimal)?,
             },
         };
         Ok(TimeCells::Number { cell: column, unit })
@@ -163,18 +163,60 @@ impl Columns<'_> {
 
     /// Seconds, unless the numbers can only be a date: counted since 1970, or in days
     /// with steps that would be far too short for seconds.
-    fn unit_by_size(&self, column: usize, decimal: Decimal) -> TimeUnit {
-        let values: Vec<f64> =
-            self.header.cells(column).filter_map(|c| number(c.as_bytes(), decimal)).collect();
-        let Some(first) = values.first().copied() else { return TimeUnit::Second };
+    fn unit_by_size(&self, column: usize, decimal: Decimal) -> Result<TimeUnit, InputError> {
+        let values = self.values(column, decimal);
+        let Some(first) = values.first().copied() else { return Ok(TimeUnit::Second) };
         let steps = values.windows(2).filter_map(|w| Some(w.last()? - w.first()?));
         let step = steps.filter(|&step| step > 0.0).fold(f64::INFINITY, f64::min);
         let rates = |unit_s: f64| RATES_HZ.contains(&(step * unit_s).recip());
         match first {
-            8e8..1e20 => TimeUnit::Epoch,
-            20_000.0..80_000.0 if !rates(1.0) && rates(86_400.0) => TimeUnit::Excel,
-            _ => TimeUnit::Second,
+            8e8..1e20 => self.dated_since_1970(column, decimal),
+            20_000.0..80_000.0 if !rates(1.0) && rates(86_400.0) => Ok(TimeUnit::Excel),
+            _ if self.numbers_rows(column, decimal) => Err(InputError::new(format!(
+                "the times of column {} go up by 1 from row to row and have no unit: are they \
+                 numbers of the rows? give --time-unit s or ms if not, else another --time-column",
+                self.said(column)
+            ))),
+            _ => Ok(TimeUnit::Second),
         }
+    }
+
+    fn values(&self, column: usize, decimal: Decimal) -> Vec<f64> {
+        self.cells(column).filter_map(|cell| number(cell.as_bytes(), decimal)).collect()
+    }
+
+    /// Whether a column may number the rows, as far as the first ones show.
+    fn numbers_rows(&self, column: usize, decimal: Decimal) -> bool {
+        let values = self.values(column, decimal);
+        let is_next = |w: &[f64]| matches!(w, [a, b] if (b - a - 1.0).abs() < 1e-9);
+        let whole = values.first().is_some_and(|first| first.fract().abs() < 1e-9);
+        whole && values.len() > 3 && values.windows(2).all(is_next)
+    }
+
+    /// Refuses a count from another year than 1970, or of another unit.
+    fn dated_since_1970(&self, column: usize, decimal: Decimal) -> Result<TimeUnit, InputError> {
+        const YEAR_S: f64 = 31_556_952.0;
+        let first = self.cells(column).find_map(|c| TimeUnit::Epoch.seconds(c.as_bytes(), decimal));
+        match first.filter(|&seconds| !is_since_1970(seconds)) {
+            None => Ok(TimeUnit::Epoch),
+            Some(seconds) => Err(InputError::new(format!(
+                "the times of column {} begin in {:.0} if they count from 1970: give --time-unit \
+                 s|ms|us|ns if they count from elsewhere, or turn them into seconds",
+                self.said(column),
+                (1970.0 + seconds / YEAR_S).floor()
+            ))),
+        }
+    }
+
+    /// Says that a time in whole numbers has no unit.
+    #[must_use]
+    pub fn assumed_seconds(&self, time: TimeCells, options: &LogOptions) -> Option<String> {
+        let TimeCells::Number { cell, unit: TimeUnit::Second } = time else { return None };
+        let said = options.time_unit.is_some() || self.stated(cell).next().is_some();
+        let is_whole = |value: &f64| value.fract().abs() < 1e-9;
+        let values = self.values(cell, Decimal::Any);
+        (!said && !values.is_empty() && values.iter().all(is_whole))
+            .then(|| format!("the times of column {} have no unit: taken as s", self.said(cell)))
     }
 
     /// The error for rows without a time.
@@ -187,7 +229,9 @@ impl Columns<'_> {
         }
         let known = "no time column (time_s, t_s, t or time): give";
         let rate = "--rate-hz R for rows without a time";
-        let mut others = (0..self.names.len()).filter(|&place| place != force);
+        let may_be_time =
+            |&place: &usize| place != force && !self.numbers_rows(place, Decimal::Any);
+        let mut others = (0..self.names.len()).filter(may_be_time);
         let Some(other) = others.next().and_then(|place| self.names.get(place)) else {
             return InputError::new(format!("{known} {rate}; {}", there_are(&self.names)));
         };

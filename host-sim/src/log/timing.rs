@@ -6,6 +6,7 @@
 
 use crate::error::InputError;
 
+use super::groups::shared;
 use super::rows::Row;
 use super::stamp::no_rate;
 
@@ -42,14 +43,15 @@ pub struct Shared {
 }
 
 /// Finds the timing; `rate_hz` if the user or the log states it, `resolution_s`
-/// if the format is known to have coarse stamps.
+/// if the format is known to have coarse stamps, `unit_s` the unit in which they are written.
 ///
 /// # Errors
-/// The time stands still, or the rate is out of [`RATES_HZ`].
+/// The time stands still, its stamps do not tell the rate, or the rate is out of [`RATES_HZ`].
 pub fn find(
     rows: &[Row],
     rate_hz: Option<f64>,
     resolution_s: Option<f64>,
+    unit_s: f64,
 ) -> Result<Timing, InputError> {
     let times: Vec<f64> = rows.iter().map(|row| row.time_s).collect();
     let start_s = times.first().copied().unwrap_or(0.0);
@@ -57,9 +59,9 @@ pub fn find(
         return standing(rows, start_s, rate_hz, resolution_s);
     };
     let timing = if shared_fraction(rows) > SHARED_FROM {
-        shared(&times, step_s, rate_hz)
+        shared(&times, step_s, rate_hz, resolution_s)?
     } else {
-        fine(&times, step_s, rate_hz)
+        fine(&times, step_s, rate_hz, unit_s)
     };
     if RATES_HZ.contains(&timing.rate_hz) {
         return Ok(timing);
@@ -90,7 +92,7 @@ fn positive_differences(times: &[f64]) -> Vec<f64> {
     times.windows(2).filter_map(|w| Some(w.last()? - w.first()?)).filter(|&d| d > 0.0).collect()
 }
 
-fn median(mut values: Vec<f64>) -> Option<f64> {
+pub(super) fn median(mut values: Vec<f64>) -> Option<f64> {
     let middle = values.len() / 2;
     values.sort_by(f64::total_cmp);
     values.get(middle).copied()
@@ -110,7 +112,7 @@ fn shared_fraction(rows: &[Row]) -> f64 {
 /// Neighbours may be a poor first guess (jitter, rounded stamps) and so may
 /// distant samples (gaps between them): the line with the fewest gaps and
 /// duplicates and the smallest residuals is taken.
-fn fine(times: &[f64], step_s: f64, rate_hz: Option<f64>) -> Timing {
+fn fine(times: &[f64], step_s: f64, rate_hz: Option<f64>, unit_s: f64) -> Timing {
     const SPANS: [usize; 6] = [1, 2, 4, 8, 16, 32];
     let start_s = times.first().copied().unwrap_or(0.0);
     let guess = Line { start_s, period_s: step_s };
@@ -120,11 +122,17 @@ fn fine(times: &[f64], step_s: f64, rate_hz: Option<f64>) -> Timing {
             line.fit_phase(times.get(..PHASE_SAMPLES).unwrap_or(times));
             line
         }
-        None => SPANS
-            .iter()
-            .filter_map(|&span| Some(guess.refined(times, median(mean_steps(times, span))?)))
-            .min_by(|a, b| a.cost(times).total_cmp(&b.cost(times)))
-            .unwrap_or(guess),
+        None => {
+            let digit_s = digit_s(times, unit_s);
+            let cost = |line: &Line| line.cost(times, digit_s);
+            SPANS
+                .iter()
+                .filter_map(|&span| median(mean_steps(times, span)))
+                .chain(mean_steps(times, times.len() - 1))
+                .map(|period_s| guess.refined(times, period_s))
+                .min_by(|a, b| cost(a).total_cmp(&cost(b)))
+                .unwrap_or(guess)
+        }
     };
     Timing { rate_hz: line.period_s.recip(), start_s: line.start_s, shared: None }
 }
@@ -133,6 +141,19 @@ fn fine(times: &[f64], step_s: f64, rate_hz: Option<f64>) -> Timing {
 fn mean_steps(times: &[f64], span: usize) -> Vec<f64> {
     let later = times.iter().skip(span);
     later.zip(times).map(|(b, a)| (b - a) / span as f64).filter(|&step| step > 0.0).collect()
+}
+
+/// The last digit to which stamps are written; 0 if they have many.
+fn digit_s(times: &[f64], unit_s: f64) -> f64 {
+    /// What an `f64` leaves of a time since 1970.
+    const EXACT_S: f64 = 3e-7;
+    let start_s = times.first().copied().unwrap_or(0.0);
+    let is_written = |&digit_s: &f64| {
+        let off =
+            |time_s: f64| (time_s - start_s) / digit_s - ((time_s - start_s) / digit_s).round();
+        times.iter().all(|&time_s| off(time_s).abs() * digit_s < EXACT_S + 1e-3 * digit_s)
+    };
+    (0..6).map(|places| unit_s * 0.1_f64.powi(places)).find(is_written).unwrap_or(0.0)
 }
 
 /// Stamp against index.
@@ -153,15 +174,18 @@ impl Line {
 
     /// Share of steps that are not one, and the residuals: a grid on which every
     /// stamp is evenly off by up to half a period is as bad as one that leaves
-    /// every fifth sample out.
-    fn cost(&self, times: &[f64]) -> f64 {
+    /// every fifth sample out. What the last digit of the stamps rounds off weighs little: 92
+    /// samples a second with two decimals are not 100 of which some are lost.
+    fn cost(&self, times: &[f64], digit_s: f64) -> f64 {
         const RESIDUALS: f64 = 0.75;
+        const ROUNDED: f64 = 0.075;
         let n = times.len() as f64;
         let indices: Vec<f64> = times.iter().map(|&t| self.index(t)).collect();
         let is_break = |w: &&[f64]| matches!(w, [a, b] if (b - a - 1.0).abs() > 0.5);
         let breaks = indices.windows(2).filter(is_break).count() as f64;
         let square = times.iter().map(|&t| self.residual(t).powi(2)).sum::<f64>();
-        breaks / n + RESIDUALS * (square / n).sqrt()
+        let rounded = (square / n).min((digit_s / self.period_s).powi(2) / 12.0);
+        breaks / n + RESIDUALS * (square / n - rounded).sqrt() + ROUNDED * rounded.sqrt()
     }
 
     /// Fits over growing spans, so that no index is ambiguous.
@@ -222,58 +246,6 @@ impl Line {
     }
 }
 
-/// Several samples per stamp: samples per group over the step of the stamps.
-fn shared(times: &[f64], step_s: f64, rate_hz: Option<f64>) -> Timing {
-    let rate_hz = rate_hz.unwrap_or_else(|| group_rate(times, step_s));
-    let step = step_s * rate_hz;
-    Timing {
-        rate_hz,
-        start_s: times.first().copied().unwrap_or(0.0),
-        shared: Some(Shared { step, centre: centre(times, step, rate_hz) }),
-    }
-}
-
-/// Mean size of the groups between neighbouring stamps, made whole when near.
-fn group_rate(times: &[f64], step_s: f64) -> f64 {
-    const NEAR: f64 = 0.03;
-    let sizes = group_sizes(times, step_s);
-    let mean = sizes.iter().sum::<f64>() / sizes.len() as f64;
-    let Some(median) = median(sizes) else { return DEFAULT_RATE_HZ };
-    let size = if (mean - median).abs() < NEAR * median { median } else { mean };
-    let rate_hz = size / step_s;
-    if (rate_hz - rate_hz.round()).abs() < NEAR * rate_hz { rate_hz.round() } else { rate_hz }
-}
-
-/// Rows per stamp, without the first and last stamp and those beside a gap.
-fn group_sizes(times: &[f64], step_s: f64) -> Vec<f64> {
-    let mut sizes = Vec::new();
-    let mut begun: Option<usize> = None;
-    for (at, w) in times.windows(2).enumerate() {
-        let [a, b] = w else { continue };
-        let step = b - a;
-        if step > 0.0 {
-            let whole = step < 1.5 * step_s;
-            if let (Some(first), true) = (begun, whole) {
-                sizes.push((at + 1 - first) as f64);
-            }
-            begun = whole.then_some(at + 1);
-        }
-    }
-    sizes
-}
-
-/// Mean of stamp minus sample over a group, from where the first groups begin.
-fn centre(times: &[f64], step: f64, rate_hz: f64) -> f64 {
-    const GROUPS: usize = 9;
-    let start = times.first().copied().unwrap_or(0.0);
-    let begins = |(i, w): (usize, &[f64])| match w {
-        [a, b] if b > a => Some((b - start) * rate_hz - (i + 1) as f64),
-        _ => None,
-    };
-    let offsets = times.windows(2).enumerate().filter_map(begins).take(GROUPS).collect();
-    median(offsets).unwrap_or(0.0) - (step - 1.0) / 2.0
-}
-
 #[cfg(test)]
 #[allow(clippy::float_cmp)] // exact by construction
 mod tests {
@@ -287,7 +259,7 @@ mod tests {
     }
 
     fn rate(times: impl IntoIterator<Item = f64>) -> f64 {
-        find(&rows(times), None, None).unwrap().rate_hz
+        find(&rows(times), None, None, 1.0).unwrap().rate_hz
     }
 
     /// Deterministic jitter within ±`most`.
@@ -308,6 +280,30 @@ mod tests {
     }
 
     #[test]
+    fn a_rate_that_the_last_digit_hides_is_found() {
+        let decimals = |rate: f64, digit: f64, count| {
+            (0..count).map(move |i| (f64::from(i) / rate / digit).floor() * digit)
+        };
+        assert_eq!(rate(decimals(92.0, 0.01, 4096)), 92.0);
+        assert_eq!(rate(decimals(9.0, 0.1, 1920)), 9.0);
+        assert_eq!(rate(decimals(33.0, 0.1, 1920)), 33.0);
+        let ticks = decimals(100.0, 0.015_625, 4096).map(|t| (t * 1e3).floor() / 1e3);
+        assert_eq!(rate(ticks), 100.0);
+        let minutes = rows(decimals(16.0, 0.06, 1920));
+        assert_eq!(find(&minutes, None, None, 60.0).unwrap().rate_hz, 16.0);
+    }
+
+    #[test]
+    fn stamps_without_a_whole_group_tell_no_rate() {
+        let minutes =
+            |rate: f64| (0..800).map(move |i| ((f64::from(i) / rate + 30.0) / 60.0).floor() * 60.0);
+        let error = find(&rows(minutes(10.0)), None, None, 1.0).unwrap_err().to_string();
+        assert!(error.contains("do not tell the rate: give --rate-hz"), "{error}");
+        let cr10 = find(&rows(minutes(16.0)), None, Some(60.0), 1.0).unwrap();
+        assert_eq!(cr10.rate_hz, DEFAULT_RATE_HZ);
+    }
+
+    #[test]
     fn a_rate_that_is_not_nominal_is_kept() {
         let found = rate((0..4096).map(|i| f64::from(i) / 16.0008));
         assert!((found - 16.0008).abs() < 1e-9);
@@ -324,10 +320,11 @@ mod tests {
 
     #[test]
     fn shared_stamps_are_recognised() {
-        let timing = find(&rows((0..200).map(|i| f64::from(i / 2) * 0.125)), None, None).unwrap();
+        let timing =
+            find(&rows((0..200).map(|i| f64::from(i / 2) * 0.125)), None, None, 1.0).unwrap();
         assert_eq!(timing.rate_hz, 16.0);
         assert_eq!(timing.shared, Some(Shared { step: 2.0, centre: -0.5 }));
-        let minute = find(&rows([0.0; 900]), None, Some(60.0)).unwrap();
+        let minute = find(&rows([0.0; 900]), None, Some(60.0), 1.0).unwrap();
         assert_eq!(minute.shared, Some(Shared { step: 960.0, centre: -480.0 }));
         assert_eq!(rate((0..400).map(|i| (f64::from(i) / 16.0).floor())), 16.0);
         assert_eq!(rate((0..400).map(|i| (f64::from(i) / 1.6).floor() / 10.0)), 16.0);
@@ -336,9 +333,12 @@ mod tests {
     #[test]
     fn times_that_tell_nothing_are_refused() {
         assert!(
-            find(&rows([2.0; 9]), None, None).unwrap_err().to_string().contains("stands still")
+            find(&rows([2.0; 9]), None, None, 1.0)
+                .unwrap_err()
+                .to_string()
+                .contains("stands still")
         );
-        let slow = find(&rows((0..9).map(|i| f64::from(i) * 600.0)), None, None).unwrap_err();
+        let slow = find(&rows((0..9).map(|i| f64::from(i) * 600.0)), None, None, 1.0).unwrap_err();
         assert!(slow.to_string().contains("0.001667 samples per second"), "{slow}");
     }
 }

@@ -196,7 +196,7 @@ pub fn more() -> Vec<Form> {
         form(
             "parts of a day",
             table("Time,Force (N)\n", |t, f| format!("{:.12},{f}", days(t))),
-            Refused(&["such as excel (16.000 Hz)"]),
+            Refused(&["in excel they would be 16.000"]),
         ),
         form(
             "20120229T120000",

@@ -111,6 +111,7 @@ fn forms() -> Vec<Form> {
         doubtful::more(),
         misread::columns(),
         misread::metadata(),
+        misread::numbers(),
     ]
     .into_iter()
     .flatten()

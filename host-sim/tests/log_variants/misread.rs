@@ -1,7 +1,7 @@
 //! What looks like another log than it is.
 
 use super::Expected::{Noted, Refused, Same};
-use super::{Form, form, iso, plain, table};
+use super::{Form, NOON, form, iso, plain, table};
 
 /// Channels, names and units.
 pub fn columns() -> Vec<Form> {
@@ -31,6 +31,73 @@ pub fn columns() -> Vec<Form> {
         .with(|options| options.column = Some("2".to_string())),
         form("Время, с; Сила, кгс", in_kgf("Время, с;Сила, кгс\n"), Same),
         form("units row above the names", in_kgf("s;kgf\ntime;force\n"), Same),
+    ]
+}
+
+/// Times and forces that are whole numbers, or are rounded.
+pub fn numbers() -> Vec<Form> {
+    let since = |origin_s: f64| {
+        table("timestamp,force_n\n", move |t, f| format!("{:.4},{f}", origin_s + t))
+    };
+    let thousands = |f: f64| match (10.0 * f) as u32 {
+        n if n < 1000 => n.to_string(),
+        n => format!("{}.{:03}", n / 1000, n % 1000),
+    };
+    let grouped = |t: f64, f: f64| format!("{t};{}", thousands(f - 50.0));
+    vec![
+        form(
+            "thousands in some rows",
+            table("time_ms;force_n\n", |t, f| grouped((1e3 * t).floor(), f)),
+            Refused(&["among numbers without a mark", "without marks between the thousands"]),
+        ),
+        form(
+            "thousands in late rows",
+            table("time_ms;force_n\n", |t, f| {
+                let late = if t < 10.0 { 50.0 } else { f };
+                grouped((1e3 * t).floor(), late)
+            }),
+            Refused(&["line 162: '3.135' is", "without marks between the thousands"]),
+        ),
+        form("seconds since 1904", since(NOON + 2_082_844_800.0), Refused(&["begin in 2078 if"])),
+        form(
+            "ticks of 100 ns",
+            table("Timestamp,force_n\n", |t, f| {
+                format!("{},{f}", 638_452_367_100_000_000_u64 + (t * 1e7) as u64)
+            }),
+            Refused(&["begin in 1990 if they count from 1970: give --time-unit"]),
+        ),
+        form(
+            "a time that numbers the rows",
+            table("Time,force_n\n", |t, f| format!("{},{f}", 16.0 * t)),
+            Refused(&["of column 'Time' go up by 1 from row to row and have no unit"]),
+        ),
+        form(
+            "hours and minutes of ten seconds",
+            table("time,force_n\n", |t, f| format!("12:{:02},{f}", (t / 60.0 + 0.9) as u32)),
+            Refused(&["do not tell the rate: give --rate-hz"]),
+        ),
+        form(
+            "whole seconds without a unit",
+            table("time,force_n\n", |t, f| format!("{},{f}", t.floor())),
+            Noted("column 'time' have no unit: taken as s"),
+        ),
+        form(
+            "minutes of three decimals",
+            table("Time (min),force_n\n", |t, f| format!("{:.3},{f}", t / 60.0)),
+            Noted(""),
+        ),
+        form(
+            "a counter that begins anew",
+            table("time_ms,force_n\n", |t, f| {
+                format!("{},{f}", (60_000 + (1e3 * t) as u32) % 65_536)
+            }),
+            Refused(&["line 91: time goes back by 65.", "begins anew there; let the times run on"]),
+        ),
+        form(
+            "a force that is held",
+            table("time_s,force_n\n", |t, _| format!("{t},{}", (4.0 * t).floor())),
+            Noted("over 4 samples each time"),
+        ),
     ]
 }
 

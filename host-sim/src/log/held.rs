@@ -1,0 +1,79 @@
+//! A display that is read more often than it changes.
+
+use floe_core::Reading;
+
+/// Longest run of equal readings that is told apart.
+const LONGEST: usize = 256;
+/// Runs from which on they say something.
+const ENOUGH: u64 = 40;
+
+/// Counts how long readings stay the same.
+#[derive(Clone, Debug)]
+pub struct Held {
+    last: Option<Reading>,
+    length: usize,
+    runs: [u64; LONGEST],
+}
+
+impl Default for Held {
+    fn default() -> Self {
+        Self { last: None, length: 0, runs: [0; LONGEST] }
+    }
+}
+
+impl Held {
+    /// The next reading.
+    pub fn push(&mut self, reading: Reading) {
+        if self.last == Some(reading) {
+            self.length += 1;
+            return;
+        }
+        if let Some(runs) = self.runs.get_mut(self.length) {
+            *runs += u64::from(self.length > 0);
+        }
+        (self.last, self.length) = (Some(reading), 1);
+    }
+
+    /// Samples after which the force changes, where nearly all runs are as long: a coarse converter
+    /// changes faster the faster the force does.
+    fn samples(&self) -> Option<usize> {
+        const SHORTEST: usize = 3;
+        let all = self.runs.iter().sum::<u64>();
+        let (usual, _) = self.runs.iter().enumerate().max_by_key(|(_, runs)| **runs)?;
+        let near = self.runs.get(usual.saturating_sub(1)..=usual + 1)?.iter().sum::<u64>();
+        (usual >= SHORTEST && all >= ENOUGH && near * 10 >= all * 9).then_some(usual)
+    }
+
+    /// What to say of it.
+    #[must_use]
+    pub fn warning(&self, rate_hz: f64) -> Option<String> {
+        let samples = self.samples()?;
+        Some(format!(
+            "the force stays the same over {samples} samples each time: what gives it is slower than \
+             the log, and the coefficients are doubtful; give the log thinned to {:.3} Hz",
+            rate_hz / samples as f64
+        ))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use floe_core::Newtons;
+
+    fn samples(forces: impl Iterator<Item = f32>) -> Option<usize> {
+        let mut held = Held::default();
+        forces.for_each(|force| held.push(Reading::Force(Newtons(force))));
+        held.samples()
+    }
+
+    #[test]
+    fn a_display_that_holds_is_told_from_a_coarse_converter() {
+        assert_eq!(samples((0..900_u16).map(|i| f32::from(i / 10))), Some(10));
+        assert_eq!(samples((0..900_u16).map(f32::from)), None);
+        // Up slowly in steps of four samples, down at once.
+        let saw = |i: u16| if i % 100 < 80 { (i % 100) / 4 } else { 100 - i % 100 };
+        assert_eq!(samples((0..9000).map(|i| f32::from(saw(i)))), None);
+        assert_eq!(samples((0..900).map(|_| 0.0)), None);
+    }
+}
