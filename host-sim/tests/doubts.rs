@@ -75,6 +75,13 @@ fn fast_slips_without_the_speed_of_the_winch_are_asked_about() {
     assert!(asked.contains("samples may be the alias of faster ones"), "{asked}");
     let told = said(&path(&known));
     assert!(!told.contains("alias"), "{told}");
+    let with = |log: &str, speed: &str| {
+        json_with_warnings(&floe(&["replay", log, "--winch-m-per-s", speed, "--json"]))
+    };
+    let given = with(&path(&unknown), "0.04");
+    assert!(!given.contains("alias"), "{given}");
+    let other = with(&path(&known), "0.3");
+    assert!(other.contains("m/s as given, not the '# winch_m_per_s:"), "{other}");
     let slow = said("logs/fig6-7.csv");
     assert!(!slow.contains("alias"), "{slow}");
 }

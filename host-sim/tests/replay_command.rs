@@ -67,8 +67,8 @@ fn bad_files_are_refused_in_one_line() {
         ("backwards", broken(12, "0.25,5"), vec!["line 12", "time goes back"]),
         ("metadata", broken(12, "# weight_n: big"), vec!["line 12", "'big'"]),
         ("constant", b"t,force_n\n1,1\n1,2\n1,3\n".to_vec(), vec!["time stands still"]),
-        ("slow", b"t,force_n\n0,1\n60,2\n120,3\n".to_vec(), vec!["0.016667", "--rate-hz"]),
-        ("fast", b"t,force_n\n0,1\n1e-6,2\n2e-6,3\n".to_vec(), vec!["--rate-hz"]),
+        ("slow", b"t,force_n\n0,1\n60,2\n120,3\n".to_vec(), vec!["0.016667", "--time-unit"]),
+        ("fast", b"t,force_n\n0,1\n1e-6,2\n2e-6,3\n".to_vec(), vec!["--time-unit"]),
         ("binary", (0..=255).cycle().take(9999).collect(), vec!["binary"]),
         (
             "scrambled",
@@ -113,9 +113,18 @@ fn bad_options_are_refused_in_one_line() {
     let path = dir.join("log.csv");
     fs::write(&path, ramp(40)).unwrap();
     let path = path.to_str().unwrap();
-    let table: [(&[&str], &[&str]); 13] = [
+    let table: [(&[&str], &[&str]); 19] = [
         (&[], &["weight", "--weight-n", "--mass-kg", "# weight_n:"]),
         (&["--weight-n", "0"], &["weight", "above zero"]),
+        (&["--weight-n", "1e308"], &["weight 1e308 N"]),
+        (
+            &["--weight-n", "630", "--zero-before-n", "nan"],
+            &["NaN N", "--zero-before-n in newtons"],
+        ),
+        (&["--weight-n", "630", "--zero-after-n", "1e300"], &["1e300 N", "--zero-after-n"]),
+        (&["--weight-n", "630", "--winch-m-per-s", "-1"], &["winch"]),
+        (&["--weight-n", "630", "--array-id", "101"], &["--array-id is for a cr10 log", "csv"]),
+        (&["--weight-n", "630", "--tare-counts", "7"], &["for a force in counts", "in N: leave"]),
         (&["--weight-n", "-5"], &["weight", "above zero", "-5"]),
         (&["--weight-n", "nan"], &["weight", "above zero"]),
         (&["--weight-n", "inf"], &["weight", "above zero"]),

@@ -152,6 +152,12 @@ impl Log {
         let head = lines.head()?;
         refuse_binary(head)?;
         let format = options.format.unwrap_or_else(|| recognise(head));
+        if options.array_id.is_some() && format != Format::Cr10 {
+            return Err(InputError::new(format!(
+                "--array-id is for a cr10 log, and this is {}: leave it out, or give --format cr10",
+                format.name()
+            )));
+        }
         let (rows, head) = begin(format, lines, options)?;
         Self::timed(format, rows, head, options)
     }

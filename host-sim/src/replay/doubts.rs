@@ -20,6 +20,7 @@ const SAME: f64 = 0.005;
 pub fn doubts(log: &Log, config: &Config, report: &Report) -> Vec<String> {
     let doubts = [
         other_weight(log, config),
+        other_winch(log, config),
         no_friction(log, config, report),
         alias(log, config, report),
         other_stiffness(config, report),
@@ -35,6 +36,16 @@ fn other_weight(log: &Log, config: &Config) -> Option<String> {
     let line = metadata.line("weight_n")?;
     ((given / said - 1.0).abs() > SAME).then(|| {
         format!("weight {given:.1} N as given, not the '# weight_n: {said}' of line {line}")
+    })
+}
+
+/// The caller's speed of the winch is not the log's.
+fn other_winch(log: &Log, config: &Config) -> Option<String> {
+    let said = log.metadata().winch_m_per_s?;
+    let given = f64::from(config.winch_m_per_s?);
+    let line = log.metadata().line("winch_m_per_s")?;
+    ((given / said - 1.0).abs() > SAME).then(|| {
+        format!("winch at {given} m/s as given, not the '# winch_m_per_s: {said}' of line {line}")
     })
 }
 
@@ -71,7 +82,7 @@ fn alias(log: &Log, config: &Config, report: &Report) -> Option<String> {
     (config.winch_m_per_s.is_none() && report.mu_s.is_some() && samples < FAST).then(|| {
         format!(
             "a slip every {samples:.1} samples may be the alias of faster ones: only the speed of the \
-             winch would tell, '# winch_m_per_s: V' in the log"
+             winch would tell, --winch-m-per-s V"
         )
     })
 }

@@ -156,6 +156,23 @@ impl KnownOptions {
         before.zip(after).map(|(before_n, after_n)| Zero { before_n, after_n })
     }
 
+    /// Refuses a zero that no load cell has.
+    ///
+    /// # Errors
+    /// It is no number, or beyond all forces.
+    pub fn check_zeros(&self, said: &KnownMetadata) -> Result<(), InputError> {
+        const LARGEST_N: f64 = 1e9;
+        let [.., before, after] = self.or(said);
+        let zeros = [("before", before), ("after", after)];
+        let is_none = |zero: &f64| zero.is_nan() || zero.abs() > LARGEST_N;
+        let wrong = zeros.into_iter().find_map(|(when, zero)| Some((when, zero.filter(is_none)?)));
+        wrong.map_or(Ok(()), |(when, zero)| {
+            Err(InputError::new(format!(
+                "a zero of {zero:e} N is that of no load cell: give --zero-{when}-n in newtons"
+            )))
+        })
+    }
+
     /// The zero to take off.
     #[must_use]
     pub fn zero(&self, log: &Log) -> Zero {

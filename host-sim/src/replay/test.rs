@@ -25,6 +25,10 @@ pub struct TestOptions {
     /// [default: `# slope_deg:` in the log, else 0]
     #[arg(long, value_name = "A", allow_negative_numbers = true)]
     pub slope_deg: Option<f64>,
+    /// Take-up speed of the winch in m/s
+    /// [default: `# winch_m_per_s:` in the log]
+    #[arg(long, value_name = "V", allow_negative_numbers = true)]
+    pub winch_m_per_s: Option<f64>,
     /// What to look for beyond the linear model: auto (the data decide), none, or names
     #[arg(long, value_name = "auto|none|LIST", value_parser = effects, help = effects_help())]
     pub effects: Option<Effects>,
@@ -92,20 +96,28 @@ pub fn configure(log: &Log, options: &TestOptions) -> Result<Config, InputError>
     let Pressed { force_n: weight_n, mass_kg } = pressed(log, options, slope_deg)?;
     let effects = options.effects.map_or_else(|| said_effects(log), Ok)?;
     let drifts = effects.has(Effect::Drift) && options.known.both_zeros(&said.known).is_none();
+    let winch_m_per_s = options.winch_m_per_s.or(said.winch_m_per_s);
+    options.known.check_zeros(&said.known)?;
     let config = Config {
         rate_hz: log.rate_hz() as f32,
         weight_n: weight_n as f32,
         mass_kg: mass_kg.map(|mass| mass as f32),
         slope_rad: slope_deg.to_radians() as f32,
-        winch_m_per_s: said.winch_m_per_s.map(|speed| speed as f32),
+        winch_m_per_s: winch_m_per_s.map(|speed| speed as f32),
         range_n: said.range_n.map(|range| range as f32),
         calibration: calibration(log, options)?,
         effects: effects.with(Effect::Drift, drifts),
-        std: options.known.std(&said.known, weight_n, said.winch_m_per_s),
+        std: options.known.std(&said.known, weight_n, winch_m_per_s),
     };
-    let given = format!("weight {weight_n} N, slope {slope_deg}°");
+    let [weight, slope] = [weight_n, slope_deg].map(short);
+    let given = format!("weight {weight} N, slope {slope}°");
     config.validate().map_err(|error| InputError::new(format!("{error} ({given})")))?;
     Ok(config)
+}
+
+/// A number as it was given, without the hundreds of zeros that one may have.
+fn short(value: f64) -> String {
+    if value.abs() < 1e9 { value.to_string() } else { format!("{value:e}") }
 }
 
 /// What presses the block onto the ice.
@@ -171,7 +183,9 @@ pub fn calibration(log: &Log, options: &TestOptions) -> Result<Calibration, Inpu
     let said = log.metadata();
     let mut calibration = Calibration::default();
     if log.unit() != Unit::Counts {
-        return Ok(calibration);
+        let given = options.tare_counts.is_some() || options.counts_per_n.is_some();
+        let unit = log.unit().name();
+        return if given { Err(no_counts(unit)) } else { Ok(calibration) };
     }
     let missing = "a force in counts needs --tare-counts and --counts-per-n, \
                    or '# tare_counts:' and '# counts_per_n:' in the log";
@@ -183,4 +197,11 @@ pub fn calibration(log: &Log, options: &TestOptions) -> Result<Calibration, Inpu
     calibration.tare_counts = tare_counts;
     calibration.counts_per_n = span as f32;
     Ok(calibration)
+}
+
+fn no_counts(unit: &str) -> InputError {
+    InputError::new(format!(
+        "--tare-counts and --counts-per-n are for a force in counts, and this one is in {unit}: leave \
+         them out, or give --unit counts"
+    ))
 }
