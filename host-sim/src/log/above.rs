@@ -4,6 +4,7 @@ use crate::error::InputError;
 
 use super::cells::texts;
 use super::header::{Content, IN_A_ROW, Kind, SEPARATORS, are_known, kind};
+use super::label::is_unit_cell;
 use super::lines::{MAX_LINE, too_long};
 use super::metadata::comment;
 
@@ -74,6 +75,43 @@ fn refuse_quoted_lines(lines: &[Content<'_>]) -> Result<(), InputError> {
     match rows.clone().next().filter(|_| quoted) {
         Some((number, _)) => Err(InputError::new(format!(
             "line {number}: the whole line is in quotes, like those after it: take them away"
+        ))),
+        None => Ok(()),
+    }
+}
+
+/// Refuses lines that end with LF among many that end with CR.
+///
+/// # Errors
+/// Names the first line that holds others.
+pub fn refuse_mixed_ends(lines: &[Content<'_>]) -> Result<(), InputError> {
+    let holds = |line: &[u8]| line.trim_ascii().iter().filter(|&&byte| byte == b'\r').count() > 1;
+    match lines.iter().find(|(_, line)| holds(line)) {
+        Some((number, _)) => Err(InputError::new(format!(
+            "line {number}: some lines end with CR and some with LF: end all with LF"
+        ))),
+        None => Ok(()),
+    }
+}
+
+/// Refuses a row right above the values that is not understood, where names are above it.
+///
+/// # Errors
+/// Names both lines. `above` gives the lines from the first row upward.
+pub fn refuse_unknown_row(
+    above: impl Fn(usize) -> Option<(u64, Vec<String>)>,
+    width: usize,
+) -> Result<(), InputError> {
+    let Some((number, row)) = above(1) else { return Ok(()) };
+    let is_text = row.len() == width && row.iter().all(|cell| kind(cell) != Kind::Value);
+    if width < 2 || !is_text || are_known(&row) || row.iter().all(|cell| is_unit_cell(cell)) {
+        return Ok(());
+    }
+    let are_names = |(_, cells): &(u64, Vec<String>)| cells.len() == width && are_known(cells);
+    match (2..4).filter_map(above).filter(are_names).next_back() {
+        Some((names, _)) => Err(InputError::new(format!(
+            "line {number}: the names are in line {names}, and this row below them is not understood: \
+             take it out"
         ))),
         None => Ok(()),
     }

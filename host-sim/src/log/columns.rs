@@ -5,7 +5,7 @@ use crate::error::InputError;
 use super::LogOptions;
 use super::csv::{agreed, find, there_are};
 use super::header::Header;
-use super::label::{Label, bare_unit, unit_within};
+use super::label::{Label, bare_unit, is_foreign, unit_within};
 use super::number::{Decimal, Unit, finite, is_thousand, number, thousand};
 
 /// Names that are taken before any other, in this order.
@@ -118,6 +118,12 @@ impl<'a> Columns<'a> {
         let units: Vec<Unit> = stated.by_ref().filter_map(Unit::from_label).collect();
         let unknown = self.stated(column).find(|unit| Unit::from_label(unit).is_none());
         agreed(name, &units, options.unit).map(|unit| match (unit, unknown) {
+            (Some(unit), Some(label)) if options.unit.is_none() && is_foreign(label) => {
+                Err(InputError::new(format!(
+                    "column '{name}' is in {} and in {label}: correct the log, or give --unit",
+                    unit.name()
+                )))
+            }
             (Some(unit), _) => Ok((unit, Vec::new())),
             (None, Some(label)) => Err(InputError::new(format!(
                 "the unit of column '{name}' is '{label}', which is not read: turn it into N, or give \

@@ -91,6 +91,9 @@ pub fn find(head: &[u8], end: u8, skip: u64, separator: Option<u8>) -> Result<He
             MAX_LINE / 1024
         )));
     }
+    if end == b'\n' {
+        above::refuse_mixed_ends(&lines)?;
+    }
     let tried = separator.map_or(SEPARATORS.to_vec(), |one| vec![one]);
     let Some((separator, first)) = begin_of_rows(&content, &tried) else {
         above::refuse_no_table(head, end, &lines, content.is_empty())?;
@@ -204,6 +207,7 @@ fn header_above(
         let (number, line) = content.get(first.checked_sub(back)?)?;
         Some((*number, texts(line, separator)))
     };
+    above::refuse_unknown_row(above, width)?;
     let (names, units) = match (above(2), above(1)) {
         (Some(names), Some(units)) if is_units(&units.1) && is_header(&names.1) => {
             (Some(names), Some(units))

@@ -121,7 +121,8 @@ fn is_unit(text: &str) -> bool {
 
 /// Units of a force, or of what a load cell gives, that no log is read in: better named than
 /// taken for newtons.
-fn is_foreign(text: &str) -> bool {
+#[must_use]
+pub fn is_foreign(text: &str) -> bool {
     const FOREIGN: [&str; 12] =
         ["mn", "cn", "dn", "dan", "g", "gf", "tf", "kip", "kips", "ozf", "v", "mv"];
     FOREIGN.contains(&text.to_lowercase().as_str())
@@ -146,6 +147,7 @@ pub fn is_unit_cell(cell: &str) -> bool {
     cell.len() > text.len()
         || text.is_empty()
         || is_unit(text)
+        || is_foreign(text)
         || OTHERS.contains(&text.to_lowercase().as_str())
 }
 

@@ -205,6 +205,13 @@ impl Layout {
     }
 }
 
+/// Whether letters end it that are a zone by its name.
+fn ends_with_zone(stamp: &str) -> bool {
+    let word = stamp.rsplit(' ').next().unwrap_or_default();
+    let is_zone = (3..=4).contains(&word.len()) && word.bytes().all(|b| b.is_ascii_uppercase());
+    is_zone && stamp.len() > word.len()
+}
+
 /// Whether it may be a date with a time of day written without marks: 20120229T120000.
 fn is_basic(cell: &[u8]) -> bool {
     cell.get(8) == Some(&b'T') && cell.iter().take(8).all(u8::is_ascii_digit)
@@ -220,6 +227,12 @@ pub fn is_empty(line: &[u8], separator: u8) -> bool {
 fn no_time(cell: &[u8]) -> InputError {
     let colons = cell.iter().filter(|&&byte| byte == b':').count();
     let remedy = match (colons, text(cell).contains([' ', 'T', '-'])) {
+        _ if colons > 0 && ends_with_zone(text(cell)) => {
+            "write its zone as an offset, such as +01:00"
+        }
+        _ if text(cell).to_lowercase().contains(".m.") => "write AM or PM without points",
+        (3, _) => "write parts of a second behind a point: 12:00:00.5",
+        (2, false) => "a time of day ends with 24:00:00; write a time that runs on in seconds",
         (0, _) if !is_basic(cell) => CORRECT,
         (1, false) => "write hours, minutes and seconds: 00:12:34.5",
         _ => "write 2012-02-29 12:00:00 or 29.02.2012 12:00:00",

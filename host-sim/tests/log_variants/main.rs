@@ -112,6 +112,7 @@ fn forms() -> Vec<Form> {
         misread::columns(),
         misread::metadata(),
         misread::numbers(),
+        misread::lines(),
     ]
     .into_iter()
     .flatten()

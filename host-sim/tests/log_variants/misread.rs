@@ -1,7 +1,7 @@
 //! What looks like another log than it is.
 
 use super::Expected::{Noted, Refused, Same};
-use super::{Form, NOON, form, iso, plain, table};
+use super::{Form, NOON, clock, form, iso, plain, table};
 
 /// Channels, names and units.
 pub fn columns() -> Vec<Form> {
@@ -119,5 +119,37 @@ pub fn metadata() -> Vec<Form> {
             said("# winch_m_per_s=0.05"),
             Noted("write '# winch_m_per_s: 0.05'"),
         ),
+    ]
+}
+
+/// Rows below the names, line ends, stamps.
+pub fn lines() -> Vec<Form> {
+    let below = |row: &str| plain().replacen("force_n\n", &format!("force_n\n{row}\n"), 1);
+    let stamped =
+        |stamp: fn(f64) -> String| table("time,force_n\n", move |t, f| format!("{},{f}", stamp(t)));
+    vec![
+        form(
+            "types below the names",
+            below("float,float"),
+            Refused(&["line 2: the names are in line 1, and this row below them", "take it out"]),
+        ),
+        form("daN below the names", below("s,daN"), Refused(&["is in N and in daN"])),
+        form(
+            "CR line ends, the last LF",
+            plain().trim_end().replace('\n', "\r") + "\n",
+            Refused(&["line 1: some lines end with CR and some with LF"]),
+        ),
+        form(
+            "12:00:00:0625",
+            stamped(|t| clock(t).replace('.', ":")),
+            Refused(&["behind a point"]),
+        ),
+        form(
+            "30:00:00",
+            stamped(|t| clock(t).replace("12:", "30:")),
+            Refused(&["24:00:00; write"]),
+        ),
+        form("12:00:00 CET", stamped(|t| clock(t) + " CET"), Refused(&["its zone as an offset"])),
+        form("12:00:00 p.m.", stamped(|t| clock(t) + " p.m."), Refused(&["AM or PM without"])),
     ]
 }
