@@ -108,7 +108,7 @@ pub fn refuse_unknown_row(
         return Ok(());
     }
     let are_names = |(_, cells): &(u64, Vec<String>)| cells.len() == width && are_known(cells);
-    match (2..4).filter_map(above).filter(are_names).next_back() {
+    match (2..4).filter_map(above).rfind(are_names) {
         Some((names, _)) => Err(InputError::new(format!(
             "line {number}: the names are in line {names}, and this row below them is not understood: \
              take it out"

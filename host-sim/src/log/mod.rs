@@ -29,6 +29,7 @@ pub mod clock;
 pub mod columns;
 pub mod cr10;
 pub mod csv;
+pub mod fine;
 pub mod groups;
 pub mod header;
 pub mod held;

@@ -6,6 +6,7 @@
 
 use crate::error::InputError;
 
+use super::fine::fine;
 use super::groups::shared;
 use super::rows::Row;
 use super::stamp::no_rate;
@@ -18,10 +19,6 @@ pub const RATES_HZ: std::ops::RangeInclusive<f64> = 1.0..=2000.0;
 /// Rows with the stamp but not the reading of the row before, as a share of all,
 /// from which on stamps are shared and not repeated by mistake.
 const SHARED_FROM: f64 = 0.05;
-/// Samples and passes for the straight line through the first stamps.
-const PHASE_SAMPLES: usize = 256;
-const PASSES: usize = 3;
-
 /// How stamps and samples go together.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Timing {
@@ -107,145 +104,6 @@ fn shared_fraction(rows: &[Row]) -> f64 {
     rows.windows(2).filter(|w| shares(w)).count() as f64 / rows.len() as f64
 }
 
-/// One stamp per sample: a straight line through stamp against index.
-///
-/// Neighbours may be a poor first guess (jitter, rounded stamps) and so may
-/// distant samples (gaps between them): the line with the fewest gaps and
-/// duplicates and the smallest residuals is taken.
-fn fine(times: &[f64], step_s: f64, rate_hz: Option<f64>, unit_s: f64) -> Timing {
-    const SPANS: [usize; 6] = [1, 2, 4, 8, 16, 32];
-    let start_s = times.first().copied().unwrap_or(0.0);
-    let guess = Line { start_s, period_s: step_s };
-    let line = match rate_hz {
-        Some(rate_hz) => {
-            let mut line = Line { start_s, period_s: rate_hz.recip() };
-            line.fit_phase(times.get(..PHASE_SAMPLES).unwrap_or(times));
-            line
-        }
-        None => {
-            let digit_s = digit_s(times, unit_s);
-            let cost = |line: &Line| line.cost(times, digit_s);
-            SPANS
-                .iter()
-                .filter_map(|&span| median(mean_steps(times, span)))
-                .chain(mean_steps(times, times.len() - 1))
-                .map(|period_s| guess.refined(times, period_s))
-                .min_by(|a, b| cost(a).total_cmp(&cost(b)))
-                .unwrap_or(guess)
-        }
-    };
-    Timing { rate_hz: line.period_s.recip(), start_s: line.start_s, shared: None }
-}
-
-/// Mean step over every `span` steps.
-fn mean_steps(times: &[f64], span: usize) -> Vec<f64> {
-    let later = times.iter().skip(span);
-    later.zip(times).map(|(b, a)| (b - a) / span as f64).filter(|&step| step > 0.0).collect()
-}
-
-/// The last digit to which stamps are written; 0 if they have many.
-fn digit_s(times: &[f64], unit_s: f64) -> f64 {
-    /// What an `f64` leaves of a time since 1970.
-    const EXACT_S: f64 = 3e-7;
-    let start_s = times.first().copied().unwrap_or(0.0);
-    let is_written = |&digit_s: &f64| {
-        let off =
-            |time_s: f64| (time_s - start_s) / digit_s - ((time_s - start_s) / digit_s).round();
-        times.iter().all(|&time_s| off(time_s).abs() * digit_s < EXACT_S + 1e-3 * digit_s)
-    };
-    (0..6).map(|places| unit_s * 0.1_f64.powi(places)).find(is_written).unwrap_or(0.0)
-}
-
-/// Stamp against index.
-#[derive(Clone, Copy, Debug)]
-struct Line {
-    start_s: f64,
-    period_s: f64,
-}
-
-impl Line {
-    fn index(&self, time_s: f64) -> f64 {
-        ((time_s - self.start_s) / self.period_s).round()
-    }
-
-    fn residual(&self, time_s: f64) -> f64 {
-        (time_s - self.start_s) / self.period_s - self.index(time_s)
-    }
-
-    /// Share of steps that are not one, and the residuals: a grid on which every
-    /// stamp is evenly off by up to half a period is as bad as one that leaves
-    /// every fifth sample out. What the last digit of the stamps rounds off weighs little: 92
-    /// samples a second with two decimals are not 100 of which some are lost.
-    fn cost(&self, times: &[f64], digit_s: f64) -> f64 {
-        const RESIDUALS: f64 = 0.75;
-        const ROUNDED: f64 = 0.075;
-        let n = times.len() as f64;
-        let indices: Vec<f64> = times.iter().map(|&t| self.index(t)).collect();
-        let is_break = |w: &&[f64]| matches!(w, [a, b] if (b - a - 1.0).abs() > 0.5);
-        let breaks = indices.windows(2).filter(is_break).count() as f64;
-        let square = times.iter().map(|&t| self.residual(t).powi(2)).sum::<f64>();
-        let rounded = (square / n).min((digit_s / self.period_s).powi(2) / 12.0);
-        breaks / n + RESIDUALS * (square / n - rounded).sqrt() + ROUNDED * rounded.sqrt()
-    }
-
-    /// Fits over growing spans, so that no index is ambiguous.
-    fn refined(mut self, times: &[f64], period_s: f64) -> Self {
-        self.period_s = period_s;
-        let mut count = 32;
-        while count < times.len() {
-            self.fit(times.get(..count).unwrap_or(times));
-            count *= 2;
-        }
-        (0..PASSES).for_each(|_| self.fit(times));
-        self.snap(times);
-        self
-    }
-
-    /// Least squares with the indices that the line itself gives.
-    fn fit(&mut self, times: &[f64]) {
-        self.fit_phase(times);
-        let n = times.len() as f64;
-        let mean_index = times.iter().map(|&t| self.index(t)).sum::<f64>() / n;
-        let mean_time = times.iter().map(|&t| t - self.start_s).sum::<f64>() / n;
-        let (mut square, mut product) = (0.0, 0.0);
-        for &time in times {
-            let index = self.index(time) - mean_index;
-            square += index * index;
-            product += index * (time - self.start_s - mean_time);
-        }
-        if square > 0.0 && product > 0.0 {
-            self.period_s = product / square;
-        }
-        self.start_s += mean_time - mean_index * self.period_s;
-    }
-
-    /// Moves the grid to the mean phase of the stamps, as an angle: half a
-    /// period early and half a period late are the same.
-    fn fit_phase(&mut self, times: &[f64]) {
-        let (mut sine, mut cosine) = (0.0, 0.0);
-        for &time in times {
-            let (s, c) = (self.residual(time) * std::f64::consts::TAU).sin_cos();
-            sine += s;
-            cosine += c;
-        }
-        let angle = f64::atan2(sine, cosine);
-        self.start_s += angle / std::f64::consts::TAU * self.period_s;
-    }
-
-    /// Takes the nearest whole rate if it leaves every stamp about where it is.
-    fn snap(&mut self, times: &[f64]) {
-        const ROUNDING: f64 = 1e-6;
-        let nominal_s = self.period_s.recip().round().max(1.0).recip();
-        let last = times.last().map_or(0.0, |&time| self.index(time));
-        let moved = (self.period_s / nominal_s - 1.0).abs() * last;
-        let widest = times.iter().map(|&t| self.residual(t).abs()).fold(ROUNDING, f64::max);
-        if moved <= 2.0 * widest {
-            self.start_s += (self.period_s - nominal_s) * last / 2.0;
-            self.period_s = nominal_s;
-        }
-    }
-}
-
 #[cfg(test)]
 #[allow(clippy::float_cmp)] // exact by construction
 mod tests {
@@ -287,6 +145,7 @@ mod tests {
         assert_eq!(rate(decimals(92.0, 0.01, 4096)), 92.0);
         assert_eq!(rate(decimals(9.0, 0.1, 1920)), 9.0);
         assert_eq!(rate(decimals(33.0, 0.1, 1920)), 33.0);
+        assert!((rate(decimals(9.4, 0.1, 1920)) - 9.4).abs() < 0.002);
         let ticks = decimals(100.0, 0.015_625, 4096).map(|t| (t * 1e3).floor() / 1e3);
         assert_eq!(rate(ticks), 100.0);
         let minutes = rows(decimals(16.0, 0.06, 1920));
