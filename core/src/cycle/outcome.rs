@@ -26,7 +26,11 @@ impl CycleTracker {
         let finishing = self.finishing.take()?;
         let CycleFit { pending, .. } = &finishing;
         let (mut finished, load) = match outcome {
-            Outcome::Failed(reason) => (self.without_coefficients(pending, reason).into(), None),
+            Outcome::Failed(reason) => {
+                // Two rests with a slip between them are not one.
+                self.rested = None;
+                (self.without_coefficients(pending, reason).into(), None)
+            }
             Outcome::Fitted => {
                 let (finished, load) = self.fitted(&finishing);
                 (finished, Some(load))

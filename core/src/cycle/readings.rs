@@ -34,22 +34,22 @@ impl CycleTracker {
             let value = hz / inverse.value;
             Quantity { value, std: value * inverse.std / inverse.value }
         };
-        let omega = mass.inverse_omega().known().filter(|_| self.tells_omega()).map(omega);
+        let omega = mass.usual().known().filter(|_| self.tells_omega()).map(omega);
         (rate.known().map(|rate| rate.times(hz)), omega)
     }
 
     /// Is omega known to a third?
     fn tells_omega(&self) -> bool {
-        let (swing, variance) = self.learnt.mass.inverse_omega().now();
+        let (swing, variance) = self.learnt.mass.usual().now();
         9.0 * variance < swing * swing
     }
 
     /// Loading rate over omega, N; zero while one of them is unknown.
     #[must_use]
     pub fn overshoot_n(&self) -> f32 {
-        let (hz, Expectations { rate, mass, .. }) = (self.site.rate_hz, &self.learnt);
-        let swing = mass.inverse_omega().mean().filter(|_| self.tells_omega());
-        rate.mean().zip(swing).map_or(0.0, |(rate, swing)| hz * rate / (hz / swing))
+        let Expectations { rate, mass, .. } = &self.learnt;
+        let swing = mass.usual().mean().filter(|_| self.tells_omega());
+        rate.mean().zip(swing).map_or(0.0, |(rate, swing)| rate * swing)
     }
 
     /// What the events show of an effect: its numbers.

@@ -86,7 +86,9 @@ impl Detector {
     /// highest to the lowest it is half a turn.
     fn rise(&self, drop: f32, fall: f32) -> Option<f32> {
         let swing = fall * core::f32::consts::FRAC_1_PI;
-        Some(swing * math::asin(2.0 * self.stick.line.slope()? * swing / drop))
+        let rise = swing * math::asin(2.0 * self.stick.line.slope()? * swing / drop);
+        // None of a drop of zero, as that of a knock may come out.
+        rise.is_finite().then_some(rise)
     }
 
     /// Takes samples that came before what they belong to was seen, a slip's peak or a re-stick: the

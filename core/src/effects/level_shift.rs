@@ -30,7 +30,7 @@ pub enum Cause {
 pub struct Change {
     /// Index of the first event after the change.
     pub event: u32,
-    /// Onset of that event.
+    /// Onset of that event; where the level of the forces tells it, of the event that did.
     pub onset: SampleTime,
     /// What changed.
     pub cause: Cause,
@@ -139,7 +139,7 @@ pub struct Levels {
 /// Where the levels changed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shift {
-    /// So many events ago.
+    /// The first event after it was so many events ago.
     pub events_ago: u32,
     /// `Fp` before, N.
     pub dynamic_before_n: f32,
@@ -161,7 +161,9 @@ impl Levels {
             return None;
         }
         let worst = if a.score() > b.score() { a } else { b };
-        let shift = Shift { events_ago: worst.since(), dynamic_before_n: b.before };
+        // The newest one is new as well.
+        let events_ago = worst.since().saturating_sub(1);
+        let shift = Shift { events_ago, dynamic_before_n: b.before };
         self.forget();
         Some(shift)
     }
@@ -197,7 +199,7 @@ mod tests {
     fn a_new_level_is_told_within_eight_events() {
         let mut shifts = told((0..80).map(|i| force(i, if i < 40 { 490.0 } else { 250.0 })));
         let (at, since) = shifts.next().unwrap();
-        assert!((43..48).contains(&at) && (39..=41).contains(&since), "{at} {since}");
+        assert!((43..48).contains(&at) && since == 40, "{at} {since}");
         assert_eq!(shifts.next(), None);
     }
 

@@ -43,7 +43,8 @@ impl Pipeline {
         if let Some((mu_s, mu)) = event.mu_s.zip(event.mu).filter(|_| drifts) {
             self.drift.tell(|drift| drift.take(mu_s, mu));
         }
-        let rest = event.stick_s.map_or(f32::MAX, |rest_s| rest_s * self.config.rate_hz);
+        let rate_hz = self.config.rate_hz / self.decimator.factor();
+        let rest = event.stick_s.map_or(f32::MAX, |rest_s| rest_s * rate_hz);
         let granted = granted(event.quality, rest);
         if let Some(it) = mu_s {
             self.mu_s.add_with_common(it, Common { shared: common.0, granted: granted * it.std });
@@ -53,7 +54,7 @@ impl Pipeline {
         }
         self.largest_n = math::larger(self.largest_n, event.peak_force_n.abs());
         if mu_s.or(mu).is_some() {
-            let events = self.mu_s.count().max(self.mu.count()) as f32;
+            let events = self.mu_s.count().max(self.mu.count()).max(1) as f32;
             self.weight_std += (self.cycles.weight_ratio().1 - self.weight_std) / events;
         }
         self.add_systematic(event.mu_s.as_mut(), event.mu.as_mut());

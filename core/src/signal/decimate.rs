@@ -61,7 +61,8 @@ impl Decimator {
         self.block = block;
         self.count += 1;
         self.mean_n += (sample.force_n - self.mean_n) / f32::from(self.count);
-        if place == self.factor - 1 { self.finish() } else { complete }
+        // One at a time: a block whose only sample is its last one waits for the next.
+        if place == self.factor - 1 && complete.is_none() { self.finish() } else { complete }
     }
 
     /// Ends the block begun, if it holds enough samples.

@@ -64,7 +64,7 @@ pub struct Mass {
     /// What the next event may expect.
     inverse_omega: FadingTrend,
     state: State,
-    /// Events that told `swing`.
+    /// Events since the last change.
     seen: u32,
     /// Mean `Fp` of the recent events, N.
     dynamic_n: f32,
@@ -94,6 +94,15 @@ impl Mass {
     #[must_use]
     pub fn inverse_omega(&self) -> &FadingTrend {
         &self.inverse_omega
+    }
+
+    /// The same, also while it is in doubt: what was known before the suspect.
+    #[must_use]
+    pub fn usual(&self) -> &FadingTrend {
+        match &self.state {
+            State::Suspect(kept, _) => kept,
+            State::Steady | State::Trial(_) => &self.inverse_omega,
+        }
     }
 
     /// Every event since the last change would have told a swing longer by so much.
