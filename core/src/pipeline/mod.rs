@@ -216,7 +216,8 @@ impl Pipeline {
 
     /// Takes what the detector saw to the cycles: a first answer, and an event.
     fn follow(&mut self, transition: Option<Transition>) -> (Option<Provisional>, Option<Event>) {
-        if transition.is_some() {
+        // A fall that comes to nothing ends no constant force.
+        if let Some(Transition::Restick { .. } | Transition::Lost) = transition {
             let (peak, _) = self.detector.extremes();
             let is_new = self.detector.is_up_to_date();
             self.stretches.interrupt(is_new.then(|| peak.index.saturating_sub(1)));
