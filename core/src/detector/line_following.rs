@@ -27,7 +27,7 @@ const SECOND: i32 = FIRST + 1;
 const PAST_PROFILE: i32 = PROFILE + 1;
 
 /// Samples of a stick that is longer than usual after which half of the usual drop is forgotten, time and
-/// again. Tuned: a knock hides the slips of as many, and no flop lasts as long.
+/// again; a power of two. Tuned: a knock hides the slips of as many, and no flop lasts as long.
 const FORGET: i32 = 32;
 /// Least usual drop, standard deviations of the noise: with half of it at least a slip begins.
 const TELLS_SLIPS: f32 = 16.0;
@@ -64,7 +64,7 @@ impl Detector {
             let index = self.stick.next;
             self.stick.next += 1;
             let rested = near(self.stick.origin, self.stick.next);
-            if rested % FORGET == 0 && rested > 2 * near(self.ended.origin, self.ended.next) {
+            if rested & (FORGET - 1) == 0 && rested > 2 * near(self.ended.origin, self.ended.next) {
                 self.forget_usual();
             }
             match rested {

@@ -38,14 +38,13 @@ impl Quantile {
     /// With factors that balance when a part of the numbers lies below the quantile.
     #[inline(always)]
     fn follow(&mut self, size: f32, gain: f32) {
-        let factor = if size > self.value {
-            1.0 + gain * self.part
+        self.value = if size > self.value {
+            // Zero (a noiseless start) could not grow by a factor alone; a knock is no noise.
+            let least = smaller(1e-3 * size, 2.0 * self.value + LEAST);
+            larger(self.value * (1.0 + gain * self.part), least)
         } else {
-            1.0 / (1.0 + gain * (1.0 - self.part))
+            self.value / (1.0 + gain * (1.0 - self.part))
         };
-        // Zero (a noiseless start) could not grow by a factor alone; a knock is no noise.
-        let least = smaller(1e-3 * size, 2.0 * self.value + LEAST);
-        self.value = larger(self.value * factor, least);
     }
 
     /// Sorts the first numbers in: their quantile is where to start from. Larger steps at
