@@ -29,7 +29,7 @@ pub struct Noise {
     resolution_n: f32,
     /// Standard deviation that the resolution hides, N.
     hidden_n: f32,
-    /// From the residuals of fits, and of how many, up to [`TRUSTED`].
+    /// From the residuals of fits, and how much they count, up to [`TRUSTED`].
     fitted_n: f32,
     fits: u8,
     /// Two samples in a row were the same.
@@ -50,7 +50,9 @@ pub struct Noise {
 /// Events whose residuals are the noise whatever the samples themselves tell: one
 /// event of a block that never rests may fit badly, and with too large a noise there
 /// would be no other.
-const TRUSTED: u8 = 16;
+const TRUSTED: u8 = 16 * BELIEVED;
+/// One that is believed counts as so many that are not: those of mere noise come and go.
+const BELIEVED: u8 = 4;
 
 /// Median and upper quartile of |x|, for a normal distribution.
 const MEDIAN: f32 = 0.674_49;
@@ -101,7 +103,7 @@ impl Noise {
     pub fn fitted(&mut self, noise_n: f32, believed: bool) {
         // The fits allow for what a line does not.
         self.fitted_n = 1.5 * noise_n;
-        self.fits = (self.fits + u8::from(believed)).min(TRUSTED);
+        self.fits = (self.fits + if believed { BELIEVED } else { 1 }).min(TRUSTED);
     }
 
     /// Takes a sample; `in_a_row` if it follows the one before without a gap.
