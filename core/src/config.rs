@@ -7,8 +7,8 @@ use crate::units::STANDARD_GRAVITY_M_PER_S2;
 
 /// Converter codes to newtons.
 ///
-/// `force = polarity · (counts − tare_counts) / counts_per_n`. The difference is
-/// taken in integers, so a large tare costs no precision.
+/// `force = (counts − tare_counts) / counts_per_n`, whose sign is that of the polarity. The
+/// difference is taken in integers, so a large tare costs no precision.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]

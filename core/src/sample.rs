@@ -60,7 +60,8 @@ pub enum SampleFlag {
     Saturated,
     /// The reading was [`Reading::Bad`] or not finite.
     Rejected,
-    /// One sample far from both neighbours, faster than a cable can change.
+    /// One sample far from both neighbours, faster than a cable can change: it came as good, and
+    /// [`crate::Step::spike`] told of it later.
     Spike,
     /// The index was there already; the first reading stands.
     Duplicate,
@@ -73,8 +74,7 @@ pub enum SampleFlag {
 pub struct ForceSample {
     /// Index of the [`RawSample`].
     pub index: u64,
-    /// Force, N. `None` unless the flag is [`SampleFlag::Good`] or
-    /// [`SampleFlag::Spike`].
+    /// Force, N. `None` unless the flag is [`SampleFlag::Good`].
     pub force_n: Option<f32>,
     /// Whether and why not it is used.
     pub flag: SampleFlag,

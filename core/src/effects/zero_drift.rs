@@ -156,7 +156,7 @@ impl Span {
         let (mu, drop, [level, usual_drop, ..]) = (by(0), by(1), self.last);
         let limit = DROP_SIGNIFICANT * DROP_SIGNIFICANT * variance(3, drop_scatter);
         let sure = surely(drop * drop, limit);
-        let most = sure * (drop.abs() + math::rough_sqrt(limit));
+        let most = sure * (drop.abs() + math::sqrt(limit));
         let same = (mu > 0.0) == (drop > 0.0);
         let friction = if same { most * level / usual_drop } else { most };
         let rest = mu.abs() - math::larger(friction, 0.0);

@@ -2,12 +2,12 @@
 
 use crate::stats::normal_equations::Gradient;
 
-/// What is known of the corners after an event, for this event.
+/// What is known after an event of its corners, of a swing that may be the cable's, or of its onset.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Correction {
     /// By how much its unknowns move.
     pub(crate) moved: Gradient,
-    /// Variances of `Fs` and `Fp` because of the corners, N².
+    /// Variances of `Fs` and `Fp` because of that, N².
     pub(crate) static_n2: f32,
     pub(crate) dynamic_n2: f32,
 }

@@ -3,8 +3,8 @@
 //! Least squares for the six unknowns of a [`CycleParams`] by damped Gauss-Newton
 //! (Levenberg, Marquardt). A stick line of any length enters as two observations,
 //! its level and its slope, which is all that a straight line holds; the samples
-//! around the slip enter one by one; what earlier events told of the loading rate
-//! and of omega enters as two more.
+//! around the slip enter one by one; what earlier events told of the loading rate, of
+//! its change and of omega enters as three more, and a held onset as another.
 
 pub mod correction;
 pub mod data;
@@ -91,7 +91,7 @@ impl Forces {
         self.dynamic_variance += dynamic_variance;
     }
 
-    /// Takes what is known of the corners since the fit.
+    /// Takes what is known since the fit.
     pub(crate) fn take(&mut self, effect: &Correction, noise_n2: f32) {
         let (static_n, dynamic_n) = forces_by(&effect.moved);
         self.static_n += static_n;

@@ -27,7 +27,8 @@ pub struct Posterior {
     /// What of these two is common to the events, N²: how the corners are rounded off, and what
     /// the samples of the slips scatter, which may be the same in all of them.
     pub common_n2: (f32, f32),
-    /// Variances of the onset, rate, ., ., swing and bend.
+    /// Variances of the unknowns as the fit left them; those of `Fs` and of the drop, in the middle, tell
+    /// whether there was a drop at all.
     pub unknowns: Gradient,
 }
 

@@ -201,8 +201,8 @@ mod tests {
         for _ in 0..sticks {
             let forces_n: [f32; 192] = core::array::from_fn(|i| {
                 let age = i as f32;
-                let inverse_omega = (-decay * age).exp() * (1.3 * age + 3.0).sin();
-                let force_n = 200.0 + 22.0 * age + amplitude_n * inverse_omega + random.normal();
+                let swing = (-decay * age).exp() * (1.3 * age + 3.0).sin();
+                let force_n = 200.0 + 22.0 * age + amplitude_n * swing + random.normal();
                 if i % 11 == 5 { f32::NAN } else { force_n }
             });
             let forces_n = [forces_n.get(..length).unwrap(), &[]];

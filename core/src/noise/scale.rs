@@ -1,7 +1,7 @@
 //! How far samples scatter, learnt online.
 //!
 //! Running quantiles of a size, moved by a constant factor up or down: no threshold
-//! in newtons, no division, and neither slips nor spikes can carry them away. Good
+//! in newtons, and neither slips nor spikes can carry them away. Good
 //! to about 10 %, for the detector's limits; what is reported comes from the
 //! residuals of the fits.
 //!
@@ -240,10 +240,10 @@ mod tests {
     fn a_force_that_never_rests_still_bounds_the_noise() {
         let (mut noise, mut random) = (Noise::new(), Random(3));
         for i in 0..400 {
-            let inverse_omega = 400.0 * (1.1 * i as f32).sin();
-            noise.see(inverse_omega + 2.0 * random.normal(), true);
+            let swing_n = 400.0 * (1.1 * i as f32).sin();
+            noise.see(swing_n + 2.0 * random.normal(), true);
             // A line through it sees the swing as noise.
-            noise.add(inverse_omega);
+            noise.add(swing_n);
         }
         assert!(noise.std_n(0.0).1 < 90.0, "{:?}", noise.std_n(0.0));
     }

@@ -176,14 +176,14 @@ mod tests {
 
     /// White noise of variance 1/12 and a swing.
     fn seen(amplitude: f32, period: f32, samples: u32) -> ColoredNoise {
-        let (mut whiteness, mut random) = (Ripple::default(), Random(1));
+        let (mut ripple, mut random) = (Ripple::default(), Random(1));
         for i in 0..samples {
             let noise = random.even() - 0.5;
             let angle = core::f32::consts::TAU * (i as f32 / period).fract();
-            whiteness.add(noise + amplitude * angle.sin(), 1.0);
+            ripple.add(noise + amplitude * angle.sin(), 1.0);
         }
-        whiteness.settle();
-        whiteness.wander()
+        ripple.settle();
+        ripple.wander()
     }
 
     #[test]
