@@ -7,8 +7,8 @@ use crate::num::math::{larger, smaller};
 pub struct Quantile {
     value: f32,
     count: u32,
-    /// The first numbers, in order of size.
-    first: [f32; FEWEST as usize],
+    /// The largest of the first numbers, in order: none of the others can be their quantile.
+    largest: [f32; FEWEST as usize / 2],
     /// Probability of the quantile.
     part: f32,
 }
@@ -23,10 +23,10 @@ const LEAST: f32 = 1e-6;
 const FEWEST: u32 = 8;
 
 impl Quantile {
-    /// For a probability.
+    /// For a probability of a half or more.
     #[must_use]
     pub const fn new(part: f32) -> Self {
-        Self { value: 0.0, count: 0, first: [f32::MAX; FEWEST as usize], part }
+        Self { value: 0.0, count: 0, largest: [0.0; FEWEST as usize / 2], part }
     }
 
     /// Takes a number at or above zero.
@@ -56,12 +56,14 @@ impl Quantile {
             let gain = larger(4.0 / self.count as f32, SMALLEST_GAIN);
             return self.follow(size, gain);
         }
-        for entry in &mut self.first {
-            (*entry, size) = (smaller(*entry, size), larger(*entry, size));
+        for entry in &mut self.largest {
+            (*entry, size) = (larger(*entry, size), smaller(*entry, size));
         }
         self.count += 1;
-        let place = self.part * (self.count - 1) as f32 + 0.5;
-        self.value = self.first.get(place as usize).copied().unwrap_or(size);
+        // Of no use before there are as many.
+        let smaller_ones = (self.part * (FEWEST - 1) as f32 + 0.5) as u32;
+        let place = (FEWEST - 1).saturating_sub(smaller_ones);
+        self.value = self.largest.get(place as usize).copied().unwrap_or(size);
     }
 
     /// The quantile over a number, with caution; infinite until eight numbers were seen. What few
