@@ -94,3 +94,27 @@ fn slips_after_a_block_has_broken_loose_are_found() {
         assert!(missed <= 1, "{static_n} N: {missed} of {}", truths.len());
     }
 }
+
+/// Two falls of one disturbance, with no rest between them, once told another weight of the block.
+#[test]
+fn a_small_knock_changes_no_weight() {
+    let file = include_str!("../host-sim/scenes/honesty/short_sticks.toml");
+    let scene = Scene { duration_s: 120.0, ..Scene::from_toml(file).expect("a scene") };
+    let winch_m_per_s = Some(scene.winch_m_per_s as f32);
+    let config = Config { weight_n: scene.weight_n as f32, winch_m_per_s, ..Config::default() };
+    for seed in [40, 41] {
+        let simulation = simulate(&scene, seed).expect("a scene");
+        let forces: Vec<f64> = simulation.samples.iter().map(|sample| sample.force_n).collect();
+        for at in 640..720 {
+            for (length, by_n) in [(3, -356.0), (3, 356.0), (2, -630.0), (5, -235.0)] {
+                let mut forces = forces.clone();
+                forces[at..at + length].iter_mut().for_each(|it| *it += by_n);
+                let outcome = feed::replay(&config, feed::in_a_row(&forces));
+                let ratio = outcome.report.weight_ratio;
+                assert!((ratio - 1.0).abs() < 1e-6, "seed {seed}, {by_n} N at {at}: {ratio}");
+                let missed = missed(&simulation.events, &outcome.events, 48.0);
+                assert!(missed <= 1, "seed {seed}, {by_n} N at {at}: {missed}");
+            }
+        }
+    }
+}

@@ -208,7 +208,8 @@ impl Expectations {
             // cable cannot push.
             inverse_omega: own_swing(LEAST_JUDGED).filter(|_| cycle.restick_n() > 0.0),
             dynamic_n: cycle.dynamic_n(),
-            same_cable: self.is_usual_rate(cycle.rate),
+            // Without a line before it an event has the rate that was expected.
+            same_cable: data.before.count > 0 && self.is_usual_rate(cycle.rate),
             strained: strained && cycle.restick_n() > 0.0,
         };
         let watches = self.effects.has(Effect::Mass);
