@@ -17,7 +17,7 @@ pub struct Quantile {
 const SMALLEST_GAIN: f32 = 0.08;
 /// Numbers after which the step is final.
 const SETTLED: u32 = 40;
-/// Where zero grows to, newtons: far below any noise.
+/// Where zero grows to, in the unit of the numbers: far below any noise.
 const LEAST: f32 = 1e-6;
 /// Fewest numbers that tell a quantile.
 const FEWEST: u32 = 8;

@@ -76,20 +76,16 @@ impl Summary {
     /// Sums tests up.
     #[must_use]
     pub fn new(tests: &[TestRecord], events: u64, seed: Option<u64>) -> Self {
-        let of = |group: Group, coefficient: Coefficient| {
+        let of = |group: Group, value: fn(&TestRecord) -> Option<f64>| {
             let tests = tests.iter().filter(|test| group.holds(test));
-            mean(&tests.filter_map(|test| coefficient.of(test)).collect::<Vec<_>>())
-        };
-        let common = |group: Group, of: fn(&TestRecord) -> Option<f64>| {
-            let tests = tests.iter().filter(|test| group.holds(test));
-            mean(&tests.filter_map(of).collect::<Vec<_>>()).map(|common| common.mean)
+            mean(&tests.filter_map(value).collect::<Vec<_>>())
         };
         let means = |group, published: Option<(f64, f64)>| GroupMeans {
             group,
-            mu: of(group, Coefficient::Mu),
-            mu_s: of(group, Coefficient::MuS),
-            mu_systematic_std: common(group, |test| test.mu.systematic_std),
-            mu_s_systematic_std: common(group, |test| test.mu_s.systematic_std),
+            mu: of(group, |test| test.mu.mean),
+            mu_s: of(group, |test| test.mu_s.mean),
+            mu_systematic_std: of(group, |test| test.mu.systematic_std).map(|std| std.mean),
+            mu_s_systematic_std: of(group, |test| test.mu_s.systematic_std).map(|std| std.mean),
             published_mu: published.map(|published| published.0),
             published_mu_s: published.map(|published| published.1),
         };

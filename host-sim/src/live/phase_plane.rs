@@ -65,14 +65,16 @@ pub fn draw(frame: &mut Frame<'_>, area: Rect, state: &State, style: Style) {
     }
     let forces = points.iter().map(|point| point.0).fold((0.0, 1.0), widen);
     let rates = points.iter().map(|point| point.1).fold((-1.0, 1.0), widen);
-    let axis = |(low, high): (f64, f64), unit: &str| {
-        let labels = [format!("{:.0}", low.round() + 0.0), format!("{high:.0} {unit}")];
-        Axis::default().bounds([low, high]).labels(labels)
-    };
     let seen = attenuation(state).map(|part| format!(", a slip's shown x {part:.2}"));
     let title = format!("F' against F{}", seen.unwrap_or_default());
     let chart = Chart::new(sets).x_axis(axis(forces, "N")).y_axis(axis(rates, "N/s"));
     frame.render_widget(chart.block(Block::new().title(title)).legend_position(None), area);
+}
+
+/// An axis with its ends and unit; one that begins just below zero begins at 0, not at -0.
+pub(super) fn axis((low, high): (f64, f64), unit: &str) -> Axis<'static> {
+    let labels = [format!("{:.0}", low.round() + 0.0), format!("{high:.0} {unit}")];
+    Axis::default().bounds([low, high]).labels(labels)
 }
 
 fn widen((low, high): (f64, f64), value: f64) -> (f64, f64) {

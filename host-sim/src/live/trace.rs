@@ -10,6 +10,7 @@ use ratatui::style::{Color, Style};
 use ratatui::symbols::Marker;
 use ratatui::widgets::{Axis, Chart, Dataset, GraphType};
 
+use super::phase_plane::axis;
 use super::state::{State, TRACE_LEN};
 
 /// Points that belong together: one phase, nothing missing between them.
@@ -66,10 +67,8 @@ pub fn draw(frame: &mut Frame<'_>, area: Rect, state: &State, style: Style) {
     });
     let start = format!("-{window_s:.0} s");
     let x = Axis::default().bounds([-window_s, 0.0]).labels([start, "now".to_string()]);
-    let y = Axis::default()
-        .bounds([low, high])
-        .labels([format!("{:.0}", low.round() + 0.0), format!("{high:.0} N")]);
-    frame.render_widget(Chart::new(lines.collect()).x_axis(x).y_axis(y), area);
+    let chart = Chart::new(lines.collect()).x_axis(x).y_axis(axis((low, high), "N"));
+    frame.render_widget(chart, area);
 }
 
 /// Zero is always in sight; the upper end in steps, so that it does not jump about.

@@ -65,19 +65,12 @@ struct Line {
 impl Line {
     /// Through the stamps as they follow each other, as if none were missing.
     fn through_rows(times: &[f64]) -> Option<Self> {
-        let (n, start_s) = (times.len() as f64, *times.first()?);
-        let middle = (n - 1.0) / 2.0;
-        let mean_s = times.iter().map(|&t| t - start_s).sum::<f64>() / n;
-        let (mut square, mut product) = (0.0, 0.0);
-        for (row, &time_s) in times.iter().enumerate() {
-            let row = row as f64 - middle;
-            square += row * row;
-            product += row * (time_s - start_s - mean_s);
-        }
-        let period_s = product / square;
-        let mut line = Self { start_s: start_s + mean_s - middle * period_s, period_s };
-        line.snap(times);
-        (period_s > 0.0).then_some(line)
+        let mut line = Self { start_s: *times.first()?, period_s: 0.0 };
+        line.fit_to(times, |row, _| row as f64);
+        (line.period_s > 0.0).then(|| {
+            line.snap(times);
+            line
+        })
     }
 
     fn index(&self, time_s: f64) -> f64 {
@@ -120,12 +113,19 @@ impl Line {
     /// Least squares with the indices that the line itself gives.
     fn fit(&mut self, times: &[f64]) {
         self.fit_phase(times);
+        let before = *self;
+        self.fit_to(times, |_, time_s| before.index(time_s));
+    }
+
+    /// Least squares with an index for every row and its stamp.
+    fn fit_to(&mut self, times: &[f64], index: impl Fn(usize, f64) -> f64) {
         let n = times.len() as f64;
-        let mean_index = times.iter().map(|&t| self.index(t)).sum::<f64>() / n;
+        let indices = || times.iter().enumerate().map(|(row, &time_s)| index(row, time_s));
+        let mean_index = indices().sum::<f64>() / n;
         let mean_time = times.iter().map(|&t| t - self.start_s).sum::<f64>() / n;
         let (mut square, mut product) = (0.0, 0.0);
-        for &time in times {
-            let index = self.index(time) - mean_index;
+        for (index, time) in indices().zip(times) {
+            let index = index - mean_index;
             square += index * index;
             product += index * (time - self.start_s - mean_time);
         }

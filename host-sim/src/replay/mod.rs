@@ -88,12 +88,6 @@ pub fn replay_with(
     while let (Some(event), true) = (pipeline.finish(), kept.is_ok()) {
         kept = events.push(summary(&event, &pipeline, &timeline), || means(&pipeline));
     }
-    // The last events may have told one, after the last step.
-    if let Some(change) = pipeline.report().change
-        && changes.last().is_none_or(|it| it.event != change.event)
-    {
-        changes.push(ChangeSummary::new(&change, timeline.seconds(change.onset)));
-    }
     kept.map_err(|e| {
         InputError::new(format!(
             "events cannot be kept in a temporary file: {e}; name a folder with room in TMPDIR"
@@ -104,6 +98,12 @@ pub fn replay_with(
     }
     events.start = log.start();
     let report = pipeline.report();
+    // The last events may have told one, after the last step.
+    if let Some(change) = &report.change
+        && changes.last().is_none_or(|it| it.event != change.event)
+    {
+        changes.push(ChangeSummary::new(change, timeline.seconds(change.onset)));
+    }
     let log_summary = LogSummary {
         path: path.to_string(),
         format: log.format().name().to_string(),
