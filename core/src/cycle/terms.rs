@@ -15,6 +15,13 @@ use crate::model::Shape;
 use crate::model::corner::Corner;
 
 impl Expectations {
+    /// Are there terms to ask events for? Known at compile time where none is compiled in.
+    #[inline(always)]
+    pub(crate) fn asks(&self) -> bool {
+        let terms = [Effect::Damping, Effect::Onset, Effect::Corner];
+        terms.into_iter().any(|effect| self.effects.has(effect))
+    }
+
     /// Is the event to be asked for its corners?
     pub(crate) fn asks_corner(&mut self, used: &Corner) -> bool {
         self.effects.has(Effect::Corner) && self.corner.tell(|corner| corner.is_due(used))

@@ -1,5 +1,6 @@
 //! What one event's fit is made from: lines, samples, expectations.
 
+use crate::effect::{Effect, Effects};
 use crate::fit::slip_scatter::{SlipResiduals, steepness};
 use crate::fit::{Fit, Variances};
 use crate::model::corner::{Corner, Rounded};
@@ -99,7 +100,8 @@ impl Data<'_> {
     /// The force that a shape has with what rounds off its corners, if anything does.
     #[inline(never)]
     pub(crate) fn model<'a>(&self, shape: &'a Shape) -> Model<'a> {
-        Model { shape, rounded: (!self.corner.is_sharp()).then(|| self.corner.at(shape)) }
+        let is_round = Effects::COMPILED.has(Effect::Corner) && !self.corner.is_sharp();
+        Model { shape, rounded: is_round.then(|| self.corner.at(shape)) }
     }
 
     /// Takes samples into the normal equations at a trial cycle: as many as given, from a

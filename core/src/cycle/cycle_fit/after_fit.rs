@@ -1,7 +1,7 @@
 //! What is made of an event's fit, a step each: how far its samples are from it, what it tells of
 //! its unknowns, and what of the force terms that it lacks.
 
-use crate::cycle::cycle_fit::{CycleFit, Measured, Outcome, Stage};
+use crate::cycle::cycle_fit::{CycleFit, Measured, Outcome, Stage, Terms};
 use crate::cycle::expectations::{Expectations, is_clear, is_strained, own_residuals};
 use crate::cycle::slip_record::UNSURE;
 use crate::effects::corner::ask;
@@ -110,7 +110,8 @@ impl CycleFit {
         let Measured { posterior, verdict, .. } = &self.measured;
         // A slip of two samples shows nothing of its corners.
         let shows = posterior.is_resolved() && is_clear(posterior);
-        let asked = *verdict == Verdict::Same && self.strain == Strain::None && shows;
+        let asked =
+            *verdict == Verdict::Same && self.strain == Strain::None && shows && learnt.asks();
         self.stage = if asked { Stage::Alone(self.fit.anew()) } else { Stage::Told };
     }
 
@@ -120,45 +121,42 @@ impl CycleFit {
         let data = self.expected.asked(&self.pending, &self.after);
         if pass.advance(&data) {
             let alone = self.fit.alone(&data, pass.normal());
-            self.stage = alone.map_or(Stage::Told, |it| Stage::Terms(it, Asked::default(), 0));
+            self.stage =
+                alone.map_or(Stage::Told, |it| Stage::Asked(Terms::Widen, it, Asked::default(), 0));
         }
     }
 
-    /// The same of these terms.
-    pub(super) fn terms(&mut self, learnt: &mut Expectations) {
-        let Stage::Terms(alone, asked, next) = &mut self.stage else {
-            return;
-        };
-        let data = self.expected.asked(&self.pending, &self.after);
-        learnt.ask_scores(asked, (&data, *next..*next + LEVELS_A_STEP), &self.fit.shape);
-        *next += LEVELS_A_STEP;
-        if *next < data.places() {
-            return;
-        }
-        let onset_n2 = learnt.learn_scores(asked, alone, self.measured.noise_n2);
-        let alone = *alone;
-        self.measured.share(&Correction { static_n2: onset_n2, ..Correction::default() });
-        let asked = learnt.asks_corner(&self.expected.corner);
-        self.stage = if asked { Stage::Corner(alone, Asked::default(), 0) } else { Stage::Told };
-    }
-
-    /// The same of its corners, which move its forces.
+    /// What its levels tell of these terms, and then, where it is due, of its corners.
     // Of its own: inside `step` it takes two hundred bytes of flash more.
     #[inline(never)]
-    pub(super) fn corner(&mut self, learnt: &mut Expectations) {
-        let Stage::Corner(alone, asked, next) = &mut self.stage else {
+    pub(super) fn asked(&mut self, learnt: &mut Expectations) {
+        let Stage::Asked(terms, alone, asked, next) = &mut self.stage else {
             return;
         };
         let data = self.expected.asked(&self.pending, &self.after);
-        ask(asked, &data, &self.fit, *next..*next + LEVELS_A_STEP);
+        let levels = *next..*next + LEVELS_A_STEP;
+        match terms {
+            Terms::Widen => learnt.ask_scores(asked, (&data, levels), &self.fit.shape),
+            Terms::Corner => ask(asked, &data, &self.fit, levels),
+        }
         *next += LEVELS_A_STEP;
         if *next < data.places() {
             return;
         }
         let (corner, noise_n2) = (self.expected.corner, self.measured.noise_n2);
-        let correction = learnt.learn_corner(corner, &self.fit, (alone, asked), noise_n2);
+        let widens = matches!(terms, Terms::Widen);
+        let correction = if widens {
+            let static_n2 = learnt.learn_scores(asked, alone, noise_n2);
+            Correction { static_n2, ..Correction::default() }
+        } else {
+            learnt.learn_corner(corner, &self.fit, (alone, asked), noise_n2)
+        };
+        if widens && learnt.asks_corner(&corner) {
+            (*terms, *asked, *next) = (Terms::Corner, Asked::default(), 0);
+        } else {
+            self.stage = Stage::Told;
+        }
         self.measured.share(&correction);
-        self.stage = Stage::Told;
     }
 
     /// A misfit counts only as a sign of another block, and a strained fit only where it reaches

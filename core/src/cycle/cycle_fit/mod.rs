@@ -3,7 +3,7 @@
 //!
 //! ```text
 //!        iterations                                 a step each
-//! New ──► Free ──► Expected ──► Fitted ──► Telling ──► Alone ──► Terms ──► Corner ──► Told
+//! New ──► Free ──► Expected ──► Fitted ──► Telling ──► Alone ──► Asked ──► Told
 //!                                  └► Places ┘  hardly resolved: averaged over the onset
 //!  └──────────────────┴─► Failed    without a fit
 //! ```
@@ -84,13 +84,20 @@ enum Stage {
     /// Measured; to be seen without what was expected of it.
     Alone(Pass),
     /// What the slip's samples tell of other force terms, as far as its levels have been asked.
-    Terms(Alone, Asked, usize),
-    /// The same of its corners.
-    Corner(Alone, Asked, usize),
+    Asked(Terms, Alone, Asked, usize),
     /// All is known.
     Told,
     /// It has no fit.
     Failed(Reason),
+}
+
+/// What an event is asked for.
+#[derive(Clone, Copy, Debug)]
+enum Terms {
+    /// Those that widen, and shift nothing.
+    Widen,
+    /// Its corners, which move its forces.
+    Corner,
 }
 
 /// What the fit of an event tells.
@@ -160,10 +167,11 @@ impl CycleFit {
             Stage::Fitted => self.judge(learnt),
             Stage::Places(_) => self.place(waiting > NO_PLACES),
             Stage::Telling => self.tell(learnt),
-            Stage::Alone(_) => self.alone(),
-            Stage::Terms(..) => self.terms(learnt),
-            Stage::Corner(..) => self.corner(learnt),
-            Stage::Told => return ControlFlow::Break(self.outcome()),
+            Stage::Alone(_) if learnt.asks() => self.alone(),
+            Stage::Asked(..) if learnt.asks() => self.asked(learnt),
+            Stage::Alone(_) | Stage::Asked(..) | Stage::Told => {
+                return ControlFlow::Break(self.outcome());
+            }
             Stage::Failed(reason) => return ControlFlow::Break(Outcome::Failed(*reason)),
         }
         ControlFlow::Continue(())
@@ -185,8 +193,12 @@ impl CycleFit {
             Stage::Telling if self.pending.wander.is_disputed() => 34 + samples,
             Stage::Telling => 22,
             Stage::Alone(_) => 4 + self.expected.pass(&self.pending),
-            Stage::Terms(_, _, next) => 12 + (samples + 2 - next).min(LEVELS_A_STEP) * 3 / 2,
-            Stage::Corner(_, _, next) => 24 + 3 * (samples + 2 - next).min(LEVELS_A_STEP),
+            Stage::Asked(Terms::Widen, .., next) => {
+                12 + (samples + 2 - next).min(LEVELS_A_STEP) * 3 / 2
+            }
+            Stage::Asked(Terms::Corner, .., next) => {
+                24 + 3 * (samples + 2 - next).min(LEVELS_A_STEP)
+            }
             Stage::Told | Stage::Failed(_) => 46,
         }
     }
