@@ -16,7 +16,7 @@ use crate::signal::window::WINDOW;
 /// After this many samples in a row off the line, all on one side, the line starts anew;
 /// after twice as many on both sides as well. Tuned: two happen by a spike and its neighbour,
 /// four find a new line later.
-const NEW_LINE: u32 = 3;
+const NEW_LINE: u8 = 3;
 /// Samples of a longer stick that the profile looks at.
 const PROFILE: i32 = WINDOW as i32 * 3 / 4;
 /// Samples of a stick that it looks at in one step, when the stick has ended. A longer one is looked at
@@ -127,10 +127,10 @@ impl Detector {
     fn strike(&mut self, index: u64, innovation: f32) {
         let stick = &mut self.stick;
         stick.strikes += 1;
-        let same = stick.strikes > 1 && innovation * stick.strike_sign > 0.0;
-        stick.same_side = if same { stick.same_side + 1 } else { 1 };
-        stick.strike_sign = innovation;
-        if stick.same_side < NEW_LINE && stick.strikes < 2 * NEW_LINE {
+        let side = if innovation > 0.0 { 1 } else { -1 };
+        let same = stick.strikes > 1 && stick.same_side.signum() == side;
+        stick.same_side = if same { stick.same_side + side } else { side };
+        if stick.same_side.unsigned_abs() < NEW_LINE && stick.strikes < 2 * NEW_LINE {
             return;
         }
         self.spent += 8;

@@ -29,10 +29,9 @@ pub struct Stick {
     pub next: u64,
     /// Highest sample since the re-stick.
     pub highest: ForcePoint,
-    /// Samples in a row off the line, and how many of them on the last one's side.
-    pub(super) strikes: u32,
-    pub(super) same_side: u32,
-    pub(super) strike_sign: f32,
+    /// Samples in a row off the line, and how many of them on the last one's side: negative below it.
+    pub(super) strikes: u8,
+    pub(super) same_side: i8,
 }
 
 impl Stick {

@@ -150,6 +150,9 @@ impl Fit {
     /// Takes what the event is unsure of beyond the noise, so many times what is given, into
     /// the variances.
     pub(crate) fn widen(&mut self, wider: &Variances, times: f32) {
+        if times == 0.0 {
+            return;
+        }
         for (variance, more) in self.variances.iter_mut().zip(wider.unknowns) {
             *variance += times * more;
         }
@@ -182,7 +185,7 @@ impl Fit {
         let mut cycle = *self.cycle();
         cycle.static_n += by_static;
         cycle.half_drop_n += by_drop;
-        Forces::new(&cycle, information.variance(&STATIC), information)
+        Forces::new(&cycle, information.spread(&STATIC, FIRST), information)
     }
 
     /// Normal equations at the fit, set up anew.

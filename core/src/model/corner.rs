@@ -14,6 +14,7 @@ use crate::num::math::{self, larger, smaller};
 
 /// Numbers that describe the corners: `κ`, `h` and `ln c`.
 pub const NUMBERS: usize = 3;
+pub(crate) type Numbers = [f32; NUMBERS];
 
 /// How much the corners are rounded off; nothing by default.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -34,7 +35,7 @@ pub struct Shift {
     /// Its rate, N per period.
     pub rate: f32,
     /// Derivatives of the force by `κ`, `h` and `ln c`.
-    pub by: [f32; NUMBERS],
+    pub by: Numbers,
 }
 
 impl Corner {

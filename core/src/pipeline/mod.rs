@@ -19,7 +19,7 @@ use crate::estimator::Estimator;
 use crate::event::{Event, Provisional};
 use crate::num::math;
 use crate::report::Counters;
-use crate::sample::{ForcePoint, ForceSample, Phase, RawSample, SampleTime};
+use crate::sample::{ForcePoint, ForceSample, Phase, RawSample, SampleFlag, SampleTime};
 use crate::signal::calibrate::Calibrator;
 use crate::signal::decimate::Decimator;
 use crate::signal::derivative::{Central, Rate};
@@ -193,14 +193,19 @@ impl Pipeline {
 
     /// Takes a good sample on.
     fn good(&mut self, good: ForcePoint, step: &mut Step) {
-        let Some(block) = self.decimator.step(good) else { return };
+        if let Some(block) = self.decimator.step(good) {
+            self.block(block, step);
+        }
+    }
+
+    /// Takes a block of good samples through the detector and on.
+    fn block(&mut self, block: ForcePoint, step: &mut Step) {
         let transition = self.detect(block);
         // Nearly always: nothing has happened, and nothing is under way.
         if transition.is_none() && self.cycles.is_idle() {
             return;
         }
-        // An event is long, and seldom.
-        (step.provisional, step.event) = self.follow(transition);
+        self.follow(transition, step);
         if transition == Some(Transition::Onset) && !self.decimator.averages() {
             step.provisional = self.cycles.onset(&self.detector);
         }
@@ -214,8 +219,8 @@ impl Pipeline {
         self.detector.step(sample.index, sample.force_n, waits)
     }
 
-    /// Takes what the detector saw to the cycles: a first answer, and an event.
-    fn follow(&mut self, transition: Option<Transition>) -> (Option<Provisional>, Option<Event>) {
+    /// Takes what the detector saw to the cycles: a first answer, and an event, which is long, and seldom.
+    fn follow(&mut self, transition: Option<Transition>, step: &mut Step) {
         // A fall that comes to nothing ends no constant force.
         if let Some(Transition::Restick { .. } | Transition::Lost) = transition {
             let (peak, _) = self.detector.extremes();
@@ -231,7 +236,10 @@ impl Pipeline {
             Some(Transition::Lost) => self.cycles.lose(&self.detector, &mut told),
         }
         self.cycles.work(&self.detector, &mut told);
-        (told.first, told.finished.and_then(|finished| self.count(finished)))
+        step.provisional = told.first;
+        if let Some(finished) = told.finished {
+            step.event = self.count(finished);
+        }
     }
 
     /// What the block is doing, with a first look at a sample that may still be a spike.
@@ -246,30 +254,22 @@ impl Pipeline {
 
     /// Ends the test: completes what is pending, one event a call, until `None`.
     pub fn finish(&mut self) -> Option<Event> {
-        let held = self.spikes.finish().and_then(|held| self.decimator.step(held));
-        let event = held.and_then(|block| self.advance(block));
-        let event = event.or_else(|| self.decimator.finish().and_then(|block| self.advance(block)));
-        event.or_else(|| self.catch_up()).or_else(|| self.last_event())
-    }
-
-    /// Takes a good sample through the detector and on.
-    fn advance(&mut self, sample: ForcePoint) -> Option<Event> {
-        let transition = self.detect(sample);
-        if transition.is_none() && self.cycles.is_idle() {
-            return None;
+        let flag = SampleFlag::Duplicate;
+        let mut step = Step::of(ForceSample { index: self.next, force_n: None, flag, gap: 0 });
+        if let Some(held) = self.spikes.finish() {
+            self.good(held, &mut step);
         }
-        self.follow(transition).1
-    }
-
-    /// The next event of samples that the detector has yet to look at.
-    fn catch_up(&mut self) -> Option<Event> {
-        while let Some(transition) = self.detector.catch_up(u32::MAX) {
-            let (_, event) = self.follow(Some(transition));
-            if event.is_some() {
-                return event;
-            }
+        if step.event.is_none()
+            && let Some(block) = self.decimator.finish()
+        {
+            self.block(block, &mut step);
         }
-        None
+        while step.event.is_none()
+            && let Some(transition) = self.detector.catch_up(u32::MAX)
+        {
+            self.follow(Some(transition), &mut step);
+        }
+        step.event.or_else(|| self.last_event())
     }
 
     /// The next event of fits that are under way or have to be made.

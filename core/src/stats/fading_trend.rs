@@ -81,7 +81,10 @@ impl FadingTrend {
         if !(value.is_finite() && variance.is_normal() && variance > 0.0) {
             return;
         }
-        if self.is_far_off(value, variance) {
+        let (expected, expected_variance) = self.at(NEWEST);
+        let step = value - expected;
+        let usual = variance + self.between + expected_variance;
+        if self.is_known() && step * step > FAR_OFF * FAR_OFF * usual {
             self.strangers += 1;
             if self.strangers < CHANGED {
                 return;
@@ -97,26 +100,16 @@ impl FadingTrend {
         if !square.is_normal() {
             return;
         }
-        let (expected, expected_variance) = self.at(NEWEST);
         self.line.add(NEWEST, value, weight, 1.0);
         self.count += 1.0;
         // The first value has nothing to differ from.
         if self.count > 1.0 {
-            let step = value - expected;
             let share = 1.0 / (1.0 + weight * expected_variance / self.unit);
             self.excess += square * (share * step * step - variance);
             self.weight_squares += square;
             self.between = self.significant_excess();
         }
         self.now = self.at(NEXT);
-    }
-
-    /// Is a measurement not one of these?
-    fn is_far_off(&self, value: f32, variance: f32) -> bool {
-        let (expected, expected_variance) = self.at(NEWEST);
-        let step = value - expected;
-        let usual = variance + self.between + expected_variance;
-        self.is_known() && step * step > FAR_OFF * FAR_OFF * usual
     }
 
     /// The value at a time and its variance, without the variation between events: on

@@ -16,6 +16,9 @@ const FIRST: usize = 3;
 /// Entries of a symmetric matrix of the fit's size, on its diagonal and below.
 const ENTRIES: usize = UNKNOWNS * (UNKNOWNS + 1) / 2;
 
+/// The same of the first three alone.
+pub(crate) const ENTRIES_OF_FIRST: usize = FIRST * (FIRST + 1) / 2;
+
 /// A symmetric matrix of the fit's size: its lower triangle, row by row.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Symmetric([f32; ENTRIES]);
@@ -39,6 +42,14 @@ impl Symmetric {
         Factor::new(self, damping)
     }
 
+    /// Of the first three unknowns alone: the others, which nothing tells, are one each.
+    pub(crate) fn of_first(entries: &[f32; ENTRIES_OF_FIRST]) -> Self {
+        let mut all = Self::default();
+        all.0.iter_mut().zip(entries).for_each(|(entry, first)| *entry = *first);
+        (FIRST..UNKNOWNS).for_each(|unknown| all.add_to_diagonal(unknown, 1.0));
+        all
+    }
+
     /// Adds to an entry of the diagonal.
     pub(crate) fn add_to_diagonal(&mut self, unknown: usize, number: f32) {
         if let Some(entry) = self.0.get_mut(place(unknown, unknown)) {
@@ -48,7 +59,7 @@ impl Symmetric {
 }
 
 /// Where a row's entry lies, which is not above the diagonal.
-const fn place(row: usize, column: usize) -> usize {
+pub(crate) const fn place(row: usize, column: usize) -> usize {
     row * (row + 1) / 2 + column
 }
 
@@ -119,10 +130,15 @@ impl Normal {
 /// disturb each other in single precision.
 #[derive(Clone, Copy, Debug)]
 pub struct Factor {
-    /// Below the diagonal.
-    lower: [Gradient; UNKNOWNS],
+    /// Below the diagonal, row by row.
+    lower: [f32; ENTRIES - UNKNOWNS],
     /// One over the diagonal of `D`.
     inverse: Gradient,
+}
+
+/// Where a row's entry lies, which is below the diagonal.
+const fn below(row: usize, column: usize) -> usize {
+    row * row.saturating_sub(1) / 2 + column
 }
 
 /// A pivot below this part of its diagonal element is lost in rounding.
@@ -130,7 +146,7 @@ const SMALLEST_PIVOT: f32 = 1e-6;
 
 impl Factor {
     fn new(matrix: &Symmetric, damping: f32) -> Option<Self> {
-        let mut lower = [Gradient::default(); UNKNOWNS];
+        let mut lower = [0.0; ENTRIES - UNKNOWNS];
         let mut inverse = Gradient::default();
         let raise = 1.0 + damping;
         for i in 0..UNKNOWNS {
@@ -141,11 +157,11 @@ impl Factor {
             for (j, entry) in given.iter().enumerate().take(UNKNOWNS) {
                 let mut sum = *entry;
                 for k in 0..j {
-                    sum -= row[k] * lower[j][k];
+                    sum -= row[k] * lower[below(j, k)];
                 }
                 row[j] = sum;
-                lower[i][j] = sum * inverse[j];
-                pivot -= sum * lower[i][j];
+                lower[below(i, j)] = sum * inverse[j];
+                pivot -= sum * lower[below(i, j)];
             }
             // Also false for NaN.
             if !(pivot > SMALLEST_PIVOT * diagonal && pivot < f32::MAX) {
@@ -162,13 +178,13 @@ impl Factor {
         let mut x = *right;
         for i in 1..UNKNOWNS {
             for k in 0..i {
-                x[i] -= self.lower[i][k] * x[k];
+                x[i] -= self.lower[below(i, k)] * x[k];
             }
         }
         for i in (0..UNKNOWNS).rev() {
             x[i] *= self.inverse[i];
             for k in i + 1..UNKNOWNS {
-                x[i] -= self.lower[k][i] * x[k];
+                x[i] -= self.lower[below(k, i)] * x[k];
             }
         }
         x
@@ -185,22 +201,15 @@ impl Factor {
         })
     }
 
-    /// `uᵀ A⁻¹ u`, the variance of a combination of unknowns.
-    #[must_use]
-    #[inline(never)]
-    pub fn variance(&self, u: &Gradient) -> f32 {
-        self.spread(u, 0)
-    }
-
-    /// The same of a known combination of unknowns, none of them before the first one, in place: a
-    /// fifth of the time.
+    /// `uᵀ A⁻¹ u`, the variance of a known combination of unknowns, none of them before the first one,
+    /// in place: a fifth of the time of a call.
     #[inline(always)]
     pub(crate) fn spread(&self, u: &Gradient, first: usize) -> f32 {
         // Σ (L⁻¹ u)² / D: forward substitution is enough.
         let (mut x, mut sum_of_squares) = (*u, 0.0);
         for i in first..UNKNOWNS {
             for k in first..i {
-                x[i] -= self.lower[i][k] * x[k];
+                x[i] -= self.lower[below(i, k)] * x[k];
             }
             sum_of_squares += x[i] * x[i] * self.inverse[i];
         }

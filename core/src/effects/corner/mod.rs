@@ -15,17 +15,18 @@ pub(crate) use crate::effects::corner::score::ask;
 use crate::effects::score::Asked;
 use crate::fit::correction::Correction;
 use crate::fit::{Alone, DYNAMIC, Fit, STATIC};
-use crate::model::corner::{Corner, NUMBERS};
+use crate::model::corner::{Corner, NUMBERS, Numbers};
 use crate::num::math::{self, larger, smaller};
-use crate::stats::normal_equations::{Factor, Gradient, Normal};
+use crate::stats::normal_equations::{ENTRIES_OF_FIRST, Factor, Gradient, Symmetric, dot, place};
 use crate::stats::prior::surely;
 
 /// What the events share.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct CornerEstimator {
-    /// What the events of a fading past tell of the three numbers: their normal equations,
-    /// in units of the noise. The other unknowns are zero.
-    information: Normal,
+    /// What the events of a fading past tell of the three numbers: matrix and right-hand side of their
+    /// normal equations, in units of the noise.
+    information: [f32; ENTRIES_OF_FIRST],
+    right: Numbers,
     /// Number of these events, and Σ of the squared surprises of their scores.
     count: f32,
     chi_square: f32,
@@ -33,7 +34,7 @@ pub(crate) struct CornerEstimator {
     /// size of the forces.
     unit_n: f32,
     /// The most likely numbers.
-    best: Gradient,
+    best: Numbers,
     /// What the next event is expected to have.
     corner: Corner,
     /// Variances of `κ` and `h` while they are only possible.
@@ -163,20 +164,16 @@ impl CornerEstimator {
     fn begin(&mut self, corner: &Corner) {
         (self.corner, self.unit_n) = (*corner, corner.range_n);
         self.best = self.numbers(corner);
-        let diagonal = [0.0, 0.0, RANGE_KNOWN, 1.0, 1.0, 1.0];
-        for (i, entry) in diagonal.into_iter().enumerate() {
-            self.information.matrix[[i, i]] = entry;
-        }
+        self.information[place(2, 2)] = RANGE_KNOWN;
     }
 
-    fn numbers(&self, corner: &Corner) -> Gradient {
-        let range = math::ln(corner.range_n / self.unit_n);
-        [corner.smoothing, corner.missing_n, range, 0.0, 0.0, 0.0]
+    fn numbers(&self, corner: &Corner) -> Numbers {
+        [corner.smoothing, corner.missing_n, math::ln(corner.range_n / self.unit_n)]
     }
 
     /// Variance of a force of the event while the numbers, which move it by so much, are only
     /// possible.
-    fn possible_n2(&self, by: [f32; NUMBERS]) -> f32 {
+    fn possible_n2(&self, by: Numbers) -> f32 {
         self.possible.iter().zip(by).fold(0.0, |sum, (v, by)| sum + v * by * by)
     }
 
@@ -192,8 +189,9 @@ impl CornerEstimator {
         let used = self.numbers(&score.corner);
         let told = score.told(&used);
         self.add(score, &told, &used, noise_n2);
-        let free = self.information.factor(0.0)?;
-        let best = free.solve(&self.information.right);
+        let information = Symmetric::of_first(&self.information);
+        let free = information.factor(0.0)?;
+        let best = numbers_of(&free, &self.right);
         let (before, after) = (score.times(&self.best), score.times(&best));
         self.chi_square *= FADE;
         for k in 0..2 {
@@ -205,36 +203,41 @@ impl CornerEstimator {
         self.best = best;
         // More than the noise explains: so much less is known.
         let excess = math::larger(self.chi_square / math::larger(self.count - 1.0, 1.0), 1.0);
-        let factor = self.decide(&free, excess, &used)?;
+        let factor = self.decide(information, &free, excess, &used)?;
         let moved = self.limited(score, &used);
         let variance = |force: &Gradient| {
             let by = score.by(force);
             let possible = self.possible_n2(by);
-            let by = [by[0], by[1], by[2], 0.0, 0.0, 0.0];
-            excess * factor.variance(&by) + possible
+            let all = with_zeros(&by);
+            excess * dot(&all, &factor.solve(&all)) + possible
         };
         let (static_n2, dynamic_n2) = (variance(&STATIC), variance(&DYNAMIC));
         Some(Correction { moved, static_n2, dynamic_n2 })
     }
 
     /// Adds what an event tells.
-    fn add(&mut self, score: &Score, told: &Gradient, used: &Gradient, noise_n2: f32) {
+    fn add(&mut self, score: &Score, told: &Numbers, used: &Numbers, noise_n2: f32) {
         self.count = FADE * self.count + 1.0;
         for i in 0..NUMBERS {
             for j in 0..=i {
-                let sum = &mut self.information.matrix[[i, j]];
+                let sum = &mut self.information[place(i, j)];
                 *sum = FADE * *sum + score.asked.normal.matrix[[i, j]] / noise_n2;
             }
-            self.information.right[i] = FADE * self.information.right[i] + told[i] / noise_n2;
+            self.right[i] = FADE * self.right[i] + told[i] / noise_n2;
         }
         // While nothing tells the range it stays what it was thought to be.
-        self.information.matrix[[2, 2]] += (1.0 - FADE) * RANGE_KNOWN;
-        self.information.right[2] += (1.0 - FADE) * RANGE_KNOWN * used[2];
+        self.information[place(2, 2)] += (1.0 - FADE) * RANGE_KNOWN;
+        self.right[2] += (1.0 - FADE) * RANGE_KNOWN * used[2];
     }
 
     /// Which numbers count, and what they then are.
-    fn decide(&mut self, free: &Factor, excess: f32, used: &Gradient) -> Option<Factor> {
-        let mut likely = self.information;
+    fn decide(
+        &mut self,
+        mut likely: Symmetric,
+        free: &Factor,
+        excess: f32,
+        used: &Numbers,
+    ) -> Option<Factor> {
         let mut counts = [false; 2];
         let variances = free.variances();
         for k in 0..2 {
@@ -250,11 +253,11 @@ impl CornerEstimator {
             let errors = if is_early { POSSIBLE_EARLY } else { POSSIBLE };
             self.possible[k] = (1.0 - sure) * beyond(errors) * square;
             // Around zero, within its own size as far as it counts.
-            let own = &mut likely.matrix[[k, k]];
+            let own = &mut likely[[k, k]];
             *own += if counts[k] { 1.0 / (sure * square) } else { HELD * *own };
         }
         let factor = likely.factor(0.0)?;
-        let numbers = factor.solve(&likely.right);
+        let numbers = numbers_of(&factor, &self.right);
         let counted = |k: usize| if counts[k] { larger(numbers[k], 0.0) } else { 0.0 };
         let missing_n = counted(1);
         let range = used[2] + (numbers[2] - used[2]).clamp(-MOST_STEP, MOST_STEP);
@@ -268,7 +271,7 @@ impl CornerEstimator {
 
     /// Goes from the numbers that were used to those that count now, no farther than first
     /// order holds. Gives by how much the event's unknowns move.
-    fn limited(&mut self, score: &Score, used: &Gradient) -> Gradient {
+    fn limited(&mut self, score: &Score, used: &Numbers) -> Gradient {
         let mut steps = self.numbers(&self.corner);
         steps.iter_mut().zip(used).for_each(|(step, used)| *step -= used);
         let mut moved = score.moved(&steps);
@@ -286,6 +289,17 @@ impl CornerEstimator {
         }
         moved
     }
+}
+
+/// The numbers as unknowns of a fit, whose other three are zero.
+fn with_zeros([smoothing, missing_n, range]: &Numbers) -> Gradient {
+    [*smoothing, *missing_n, *range, 0.0, 0.0, 0.0]
+}
+
+/// The numbers that solve their normal equations.
+fn numbers_of(factor: &Factor, right: &Numbers) -> Numbers {
+    let [smoothing, missing_n, range, ..] = factor.solve(&with_zeros(right));
+    [smoothing, missing_n, range]
 }
 
 #[cfg(test)]

@@ -4,7 +4,7 @@ use core::ops::Range;
 
 use crate::effects::score::Asked;
 use crate::fit::{Alone, Data, Fit};
-use crate::model::corner::{Corner, NUMBERS};
+use crate::model::corner::{Corner, NUMBERS, Numbers};
 use crate::stats::normal_equations::{Gradient, dot};
 
 /// A number of which less than this part of the information is left when the unknowns are
@@ -48,12 +48,12 @@ impl Score {
     }
 
     /// By how much a force moves when the numbers do.
-    pub(super) fn by(&self, force: &Gradient) -> [f32; NUMBERS] {
+    pub(super) fn by(&self, force: &Gradient) -> Numbers {
         self.asked.response.map(|response| dot(&response, force))
     }
 
     /// By how much the unknowns move when the numbers do.
-    pub(super) fn moved(&self, steps: &Gradient) -> Gradient {
+    pub(super) fn moved(&self, steps: &Numbers) -> Gradient {
         let mut moved = Gradient::default();
         for (response, step) in self.asked.response.iter().zip(steps) {
             moved.iter_mut().zip(response).for_each(|(moved, by)| *moved -= step * by);
@@ -62,7 +62,7 @@ impl Score {
     }
 
     /// The score as if the fit had used sharp corners.
-    pub(super) fn told(&self, used: &Gradient) -> Gradient {
+    pub(super) fn told(&self, used: &Numbers) -> Numbers {
         let mut told = self.times(used);
         told.iter_mut().zip(self.asked.normal.right).for_each(|(told, right)| *told += right);
         told
@@ -70,10 +70,10 @@ impl Score {
 
     /// The information times the numbers.
     #[inline(never)]
-    pub(super) fn times(&self, numbers: &Gradient) -> Gradient {
-        let mut product = Gradient::default();
-        for (i, sum) in product.iter_mut().enumerate().take(NUMBERS) {
-            for (j, number) in numbers.iter().enumerate().take(NUMBERS) {
+    pub(super) fn times(&self, numbers: &Numbers) -> Numbers {
+        let mut product = Numbers::default();
+        for (i, sum) in product.iter_mut().enumerate() {
+            for (j, number) in numbers.iter().enumerate() {
                 *sum += self.asked.normal.matrix[[i.max(j), i.min(j)]] * number;
             }
         }
