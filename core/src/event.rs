@@ -54,7 +54,7 @@ pub enum Reason {
     /// Fewer than four samples from slip to slip, or a cable that the winch shows to be far stiffer
     /// than the slips do.
     Aliased,
-    /// The force does not rise before the fall, or not again after it.
+    /// The force does not rise before the fall, or not again after it, or as it falls, without a rest.
     NoRest,
     /// A coefficient above 3, or clearly below zero.
     Implausible,
@@ -104,7 +104,7 @@ impl fmt::Display for Reason {
                 "fewer than four samples from slip to slip: sample faster, or check weight and winch speed"
             }
             Self::NoRest => {
-                "the force does not rise before or after it: the winch stood or the block slid on"
+                "no rest shows before or after it: the winch stood, the block slid on, or the force swings"
             }
             Self::Implausible => "a coefficient above 3 or below 0: check weight, unit and zero",
             Self::LetGo => {

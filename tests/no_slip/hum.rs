@@ -27,3 +27,22 @@ fn hum_on_a_steady_slide_has_no_coefficients() {
         assert!(believed * 50 < seen.max(50), "{hz} Hz, {noise}: {believed} of {seen}");
     }
 }
+
+/// A slow swing on a constant force rises as it falls: of slips it has no rest. It is no slip whatever its
+/// size, but for the first one or two.
+#[test]
+fn a_slow_swing_has_no_coefficients() {
+    for (period_s, swing_n) in [(1.0, 100.0), (1.5, 60.0), (2.0, 60.0), (3.0, 100.0), (5.0, 100.0)]
+    {
+        for seed in 1..=8 {
+            let swing = |t: f64| 500.0 + swing_n * (TAU * t / period_s + phase(seed)).sin();
+            let outcome = read(&config(), noisy(seed, 120.0, swing));
+            let (seen, believed) = (outcome.events.len(), outcome.coefficients());
+            println!("{swing_n} N in {period_s} s, seed {seed}: {believed} of {seen}");
+            assert!(
+                believed <= 2,
+                "{swing_n} N in {period_s} s, seed {seed}: {believed} of {seen}"
+            );
+        }
+    }
+}

@@ -121,7 +121,9 @@ impl CycleTracker {
         told: &mut Told,
     ) {
         let stick = detector.ended();
-        let hides = last_hidden.is_some_and(|index| index + 4 >= stick.next);
+        // Where samples wait it may lie past all that were looked at.
+        let seen = ..=detector.last().index;
+        let hides = last_hidden.is_some_and(|it| it + 4 >= stick.next && seen.contains(&it));
         self.end_line(detector, Ended::by_slip(detector, extremes, hides), told);
     }
 

@@ -91,11 +91,12 @@ impl CycleTracker {
         let cycle = &measured.posterior.cycle;
         let has_line = pending.before.count + finishing.after.count > 0;
         let loads_fast = event.slack && !has_line && 2.0 * cycle.rate > cycle.static_n;
-        let short = (loads_fast || unsure).then_some(Reason::TooShort);
-        let reason = refusal::of_event(event).or(overlaps).or(short);
+        let is_fast = pending.limit - pending.extremes().0 < refusal::FAST;
+        let why = if is_fast || loads_fast { Reason::TooShort } else { Reason::NoRest };
+        let rests = !(loads_fast || unsure);
+        let reason = refusal::of_event(event).or(overlaps).or((!rests).then_some(why));
         // What is not believed for itself is no sign that the others are: of slips in quick succession
         // whatever the reason, of slower ones where the force itself is another than a slip's.
-        let is_fast = pending.limit - pending.extremes().0 < refusal::FAST;
         let doubted = reason.or(event.reason).is_some_and(|it| is_fast || it.is_of_shape());
         let doubtful = self.recurrence.is_folded(folded || doubted) && fits && !asked_for;
         let why = if is_fast { Reason::Aliased } else { Reason::NoFit };
@@ -112,21 +113,22 @@ impl CycleTracker {
         let learnt = refusal::stiffer(&site, rate, swing);
         let folded = is_clear && refusal::is_folded(learnt, periods);
         let (rate, drop) = ((cycle.rate, unknowns[1]), (cycle.half_drop_n, unknowns[3]));
+        let is_fast = periods < refusal::FAST;
+        let own = refusal::stiffer(&site, rate, (cycle.inverse_omega(), unknowns[4]));
+        let asked_for = refusal::is_asked_for(own);
+        // Without a sample that is surely at rest, or a rest that is no part of a slow swing, a swing of the
+        // force is as good a slip, unless the winch asks for it.
+        let least = if is_fast { 1.0 } else { refusal::SWINGS * cycle.inverse_omega() };
+        let rests = (2.0 * drop.0 - least * rate.0, 4.0 * drop.1 + least * least * rate.1);
+        let shown = if asked_for { drop } else { rests };
         // Without a load nothing slips.
-        let unsure = !refusal::is_no_chance(rate);
-        if periods >= refusal::FAST {
+        let unsure = !refusal::is_no_chance(rate) || !refusal::is_no_chance(shown);
+        if !is_fast {
             return Belief { folded, unsure, ..Belief::default() };
         }
-        let own = refusal::stiffer(&site, rate, (cycle.inverse_omega(), unknowns[4]));
         let tells = posterior.tells_swing(unknowns[4]);
         let folded = folded || (tells && refusal::is_folded(own, periods));
-        // Without a sample that is surely at rest a swing of the force is as good a slip, unless the winch
-        // asks for it.
-        let asked_for = refusal::is_asked_for(own);
-        let rests = (2.0 * drop.0 - rate.0, 4.0 * drop.1 + rate.1);
-        let shown = if asked_for { drop } else { rests };
-        let unsure = unsure || !refusal::is_no_chance(shown) || refusal::is_lame(own);
-        Belief { folded, asked_for, unsure }
+        Belief { folded, asked_for, unsure: unsure || refusal::is_lame(own) }
     }
 
     /// An event with its coefficients; omega where the slip shows it.

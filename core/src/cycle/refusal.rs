@@ -21,6 +21,9 @@ const FLAT: f32 = 0.25;
 /// Periods from slip to slip below which one event alone may tell that it is folded, or that its rate
 /// is not known; of slower ones only all of them tell.
 pub(super) const FAST: f32 = 16.0;
+/// Least time of rest between slow slips, `1/ω`: of a swing of the force, which rises as it falls, the fit
+/// makes slips with rests of half a radian to one, whatever its period.
+pub(super) const SWINGS: f32 = 1.4;
 /// Ratio of the stiffness by the winch to that by the slip which is no error of weight, winch or
 /// model: of the scenes that can be read none comes to 1.2.
 const STIFFER: f32 = 2.0;

@@ -61,6 +61,9 @@ impl Detector {
     /// which has just begun, unseen, does not bend it, nor creep before it.
     pub(super) fn extend_line(&mut self, newest: u64) {
         while near(self.stick.next, newest) >= self.line_delay.cast_signed() {
+            if self.usual_drop_n <= 0.0 && self.stick.next == self.stick.origin {
+                self.begin_after_fall(newest);
+            }
             let index = self.stick.next;
             self.stick.next += 1;
             let rested = near(self.stick.origin, self.stick.next);
@@ -77,6 +80,22 @@ impl Detector {
             if let Some(force_n) = self.window.get_near(index) {
                 self.take_into_line(ForcePoint { index, force_n });
             }
+        }
+    }
+
+    /// A record may begin in the middle of a slip: its first line begins where the force has stopped
+    /// falling, and two samples later, as after any slip.
+    #[cold]
+    #[inline(never)]
+    fn begin_after_fall(&mut self, newest: u64) {
+        let mut low = self.stick.origin;
+        while low < newest && self.window.get(low + 1) < self.window.get(low) {
+            low += 1;
+        }
+        if low > self.stick.origin {
+            self.stick = Stick::new(low, self.last);
+            self.stick.next = low + 2;
+            self.look_back(low, newest);
         }
     }
 

@@ -20,12 +20,6 @@ impl Detector {
         self.phase
     }
 
-    /// Highest sample before the slip and lowest one so far.
-    #[must_use]
-    pub fn extremes(&self) -> (ForcePoint, ForcePoint) {
-        (self.stick.highest, self.lowest)
-    }
-
     /// The newest sample looked at.
     #[must_use]
     pub fn last(&self) -> ForcePoint {

@@ -57,10 +57,9 @@ const BELIEVED: u8 = 4;
 /// Median and upper quartile of |x|, for a normal distribution.
 const MEDIAN: f32 = 0.674_49;
 const QUARTILE: f32 = 1.150_35;
-/// Noise over the upper quartile of |second difference|, 1.150 √6.
-const STD_PER_SECOND: f32 = 1.0 / 2.818;
-/// A smooth swing: the same of what is left without it.
-const SWING: f32 = 0.5;
+/// Noise over the median of |second difference|, 0.6745 √6: with the median, slips may take nearly half of
+/// the time, as in a record that begins in mid-pull.
+const STD_PER_SECOND: f32 = 1.0 / 1.652;
 /// Most noise of slips, parts of their usual fall in a sample: with more of it none could
 /// be told from noise.
 const SLIP: f32 = 1.0 / 12.0;
@@ -85,7 +84,7 @@ impl Noise {
             innovation: Quantile::new(0.5),
             upper: Quantile::new(0.75),
             arrow: TimeAsymmetry::new(),
-            second: Quantile::new(0.75),
+            second: Quantile::new(0.5),
             swing: Swing::new(),
             row: [0.0; 3],
         }
@@ -180,13 +179,13 @@ impl Noise {
         let (Some(swing_n2), Some(second_n)) = (self.swing.noise_n2(), self.second.value()) else {
             return f32::INFINITY;
         };
-        let (swing_n, second_n) = (math::rough_sqrt(swing_n2), second_n * STD_PER_SECOND);
+        let second_n = second_n * STD_PER_SECOND;
         // Coarse steps make differences of zero: they are as large as a step.
         let repeats = self.repeats && self.hidden_n > 0.0;
         let step_n = if repeats { self.resolution_n } else { 0.0 };
         let mut std_n = self.arrow.slip_n().map_or(f32::INFINITY, |slip_n| SLIP * slip_n);
-        if swing_n < SWING * second_n {
-            std_n = smaller(std_n, swing_n);
+        if self.swing.leaves_little(swing_n2) {
+            std_n = smaller(std_n, math::rough_sqrt(swing_n2));
         }
         let bent_n = CAUTION * (second_n + step_n);
         if line_n < f32::INFINITY && bent_n < BENT * line_n {

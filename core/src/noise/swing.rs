@@ -12,6 +12,9 @@ use crate::num::math::larger;
 const MEMORY: f32 = 64.0;
 /// Samples that tell it.
 const FEWEST: f32 = 30.0;
+/// A smooth swing leaves less than this part of the squares of its second differences, both in units of
+/// what white noise has. Tuned: with more, noise is taken for a swing now and then.
+const LITTLE: f32 = 0.3;
 /// Least part of the squares that single precision leaves.
 const ROUNDING: f32 = 4e-6;
 
@@ -47,6 +50,11 @@ impl Swing {
         let left_n2 = larger(self.outer_n2 + p * self.product_n2, ROUNDING * self.outer_n2);
         let gain = 2.0 + 2.0 * (p - 2.0) * (p - 2.0) + 4.0 * (1.0 - p) * (1.0 - p);
         (self.count >= FEWEST && self.middle_n2 > 0.0).then(|| left_n2 / (gain * self.count))
+    }
+
+    /// Is such a variance far less than the second differences tell?
+    pub(crate) fn leaves_little(&self, noise_n2: f32) -> bool {
+        6.0 * noise_n2 * self.count < LITTLE * self.middle_n2
     }
 }
 

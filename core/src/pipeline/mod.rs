@@ -222,10 +222,14 @@ impl Pipeline {
     /// Takes what the detector saw to the cycles: a first answer, and an event, which is long, and seldom.
     fn follow(&mut self, transition: Option<Transition>, step: &mut Step) {
         // A fall that comes to nothing ends no constant force.
-        if let Some(Transition::Restick { .. } | Transition::Lost) = transition {
-            let (peak, _) = self.detector.extremes();
+        let highest = match transition {
+            Some(Transition::Restick { peak, .. }) => Some(peak),
+            Some(Transition::Lost) => Some(self.detector.ended().highest),
+            None | Some(Transition::Onset | Transition::Cancelled) => None,
+        };
+        if let Some(highest) = highest {
             let is_new = self.detector.is_up_to_date();
-            self.stretches.interrupt(is_new.then(|| peak.index.saturating_sub(1)));
+            self.stretches.interrupt(is_new.then(|| highest.index.saturating_sub(1)));
         }
         let mut told = Told::default();
         match transition {

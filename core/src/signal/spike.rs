@@ -3,8 +3,8 @@
 //! A cable cannot do that: the force never rises faster than the winch stretches
 //! it, `F' ≤ k w`, and falls no further than a slip's drop. A sample is therefore
 //! held back by one period and left out when it stands out against the one before
-//! and the one after, both on the same side, by more than the noise, the usual rise
-//! and a part of the usual drop. Delay: one good sample.
+//! and the one after, both on the same side, by more than the noise, the usual rise, the last
+//! rises and a part of the usual drop: a cable that was held tells no usual rise. Delay: one good sample.
 
 use crate::num::math::{larger, smaller};
 use crate::sample::ForcePoint;
@@ -14,8 +14,10 @@ use crate::stats::quantile::Quantile;
 const NOISES: f32 = 10.0;
 /// Part of the usual drop that a spike exceeds.
 const PART_OF_DROP: f32 = 0.25;
-/// Usual rises per sample that a spike exceeds.
+/// Usual rises per sample that a spike exceeds, and last ones.
 const RISES: f32 = 3.0;
+/// Part of a rise that is left of it with the next one.
+const FADE: f32 = 0.5;
 
 /// What the filter needs to know of the force.
 #[derive(Clone, Copy, Debug)]
@@ -35,6 +37,8 @@ pub struct SpikeFilter {
     count: u8,
     /// Upper quartile of the rises between neighbours, N.
     rises: Quantile,
+    /// The largest of the last ones, N.
+    last_rise_n: f32,
 }
 
 /// What became of the sample held back.
@@ -57,6 +61,7 @@ impl SpikeFilter {
             held: ForcePoint::ZERO,
             count: 0,
             rises: Quantile::new(0.75),
+            last_rise_n: 0.0,
         }
     }
 
@@ -75,6 +80,7 @@ impl SpikeFilter {
         self.before = held;
         if left > 0.0 && held.index == before.index + 1 {
             self.rises.add(left);
+            self.last_rise_n = larger(left, FADE * self.last_rise_n);
         }
         Judged::Good(held)
     }
@@ -94,7 +100,7 @@ impl SpikeFilter {
             return false;
         }
         let Some(rise_n) = self.rises.value() else { return false };
-        let rises = RISES * rise_n * span as u32 as f32 / 2.0;
+        let rises = RISES * larger(rise_n, self.last_rise_n) * span as u32 as f32 / 2.0;
         let least = larger(larger(NOISES * usual.noise_n, PART_OF_DROP * usual.drop_n), rises);
         smaller(left.abs(), right.abs()) > least
     }
@@ -134,6 +140,20 @@ mod tests {
             ([500.0, 510.0, 540.0, 530.0, 540.0, 550.0], None),
         ] {
             assert_eq!(spike_in(forces, &USUAL), spike, "{forces:?}");
+        }
+    }
+
+    #[test]
+    fn the_first_slip_after_a_held_cable_has_no_spikes() {
+        let unknown = Usual { drop_n: 0.0, ..USUAL };
+        let mut filter = SpikeFilter::new();
+        // Held, with some noise; pulled; and a slip that shows a single sample at either end.
+        let held = (0..200).map(|i| 300.0 + 2.0 * (i % 3) as f32);
+        let pulled = (1..4).map(|i| 300.0 + 370.0 * i as f32);
+        let slip = [1500.0, 700.0, 200.0, 600.0, 970.0];
+        for (i, force_n) in held.chain(pulled).chain(slip).enumerate() {
+            let judged = filter.step(ForcePoint { index: i as u64, force_n }, || unknown);
+            assert!(!matches!(judged, Judged::Spike(_)), "{i}");
         }
     }
 

@@ -155,7 +155,10 @@ impl Mass {
         if let State::Trial(events) = self.state {
             self.state = State::Trial(events + 1);
             let verdict = self.tried(events + 1)?;
-            self.dynamic_n = self.since.dynamic_n;
+            // Without a swing since, nothing is known of it either.
+            if self.since.count > 0 {
+                self.dynamic_n = self.since.dynamic_n;
+            }
             return Some(verdict);
         }
         let share = 1.0 / self.seen.clamp(1, 8) as f32;

@@ -1,0 +1,87 @@
+//! Records that begin in the middle of a pull: cut out of a longer one, or of a logger that was switched on
+//! late. Nothing quiet comes first, and the first sample may lie in a slip.
+
+use floe::sim::terms::Variation;
+use floe::sim::{Measurement, Scene, TrueEvent, simulate};
+use floe_core::{Config, Event};
+use floe_tests::feed;
+
+const HZ: f64 = 16.0;
+const CUTS: usize = 24;
+
+/// Blocks whose rests last 9 to 40 samples.
+fn scenes() -> [Scene; 4] {
+    let measurement = Measurement { white_n: 2.0, ..Measurement::default() };
+    let variation = Some(Variation { mu_s_fraction: 0.01, mu_fraction: 0.01 });
+    let paper = Scene { duration_s: 240.0, measurement, variation, ..Scene::default() };
+    let ice = Scene { mu_s: 0.78, mu: 0.57, ..paper.clone() };
+    let large = Scene { weight_n: 5e3, stiffness_n_per_m: 2e5, ..ice.clone() };
+    let fast = Scene { winch_m_per_s: 0.03, ..large.clone() };
+    let slow = Scene { winch_m_per_s: 0.01, ..large };
+    [paper, ice, fast, slow]
+}
+
+/// Of the slips that lie in a part of a scene's record, but for the first, how many there are, how many are
+/// read, and how many of these are five standard deviations off.
+fn cut(
+    scene: &Scene,
+    forces_n: &[f64],
+    slips: &[TrueEvent],
+    first: usize,
+    last: usize,
+) -> [usize; 3] {
+    let config = Config { weight_n: scene.weight_n as f32, ..Config::default() };
+    let events = feed::replay(&config, feed::in_a_row(&forces_n[first..last])).events;
+    let (from_s, to_s) = ((first as f64 + 4.0) / HZ, last as f64 / HZ - 0.75);
+    let inside = |slip: &&TrueEvent| slip.onset_s > from_s && slip.stop_s < to_s;
+    let mut counts = [0; 3];
+    for slip in slips.iter().filter(inside).skip(1) {
+        let read = events.iter().find(|event| is_at(event, slip.onset_s - first as f64 / HZ));
+        let values = read.and_then(|event| event.mu_s.zip(event.mu));
+        let is_off = values.is_some_and(|(mu_s, mu)| {
+            [(mu_s, slip.mu_s), (mu, slip.mu)].iter().any(|(got, truth)| {
+                (f64::from(got.value) - truth).abs() > 5.0 * f64::from(got.combined_std())
+            })
+        });
+        let more = [1, usize::from(values.is_some()), usize::from(is_off)];
+        counts.iter_mut().zip(more).for_each(|(sum, more)| *sum += more);
+    }
+    counts
+}
+
+fn is_at(event: &Event, onset_s: f64) -> bool {
+    let got_s = (event.onset.index as f64 + f64::from(event.onset.fraction)) / HZ;
+    (got_s - onset_s).abs() < 2.5 / HZ
+}
+
+/// In parts of so many recurrences, from evenly spread samples on: at least this share of the slips is
+/// read, in every scene, and hardly one is far off.
+fn parts_are_read(recurrences: f64, share: f64) {
+    for scene in scenes() {
+        let simulation = simulate(&scene, 3).expect("a scene");
+        let forces_n: Vec<f64> = simulation.samples.iter().map(|sample| sample.force_n).collect();
+        let slips = &simulation.events;
+        let all_s = slips[slips.len() - 1].onset_s - slips[0].onset_s;
+        let length = (recurrences * all_s / (slips.len() - 1) as f64 * HZ) as usize;
+        let mut sum = [0; 3];
+        for place in 0..CUTS {
+            let first = 640 + place * (forces_n.len() - 640 - length) / CUTS;
+            let counts = cut(&scene, &forces_n, slips, first, first + length);
+            sum.iter_mut().zip(counts).for_each(|(sum, more)| *sum += more);
+        }
+        let [there, read, off] = sum;
+        println!("{} N, {} m/s: {read} of {there}, {off} off", scene.weight_n, scene.winch_m_per_s);
+        assert!(read as f64 >= share * there as f64, "{} N: {read} of {there}", scene.weight_n);
+        assert!(off * 100 <= read, "{} N: {off} of {read} off", scene.weight_n);
+    }
+}
+
+#[test]
+fn a_part_of_six_slips_is_read() {
+    parts_are_read(6.5, 0.9);
+}
+
+#[test]
+fn a_part_of_fifteen_slips_is_read() {
+    parts_are_read(15.5, 0.97);
+}
