@@ -121,6 +121,73 @@ fn every_file_of_figures_that_is_replaced_is_said() {
 }
 
 #[test]
+fn figures_and_other_outputs_never_share_a_file() {
+    let dir = directory("figures_apart");
+    fs::create_dir(dir.join("there")).unwrap();
+    let replay = |options: &[&str]| run(&dir, &[&["replay", "log.csv"], options].concat());
+    for (option, file) in
+        [("--report", "history.svg"), ("--json", "slip.svg"), ("--events", "../there/plane.svg")]
+    {
+        let file = format!("there/{file}");
+        let refused = replay(&["--figures", "there", option, &file]);
+        assert_refused(&refused, &[".svg: is read or written already"]);
+    }
+    for (folder, file) in [("new", "new"), ("new/deeper", "./new")] {
+        let refused = replay(&["--figures", folder, "--report", file]);
+        assert_refused(&refused, &[folder, "is written already by this command"]);
+    }
+    assert_eq!(fs::read_dir(dir.join("there")).unwrap().count(), 0);
+    assert!(!dir.join("new").exists());
+    // Beside each other they are welcome, and each is named.
+    let said =
+        floe(&dir, &["replay", "log.csv", "--figures", "there", "--report", "there/page.html"]);
+    let said = text(&said.stdout);
+    for file in ["there/page.html", "there/history.svg", "there/slip.svg"] {
+        assert!(said.contains(&format!("written       {file}\n")), "{said}");
+    }
+    assert!(fs::read_to_string(dir.join("there/page.html")).unwrap().starts_with("<!"));
+}
+
+#[test]
+fn only_json_goes_to_standard_output() {
+    let dir = directory("dash");
+    let before = fs::read_dir(&dir).unwrap().count();
+    for option in ["--events", "--report", "--samples", "--figures"] {
+        let refused = run(&dir, &["replay", "log.csv", option, "-"]);
+        assert_refused(&refused, &["-: only --json goes to standard output; name a file"]);
+    }
+    assert_refused(&run(&dir, &["live", "localhost:1", "-o", "-"]), &["only --json"]);
+    let samples = run(&dir, &["replay", "log.csv", "--samples", "samples.json"]);
+    assert_refused(&samples, &["samples.json", "must end in .csv or .parquet"]);
+    assert_eq!(fs::read_dir(&dir).unwrap().count(), before);
+    floe(&dir, &["replay", "log.csv", "--events", "./-"]);
+    assert!(dir.join("-").is_file());
+}
+
+#[cfg(unix)]
+#[test]
+fn a_link_that_is_replaced_is_said() {
+    let dir = directory("dangling");
+    std::os::unix::fs::symlink("nowhere", dir.join("a.html")).unwrap();
+    let said = text(&floe(&dir, &["replay", "log.csv", "--report", "a.html"]).stderr);
+    let why = "floe: a.html: the link to nowhere that was there has been replaced\n";
+    assert_eq!(said, why);
+    assert!(!dir.join("nowhere").exists());
+}
+
+#[cfg(unix)]
+#[test]
+fn a_name_of_two_lines_is_shown_in_one() {
+    let dir = directory("two_lines");
+    fs::rename(dir.join("log.csv"), dir.join("a\nb.csv")).unwrap();
+    for command in ["replay", "inspect"] {
+        let said = text(&floe(&dir, &[command, "a\nb.csv"]).stdout);
+        let first = said.lines().next().unwrap();
+        assert!(first.contains("a\\u000ab.csv"), "{first}");
+    }
+}
+
+#[test]
 fn a_pipe_gets_neither_colours_nor_bars() {
     let dir = directory("no_colours");
     let mut commands: Vec<Vec<&str>> = ON_LOGS.iter().map(|(c, log)| vec![*c, *log]).collect();

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::error::InputError;
+use crate::error::{InputError, printable_line};
 use crate::log::inspection::{Inspection, inspect};
 use crate::log::{Log, LogOptions};
 use crate::rounding::{counted, decimals};
@@ -46,7 +46,7 @@ pub fn run(args: &Args) -> Result<(), InputError> {
 
 fn text(found: &Inspection) -> String {
     let mut lines = vec![
-        ("log", found.path.clone()),
+        ("log", printable_line(&found.path).into_owned()),
         ("format", form(found)),
         ("lines", places(found)),
         ("time", time(found)),
@@ -56,7 +56,10 @@ fn text(found: &Inspection) -> String {
     let metadata: Vec<String> = found
         .metadata
         .iter()
-        .map(|said| format!("{}: {} (line {})", said.key, said.value, said.line))
+        .map(|said| {
+            let line = said.line.map(|line| format!(" (line {line})")).unwrap_or_default();
+            format!("{}: {}{line}", said.key, said.value)
+        })
         .collect();
     lines.extend(metadata.into_iter().map(|text| ("says", text)));
     lines.push(("samples", samples(found)));
@@ -71,7 +74,10 @@ fn text(found: &Inspection) -> String {
 }
 
 fn form(found: &Inspection) -> String {
-    let separator = match found.delimiter {
+    let Some(delimiter) = found.delimiter else {
+        return format!("{}, sectors of a logger's card", found.format);
+    };
+    let separator = match delimiter {
         _ if found.columns.len() == 1 || found.time_unit.is_none() && found.columns.is_empty() => {
             "one cell a line".to_string()
         }

@@ -6,6 +6,8 @@ use std::path::PathBuf;
 use crate::error::InputError;
 use crate::live::{Form, Place, Port, Save, display, print_events};
 
+use super::output;
+
 /// Show a board's measurement while it runs
 #[derive(Clone, Debug, clap::Args)]
 #[command(after_help = "\
@@ -33,6 +35,7 @@ pub struct Args {
 /// # Errors
 /// One line for the user.
 pub fn run(args: &Args) -> Result<(), InputError> {
+    args.output.as_deref().map_or(Ok(()), output::refuse_standard)?;
     let place = Place::parse(&args.port);
     let port = Port::connect(&place)?;
     let save = args.output.as_deref().map(Save::create).transpose()?;

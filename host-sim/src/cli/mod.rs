@@ -33,7 +33,7 @@ mod weigh;
 #[command(after_help = "\
 Files: --json FILE, --report FILE and their like write a file; --json alone writes to standard output, and
 nothing else goes there. No output is ever an input. A result that was there is replaced once the new one is
-whole, and that is said; a recording (live -o, recover -o) replaces nothing.
+whole, and that is said, but for replay --quiet; a recording (live -o, recover -o) replaces nothing.
 
 Exit: 0 done, 2 bad usage or a file that cannot be read or written, with one line that says what to do.
 

@@ -13,6 +13,8 @@ use std::sync::{Mutex, Once};
 
 use crate::error::{InputError, printable_line, printable_text};
 
+use super::input::STANDARD;
+
 /// Bytes that are written to a file at once.
 const BUFFER: usize = 1 << 16;
 
@@ -65,16 +67,16 @@ pub fn tell(line: &str) {
     let _ = writeln!(io::stderr(), "{line}");
 }
 
-/// Outputs that were there before.
+/// Outputs that were there before, and as what.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[must_use = "what is replaced is said"]
-pub struct Older(Vec<PathBuf>);
+pub struct Older(Vec<(PathBuf, &'static str)>);
 
 impl Older {
     /// Says, once all is written, that they have been replaced.
     pub fn tell(&self) {
-        for path in &self.0 {
-            say(&format!("{}: the file that was there has been replaced", path.display()));
+        for (path, what) in &self.0 {
+            say(&format!("{}: the {what} that was there has been replaced", path.display()));
         }
     }
 }
@@ -89,6 +91,7 @@ pub fn check(outputs: &[&Path], inputs: &[&Path]) -> Result<Older, InputError> {
     let taken = inputs.iter().copied().chain(standard);
     let mut taken: Vec<Identity> = taken.filter_map(Identity::of).collect();
     for path in outputs {
+        refuse_standard(path)?;
         let refuse = |why: &str| Err(InputError::new(why).within(path.display()));
         if path.is_dir() {
             return refuse("is a directory; name a file to write");
@@ -103,7 +106,46 @@ pub fn check(outputs: &[&Path], inputs: &[&Path]) -> Result<Older, InputError> {
             taken.push(identity);
         }
     }
-    Ok(Older(outputs.iter().filter(|path| path.is_file()).map(|path| path.to_path_buf()).collect()))
+    let older = |path: &&Path| Some((path.to_path_buf(), kind(path)?));
+    Ok(Older(outputs.iter().filter_map(older).collect()))
+}
+
+/// What would be replaced, if anything is there.
+fn kind(path: &Path) -> Option<&'static str> {
+    match path.exists() {
+        true => path.is_file().then_some("file"),
+        false => path.is_symlink().then_some("link to nowhere"),
+    }
+}
+
+/// Refuses `-` for an output that is a file or a folder.
+///
+/// # Errors
+/// It is `-`.
+pub fn refuse_standard(path: &Path) -> Result<(), InputError> {
+    if path != Path::new(STANDARD) {
+        return Ok(());
+    }
+    Err(InputError::new(
+        "-: only --json goes to standard output; name a file (./- is one called -)",
+    ))
+}
+
+/// Refuses a folder that cannot be made, or that would be made where one of `outputs` is.
+///
+/// # Errors
+/// Says what is in its place.
+pub fn check_folder(folder: &Path, outputs: &[&Path]) -> Result<(), InputError> {
+    refuse_standard(folder)?;
+    let refuse = |why: &str| Err(InputError::new(why).within(folder.display()));
+    if folder.is_file() {
+        return refuse("is a file; name a directory");
+    }
+    let taken: Vec<Identity> = outputs.iter().filter_map(|path| Identity::of(path)).collect();
+    if folder.ancestors().filter_map(Identity::of).any(|place| taken.contains(&place)) {
+        return refuse("is written already by this command as a file; name another directory");
+    }
+    Ok(())
 }
 
 /// What makes a file the same by any path.

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use floe_core::{Config, Step};
 
-use crate::error::InputError;
+use crate::error::{InputError, printable_line};
 use crate::log::{Log, LogOptions};
 use crate::replay::result::ReplayResult;
 use crate::replay::samples::{self, SampleRows};
@@ -15,7 +15,7 @@ use crate::report::{self, Recorder};
 
 use super::input::{STANDARD, open};
 use super::json::Json;
-use super::output;
+use super::output::{self, Older};
 use super::provenance::{Checksum, Summed, provenance};
 
 /// Replay a recorded log: from its samples to the friction coefficients
@@ -58,7 +58,7 @@ pub struct Args {
     /// The result without the table of events
     #[arg(long)]
     summary: bool,
-    /// No table, progress or warnings; only errors and the files asked for
+    /// No table, progress or warnings, nor what is replaced; only errors and the files asked for
     #[arg(long)]
     quiet: bool,
 }
@@ -84,15 +84,27 @@ pub fn run(args: &Args) -> Result<(), InputError> {
     let name = if path == STANDARD { "standard input" } else { path };
     let outputs: Vec<&Path> = args.outputs().collect();
     let older = output::check(&outputs, &[Path::new(path)])?;
-    if let Some(folder) = args.figures.as_deref().filter(|folder| folder.is_file()) {
-        return Err(InputError::new("is a file; name a directory").within(folder.display()));
+    if let Some(folder) = &args.figures {
+        output::check_folder(folder, &outputs)?;
     }
+    args.samples.as_deref().map_or(Ok(()), check_samples)?;
     let input = open(path, args.quiet).map_err(|error| error.within(name))?;
     evaluate(name, path, input, &args)?;
     if !args.quiet {
         older.tell();
     }
     Ok(())
+}
+
+/// Refuses a name for the samples that says another form than they have.
+fn check_samples(path: &Path) -> Result<(), InputError> {
+    let known =
+        |end: &std::ffi::OsStr| ["csv", "parquet"].iter().any(|e| end.eq_ignore_ascii_case(e));
+    if path.extension().is_none_or(known) {
+        return Ok(());
+    }
+    Err(InputError::new("the name of the samples must end in .csv or .parquet")
+        .within(path.display()))
 }
 
 /// Name and content of the log in the binary, which says its own weight.
@@ -214,12 +226,14 @@ fn finish(
     checksum: &Checksum,
 ) -> Result<(), InputError> {
     let result = &result;
+    let figures = match (&args.figures, &recorder) {
+        (Some(folder), Some(recorder)) => Figures::new(folder, result, recorder, args)?,
+        _ => Figures::default(),
+    };
     if let (Some(path), Some(recorder)) = (&args.report, &recorder) {
         output::replace(path, &report::render(result, recorder, &provenance(checksum)))?;
     }
-    if let (Some(folder), Some(recorder)) = (&args.figures, &recorder) {
-        write_figures(folder, &report::figures(result, recorder), args)?;
-    }
+    figures.write(args.quiet)?;
     if let Some(path) = &args.events {
         output::stream(path, |out| events_csv(result, out))?;
     }
@@ -233,32 +247,44 @@ fn finish(
             return Ok(());
         }
         table::write(out, result, !args.summary)?;
-        let mut files = args.outputs();
+        let mut files = args.outputs().chain(figures.0.iter().map(|(path, _)| path.as_path()));
         files.try_for_each(|path| {
-            out.write_all(format!("written       {}\n", path.display()).as_bytes())
+            let path = path.display().to_string();
+            out.write_all(format!("written       {}\n", printable_line(&path)).as_bytes())
         })
     })
 }
 
-fn write_figures(
-    folder: &Path,
-    figures: &[(String, String)],
-    args: &Args,
-) -> Result<(), InputError> {
-    std::fs::create_dir_all(folder).map_err(|error| {
-        InputError::new(format!("cannot be made: {error}")).within(folder.display())
-    })?;
-    let paths: Vec<PathBuf> = figures.iter().map(|(name, _)| folder.join(name)).collect();
-    let outputs: Vec<&Path> = paths.iter().map(PathBuf::as_path).collect();
-    let log: Vec<&Path> = args.log.iter().map(Path::new).collect();
-    let older = output::check(&outputs, &log)?;
-    for (path, (_, svg)) in paths.iter().zip(figures) {
-        output::replace(path, svg)?;
+/// The report's figures as files.
+#[derive(Default)]
+struct Figures(Vec<(PathBuf, String)>, Option<Older>);
+
+impl Figures {
+    /// Draws them, and refuses those that would be written over another output or the log.
+    fn new(
+        folder: &Path,
+        result: &ReplayResult,
+        recorder: &Recorder,
+        args: &Args,
+    ) -> Result<Self, InputError> {
+        std::fs::create_dir_all(folder).map_err(|error| {
+            InputError::new(format!("cannot be made: {error}")).within(folder.display())
+        })?;
+        let drawn = report::figures(result, recorder).into_iter();
+        let files: Vec<_> = drawn.map(|(name, svg)| (folder.join(name), svg)).collect();
+        let paths: Vec<&Path> = files.iter().map(|(path, _)| path.as_path()).collect();
+        let others: Vec<&Path> = args.log.iter().map(Path::new).chain(args.outputs()).collect();
+        let older = output::check(&paths, &others)?;
+        Ok(Self(files, Some(older)))
     }
-    if !args.quiet {
-        older.tell();
+
+    fn write(&self, quiet: bool) -> Result<(), InputError> {
+        self.0.iter().try_for_each(|(path, svg)| output::replace(path, svg))?;
+        if let Some(older) = self.1.as_ref().filter(|_| !quiet) {
+            older.tell();
+        }
+        Ok(())
     }
-    Ok(())
 }
 
 fn events_csv(result: &ReplayResult, out: &mut impl Write) -> std::io::Result<()> {

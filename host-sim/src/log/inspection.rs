@@ -5,10 +5,10 @@ use serde::Serialize;
 
 use crate::error::InputError;
 
-use super::Log;
 use super::layout::TimeCells;
 use super::metadata::Said;
 use super::number::Decimal;
+use super::{Format, Log};
 
 /// Name and version of this format; changes when a meaning changes.
 pub const SCHEMA: &str = "floe-inspect/1";
@@ -22,8 +22,8 @@ pub struct Inspection {
     pub path: String,
     /// `csv`, `toa5`, `cr10` or `floe`.
     pub format: &'static str,
-    /// Separator of the cells.
-    pub delimiter: char,
+    /// Separator of the cells; `None` in a logger's own log, which has neither cells nor lines.
+    pub delimiter: Option<char>,
     /// `.` or `,`; `None` if the log shows neither.
     pub decimal: Option<char>,
     /// Line of the column names.
@@ -49,7 +49,7 @@ pub struct Inspection {
     /// Several samples share a time stamp.
     pub shared_stamps: bool,
     /// What the log says about its test.
-    pub metadata: Vec<Said>,
+    pub metadata: Vec<Known>,
     /// Samples read, without duplicates.
     pub samples: u64,
     /// From the first to the last sample.
@@ -68,6 +68,17 @@ pub struct Inspection {
     pub warnings: Vec<String>,
 }
 
+/// One thing that a log says about its test.
+#[derive(Clone, Debug, Serialize)]
+pub struct Known {
+    /// Its key.
+    pub key: String,
+    /// Its value, as the log writes it.
+    pub value: String,
+    /// The line that says it, where the log has lines.
+    pub line: Option<u64>,
+}
+
 /// Reads a log to its end.
 ///
 /// # Errors
@@ -78,20 +89,24 @@ pub fn inspect(path: &str, log: &mut Log) -> Result<Inspection, InputError> {
         seen.push(sample.raw.index, sample.time_s, sample.raw.reading);
     }
     let (layout, header) = (log.layout(), log.recognised().header.as_ref());
+    let is_text = log.format() != Format::Floe;
+    let in_text = header.filter(|_| is_text);
+    let known =
+        |Said { key, value, line }| Known { key, value, line: Some(line).filter(|_| is_text) };
     let (time_columns, time_unit) = time(layout.time);
     Ok(Inspection {
         schema: SCHEMA,
         path: path.to_string(),
         format: log.format().name(),
-        delimiter: char::from(layout.separator),
+        delimiter: Some(char::from(layout.separator)).filter(|_| is_text),
         decimal: match layout.decimal {
-            Decimal::Point => Some('.'),
-            Decimal::Comma => Some(','),
-            Decimal::Any => None,
+            Decimal::Point if is_text => Some('.'),
+            Decimal::Comma if is_text => Some(','),
+            Decimal::Point | Decimal::Comma | Decimal::Any => None,
         },
-        header_line: header.and_then(|header| header.names.as_ref()).map(|(line, _)| *line),
-        units_line: header.and_then(|header| header.units.as_ref()).map(|(line, _)| *line),
-        first_row_line: header.map(|header| header.first_row),
+        header_line: in_text.and_then(|header| header.names.as_ref()).map(|(line, _)| *line),
+        units_line: in_text.and_then(|header| header.units.as_ref()).map(|(line, _)| *line),
+        first_row_line: in_text.map(|header| header.first_row),
         columns: header
             .and_then(|header| header.names.clone())
             .map_or_else(Vec::new, |(_, names)| names),
@@ -102,7 +117,7 @@ pub fn inspect(path: &str, log: &mut Log) -> Result<Inspection, InputError> {
         force_unit: layout.unit.name(),
         rate_hz: log.rate_hz(),
         shared_stamps: log.clock.timing().shared.is_some(),
-        metadata: log.metadata().said.clone(),
+        metadata: log.metadata().said.iter().cloned().map(known).collect(),
         samples: seen.samples,
         duration_s: seen.last_s - seen.first_s.unwrap_or_default(),
         missing: seen.missing,

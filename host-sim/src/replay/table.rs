@@ -9,6 +9,7 @@ use super::result::{
     zero_sentence,
 };
 use super::stretches::Stretches;
+use crate::error::printable_line;
 use crate::rounding::{self, LEAST, counted, decimals, digits, own_digits, part_of, plus_minus};
 
 /// Events, then the result with its uncertainty, then what to know about it.
@@ -77,7 +78,7 @@ fn header(out: &mut String, result: &ReplayResult, force: usize) -> std::fmt::Re
     writeln!(
         out,
         "log    {} ({}), {} at {} Hz, {:.2} s",
-        log.path,
+        printable_line(&log.path),
         log.format,
         counted(log.samples, "sample"),
         significant(log.rate_hz),

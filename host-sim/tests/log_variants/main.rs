@@ -154,10 +154,11 @@ fn difference(samples: &[Sample]) -> Option<String> {
 
 fn recognised(found: &Inspection) -> String {
     let separator = match found.delimiter {
-        '\t' => "tab".to_string(),
-        ' ' => "blanks".to_string(),
-        '|' => "bar".to_string(),
-        other => format!("`{other}`"),
+        None => "none".to_string(),
+        Some('\t') => "tab".to_string(),
+        Some(' ') => "blanks".to_string(),
+        Some('|') => "bar".to_string(),
+        Some(other) => format!("`{other}`"),
     };
     let time = found.time_unit.map_or("none".to_string(), |unit| {
         let columns: Vec<String> = found.time_columns.iter().map(usize::to_string).collect();
