@@ -22,9 +22,10 @@ use floe_firmware::settings::Settings;
 use crate::error::InputError;
 use stretch::{Next, Reached};
 
-pub use sectors::{Found, Place};
+pub use sectors::{Found, Place, is_log};
+use summary::no_record;
 pub use summary::{summary, weight};
-pub use text::{COLUMN, Text, Told};
+pub use text::{COLUMN, Text};
 pub use write::{csv, lines, toa5};
 
 /// One recording of a card: a test, or what a reset left of it.
@@ -98,22 +99,33 @@ impl Test {
 /// # Errors
 /// It cannot be read, or there is no record in it.
 pub fn tests(mut input: impl Read + Seek) -> Result<(Vec<Test>, Found), InputError> {
-    let found = sectors::scan(&mut input)?;
+    // There are devices that give bytes for ever; none of them has an end.
+    let end = input.seek(SeekFrom::End(0)).map_err(sectors::unreadable)?;
+    input.seek(SeekFrom::Start(0)).map_err(sectors::unreadable)?;
+    let found = sectors::scan(&mut input.by_ref().take(end), |_, _, _| {})?;
     if found.places.is_empty() {
-        return Err(InputError::new("holds no record of a floe logger"));
+        return Err(no_record(&found));
     }
+    let mut tests = put_together(&found.places, |place| read_at(&mut input, place.offset))?;
+    name(&mut tests);
+    Ok((tests, found))
+}
+
+/// Recordings of the records at these places, which are in order.
+fn put_together(
+    places: &[Place],
+    mut read: impl FnMut(&Place) -> Result<Record, InputError>,
+) -> Result<Vec<Test>, InputError> {
     let mut tests: Vec<Test> = Vec::new();
-    for places in found.places.chunk_by(|a, b| a.key == b.key) {
+    for places in places.chunk_by(|a, b| a.key == b.key) {
         let begin = tests.len();
         for place in places {
-            let record = read_at(&mut input, place.offset)?;
-            take(&mut tests, begin, &record);
+            take(&mut tests, begin, &read(place)?);
         }
     }
     // A test that was only ever broken off before its first sample is none.
     tests.retain(|test| !test.samples.is_empty());
-    name(&mut tests);
-    Ok((tests, found))
+    Ok(tests)
 }
 
 /// Adds a record to the recording that it goes on with, of those from `begin` on.
@@ -157,5 +169,9 @@ fn read_at(input: &mut (impl Read + Seek), offset: u64) -> Result<Record, InputE
     let mut sector: Sector = [0; SECTOR_LEN];
     let read = input.seek(SeekFrom::Start(offset)).and_then(|_| input.read_exact(&mut sector));
     read.map_err(|e| InputError::new(format!("cannot be read at byte {offset}: {e}")))?;
-    Record::decode(&sector).map_err(|e| InputError::new(format!("changed at byte {offset}: {e}")))
+    decode(&sector, offset)
+}
+
+fn decode(sector: &Sector, offset: u64) -> Result<Record, InputError> {
+    Record::decode(sector).map_err(|e| InputError::new(format!("changed at byte {offset}: {e}")))
 }

@@ -1,6 +1,6 @@
 //! Finding records in whatever was read from a card.
 
-use std::io::{Read, Seek, SeekFrom};
+use std::io::Read;
 
 use floe_firmware::record::{MAGIC, Record, RecordError, SECTOR_LEN, Sector};
 
@@ -12,8 +12,11 @@ use crate::error::InputError;
 pub struct Found {
     /// Every record once: by test, then by number.
     pub places: Vec<Place>,
-    /// Sectors with the mark but a wrong checksum: torn or damaged.
+    /// Sectors with the mark but a wrong checksum: torn or damaged. In a log file, where every
+    /// sector is the logger's, those whose mark is damaged too.
     pub damaged: u64,
+    /// The last sector is not whole: the file was cut off.
+    pub is_cut_off: bool,
     /// Numbers between the first and the last record that are not there.
     pub lost: u64,
     /// Sectors of a newer version.
@@ -22,6 +25,8 @@ pub struct Found {
     pub unsound: u64,
     /// Records that are there more than once, as in a file that was copied twice.
     pub repeated: u64,
+    /// Sectors that hold something, without the mark: of another file, unless this is a log.
+    unmarked: u64,
 }
 
 /// Where a record is.
@@ -36,24 +41,27 @@ pub struct Place {
     pub offset: u64,
 }
 
-/// Looks at every sector.
+/// Looks at every sector; `keep` is given those that are records, as they come.
 ///
 /// # Errors
 /// The input cannot be read.
-pub fn scan(input: &mut (impl Read + Seek)) -> Result<Found, InputError> {
-    let failed = |e: std::io::Error| InputError::new(format!("cannot be read: {e}"));
-    // There are devices that give bytes for ever; none of them has an end.
-    let end = input.seek(SeekFrom::End(0)).map_err(failed)?;
-    input.seek(SeekFrom::Start(0)).map_err(failed)?;
-    let mut input = input.take(end);
+pub fn scan(
+    input: &mut impl Read,
+    mut keep: impl FnMut(&Place, &Record, &Sector),
+) -> Result<Found, InputError> {
     let mut found = Found::default();
     let mut buffer = vec![0; 2048 * SECTOR_LEN];
     let mut offset = 0;
     loop {
-        let count = fill(&mut input, &mut buffer).map_err(failed)?;
-        for (sector, at) in buffer[..count].chunks_exact(SECTOR_LEN).zip(0_u64..) {
-            found.take(sector, offset + at * SECTOR_LEN as u64);
+        let count = fill(input, &mut buffer).map_err(unreadable)?;
+        let (sectors, rest) = buffer[..count].as_chunks::<SECTOR_LEN>();
+        for (sector, at) in sectors.iter().zip(0_u64..) {
+            if let Some((place, record)) = found.take(sector, offset + at * SECTOR_LEN as u64) {
+                keep(&place, &record, sector);
+                found.places.push(place);
+            }
         }
+        found.is_cut_off |= rest.iter().any(|&byte| byte != 0);
         offset += count as u64;
         if count < buffer.len() {
             break;
@@ -61,6 +69,19 @@ pub fn scan(input: &mut (impl Read + Seek)) -> Result<Found, InputError> {
     }
     found.put_in_order();
     Ok(found)
+}
+
+/// What cannot be read has no place that helps.
+pub fn unreadable(error: std::io::Error) -> InputError {
+    InputError::new(format!("cannot be read: {error}"))
+}
+
+/// Whether a logger's log begins so, or goes on so behind damaged sectors.
+#[must_use]
+pub fn is_log(start: &[u8]) -> bool {
+    let is_record =
+        |sector: &Sector| matches!(Record::decode(sector), Ok(_) | Err(RecordError::Version(_)));
+    start.starts_with(&MAGIC) || start.as_chunks::<SECTOR_LEN>().0.iter().any(is_record)
 }
 
 /// Reads until the buffer is full or the input ends.
@@ -76,27 +97,31 @@ fn fill(input: &mut impl Read, buffer: &mut [u8]) -> std::io::Result<usize> {
 }
 
 impl Found {
-    fn take(&mut self, bytes: &[u8], offset: u64) {
+    fn take(&mut self, sector: &Sector, offset: u64) -> Option<(Place, Record)> {
         // The directory's entry of the file begins with the same letters, then a
         // space where a record has its version.
-        if !bytes.starts_with(&MAGIC) || bytes.get(MAGIC.len()) == Some(&b' ') {
-            return;
+        if !sector.starts_with(&MAGIC) || sector.get(MAGIC.len()) == Some(&b' ') {
+            self.unmarked += u64::from(sector.iter().any(|&byte| byte != 0));
+            return None;
         }
-        let Ok(sector): Result<&Sector, _> = bytes.try_into() else { return };
         match Record::decode(sector) {
-            Ok(record) if stretch::is_in_order(&record) => self.places.push(Place {
-                key: Key::new(&record),
-                sector: record.sector,
-                content: stretch::hash(bytes),
-                offset,
-            }),
+            Ok(record) if stretch::is_in_order(&record) => {
+                let (key, content) = (Key::new(&record), stretch::hash(sector));
+                return Some((Place { key, sector: record.sector, content, offset }, record));
+            }
             Err(RecordError::Version(_)) => self.newer += 1,
             Ok(_) | Err(RecordError::Unsound) => self.unsound += 1,
             Err(RecordError::Corrupt | RecordError::Empty) => self.damaged += 1,
         }
+        None
     }
 
     fn put_in_order(&mut self) {
+        // A record's number is its place in the log file: then nothing else is in the input.
+        let in_place = |it: &Place| it.offset == SECTOR_LEN as u64 * u64::from(it.sector);
+        if self.places.iter().any(in_place) {
+            self.damaged += self.unmarked;
+        }
         let all = self.places.len();
         self.places.sort();
         self.places.dedup_by_key(|place| (place.key, place.sector, place.content));

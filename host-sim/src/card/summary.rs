@@ -3,7 +3,8 @@
 use floe_firmware::settings::Settings;
 
 use super::{Found, Test};
-use crate::rounding::plus_minus;
+use crate::error::InputError;
+use crate::rounding::{counted, plus_minus};
 
 /// A line for each test, then what became of the sectors.
 #[must_use]
@@ -33,7 +34,35 @@ pub fn summary(tests: &[Test], found: &Found) -> String {
             text += &format!(", {count} {what}");
         }
     }
+    if found.is_cut_off {
+        text += ", the last cut off";
+    }
     text + "\n" + &conflicts(tests)
+}
+
+/// Sectors that are not used, in words.
+pub(super) fn unused(found: &Found) -> Vec<String> {
+    let sectors = |count: u64, kind: &str| Some(counted(count, kind)).filter(|_| count > 0);
+    let of = |count: u64, what: &str| sectors(count, "sector").map(|it| format!("{it} {what}"));
+    let cut_off = found.is_cut_off.then(|| "a last sector that is cut off".to_string());
+    [
+        sectors(found.damaged, "damaged sector"),
+        of(found.unsound, "that no logger writes"),
+        of(found.newer, "of a newer version"),
+        cut_off,
+    ]
+    .into_iter()
+    .flatten()
+    .collect()
+}
+
+/// What to say of an input without any record.
+pub(super) fn no_record(found: &Found) -> InputError {
+    let none = "holds no record of a floe logger";
+    match unused(found).join(", ") {
+        unused if unused.is_empty() => InputError::new(none),
+        unused => InputError::new(format!("{none}: {unused}")),
+    }
 }
 
 /// What is not as one logger writes one card.

@@ -1,145 +1,123 @@
-//! The board's log as the text of a CSV log, for everything that reads those.
+//! The first test of a board's log as the text of a CSV log, for everything that reads those.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::io::{self, Read};
-use std::sync::{Arc, Mutex};
+use std::vec;
 
-use floe_firmware::record::{Record, RecordError, SECTOR_LEN, Sector};
+use floe_firmware::record::{Record, Sector};
+use floe_firmware::sample::Sample;
+use floe_firmware::settings::Settings;
 
-use super::stretch::{self, Key, Next, Reached};
+use super::stretch::Key;
+use super::summary::{no_record, unused};
 use super::write::{head, row};
+use super::{Found, Place, decode, put_together, sectors};
+use crate::error::InputError;
+use crate::rounding::counted;
 
 /// The column of the readings, in counts of the converter.
 pub const COLUMN: &str = "counts";
 
-/// What a reader of the text should know, complete at its end.
-#[derive(Clone, Debug, Default)]
-pub struct Told(Arc<Mutex<Aside>>);
-
-/// What is not in the text.
-#[derive(Debug, Default)]
-struct Aside {
-    damaged: u64,
-    unsound: u64,
-    newer: u64,
-    repeated: u64,
-    others: BTreeSet<Key>,
-    torn_off: u64,
-    /// The zero after the test, taken once its samples were all there.
-    zero_after_n: Option<f32>,
-}
-
-impl Told {
-    /// In words.
-    #[must_use]
-    pub fn warnings(&self) -> Vec<String> {
-        let Ok(aside) = self.0.lock() else { return Vec::new() };
-        let others = aside.others.len() as u64;
-        let say = |count: u64, what: &str| (count > 0).then(|| format!("{count} {what}"));
-        [
-            say(others, "more recordings are in it: floe recover takes them apart"),
-            say(aside.torn_off, "records of the same test do not go on with it: floe recover"),
-            say(aside.repeated, "records are there again, and were left out"),
-            say(aside.damaged, "damaged sectors were left out"),
-            say(aside.unsound, "sectors that no logger writes were left out"),
-            say(aside.newer, "sectors of a newer version were left out"),
-        ]
-        .into_iter()
-        .flatten()
-        .chain(aside.zero_after_n.map(|zero_n| {
-            format!(
-                "a zero of {zero_n:.2} N was taken after the test; it is not taken off here, as the \
-                 board did not know it: floe recover keeps it with the test"
-            )
-        }))
-        .collect()
-    }
-
-    fn count(&self, add: impl FnOnce(&mut Aside)) {
-        if let Ok(mut aside) = self.0.lock() {
-            add(&mut aside);
-        }
-    }
-}
-
-/// Turns records into lines while they are read. Only the first test of the log is
-/// given; `floe recover` takes them apart.
+/// The test as lines, made while they are read.
 #[derive(Debug)]
-pub struct Text<R> {
-    input: R,
-    key: Option<Key>,
-    reached: Option<Reached>,
-    told: Told,
+pub struct Text {
+    settings: Settings,
+    first_index: u32,
+    samples: vec::IntoIter<Sample>,
     text: Vec<u8>,
     given: usize,
-    done: bool,
 }
 
-impl<R: Read> Text<R> {
-    /// Reads from the start of a log file.
-    pub fn new(input: R) -> Self {
-        let (told, text) = (Told::default(), Vec::new());
-        Self { input, key: None, reached: None, told, text, given: 0, done: false }
-    }
+/// The records of the first test, whatever order they come in.
+#[derive(Debug, Default)]
+struct First {
+    /// Every recording with samples.
+    keys: BTreeSet<Key>,
+    /// Sectors of the first one, and of those before it that have no samples, by their offset.
+    sectors: BTreeMap<u64, (Key, Sector)>,
+}
 
-    /// What there is to know beside the text.
-    #[must_use]
-    pub fn told(&self) -> Told {
-        self.told.clone()
-    }
-
-    /// The next sector as text. Damaged and empty sectors have none.
-    fn refill(&mut self) -> io::Result<()> {
-        let mut sector: Sector = [0; SECTOR_LEN];
-        match self.input.read_exact(&mut sector) {
-            Err(error) if error.kind() == io::ErrorKind::UnexpectedEof => self.done = true,
-            Err(error) => return Err(error),
-            Ok(()) => match Record::decode(&sector) {
-                Ok(record) if stretch::is_in_order(&record) => self.take(&record),
-                Err(RecordError::Empty) => {}
-                Err(RecordError::Corrupt) => self.told.count(|aside| aside.damaged += 1),
-                Ok(_) | Err(RecordError::Unsound) => self.told.count(|aside| aside.unsound += 1),
-                Err(RecordError::Version(_)) => self.told.count(|aside| aside.newer += 1),
-            },
+impl First {
+    fn take(&mut self, place: &Place, record: &Record, sector: &Sector) {
+        if !record.samples.is_empty() && self.keys.insert(place.key) {
+            let first = self.keys.first().copied();
+            self.sectors.retain(|_, (key, _)| first.is_none_or(|first| *key <= first));
         }
-        Ok(())
+        if self.keys.first().is_none_or(|first| place.key <= *first) {
+            self.sectors.insert(place.offset, (place.key, *sector));
+        }
     }
+}
 
-    fn take(&mut self, record: &Record) {
-        let key = Key::new(record);
-        let Some(sample) = record.samples.first() else {
-            // Settings that were changed after the test.
-            let zero_n = record.settings.zero.after_n.filter(|_| self.key == Some(key));
-            return self.told.count(|aside| aside.zero_after_n = zero_n.or(aside.zero_after_n));
+impl Text {
+    /// Reads a log to its end and takes the first test that `floe recover` would find in it.
+    /// Gives what there is to know beside it, in words.
+    ///
+    /// # Errors
+    /// It cannot be read, or there is no test in it.
+    pub fn read(mut input: impl Read) -> Result<(Self, Vec<String>), InputError> {
+        let mut first = First::default();
+        let found = sectors::scan(&mut input, |place, record, sector| {
+            first.take(place, record, sector);
+        })?;
+        if found.places.is_empty() {
+            return Err(no_record(&found));
+        }
+        let mut places = found.places.clone();
+        places.retain(|place| first.sectors.contains_key(&place.offset));
+        let mut settings = None;
+        let tests = put_together(&places, |place| {
+            let (_, sector) = first.sectors.get(&place.offset).ok_or_else(|| no_record(&found))?;
+            let record = decode(sector, place.offset)?;
+            if !record.samples.is_empty() {
+                settings.get_or_insert_with(|| record.settings.clone());
+            }
+            Ok(record)
+        })?;
+        let others = (first.keys.len() + tests.len()).saturating_sub(2) as u64;
+        let (Some(test), Some(settings)) = (tests.into_iter().next(), settings) else {
+            return Err(InputError::new("holds settings of a floe logger, and no test"));
         };
-        if self.key.is_none() {
-            self.key = Some(key);
-            self.text.extend(head(&record.part, &record.settings).bytes());
-        }
-        if self.key != Some(key) {
-            return self.told.count(|aside| {
-                aside.others.insert(key);
-            });
-        }
-        match self.reached.map_or(Next::Follows, |reached| reached.next(sample)) {
-            Next::Follows => {}
-            Next::StepsBack => return self.told.count(|aside| aside.repeated += 1),
-            Next::OtherClock => return self.told.count(|aside| aside.torn_off += 1),
-        }
-        self.reached = Reached::end_of(record);
-        for sample in &record.samples {
-            let line = row(&record.settings, record.part.first_index, sample);
-            self.text.extend(line.bytes());
-        }
+        let mut told = told(&found, others);
+        told.extend(zero_taken_after(test.settings.zero.after_n, settings.zero.after_n));
+        let text = head(&test.part, &settings).into_bytes();
+        let (first_index, samples) = (test.part.first_index, test.samples.into_iter());
+        Ok((Self { settings, first_index, samples, text, given: 0 }, told))
     }
 }
 
-impl<R: Read> Read for Text<R> {
+/// What else is in a log.
+fn told(found: &Found, others: u64) -> Vec<String> {
+    let recordings = (others > 0).then(|| {
+        let more = counted(others, "more recording");
+        format!("{more} beside it: floe recover takes them apart")
+    });
+    let again = match found.repeated {
+        0 => None,
+        1 => Some("1 record is there again, and was left out".to_string()),
+        more => Some(format!("{more} records are there again, and were left out")),
+    };
+    let unused = unused(found).into_iter().map(|sectors| format!("{sectors}: left out"));
+    recordings.into_iter().chain(again).chain(unused).collect()
+}
+
+/// What a zero that the board did not know comes to.
+fn zero_taken_after(zero_n: Option<f32>, known_n: Option<f32>) -> Option<String> {
+    let zero_n = zero_n.filter(|_| known_n.map(f32::to_bits) != zero_n.map(f32::to_bits))?;
+    Some(format!(
+        "a zero of {zero_n:.2} N was taken after the test; it is not taken off here, as the board \
+         did not know it: floe recover keeps it with the test"
+    ))
+}
+
+impl Read for Text {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-        while self.given == self.text.len() && !self.done {
-            self.text.clear();
+        if self.given == self.text.len() {
             self.given = 0;
-            self.refill()?;
+            self.text.clear();
+            if let Some(sample) = self.samples.next() {
+                self.text = row(&self.settings, self.first_index, &sample).into_bytes();
+            }
         }
         let left = self.text.get(self.given..).unwrap_or_default();
         let count = left.len().min(buffer.len());

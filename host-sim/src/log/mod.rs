@@ -16,7 +16,6 @@ use std::collections::VecDeque;
 use std::io::Read;
 
 use floe_core::RawSample;
-use floe_firmware::record::MAGIC;
 
 use crate::card;
 use crate::error::InputError;
@@ -58,7 +57,7 @@ use layout::Layout;
 use lines::Lines;
 use metadata::Metadata;
 pub use number::{Decimal, STANDARD_GRAVITY, Unit};
-use open::{begin, peek, recognise, refuse_binary, utf8};
+use open::{begin, no_floe, peek, recognise, refuse_binary, utf8};
 pub use options::LogOptions;
 use rate::{agrees_with_stamps, keeps_up};
 use rows::{Row, Rows};
@@ -118,7 +117,7 @@ pub struct Log {
     rate_is_given: bool,
     head: Recognised,
     /// What a logger's own log holds beside the test.
-    told: card::Told,
+    told: Vec<String>,
 }
 
 /// What a reader found out about a text log before its first row.
@@ -141,13 +140,13 @@ impl Log {
         input: Box<dyn Read + Send>,
         options: &LogOptions,
     ) -> Result<Self, InputError> {
-        let (input, mark) = peek(input)?;
-        let (input, is_floe) = (utf8(input, &mark), mark == MAGIC);
+        let (input, start) = peek(input)?;
+        let (input, is_floe) = (utf8(input, &start), card::is_log(&start));
         if is_floe && options.format.is_none_or(|format| format == Format::Floe) {
             return Self::from_floe(input, options);
         }
         if options.format == Some(Format::Floe) {
-            return Err(InputError::new("is not a log of a floe logger; leave --format out"));
+            return Err(no_floe());
         }
         let mut lines = Lines::new(input);
         let head = lines.head()?;
@@ -171,8 +170,7 @@ impl Log {
             unit: Some(Unit::Counts),
             ..options.clone()
         };
-        let text = card::Text::new(input);
-        let told = text.told();
+        let (text, told) = card::Text::read(input)?;
         let (rows, head) = begin(Format::Floe, Lines::new(Box::new(text)), &options)?;
         Ok(Self { told, ..Self::timed(Format::Floe, rows, head, &options)? })
     }
@@ -285,16 +283,20 @@ impl Log {
                  samples per second; give --rate-hz R, or write them with more digits"
             )
         });
-        let told = self.told.warnings();
         let found = self.head.notes.iter().cloned().chain(said).chain(truncated).chain(left_out);
-        found.chain(misfits).chain(uneven).chain(self.held.warning(rate_hz)).chain(told).collect()
+        found
+            .chain(misfits)
+            .chain(uneven)
+            .chain(self.held.warning(rate_hz))
+            .chain(self.told.iter().cloned())
+            .collect()
     }
 
     /// Reads the head and finds the timing in it.
     fn timed(
         format: Format,
         mut rows: Rows,
-        recognised: Recognised,
+        mut recognised: Recognised,
         options: &LogOptions,
     ) -> Result<Self, InputError> {
         let mut head = Vec::new();
@@ -310,7 +312,7 @@ impl Log {
             return Err(InputError::new(format!("a rate of {wrong} Hz is not within 1 to 2000")));
         }
         match options.rate_hz {
-            Some(given) => keeps_up(given, &head, &rows)?,
+            Some(given) => recognised.notes.extend(keeps_up(given, &head, &rows)?),
             None => agrees_with_stamps(&head, &rows)?,
         }
         let timing = rows.layout().timing(&head, rate_hz)?;
@@ -324,7 +326,7 @@ impl Log {
             held: Held::default(),
             rate_is_given: options.rate_hz.is_some(),
             head: recognised,
-            told: card::Told::default(),
+            told: Vec::new(),
         })
     }
 }

@@ -2,7 +2,7 @@
 
 use std::io::{Cursor, Read};
 
-use floe_firmware::record::MAGIC;
+use floe_firmware::record::SECTOR_LEN;
 
 use crate::error::{InputError, excerpt};
 
@@ -15,23 +15,36 @@ use super::options::LogOptions;
 use super::rows::Rows;
 use super::{Format, Recognised, cr10, csv, toa5};
 
-/// The first bytes of a stream, and the whole of it.
+/// As much of a stream as shows whether it is a card's log: 64 of its sectors.
+pub const START_LEN: usize = 64 * SECTOR_LEN;
+
+/// The beginning of a stream, [`START_LEN`] bytes or all there is, and the whole of it.
 ///
 /// # Errors
 /// It cannot be read.
 pub fn peek(
     mut input: Box<dyn Read + Send>,
 ) -> Result<(Box<dyn Read + Send>, Vec<u8>), InputError> {
-    let mut mark = Vec::new();
-    let read = input.by_ref().take(MAGIC.len() as u64).read_to_end(&mut mark);
+    let mut start = Vec::new();
+    let read = input.by_ref().take(START_LEN as u64).read_to_end(&mut start);
     read.map_err(|error| InputError::new(format!("cannot be read: {error}")))?;
-    Ok((Box::new(Cursor::new(mark.clone()).chain(input)), mark))
+    Ok((Box::new(Cursor::new(start.clone()).chain(input)), start))
+}
+
+/// What to say of another log that `--format floe` calls one.
+#[must_use]
+pub fn no_floe() -> InputError {
+    InputError::new(format!(
+        "its first {} KiB hold no record of a floe logger: floe recover looks through all of it, and \
+         another log needs no --format floe",
+        START_LEN / 1024
+    ))
 }
 
 /// The same text in UTF-8 if it begins with the mark of UTF-16.
 #[must_use]
-pub fn utf8(input: Box<dyn Read + Send>, mark: &[u8]) -> Box<dyn Read + Send> {
-    if mark.starts_with(b"\xFF\xFE") || mark.starts_with(b"\xFE\xFF") {
+pub fn utf8(input: Box<dyn Read + Send>, start: &[u8]) -> Box<dyn Read + Send> {
+    if start.starts_with(b"\xFF\xFE") || start.starts_with(b"\xFE\xFF") {
         return Box::new(encoding_rs_io::DecodeReaderBytes::new(input));
     }
     input
@@ -66,6 +79,9 @@ pub fn refuse_binary(head: &[u8]) -> Result<(), InputError> {
             return Err(InputError::new(format!("is {kind}; convert it to TOA5 with CardConvert")));
         }
     }
+    if is_card(head) {
+        return refuse("is the image of a card; floe recover takes the tests out of it");
+    }
     if zeros_between(head) {
         return refuse("looks like UTF-16 text without its mark, or UTF-32; save it as UTF-8");
     }
@@ -84,11 +100,18 @@ pub fn refuse_binary(head: &[u8]) -> Result<(), InputError> {
     let first = text.split(|&byte| byte == b'\n').next().unwrap_or_default();
     if first.contains(&0) || control_share(head) > 0.02 {
         let known = BINARY.iter().find(|(start, _)| head.starts_with(start));
-        return refuse(
-            known.map_or("is a binary file, not a csv, toa5 or cr10 log", |known| known.1),
-        );
+        return refuse(known.map_or(
+            "is a binary file, not a csv, toa5 or cr10 log; a damaged card is for floe recover",
+            |known| known.1,
+        ));
     }
     Ok(())
+}
+
+/// A sector as a card with a file system begins with.
+fn is_card(head: &[u8]) -> bool {
+    head.get(..SECTOR_LEN)
+        .is_some_and(|sector| sector.ends_with(b"\x55\xAA") && sector.contains(&0))
 }
 
 /// An object, or an array of objects or arrays. An instrument's `[Header]` is none.

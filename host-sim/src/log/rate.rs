@@ -7,16 +7,23 @@ use super::rows::{Row, Rows};
 /// Rows that show a rate.
 const ENOUGH: usize = 32;
 
-/// Refuses a given rate with which many samples would be taken for duplicates.
+/// Refuses a given rate with which many samples would be taken for duplicates. Gives what to
+/// say of one with which many would be missing.
 ///
 /// # Errors
 /// It is far below the rate of the stamps.
-pub fn keeps_up(given: f64, head: &[Row], rows: &Rows) -> Result<(), InputError> {
+pub fn keeps_up(given: f64, head: &[Row], rows: &Rows) -> Result<Option<String>, InputError> {
     const SURELY: f64 = 1.5;
-    let Ok(found) = rows.layout().timing(head, None) else { return Ok(()) };
+    let Ok(found) = rows.layout().timing(head, None) else { return Ok(None) };
     let found_hz = found.rate_hz;
     if found.shared.is_some() || head.len() < ENOUGH || found_hz < SURELY * given {
-        return Ok(());
+        let is_less = found.shared.is_none() && head.len() >= ENOUGH && SURELY * found_hz < given;
+        return Ok(is_less.then(|| {
+            format!(
+                "the samples come {found_hz:.3} times a second, and --rate-hz says {given}: those in \
+                 between count as missing; is --rate-hz right?"
+            )
+        }));
     }
     Err(InputError::new(format!(
         "--rate-hz says {given}, and the samples come {found_hz:.3} times a second: those in between \

@@ -1,0 +1,174 @@
+//! A board's log as `floe replay`, `inspect` and `recover` see it: whatever order its sectors
+//! are in, and whatever is left of it.
+
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output};
+
+use floe_core::Counts;
+use floe_firmware::adc::Input;
+use floe_firmware::record::{Part, Record, SECTOR_LEN, Sector};
+use floe_firmware::sample::Sample;
+
+#[path = "support/command.rs"]
+mod command;
+use command::{assert_refused, directory, text};
+
+fn floe(directory: &Path, arguments: &[&str]) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_floe"));
+    command.current_dir(directory).args(arguments).output().unwrap()
+}
+
+/// Sectors of one test, numbered from `first` on.
+fn test(run: u32, first: u32, sectors: u32) -> Vec<Sector> {
+    let sample = |index: u32| Sample {
+        index,
+        stamp: 62_500 * index,
+        input: Input::Bridge,
+        reading: Ok(Counts(1000 + 7 * index as i32)),
+    };
+    let record = |number: u32| {
+        let mut record = Record {
+            sector: first + number,
+            part: Part { id: Some(u64::from(run)), run, ..Part::default() },
+            clock_hz: 1_000_000,
+            samples: (8 * number..8 * number + 8).map(sample).collect(),
+            ..Record::default()
+        };
+        record.settings.config.weight_n = 630.0;
+        record.encode()
+    };
+    (0..sectors).map(record).collect()
+}
+
+/// Two tests, of 240 and 96 samples.
+fn two_tests() -> Vec<Sector> {
+    [test(1, 0, 30), test(2, 30, 12)].concat()
+}
+
+/// Changes a value that no logger writes, with a right checksum.
+fn unsound(mut sector: Sector) -> Sector {
+    sector[36..40].copy_from_slice(&f32::NAN.to_le_bytes());
+    let mut sum = u32::MAX;
+    for &byte in &sector[..508] {
+        sum ^= u32::from(byte);
+        for _ in 0..8 {
+            sum = (sum >> 1) ^ (0xEDB8_8320 & (sum & 1).wrapping_neg());
+        }
+    }
+    sector[508..].copy_from_slice(&(!sum).to_le_bytes());
+    sector
+}
+
+fn replayed(dir: &Path, card: &[u8]) -> serde_json::Value {
+    fs::write(dir.join("FLOE.LOG"), card).unwrap();
+    let output = floe(dir, &["replay", "FLOE.LOG", "--json", "--quiet"]);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    serde_json::from_slice(&output.stdout).unwrap()
+}
+
+fn recovered(dir: &Path, card: &[u8]) -> String {
+    fs::write(dir.join("FLOE.LOG"), card).unwrap();
+    let _ = fs::remove_dir_all(dir.join("tests"));
+    let output = floe(dir, &["recover", "FLOE.LOG", "-o", "tests"]);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    text(&output.stdout)
+}
+
+#[test]
+fn the_order_of_the_sectors_does_not_matter() {
+    let dir = directory("card/order");
+    let sectors = two_tests();
+    let as_written = replayed(&dir, &sectors.concat());
+    assert_eq!(as_written["log"]["samples"], 240);
+    let more = "1 more recording beside it: floe recover takes them apart";
+    assert_eq!(as_written["log"]["warnings"], serde_json::json!([more]));
+    let mut swapped = sectors.clone();
+    swapped.swap(7, 8);
+    let reversed: Vec<Sector> = sectors.iter().rev().copied().collect();
+    // 17 and 42 have no divisor in common.
+    let shuffled: Vec<Sector> = (0..42).map(|i| sectors[17 * i % 42]).collect();
+    for card in [swapped, reversed, shuffled] {
+        assert_eq!(replayed(&dir, &card.concat()), as_written);
+        let said = recovered(&dir, &card.concat());
+        assert!(said.contains("240 samples") && said.contains("96 samples"), "{said}");
+        assert!(said.contains("sectors: 42 read, 0 damaged, 0 lost\n"), "{said}");
+    }
+}
+
+#[test]
+fn what_is_damaged_is_said_alike() {
+    let dir = directory("card/damaged");
+    let mut sectors = two_tests();
+    sectors[0][2] ^= 1;
+    sectors[9][1] ^= 1;
+    sectors[20][300] ^= 1;
+    sectors[21] = unsound(sectors[21]);
+    let card = [&sectors.concat()[..], &test(3, 42, 1)[0][..200]].concat();
+    let said = recovered(&dir, &card);
+    let sums = "sectors: 38 read, 3 damaged, 3 lost, 1 that no logger writes, the last cut off\n";
+    assert!(said.contains(sums), "{said}");
+    let result = replayed(&dir, &card);
+    assert_eq!(result["log"]["samples"], 208);
+    let warnings: Vec<&str> = result["log"]["warnings"].as_array().unwrap()[1..]
+        .iter()
+        .map(|warning| warning.as_str().unwrap())
+        .collect();
+    let expected = [
+        "3 damaged sectors: left out",
+        "1 sector that no logger writes: left out",
+        "a last sector that is cut off: left out",
+    ];
+    assert_eq!(warnings, expected);
+    // Of an image's other files nothing is damaged.
+    let image = [&[7; SECTOR_LEN][..], &two_tests().concat()].concat();
+    assert!(recovered(&dir, &image).contains("sectors: 42 read, 0 damaged, 0 lost\n"));
+}
+
+#[test]
+fn what_holds_no_test_is_refused_with_the_reason() {
+    let dir = directory("card/none");
+    let written = unsound(test(1, 0, 1)[0]);
+    fs::write(dir.join("card.log"), [written, written].concat()).unwrap();
+    let why = "card.log: holds no record of a floe logger: 2 sectors that no logger writes\n";
+    assert_refused(&floe(&dir, &["replay", "card.log"]), &[why]);
+    assert_refused(&floe(&dir, &["recover", "card.log", "-o", "tests"]), &[why]);
+    let settings = Record::default().encode();
+    fs::write(dir.join("settings.log"), settings).unwrap();
+    assert_refused(&floe(&dir, &["replay", "settings.log"]), &["settings.log", "no test"]);
+    // Images and what is damaged all over are for the other command.
+    let mut boot = [0; SECTOR_LEN];
+    boot[510..].copy_from_slice(b"\x55\xAA");
+    fs::write(dir.join("card.img"), [&boot[..], &[0; 1 << 16], &two_tests().concat()].concat())
+        .unwrap();
+    assert_refused(&floe(&dir, &["replay", "card.img"]), &["image of a card; floe recover"]);
+    let forced = floe(&dir, &["replay", "card.img", "--format", "floe"]);
+    assert_refused(&forced, &["first 32 KiB", "floe recover"]);
+    fs::write(dir.join("noise"), [1; 1 << 16]).unwrap();
+    assert_refused(&floe(&dir, &["replay", "noise"]), &["binary", "floe recover"]);
+}
+
+#[test]
+fn an_output_that_is_a_file_is_no_folder() {
+    let dir = directory("card/folder");
+    fs::write(dir.join("card.log"), two_tests().concat()).unwrap();
+    fs::write(dir.join("taken"), "old").unwrap();
+    let refused = floe(&dir, &["recover", "card.log", "-o", "taken"]);
+    assert_refused(&refused, &["taken: is a file; name a directory"]);
+    assert_refused(&floe(&dir, &["recover", "card.log", "-o", "-"]), &["standard output"]);
+}
+
+#[test]
+fn a_card_has_neither_lines_nor_cells() {
+    let dir = directory("card/inspect");
+    fs::write(dir.join("card.log"), two_tests().concat()).unwrap();
+    let said = text(&floe(&dir, &["inspect", "card.log"]).stdout);
+    assert!(said.contains("format   floe, sectors of a logger's card\n"), "{said}");
+    assert!(said.contains("weight_n: 630\n") && !said.contains("line"), "{said}");
+    let output = floe(&dir, &["inspect", "card.log", "--json"]);
+    let json: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    for key in ["delimiter", "decimal", "header_line", "units_line", "first_row_line"] {
+        assert!(json[key].is_null(), "{key}: {json}");
+    }
+    assert!(json["metadata"][0]["line"].is_null(), "{json}");
+}
