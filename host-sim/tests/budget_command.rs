@@ -158,12 +158,17 @@ fn every_event_holds_the_losses_that_the_whole_test_tells() {
 }
 
 #[test]
-fn a_negative_standard_deviation_is_refused() {
-    let program = Command::new(env!("CARGO_BIN_EXE_floe"))
-        .args(["replay", LOG, "--weight-std-n", "-1"])
-        .output()
-        .unwrap();
-    let said = String::from_utf8_lossy(&program.stderr);
-    assert_eq!((program.status.code(), said.lines().count()), (Some(2), 1), "{said}");
-    assert!(said.contains("standard deviation"), "{said}");
+fn a_standard_deviation_that_cannot_be_is_refused() {
+    for (option, value, why) in [
+        ("--weight-std-n", "-1", "standard deviation"),
+        ("--damping-std", "5", "damping_std 5: at most 0.3 of the critical damping counts"),
+    ] {
+        let program = Command::new(env!("CARGO_BIN_EXE_floe"))
+            .args(["replay", LOG, option, value])
+            .output()
+            .unwrap();
+        let said = String::from_utf8_lossy(&program.stderr);
+        assert_eq!((program.status.code(), said.lines().count()), (Some(2), 1), "{said}");
+        assert!(said.contains(why), "{said}");
+    }
 }

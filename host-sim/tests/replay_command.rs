@@ -113,10 +113,15 @@ fn bad_options_are_refused_in_one_line() {
     let path = dir.join("log.csv");
     fs::write(&path, ramp(40)).unwrap();
     let path = path.to_str().unwrap();
-    let table: [(&[&str], &[&str]); 19] = [
+    let table: [(&[&str], &[&str]); 21] = [
         (&[], &["weight", "--weight-n", "--mass-kg", "# weight_n:"]),
         (&["--weight-n", "0"], &["weight", "above zero"]),
-        (&["--weight-n", "1e308"], &["weight 1e308 N"]),
+        (&["--weight-n", "1e308"], &["weight 1e308 N: no test has that"]),
+        (&["--weight-n", "1e-300"], &["N: no test has that"]),
+        (
+            &["--weight-n", "5", "--decimal", ","],
+            &["column 'force_n' holds '100.25'", "than --decimal says"],
+        ),
         (
             &["--weight-n", "630", "--zero-before-n", "nan"],
             &["NaN N", "--zero-before-n in newtons"],
@@ -195,6 +200,15 @@ fn a_truncated_last_line_is_left_out_and_told() {
         let quiet = floe_fed(&[arguments.as_slice(), &["--quiet"]].concat(), content.as_bytes());
         assert_eq!(text(&quiet.stderr), "");
     }
+}
+
+#[test]
+fn a_rate_far_above_that_of_the_stamps_is_doubted() {
+    let arguments = ["replay", "-", "--weight-n", "100", "--json", "--rate-hz", "32"];
+    let output = floe_fed(&arguments, ramp(80).as_bytes());
+    let said = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(0), "{said}");
+    assert!(said.contains("come 16.000 times a second, and --rate-hz says 32"), "{said}");
 }
 
 #[test]

@@ -66,6 +66,35 @@ fn states_tell_what_the_block_did_at_each_sample() {
     assert!(names.windows(2).all(|pair| pair[0] != pair[1]));
 }
 
+fn refused(folder: &Path, arguments: &[&str]) -> String {
+    let output =
+        Command::new(env!("CARGO_BIN_EXE_floe")).current_dir(folder).args(arguments).output();
+    let output = output.unwrap();
+    assert_eq!(output.status.code(), Some(2));
+    String::from_utf8(output.stderr).unwrap()
+}
+
+#[test]
+fn a_name_of_several_lines_is_refused_and_a_path_of_several_stays_a_comment() {
+    let folder = folder("lines");
+    let whole = fs::read_to_string(scene("dff8-13.toml")).unwrap();
+    let named = |name: &str| {
+        let rest = whole.lines().filter(|line| !line.starts_with("test_id"));
+        format!("test_id = \"{name}\"\n") + &rest.collect::<Vec<_>>().join("\n")
+    };
+    fs::write(folder.join("bad.toml"), named("A\\n0,1")).unwrap();
+    let said = refused(&folder, &["simulate", "bad.toml", "-o", "log.csv"]);
+    assert!(said.contains("bad.toml: test_id: must be one line"), "{said}");
+    fs::write(folder.join("a\nb.toml"), named("A")).unwrap();
+    floe(&folder, &["simulate", "a\nb.toml", "-o", "log.csv", "--duration-s", "5"]);
+    let log = fs::read_to_string(folder.join("log.csv")).unwrap();
+    let head = log.lines().take_while(|line| *line != "time_s,force_n");
+    assert!(head.clone().count() > 3 && head.clone().all(|line| line.starts_with('#')), "{log}");
+    let said = refused(&folder, &["simulate", "a\nb.toml", "-o", "x.csv", "--duration-s", "0"]);
+    assert!(said.starts_with("floe: --duration-s: duration_s = 0: must be"), "{said}");
+    fs::remove_dir_all(folder).unwrap();
+}
+
 /// Root-mean-square of the errors over that of the bounds.
 fn error_over_bound(truth: &Value, result: &Value, name: &str) -> f64 {
     let (truth, found) =

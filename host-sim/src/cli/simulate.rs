@@ -3,7 +3,7 @@
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-use crate::error::InputError;
+use crate::error::{InputError, printable_line};
 use crate::short_file;
 use crate::sim::truth_file::TruthBuilder;
 use crate::sim::{Method, Run, Scene, write};
@@ -94,6 +94,7 @@ pub fn read_scene(path: &Path, duration_s: Option<f64>) -> Result<Scene, InputEr
     let mut scene = Scene::from_toml(&text).map_err(|e| refused(e.to_string()))?;
     if let Some(duration_s) = duration_s {
         scene.duration_s = duration_s;
+        scene.validate().map_err(|e| InputError::new(e.to_string()).within("--duration-s"))?;
     }
     Ok(scene)
 }
@@ -134,9 +135,10 @@ fn command_line(args: &Args) -> String {
 fn summary(args: &Args, scene: &Scene, events: usize) -> String {
     let terms = scene.terms();
     let terms = if terms.is_empty() { "none".to_owned() } else { terms.join(", ") };
+    let output = args.output.display().to_string();
     format!(
         "{}: {} samples at {} Hz, {events} events, seed {}\nmethod: {}\nterms: {terms}\n",
-        args.output.display(),
+        printable_line(&output),
         scene.sample_count(),
         scene.rate_hz,
         args.seed,

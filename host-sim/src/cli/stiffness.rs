@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use floe_core::Reading;
 use serde::Serialize;
 
-use crate::error::InputError;
+use crate::error::{InputError, printable_line};
 use crate::log::{Log, LogOptions};
 use crate::rounding::plus_minus;
 use crate::stiffness::{Measured, Pull, Stiffness, Together, stiffness, straight_part, together};
@@ -33,14 +33,14 @@ pub struct Args {
     #[arg(long, value_name = "W")]
     winch_m_per_s: Option<f64>,
     /// Its standard deviation, m/s
-    #[arg(long, value_name = "S", default_value_t = 0.0)]
+    #[arg(long, value_name = "S", default_value_t = 0.0, allow_negative_numbers = true)]
     winch_std_m_per_s: f64,
     /// Free length of the cable, m, for AE; one for all logs or one for each
     /// [default: as the log says]
     #[arg(long, value_name = "L", value_delimiter = ',')]
     cable_length_m: Vec<f64>,
     /// Its standard deviation, m
-    #[arg(long, value_name = "S", default_value_t = 0.0)]
+    #[arg(long, value_name = "S", default_value_t = 0.0, allow_negative_numbers = true)]
     cable_length_std_m: f64,
     /// Write what the winch has taken up and the force, m and N, of every sample on a line
     #[arg(long, value_name = "FILE.csv")]
@@ -60,9 +60,21 @@ struct Found {
     samples: Vec<(f64, f64)>,
 }
 
+/// Name and version of the JSON; changes when a meaning changes.
+const SCHEMA: &str = "floe-stiffness/1";
+
+/// One pull alone, as JSON.
+#[derive(Serialize)]
+struct Alone {
+    schema: &'static str,
+    #[serde(flatten)]
+    stiffness: Stiffness,
+}
+
 /// Several pulls, as JSON.
 #[derive(Serialize)]
 struct Several<'a> {
+    schema: &'static str,
     pulls: Vec<One<'a>>,
     together: Option<Together>,
 }
@@ -95,11 +107,15 @@ pub fn run(args: &Args) -> Result<(), InputError> {
     for (number, path) in paths.iter().enumerate() {
         found.push(measure(path, args, number).map_err(|error| error.within(path))?);
     }
+    tell_twice(&found);
     if let Some(path) = &args.extension {
         output::replace(path, &extension(&found))?;
     }
     match found.as_slice() {
-        [one] => json.print(&one.stiffness, || text(&one.stiffness))?,
+        [one] => {
+            let alone = Alone { schema: SCHEMA, stiffness: one.stiffness };
+            json.print(&alone, || text(&one.stiffness))?;
+        }
         several => {
             let lengths = several.iter().map(|it| Some((it.stiffness, it.length_m()?)));
             let together = lengths.collect::<Option<Vec<_>>>().and_then(|all| together(&all));
@@ -108,7 +124,7 @@ pub fn run(args: &Args) -> Result<(), InputError> {
                 cable_length_m: it.length_m(),
                 stiffness: it.stiffness,
             });
-            json.print(&Several { pulls: pulls.collect(), together }, || {
+            json.print(&Several { schema: SCHEMA, pulls: pulls.collect(), together }, || {
                 several_text(several, together.as_ref())
             })?;
         }
@@ -120,6 +136,19 @@ pub fn run(args: &Args) -> Result<(), InputError> {
 impl Found {
     fn length_m(&self) -> Option<f64> {
         self.pull.cable_length_m.map(|length| length.value)
+    }
+}
+
+/// Says which pulls are the same one: their mean looks surer than it is.
+fn tell_twice(found: &[Found]) {
+    for (later, it) in found.iter().enumerate() {
+        if let Some(first) = found.iter().take(later).find(|other| other.samples == it.samples) {
+            let (first, path) = (&first.path, &it.path);
+            output::say(&format!(
+                "warning: {path}: holds the samples of {first}: the same pull counts twice, and \
+                 the ± of the mean is too small"
+            ));
+        }
     }
 }
 
@@ -149,9 +178,14 @@ fn pull(args: &Args, number: usize, log: &Log) -> Result<Pull, InputError> {
     let given = args.cable_length_m.get(number).or(args.cable_length_m.first());
     let length = given.copied().or(said.cable_length_m);
     let positive = |name: &str, value: f64, std_error: f64| {
-        let good = value.is_finite() && value > 0.0 && std_error.is_finite() && std_error >= 0.0;
-        let why = || InputError::new(format!("{name} {value} ± {std_error}: must be above zero"));
-        if good { Ok(Measured { value, std_error }) } else { Err(why()) }
+        let refuse = |why: String| Err(InputError::new(format!("{name} {why}")));
+        if !value.is_finite() || value <= 0.0 {
+            return refuse(format!("{value}: must be a number above zero"));
+        }
+        if !std_error.is_finite() || std_error < 0.0 {
+            return refuse(format!("± {std_error}: must be a number not below zero"));
+        }
+        Ok(Measured { value, std_error })
     };
     let speed = speed.ok_or_else(|| InputError::new(unknown))?;
     Ok(Pull {
@@ -182,7 +216,7 @@ fn several_text(found: &[Found], together: Option<&Together>) -> String {
         let k = it.stiffness.stiffness_n_per_m;
         let length = it.length_m().map_or("?".to_string(), |length_m| format!("{length_m:.2}"));
         let k = plus_minus(k.value / 1e3, k.std_error / 1e3);
-        let _ = writeln!(text, "{length:>9} {k:>17}  {}", it.path);
+        let _ = writeln!(text, "{length:>9} {k:>17}  {}", printable_line(&it.path));
     }
     let Some(together) = together else {
         return text + "together      unknown: every pull needs the length of its cable\n";

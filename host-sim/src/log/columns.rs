@@ -1,6 +1,6 @@
 //! The columns of a text table: what their names, units and first cells say.
 
-use crate::error::InputError;
+use crate::error::{InputError, excerpt};
 
 use super::LogOptions;
 use super::csv::{agreed, find, there_are};
@@ -158,6 +158,7 @@ impl<'a> Columns<'a> {
         options: &LogOptions,
     ) -> Result<Decimal, InputError> {
         if let Some(decimal) = options.decimal {
+            self.refuse_other_mark(decimal, [Some(force), time])?;
             return Ok(decimal);
         }
         let numbers: Vec<&str> = [Some(force), time]
@@ -179,6 +180,26 @@ impl<'a> Columns<'a> {
                  give --decimal . or --decimal ,"
             ))),
         }
+    }
+
+    /// Refuses a decimal mark that the first number with one contradicts.
+    fn refuse_other_mark(
+        &self,
+        given: Decimal,
+        columns: [Option<usize>; 2],
+    ) -> Result<(), InputError> {
+        for column in columns.into_iter().flatten() {
+            let first = self.cells(column).find(|cell| cell.contains(['.', ',']));
+            let is = |decimal| first.is_some_and(|cell| number(cell.as_bytes(), decimal).is_some());
+            if is(Decimal::Any) && !is(given) {
+                let cell = excerpt(first.unwrap_or_default().as_bytes());
+                return Err(InputError::new(format!(
+                    "{} holds {cell}, which has another decimal mark than --decimal says: leave it out, or write all with one",
+                    said(self.name(column))
+                )));
+            }
+        }
+        Ok(())
     }
 }
 

@@ -26,7 +26,7 @@ pub struct KnownOptions {
     /// [default: `# span_std_percent:` in the log, else 0.1]
     #[arg(long, value_name = "PERCENT", allow_negative_numbers = true)]
     pub span_std: Option<f64>,
-    /// Standard deviation of the cable's damping, a part of the critical one
+    /// Standard deviation of the cable's damping, a part of the critical one, up to 0.3
     /// [default: `# damping_std:` in the log, else 0.005]
     #[arg(long, value_name = "D", allow_negative_numbers = true)]
     pub damping_std: Option<f64>,
@@ -42,7 +42,8 @@ pub struct KnownOptions {
     /// [default: `# zero_before_n:` in the log]
     #[arg(long, value_name = "Z0", allow_negative_numbers = true)]
     pub zero_before_n: Option<f64>,
-    /// Force without a load after the test in newtons: taken off linearly from the one before
+    /// Force without a load after the test in newtons: the zero goes linearly from the one before
+    /// to it; given alone, all samples are less by it
     /// [default: `# zero_after_n:` in the log]
     #[arg(long, value_name = "Z1", allow_negative_numbers = true)]
     pub zero_after_n: Option<f64>,
@@ -171,6 +172,22 @@ impl KnownOptions {
                 "a zero of {zero:e} N is that of no load cell: give --zero-{when}-n in newtons"
             )))
         })
+    }
+
+    /// Refuses losses with which no cable swings.
+    ///
+    /// # Errors
+    /// They are more than the core takes into account.
+    pub fn check_damping(&self, said: &KnownMetadata) -> Result<(), InputError> {
+        const MOST: f64 = 0.3;
+        let [.., damping, _, _, _] = self.or(said);
+        match damping.filter(|damping| *damping > MOST) {
+            Some(damping) => Err(InputError::new(format!(
+                "damping_std {damping}: at most {MOST} of the critical damping counts, give \
+                 --damping-std D up to that"
+            ))),
+            None => Ok(()),
+        }
     }
 
     /// The zero to take off.

@@ -98,6 +98,7 @@ pub fn configure(log: &Log, options: &TestOptions) -> Result<Config, InputError>
     let drifts = effects.has(Effect::Drift) && options.known.both_zeros(&said.known).is_none();
     let winch_m_per_s = options.winch_m_per_s.or(said.winch_m_per_s);
     options.known.check_zeros(&said.known)?;
+    options.known.check_damping(&said.known)?;
     let config = Config {
         rate_hz: log.rate_hz() as f32,
         weight_n: weight_n as f32,
@@ -109,10 +110,24 @@ pub fn configure(log: &Log, options: &TestOptions) -> Result<Config, InputError>
         effects: effects.with(Effect::Drift, drifts),
         std: options.known.std(&said.known, weight_n, winch_m_per_s),
     };
+    for (name, unit, value) in [
+        ("weight", "N", Some(weight_n)),
+        ("mass", "kg", mass_kg),
+        ("winch speed", "m/s", winch_m_per_s),
+    ] {
+        value.map_or(Ok(()), |value| fits(name, unit, value))?;
+    }
     let [weight, slope] = [weight_n, slope_deg].map(short);
     let given = format!("weight {weight} N, slope {slope}°");
     config.validate().map_err(|error| InputError::new(format!("{error} ({given})")))?;
     Ok(config)
+}
+
+/// Refuses a number above zero that is nothing, or without end, in the core's single precision.
+fn fits(name: &str, unit: &str, value: f64) -> Result<(), InputError> {
+    let is_counted = (value as f32).is_normal() || !value.is_finite() || value <= 0.0;
+    let wrong = || InputError::new(format!("{name} {} {unit}: no test has that", short(value)));
+    if is_counted { Ok(()) } else { Err(wrong()) }
 }
 
 /// A number as it was given, without the hundreds of zeros that one may have.

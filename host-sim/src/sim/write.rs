@@ -2,6 +2,8 @@
 
 use std::io::{self, Write};
 
+use crate::error::printable_line;
+
 use super::decimal::{Backwards, Fixed};
 use super::run::Sample;
 use super::scene::{Scene, Start};
@@ -17,7 +19,7 @@ pub const CR10_ARRAY_ID: u32 = 101;
 /// Of the writer.
 pub fn csv_head(out: &mut impl Write, scene: &Scene, seed: u64, command: &str) -> io::Result<()> {
     writeln!(out, "# SYNTHETIC: computed, not measured; seed {seed}")?;
-    writeln!(out, "# made_by: {command}")?;
+    writeln!(out, "# made_by: {}", printable_line(command))?;
     if let Some(id) = &scene.test_id {
         writeln!(out, "# test_id: {id}")?;
     }

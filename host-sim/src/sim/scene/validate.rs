@@ -16,6 +16,8 @@ impl Scene {
     /// # Errors
     /// The first value out of its range, by its name.
     pub fn validate(&self) -> Result<(), SceneError> {
+        let one_line = self.test_id.as_deref().is_none_or(|id| !id.contains(char::is_control));
+        require(one_line, || "test_id: must be one line of plain text".to_owned())?;
         positive("duration_s", self.duration_s)?;
         between("duration_s", self.duration_s, 0.0, 1e8)?;
         for (name, value) in [

@@ -1,0 +1,69 @@
+//! `floe stiffness` as a user runs it.
+
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output};
+
+#[path = "support/command.rs"]
+mod command;
+use command::{assert_refused, directory, text};
+
+fn floe(directory: &Path, arguments: &[&str]) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_floe"));
+    command.current_dir(directory).arg("stiffness").args(arguments).output().unwrap()
+}
+
+/// A pull against a post at so many newtons per second.
+fn pull(rate_n_per_s: f64) -> String {
+    let row = |i: i32| {
+        let time_s = f64::from(i) / 16.0;
+        format!("{time_s},{:.1}\n", rate_n_per_s * time_s + f64::from(i % 3))
+    };
+    let head = "# winch_m_per_s: 0.0157\n# cable_length_m: 15\ntime_s,force_n\n";
+    head.to_string() + &(0..640).map(row).collect::<String>()
+}
+
+#[test]
+fn json_names_its_form_for_one_pull_and_for_several() {
+    let dir = directory("stiffness/json");
+    fs::write(dir.join("a.csv"), pull(80.0)).unwrap();
+    fs::write(dir.join("b.csv"), pull(80.5)).unwrap();
+    for logs in [&["a.csv"][..], &["a.csv", "b.csv"]] {
+        let output = floe(&dir, &[logs, &["--json"]].concat());
+        let json: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+        assert_eq!(json["schema"], "floe-stiffness/1");
+        let one = if logs.len() == 1 { &json } else { &json["pulls"][0] };
+        assert!(one["stiffness_n_per_m"]["value"].as_f64().unwrap() > 5000.0, "{json}");
+    }
+}
+
+#[test]
+fn a_pull_that_counts_twice_is_said() {
+    let dir = directory("stiffness/twice");
+    fs::write(dir.join("a.csv"), pull(80.0)).unwrap();
+    fs::write(dir.join("b.csv"), pull(80.0)).unwrap();
+    for twice in [["a.csv", "a.csv"], ["a.csv", "b.csv"]] {
+        let output = floe(&dir, &twice);
+        let why = format!("floe: warning: {}: holds the samples of a.csv: the same", twice[1]);
+        assert!(text(&output.stderr).starts_with(&why), "{}", text(&output.stderr));
+    }
+    fs::write(dir.join("b.csv"), pull(80.5)).unwrap();
+    assert_eq!(text(&floe(&dir, &["a.csv", "b.csv"]).stderr), "");
+}
+
+#[test]
+fn what_is_wrong_is_named() {
+    let dir = directory("stiffness/wrong");
+    fs::write(dir.join("a.csv"), pull(80.0)).unwrap();
+    for (options, why) in [
+        (["--winch-m-per-s", "0"], "speed 0: must be a number above zero"),
+        (["--winch-std-m-per-s", "-1"], "speed ± -1: must be a number not below zero"),
+        (["--cable-length-std-m", "nan"], "length ± NaN: must be a number not below zero"),
+        (["--extension", "-"], "only --json goes to standard output"),
+    ] {
+        let refused = floe(&dir, &[&["a.csv"][..], &options].concat());
+        assert_refused(&refused, &[why]);
+    }
+    assert!(text(&floe(&dir, &["a.csv"]).stdout).starts_with("stiffness k"));
+    assert_eq!(fs::read_dir(&dir).unwrap().count(), 1);
+}
