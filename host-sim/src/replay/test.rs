@@ -111,8 +111,8 @@ pub fn configure(log: &Log, options: &TestOptions) -> Result<Config, InputError>
         std: options.known.std(&said.known, weight_n, winch_m_per_s),
     };
     for (name, unit, value) in [
+        ("mass", "kg", options.mass_kg.or(mass_kg)),
         ("weight", "N", Some(weight_n)),
-        ("mass", "kg", mass_kg),
         ("winch speed", "m/s", winch_m_per_s),
     ] {
         value.map_or(Ok(()), |value| fits(name, unit, value))?;
@@ -132,7 +132,8 @@ fn fits(name: &str, unit: &str, value: f64) -> Result<(), InputError> {
 
 /// A number as it was given, without the hundreds of zeros that one may have.
 fn short(value: f64) -> String {
-    if value.abs() < 1e9 { value.to_string() } else { format!("{value:e}") }
+    let is_short = value == 0.0 || (1e-9..1e9).contains(&value.abs());
+    if is_short { value.to_string() } else { format!("{value:e}") }
 }
 
 /// What presses the block onto the ice.
