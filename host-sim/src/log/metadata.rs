@@ -3,7 +3,7 @@
 use crate::error::{InputError, excerpt};
 use crate::replay::known::{KnownMetadata, WeightFrom};
 
-use super::number::{STANDARD_GRAVITY, finite, is_grouped};
+use super::sense;
 
 /// The keys that are known; every other comment is skipped.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -83,6 +83,7 @@ impl Metadata {
             return Ok(());
         };
         let (key, value) = (key.trim().to_ascii_lowercase(), value.trim());
+        let refused = |why: String| InputError::new(format!("'# {key}:' {why}"));
         let contradicted = match key.as_str() {
             "test_id" => {
                 replaced(&mut self.test_id, Some(value.to_string()).filter(|id| !id.is_empty()))
@@ -90,21 +91,16 @@ impl Metadata {
             "effects" => {
                 replaced(&mut self.effects, Some(value.to_string()).filter(|it| !it.is_empty()))
             }
-            "kind" => replaced(&mut self.kind, Some(value.to_string())),
-            "track" => replaced(&mut self.track, Some(value.to_string())),
+            "kind" => replaced(&mut self.kind, Some(sense::word("kind", value).map_err(refused)?)),
+            "track" => {
+                replaced(&mut self.track, Some(sense::word("track", value).map_err(refused)?))
+            }
             "weight_from" => {
                 replaced(&mut self.known.weight_from, Some(WeightFrom::from_word(value)?))
             }
             "synthetic" => replaced(&mut self.synthetic, Some(value.to_string())),
             key => match self.field(key) {
-                Some(field) => {
-                    // A comma that leads cuts cells, and one before three digits may set
-                    // thousands apart: neither is a decimal mark.
-                    let other_comma = value.starts_with(',')
-                        || value.contains(',') && is_grouped(value.as_bytes());
-                    let number = finite(value.as_bytes()).filter(|_| !other_comma);
-                    replaced(field, Some(number.ok_or_else(|| not_a_number(key, value))?))
-                }
+                Some(field) => replaced(field, Some(sense::number(key, value).map_err(refused)?)),
                 None => {
                     self.look_at(text, number);
                     return Ok(());
@@ -127,12 +123,11 @@ impl Metadata {
 
     /// Refuses a weight that is not that of the mass, but for what gravity differs by.
     fn weigh(&self, number: u64) -> Result<(), InputError> {
-        const DIFFERS: f64 = 0.005;
         let (Some(weight_n), Some(mass_kg)) = (self.weight_n, self.mass_kg) else { return Ok(()) };
         let (weight, mass) = (self.line("weight_n"), self.line("mass_kg"));
         let (Some(weight), Some(mass)) = (weight, mass) else { return Ok(()) };
-        let of_mass_n = mass_kg * STANDARD_GRAVITY;
-        if weight.max(mass) != number || (of_mass_n - weight_n).abs() <= DIFFERS * weight_n.abs() {
+        let Some(of_mass_n) = sense::other_weight_n(weight_n, mass_kg) else { return Ok(()) };
+        if weight.max(mass) != number {
             return Ok(());
         }
         Err(InputError::new(format!(
@@ -212,10 +207,6 @@ fn replaced<T: PartialEq>(field: &mut Option<T>, value: Option<T>) -> bool {
     contradicts
 }
 
-fn not_a_number(key: &str, value: &str) -> InputError {
-    InputError::new(format!("'# {key}:' has {}: write the number alone", excerpt(value.as_bytes())))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -247,6 +238,18 @@ mod tests {
         let error = Metadata::default().take(b"# weight_n: heavy", 1).unwrap_err();
         assert_eq!(error.to_string(), "'# weight_n:' has 'heavy': write the number alone");
         assert!(Metadata::default().take(b"# rate_hz: nan", 1).is_err());
+    }
+
+    #[test]
+    fn what_cannot_be_is_refused() {
+        let refused =
+            |line: &str| Metadata::default().take(line.as_bytes(), 1).unwrap_err().to_string();
+        assert!(refused("# snow_mm: -4").starts_with("'# snow_mm:' has '-4': write the depth"));
+        assert!(refused("# cable_length_m: -1").contains("above zero"));
+        assert!(refused("# kind: foo").contains("write one of sliding, rafting, over-riding"));
+        let mut metadata = Metadata::default();
+        metadata.take(b"# kind: Rafting", 1).unwrap();
+        assert_eq!(metadata.kind.as_deref(), Some("rafting"));
     }
 
     #[test]

@@ -44,6 +44,7 @@ pub mod other_forces;
 pub mod plain;
 pub mod rate;
 pub mod rows;
+pub mod sense;
 pub mod stamp;
 pub mod start;
 pub mod time_column;
