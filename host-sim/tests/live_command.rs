@@ -194,6 +194,31 @@ fn events_as_json_have_the_fields_of_a_replay() {
     assert_eq!(live.end(), "");
 }
 
+/// What the board's settings and its clock tell of an event stands with it, as in a replay.
+#[test]
+fn events_as_json_say_how_far_and_when() {
+    let mut live = Live::start(&["--json"]);
+    let mut board = live.accept();
+    let mut settings = Settings::default();
+    settings.config.weight_n = 630.0;
+    settings.config.winch_m_per_s = Some(0.0157);
+    let begin = text(&Line::Start { run: 1, settings })
+        + &text(&Line::Sync { index: 0, unix_ms: 1_803_982_500_123 })
+        + &text(&Line::Event(event(0)))
+        + &text(&Line::Sync { index: 25, unix_ms: 1_803_982_501_700 })
+        + &text(&Line::Event(hidden(1)));
+    board.write_all(begin.as_bytes()).unwrap();
+    let event: serde_json::Value = serde_json::from_str(&live.line()).unwrap();
+    let number = |key: &str| event[key].as_f64().unwrap();
+    let length_m = (781.2 - 201.6) * 0.0157 / 361.1 + 0.0157 * 0.173;
+    assert!((number("slip_length_m") - length_m).abs() < 1e-6, "{event}");
+    assert!((number("energy_j") - 491.4 * length_m).abs() < 1e-4, "{event}");
+    assert_eq!(event["onset_time"], "2027-03-02T10:15:01.717Z");
+    let refused: serde_json::Value = serde_json::from_str(&live.line()).unwrap();
+    assert!(refused["slip_length_m"].is_null() && refused["onset_time"].is_string(), "{refused}");
+    live.end();
+}
+
 #[test]
 fn it_ends_when_nobody_reads() {
     let live = Live::start(&[]);

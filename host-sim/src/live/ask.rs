@@ -173,7 +173,7 @@ impl Ask {
         } else if code == KeyCode::Backspace {
             self.typed.pop();
         } else if let Some(letter) = code.as_char().filter(|_| question.wants_text()) {
-            let fits = self.typed.len() < LONGEST && (' '..='~').contains(&letter);
+            let fits = self.typed.len() < LONGEST && !letter.is_control();
             // A keyboard of another country has its decimal comma.
             let letter = if letter == ',' && question.wants_number() { '.' } else { letter };
             self.typed.extend(fits.then_some(letter));
@@ -183,6 +183,10 @@ impl Ask {
 
     /// The board's own parser judges before the board does.
     fn finish(&mut self, question: Question) -> Deed {
+        if !self.typed.is_ascii() {
+            self.refused = Some("the board has letters without accents only");
+            return Deed::None;
+        }
         let command = question.command(&self.typed);
         match Command::parse(&command) {
             Ok(_) => {
@@ -262,6 +266,10 @@ mod tests {
         assert!(!ask.is_open());
         assert_eq!(press(&mut ask, ":begin\n"), Deed::None);
         assert!(ask.text().contains("unknown command"), "{}", ask.text());
+        assert_eq!(press(&mut ask, "\x1Bmna\u{ef}ve\n"), Deed::None);
+        assert_eq!(ask.text(), "note: na\u{ef}ve_  (the board has letters without accents only)");
+        let mended = Deed::Say("note naive".to_string());
+        assert_eq!(press(&mut ask, "\x08\x08\x08ive\n"), mended);
         let long = format!("\x1B:{}", "x".repeat(500));
         press(&mut ask, &long);
         assert!(ask.text().len() < 100);

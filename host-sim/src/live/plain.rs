@@ -7,7 +7,6 @@ use floe_core::Event;
 
 use crate::cli::output::say;
 use crate::error::InputError;
-use crate::replay::result::EventSummary;
 use crate::rounding::narrow;
 
 use super::lines::Lines;
@@ -113,10 +112,9 @@ impl List {
     }
 
     fn text(&self, event: &Event) -> Result<String, InputError> {
-        let (onset_s, stop_s) = (self.state.seconds(event.onset), self.state.seconds(event.stop));
         match self.form {
-            Form::Plain => Ok(plain(event, onset_s)),
-            Form::Json => serde_json::to_string(&EventSummary::new(event, onset_s, stop_s))
+            Form::Plain => Ok(plain(event, self.state.seconds(event.onset))),
+            Form::Json => serde_json::to_string(&self.state.summary(event))
                 .map_err(|error| InputError::new(error.to_string())),
         }
     }

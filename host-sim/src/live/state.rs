@@ -8,6 +8,9 @@ use floe_firmware::line::{About, Health, Line, LineError, LiveSample, Weighed};
 use floe_firmware::settings::Settings;
 
 use super::lines::Received;
+use crate::log::start::Start;
+use crate::replay::quantities::Quantities;
+use crate::replay::result::EventSummary;
 
 /// Samples that the trace holds: 30 s of the board's 16 Hz.
 pub const TRACE_LEN: usize = 480;
@@ -39,8 +42,8 @@ pub struct State {
     pub weighed: Option<(Weighed, Duration)>,
     /// Temperature of the converter, °C.
     pub temperature_c: Option<f32>,
-    /// The last time of day that the board said, ms since 1970 (UTC).
-    pub unix_ms: Option<u64>,
+    /// When the test began, once the board has said a time of day in it.
+    pub began: Option<Start>,
     /// When samples were last lost by the board, and sectors by the card.
     pub lost: Option<Duration>,
     /// When a sector could last not be written.
@@ -133,6 +136,18 @@ impl State {
         (moment.index as f64 + f64::from(moment.fraction)) / self.rate_hz()
     }
 
+    /// An event with all that a replay says of one and that is known by now: `k` is from its own
+    /// rate and the winch speed that the board was told.
+    #[must_use]
+    pub fn summary(&self, event: &Event) -> EventSummary {
+        let (onset_s, stop_s) = (self.seconds(event.onset), self.seconds(event.stop));
+        let mut summary = EventSummary::new(event, onset_s, stop_s);
+        let winch = self.test.as_ref().and_then(|(_, settings)| settings.config.winch_m_per_s);
+        Quantities::of_event(&summary, winch.map(f64::from)).slide(&mut summary);
+        summary.onset_time = self.began.and_then(|began| began.after(onset_s));
+        summary
+    }
+
     /// Samples per second: the board's only rate until it has said it.
     #[must_use]
     pub fn rate_hz(&self) -> f64 {
@@ -177,7 +192,7 @@ impl State {
             Line::Weighed(weighed) => self.weighed = Some((weighed, now)),
             Line::Note(text) => self.answer = Some((format!("noted: {text}"), now)),
             Line::Climate { temperature_c, .. } => self.temperature_c = temperature_c,
-            Line::Sync { unix_ms, .. } => self.unix_ms = Some(unix_ms),
+            Line::Sync { index, unix_ms } => self.date(index, unix_ms),
             Line::Mark { .. } => {}
             Line::Info(text) => self.answer = Some((text.to_string(), now)),
             Line::Trouble(text) => self.complaint = Some((text.to_string(), now)),
@@ -194,7 +209,14 @@ impl State {
         (self.after_settings, self.taken) = (true, Some(now));
     }
 
+    /// The first time of day in a test dates it, as it does on the card.
+    fn date(&mut self, index: u64, unix_ms: u64) {
+        let unix_s = unix_ms as f64 / 1e3 - index as f64 / self.rate_hz();
+        self.began.get_or_insert(Start { unix_s, is_utc: true });
+    }
+
     fn forget_test(&mut self) {
+        self.began = None;
         self.trace.clear();
         (self.sampled, self.event, self.about, self.report) = (None, None, None, None);
     }

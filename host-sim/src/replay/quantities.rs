@@ -110,11 +110,22 @@ impl Quantities {
         ratio.is_some_and(|(ratio, std)| (ratio - 1.0).abs() > 3.0 * std)
     }
 
-    /// Gives an event, which has none yet, the losses of the cable; and its slip length,
-    /// `(Fs − Fe)/k + w T`, with the work against the friction over it, unless the cable went
-    /// slack or the stiffness is not known.
+    /// What is known of a test while it runs, by one event of it: from the winch speed.
+    #[must_use]
+    pub fn of_event(event: &EventSummary, winch_m_per_s: Option<f64>) -> Self {
+        let stiffness_n_per_m = winch_m_per_s.map(|winch| event.loading_rate_n_per_s / winch);
+        Self { stiffness_n_per_m, winch_m_per_s, ..Self::default() }
+    }
+
+    /// Gives an event, which has none yet, the losses of the cable, and what [`Self::slide`] does.
     pub fn complete(&self, event: &mut EventSummary) {
         event.put_on(self.losses);
+        self.slide(event);
+    }
+
+    /// Gives an event its slip length, `(Fs − Fe)/k + w T`, with the work against the friction over
+    /// it, unless the cable went slack or the stiffness is not known.
+    pub fn slide(&self, event: &mut EventSummary) {
         let Some(stiffness) = self.stiffness_n_per_m else { return };
         if event.slack || event.reason.is_some() {
             return;
