@@ -131,3 +131,38 @@ fn a_record_without_an_event_that_counts_says_why_and_no_more() {
     assert!(said.contains(&format!("0 of {refused} events count\n       ")), "{said}");
     assert!(said.contains(" not counted: ") && !said.contains("shows "), "{said}");
 }
+
+/// A log without a force is no log without a slip.
+#[test]
+fn samples_that_cannot_be_used_are_said() {
+    let dir = directory("no-force");
+    let log = fs::read_to_string("logs/dff8-13.csv").unwrap();
+    let (head, rows) = log.split_once("time_s,force_n\n").unwrap();
+    let count = rows.lines().count();
+    let no_numbers: String =
+        rows.lines().map(|row| format!("{},NaN\n", row.split(',').next().unwrap())).collect();
+    let shifted: String = rows
+        .lines()
+        .map(|row| row.split_once(',').unwrap())
+        .map(|(time, force)| format!("{time},{}\n", force.parse::<f64>().unwrap() + 6000.0))
+        .collect();
+    for (name, head, rows, why) in [
+        ("nan.csv", head.to_string(), no_numbers, format!("{count} of {count} are no number")),
+        (
+            "range.csv",
+            format!("{head}# range_n: 5\n"),
+            shifted,
+            format!("{count} lie at the end of the cell's range of 5 N, its 'range_n'"),
+        ),
+    ] {
+        let path = dir.join(name);
+        fs::write(&path, format!("{head}time_s,force_n\n{rows}")).unwrap();
+        let output = floe(&["replay", path.to_str().unwrap()]);
+        assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+        let said = text(&output.stdout);
+        assert!(said.contains("No events: no sample of this log can be used"), "{said}");
+        assert!(said.contains("no sample is a force: ") && said.contains(&why), "{said}");
+        let json = json_with_warnings(&floe(&["replay", path.to_str().unwrap(), "--json"]));
+        assert!(json.contains(&why), "{json}");
+    }
+}

@@ -1,6 +1,6 @@
 //! What makes a reader ask whether the log and what is said of it belong together.
 
-use floe_core::{Config, Report};
+use floe_core::{Config, Counters, Report};
 
 use super::quantities::Quantities;
 use crate::log::Log;
@@ -19,6 +19,7 @@ const SAME: f64 = 0.005;
 #[must_use]
 pub fn doubts(log: &Log, config: &Config, report: &Report) -> Vec<String> {
     let doubts = [
+        no_force(config, report),
         other_weight(log, config),
         other_winch(log, config),
         no_friction(log, config, report),
@@ -26,6 +27,19 @@ pub fn doubts(log: &Log, config: &Config, report: &Report) -> Vec<String> {
         other_stiffness(config, report),
     ];
     doubts.into_iter().flatten().collect()
+}
+
+/// No sample can be used.
+fn no_force(config: &Config, report: &Report) -> Option<String> {
+    let Counters { samples, rejected, saturated, .. } = report.counters;
+    let range = config.range_n.map(|range| format!(" of {range} N, its 'range_n'"));
+    (samples > 0 && rejected + saturated == samples).then(|| {
+        format!(
+            "no sample is a force: {rejected} of {samples} are no number, {saturated} lie at the end \
+             of the cell's range{}",
+            range.unwrap_or_default()
+        )
+    })
 }
 
 /// The caller's weight is not the log's.

@@ -33,7 +33,7 @@ pub fn write(out: &mut dyn io::Write, result: &ReplayResult, each_event: bool) -
     let _ = header(&mut head, result, force);
     let listed = each_event && !result.events.is_empty();
     let _ = match (result.events.is_empty(), listed) {
-        (true, _) => writeln!(head, "No events: no slip was found in this log.\n"),
+        (true, _) => writeln!(head, "No events: {}.\n", why_none(&result.log)),
         (false, true) => titles(&mut head),
         (false, false) => Ok(()),
     };
@@ -53,6 +53,15 @@ pub fn write(out: &mut dyn io::Write, result: &ReplayResult, each_event: bool) -
     let _ = quantities(&mut rest, result);
     let _ = samples(&mut rest, &result.log);
     out.write_all(rest.as_bytes())
+}
+
+/// Why there are no events: where a sample could be used, there was no slip.
+fn why_none(log: &LogSummary) -> &'static str {
+    if log.samples > 0 && log.samples == log.rejected + log.saturated {
+        "no sample of this log can be used"
+    } else {
+        "no slip was found in this log"
+    }
 }
 
 fn cell(value: Option<f64>, decimals: usize) -> String {
