@@ -60,6 +60,16 @@ fn rate_and_schema() {
     assert!(readme.contains(schema), "the README does not name the schema {schema}");
 }
 
+/// The README counts the forms of `docs/logs.md` as its table does.
+#[test]
+fn forms_of_logs() {
+    let page = read("docs/logs.md");
+    let forms = page.lines().filter(|line| line.starts_with("| ")).count() - 1;
+    assert!(page.contains(&format!("\n{forms} forms.")), "docs/logs.md: {forms} rows");
+    let shown = format!("shows {forms} forms");
+    assert!(read("README.md").contains(&shown), "the README does not say `{shown}`");
+}
+
 /// What the core's README shows is what its example runs.
 #[test]
 fn the_core_readme_shows_its_example() {

@@ -84,4 +84,6 @@ def main(floe, logs, directory, *options):
 
 
 if __name__ == "__main__":
+    if len(sys.argv) < 4:
+        sys.exit("usage: python many_logs.py FLOE LOGS DIRECTORY [--lose-a-worker]")
     main(*sys.argv[1:])

@@ -61,4 +61,6 @@ def main(floe, log, directory, *options):
 
 
 if __name__ == "__main__":
+    if len(sys.argv) < 4:
+        sys.exit("usage: python one_log.py FLOE LOG DIRECTORY [--weight-n W]")
     main(*sys.argv[1:])
