@@ -87,7 +87,7 @@ fn recovered(tests: &[card::Test], folder: &str) -> Vec<Entry> {
         fs::write(file("csv"), card::csv(test)).expect("written");
         fs::write(file("txt"), card::lines(test)).expect("written");
     }
-    recorded::logs(&folder).expect("logs")
+    recorded::logs(&folder).expect("logs").entries
 }
 
 /// What the console had said when the display was looked at.
@@ -237,7 +237,7 @@ fn a_campaign_of_the_recovered_card() {
     recovered(&tests, "first-day");
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("first-day");
     fs::write(folder.join("broken.csv"), "time_s,force_n\nx,y\n").expect("written");
-    let logs = recorded::logs(&folder).expect("logs");
+    let logs = recorded::logs(&folder).expect("logs").entries;
     assert_eq!(logs.len(), 2, "{logs:?}");
     assert!(recorded::evaluate(&logs[0], 0).is_err());
     let record = recorded::evaluate(&logs[1], 1).expect("evaluated");

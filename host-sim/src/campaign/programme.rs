@@ -141,6 +141,7 @@ pub fn evaluate(seed: u64, campaign: u32, test: u32) -> Result<TestRecord, Input
         mu: report.mu.into(),
         event_count: events.len(),
         warnings: Vec::new(),
+        forces: 0,
         events,
     })
 }

@@ -1,6 +1,9 @@
 //! A campaign of recorded logs: a directory, a list of files, or a table of them.
 
+use std::collections::HashMap;
+use std::collections::hash_map::Entry as Slot;
 use std::fs::{self, File};
+use std::hash::{DefaultHasher, Hash, Hasher};
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
@@ -10,25 +13,36 @@ use crate::error::{InputError, excerpt};
 use crate::log::Log;
 use crate::replay::replay_with;
 use crate::replay::test::configure;
+use crate::rounding::counted;
 use crate::short_file;
 
 use super::manifest::{self, Entry};
-use super::{EventRecord, TestRecord};
+use super::{EventRecord, TestRecord, remedy};
 
 /// Names of files in a directory that are taken for logs.
 const EXTENSIONS: [&str; 4] = ["csv", "dat", "txt", "log"];
 
+/// The logs of a campaign.
+#[derive(Clone, Debug)]
+pub struct Logs {
+    /// One for each test.
+    pub entries: Vec<Entry>,
+    /// What was not read, and why, one sentence each.
+    pub notes: Vec<String>,
+}
+
 /// The logs of a directory by name (`.csv`, `.dat`, `.txt`, `.log`), with what its
 /// `tests.csv` says of them; the files named in a list, one a line, relative to the list,
 /// `#` begins a comment; or those of a table like `tests.csv`. What a logger said, as
-/// `floe recover` leaves it beside each log, is no log.
+/// `floe recover` leaves it beside each log, is no log, and a log that it wrote in two forms
+/// is one.
 ///
 /// # Errors
-/// A path that cannot be read, or no log at all.
-pub fn logs(path: &Path) -> Result<Vec<Entry>, InputError> {
+/// A path that cannot be read, a log that is there twice, or none at all.
+pub fn logs(path: &Path) -> Result<Logs, InputError> {
     let found = if path.is_dir() { in_directory(path) } else { listed(path) };
     let logs = found.map_err(|error| error.within(path.display()))?;
-    if logs.is_empty() {
+    if logs.entries.is_empty() {
         let none = "no logs: give a directory with .csv or .dat files, or a list";
         return Err(InputError::new(none).within(path.display()));
     }
@@ -39,59 +53,146 @@ fn unreadable(error: std::io::Error) -> InputError {
     InputError::new(format!("cannot be read: {error}"))
 }
 
-fn in_directory(folder: &Path) -> Result<Vec<Entry>, InputError> {
+fn in_directory(folder: &Path) -> Result<Logs, InputError> {
     let table = folder.join(manifest::NAME);
-    let mut entries = if table.is_file() {
-        listed(&table).map_err(|e| e.within(manifest::NAME))?
+    // A link that leads nowhere is there too.
+    let mut entries = if table.symlink_metadata().is_ok() {
+        tabled(&table).map_err(|error| error.within(manifest::NAME))?
     } else {
         Vec::new()
     };
-    let mut others: Vec<PathBuf> = Vec::new();
-    for entry in fs::read_dir(folder).map_err(unreadable)? {
-        others.push(entry.map_err(unreadable)?.path());
+    let Content { mut logs, mut notes } = content(folder)?;
+    logs.retain(|path| *path != table);
+    let mut known = HashMap::new();
+    for entry in &entries {
+        known.entry(identity(&entry.path)).or_insert_with(|| entry.path.clone());
     }
-    let named = |path: &PathBuf| entries.iter().any(|entry| entry.path == *path);
-    others.retain(|path| *path != table && path.is_file() && is_log(path) && !named(path));
-    others.sort();
-    entries.extend(others.into_iter().map(|path| Entry { path, ..Entry::default() }));
-    Ok(entries)
+    for path in logs {
+        match known.entry(identity(&path)) {
+            Slot::Vacant(free) => {
+                free.insert(path.clone());
+                entries.push(Entry { path, ..Entry::default() });
+            }
+            // The table names it.
+            Slot::Occupied(same) if same.get().file_name() == path.file_name() => {}
+            Slot::Occupied(same) => {
+                let (path, same) = (path.display(), same.get().display());
+                notes.push(format!("{path} is the log {same} again: it counts once"));
+            }
+        }
+    }
+    Ok(Logs { entries, notes })
 }
 
-fn listed(path: &Path) -> Result<Vec<Entry>, InputError> {
-    let list = short_file::read(path).map_err(unreadable)?;
-    let folder = path.parent().unwrap_or(Path::new("."));
-    if manifest::is_manifest(&list) {
-        return manifest::read(&list, folder);
+/// What lies in a directory.
+struct Content {
+    logs: Vec<PathBuf>,
+    notes: Vec<String>,
+}
+
+/// The logs of a directory by their names, also those that cannot be opened: that is said of each.
+fn content(folder: &Path) -> Result<Content, InputError> {
+    let (mut logs, mut notes, mut folders) = (Vec::new(), Vec::new(), 0_u64);
+    for entry in fs::read_dir(folder).map_err(unreadable)? {
+        let path = entry.map_err(unreadable)?.path();
+        match path.metadata() {
+            Ok(there) if there.is_dir() => folders += 1,
+            Ok(there) if !there.is_file() && has_name_of_log(&path) => {
+                notes.push(format!("{} is no file and was not read", path.display()));
+            }
+            Ok(_) | Err(_) if is_log(&path) => logs.push(path),
+            Ok(_) | Err(_) => {}
+        }
     }
-    let names = list.lines().map(str::trim).filter(|l| !l.is_empty() && !l.starts_with('#'));
-    let entry = |name| Entry { path: folder.join(name), ..Entry::default() };
+    logs.sort();
+    if folders > 0 {
+        let (folder, folders) = (folder.display(), counted(folders, "folder"));
+        notes.push(format!(
+            "{folder}: {folders} in it not looked into: a campaign takes one folder"
+        ));
+    }
+    Ok(Content { logs, notes })
+}
+
+/// What is one log by whatever path: its own, without links; of a test that `floe recover` wrote
+/// in two forms, that of the CSV.
+fn identity(path: &Path) -> PathBuf {
+    let path = fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf());
+    let csv = path.with_extension("csv");
+    if csv.is_file() && head(&path).starts_with("\"TOA5\",\"floe\",\"floe\",") { csv } else { path }
+}
+
+/// Refuses a log that two lines name, unless each takes another force of it.
+fn once(entries: &[Entry]) -> Result<(), InputError> {
+    let mut lines = HashMap::new();
+    for Entry { path, log, line, .. } in entries {
+        let key = (identity(path), log.array_id, log.column.as_ref());
+        if let Some(first) = lines.insert(key, line) {
+            return Err(InputError::new(format!(
+                "line {line}: the log {} stands in line {first} already: leave one of them out",
+                excerpt(path.file_name().unwrap_or_default().as_encoded_bytes())
+            )));
+        }
+    }
+    Ok(())
+}
+
+fn tabled(table: &Path) -> Result<Vec<Entry>, InputError> {
+    let text = short_file::read(table).map_err(unreadable)?;
+    let entries = manifest::read(&text, table.parent().unwrap_or(Path::new(".")))?;
+    once(&entries).map(|()| entries)
+}
+
+fn listed(path: &Path) -> Result<Logs, InputError> {
+    let list = short_file::read(path).map_err(unreadable)?;
+    if manifest::is_manifest(&list) {
+        return Ok(Logs { entries: tabled(path)?, notes: Vec::new() });
+    }
+    let folder = path.parent().unwrap_or(Path::new("."));
+    let names = (1..).zip(list.lines().map(str::trim));
+    let names = names.filter(|(_, name)| !name.is_empty() && !name.starts_with('#'));
+    let entry = |(line, name)| Entry { path: folder.join(name), line, ..Entry::default() };
     let entries: Vec<Entry> = names.clone().map(entry).collect();
-    if let (Some(first), false) = (names.clone().next(), entries.iter().any(|it| it.path.is_file()))
+    if let (Some((_, first)), false) =
+        (names.clone().next(), entries.iter().any(|it| it.path.is_file()))
     {
         let first = excerpt(first.as_bytes());
         return Err(InputError::new(format!(
-            "no line of it names a file, such as {first}; a list names one log a line, and a log \
-             itself goes to floe replay"
+            "no line of it names a file, such as {first}; a list names one log a line, a table begins \
+             with a line of column names, 'file' among them, and a log itself goes to floe replay"
         )));
     }
-    Ok(entries)
+    once(&entries)?;
+    Ok(Logs { entries, notes: Vec::new() })
+}
+
+fn has_name_of_log(path: &Path) -> bool {
+    let extension = path.extension().and_then(|extension| extension.to_str());
+    extension.is_some_and(|e| EXTENSIONS.contains(&e.to_ascii_lowercase().as_str()))
 }
 
 fn is_log(path: &Path) -> bool {
-    let extension = path.extension().and_then(|extension| extension.to_str());
-    let known = |e: &str| EXTENSIONS.contains(&e.to_ascii_lowercase().as_str());
-    extension.is_some_and(known) && !is_said(path)
+    has_name_of_log(path) && !is_said(path)
 }
 
-/// Whether a file holds the lines of a logger's console.
-fn is_said(path: &Path) -> bool {
+/// The beginning of a file; nothing of one that cannot be read.
+fn head(path: &Path) -> String {
     let mut head = Vec::new();
-    let read = File::open(path).and_then(|file| file.take(512).read_to_end(&mut head));
-    let head = String::from_utf8_lossy(&head);
-    let first = head.lines().next().unwrap_or_default();
+    let _ = File::open(path).and_then(|file| file.take(512).read_to_end(&mut head));
+    String::from_utf8_lossy(&head).into_owned()
+}
+
+/// Whether a file holds the lines of a logger's console, or would if the logger had said any.
+fn is_said(path: &Path) -> bool {
+    let head = head(path);
     let is_line =
         |text| !matches!(Line::parse(text), Err(LineError::NoChecksum | LineError::Checksum));
-    read.is_ok() && is_line(first)
+    match head.lines().next() {
+        Some(first) => is_line(first),
+        None => {
+            path.extension().is_some_and(|e| e == "txt") && path.with_extension("csv").is_file()
+        }
+    }
 }
 
 /// Replays one log; weight and all else must be in its metadata or in the table.
@@ -99,7 +200,8 @@ fn is_said(path: &Path) -> bool {
 /// # Errors
 /// A log that cannot be used, by its name.
 pub fn evaluate(entry: &Entry, test: u32) -> Result<TestRecord, InputError> {
-    read(entry, test).map_err(|error| error.within(entry.path.display()))
+    let read = read(entry, test);
+    read.map_err(|error| remedy::of_error(&error).within(entry.path.display()))
 }
 
 fn read(entry: &Entry, test: u32) -> Result<TestRecord, InputError> {
@@ -109,7 +211,10 @@ fn read(entry: &Entry, test: u32) -> Result<TestRecord, InputError> {
     let config = configure(&log, &entry.test)?;
     let name = path.file_stem().unwrap_or_default().to_string_lossy();
     let around = entry.test.around(&log);
-    let result = replay_with(&name, &mut log, &config, around, |_, _| {})?;
+    let mut forces = DefaultHasher::new();
+    let result = replay_with(&name, &mut log, &config, around, |_, step| {
+        (step.sample.index, step.sample.force_n.map(f32::to_bits)).hash(&mut forces);
+    })?;
     let said = log.metadata();
     let untold = |measured| EventRecord { measured, true_mu_s: None, true_mu: None };
     let mut events: Vec<EventRecord> = Vec::with_capacity(result.events.found());
@@ -124,7 +229,7 @@ fn read(entry: &Entry, test: u32) -> Result<TestRecord, InputError> {
         test,
         test_id: notes.test_id.or(result.test.test_id).unwrap_or(name.into_owned()),
         weight_n: result.test.weight_n,
-        winch_m_per_s: notes.winch_m_per_s.or(said.winch_m_per_s),
+        winch_m_per_s: entry.test.winch_m_per_s.or(said.winch_m_per_s),
         slope_rad: result.test.slope_rad,
         snow_mm: notes.snow_mm.or(said.snow_mm),
         kind: notes.kind.or_else(|| said.kind.clone()),
@@ -137,7 +242,8 @@ fn read(entry: &Entry, test: u32) -> Result<TestRecord, InputError> {
         mu_s: result.estimate.mu_s,
         mu: result.estimate.mu,
         event_count: events.len(),
-        warnings: result.log.warnings,
+        warnings: result.log.warnings.iter().map(|it| remedy::of_text(it)).collect(),
+        forces: forces.finish(),
         events,
     })
 }

@@ -8,7 +8,8 @@ use std::time::Instant;
 use rayon::prelude::*;
 
 use crate::campaign::event_table::EventTable;
-use crate::campaign::manifest::{self, Entry};
+use crate::campaign::manifest;
+use crate::campaign::recorded::Logs;
 use crate::campaign::summary::Summary;
 use crate::campaign::{TestRecord, programme, recorded};
 use crate::columnar;
@@ -65,7 +66,7 @@ pub struct Args {
 /// Where the tests come from.
 enum Source {
     Programme { seed: u64, tests: u64 },
-    Logs(Vec<Entry>),
+    Logs(Logs),
 }
 
 impl Source {
@@ -83,7 +84,7 @@ impl Source {
     fn files(&self, args: &Args) -> Vec<PathBuf> {
         let logs = match self {
             Self::Programme { .. } => &[],
-            Self::Logs(logs) => logs.as_slice(),
+            Self::Logs(logs) => logs.entries.as_slice(),
         };
         let lists = args.logs.iter().flat_map(|path| [path.clone(), path.join(manifest::NAME)]);
         lists.chain(logs.iter().map(|entry| entry.path.clone())).collect()
@@ -92,7 +93,7 @@ impl Source {
     fn len(&self) -> u64 {
         match self {
             Self::Programme { tests, .. } => *tests,
-            Self::Logs(logs) => logs.len() as u64,
+            Self::Logs(logs) => logs.entries.len() as u64,
         }
     }
 
@@ -102,7 +103,7 @@ impl Source {
             Self::Programme { seed, .. } => {
                 programme::evaluate(*seed, (number / per) as u32, (number % per) as u32)
             }
-            Self::Logs(logs) => match logs.get(number as usize) {
+            Self::Logs(logs) => match logs.entries.get(number as usize) {
                 Some(log) => recorded::evaluate(log, number as u32),
                 None => Err(InputError::new("no such log")),
             },
@@ -121,6 +122,7 @@ pub fn run(args: &Args) -> Result<(), InputError> {
     let inputs = source.files(args);
     let inputs: Vec<&Path> = inputs.iter().map(PathBuf::as_path).collect();
     let older = output::check(&outputs, &inputs)?;
+    refuse_other_table(args)?;
     let started = Instant::now();
     let mut tests = Vec::new();
     let mut events = 0;
@@ -137,8 +139,8 @@ pub fn run(args: &Args) -> Result<(), InputError> {
     for problem in &left_out {
         output::say(&format!("left out: {problem}"));
     }
-    if args.logs.is_some() {
-        tell_notes(&tests);
+    if let Source::Logs(logs) = &source {
+        tell_notes(&logs.notes, &tests);
     }
     let summary = Summary { left_out, ..Summary::new(&tests, events, seed) };
     write(args, &summary, &tests)?;
@@ -153,17 +155,29 @@ pub fn run(args: &Args) -> Result<(), InputError> {
     Ok(())
 }
 
-/// What was assumed about the logs, and which give the same numbers.
-fn tell_notes(tests: &[TestRecord]) {
+/// Refuses a table of events by a name that promises another kind of table.
+fn refuse_other_table(args: &Args) -> Result<(), InputError> {
+    let Some(path) = &args.parquet else { return Ok(()) };
+    if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("csv")) {
+        let why = "--parquet writes no CSV: name a file that ends with .parquet";
+        return Err(InputError::new(why).within(path.display()));
+    }
+    Ok(())
+}
+
+/// What was not read, what was assumed about the logs, and which give the same numbers.
+fn tell_notes(found: &[String], tests: &[TestRecord]) {
     const MOST: usize = 20;
-    let mut notes: Vec<String> = tests
+    let said = tests
         .iter()
-        .flat_map(|test| test.warnings.iter().map(|it| format!("{}: {it}", test.test_id)))
-        .collect();
+        .flat_map(|test| test.warnings.iter().map(|it| format!("{}: {it}", test.test_id)));
+    let mut notes: Vec<String> = found.iter().cloned().chain(said).collect();
     for (later, test) in tests.iter().enumerate() {
         if let Some(first) = tests.iter().take(later).find(|it| it.is_same_as(test)) {
             let (first, id) = (&first.test_id, &test.test_id);
-            notes.push(format!("{first} and {id} give the same numbers: is a log there twice?"));
+            notes.push(format!(
+                "{first} and {id} give the same numbers, force by force: is a log there twice?"
+            ));
         }
     }
     for note in notes.iter().take(MOST) {

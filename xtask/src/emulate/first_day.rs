@@ -92,7 +92,7 @@ fn check_pull(pull: &Test, shown: &str) -> Result<String> {
     let file = folder.join(format!("{}.csv", pull.stem));
     fs::write(&file, files::csv(pull)).map_err(|e| format!("{}: {e}", file.display()))?;
     let logs = recorded::logs(&folder).map_err(|e| e.to_string())?;
-    let log = logs.first().ok_or("first day: the campaign has no log")?;
+    let log = logs.entries.first().ok_or("first day: the campaign has no log")?;
     let record = recorded::evaluate(log, 0).map_err(|e| e.to_string())?;
     let mu_s = record.mu_s.mean.ok_or("first day: the campaign has no mu_s")?;
     let dated = record.start_time.is_some_and(|time| time.starts_with("2027-03-02T10:16:"));
