@@ -92,10 +92,10 @@ impl Detector {
         while low < newest && self.window.get(low + 1) < self.window.get(low) {
             low += 1;
         }
-        if low > self.stick.origin {
-            self.stick = Stick::new(low, self.last);
+        let [high_n, low_n] = [self.stick.origin, low].map(|index| self.window.get(index));
+        // Before the noise is known it may be that; once it is, all samples are looked at again.
+        if high_n.zip(low_n).is_some_and(|(high_n, low_n)| high_n - low_n > OFF_LINE * self.std_n) {
             self.stick.next = low + 2;
-            self.look_back(low, newest);
         }
     }
 
