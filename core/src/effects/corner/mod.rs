@@ -10,8 +10,8 @@
 mod score;
 
 use crate::effect::Parameter;
-use crate::effects::corner::score::Score;
 pub(crate) use crate::effects::corner::score::ask;
+use crate::effects::corner::score::{Score, numbers_of, with_zeros};
 use crate::effects::score::Asked;
 use crate::fit::correction::Correction;
 use crate::fit::{Alone, DYNAMIC, Fit, STATIC};
@@ -289,17 +289,6 @@ impl CornerEstimator {
         }
         moved
     }
-}
-
-/// The numbers as unknowns of a fit, whose other three are zero.
-fn with_zeros([smoothing, missing_n, range]: &Numbers) -> Gradient {
-    [*smoothing, *missing_n, *range, 0.0, 0.0, 0.0]
-}
-
-/// The numbers that solve their normal equations.
-fn numbers_of(factor: &Factor, right: &Numbers) -> Numbers {
-    let [smoothing, missing_n, range, ..] = factor.solve(&with_zeros(right));
-    [smoothing, missing_n, range]
 }
 
 #[cfg(test)]

@@ -5,7 +5,7 @@ use core::ops::Range;
 use crate::effects::score::Asked;
 use crate::fit::{Alone, Data, Fit};
 use crate::model::corner::{Corner, NUMBERS, Numbers};
-use crate::stats::normal_equations::{Gradient, dot};
+use crate::stats::normal_equations::{Factor, Gradient, dot};
 
 /// A number of which less than this part of the information is left when the unknowns are
 /// free is lost in rounding: the event does not tell it.
@@ -79,4 +79,15 @@ impl Score {
         }
         product
     }
+}
+
+/// The numbers as unknowns of a fit, whose other three are zero.
+pub(super) fn with_zeros([smoothing, missing_n, range]: &Numbers) -> Gradient {
+    [*smoothing, *missing_n, *range, 0.0, 0.0, 0.0]
+}
+
+/// The numbers that solve their normal equations.
+pub(super) fn numbers_of(factor: &Factor, right: &Numbers) -> Numbers {
+    let [smoothing, missing_n, range, ..] = factor.solve(&with_zeros(right));
+    [smoothing, missing_n, range]
 }
