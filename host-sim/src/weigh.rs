@@ -1,26 +1,31 @@
 //! The weight of a block from a recording of it on the tripod.
 
 use floe_core::signal::calibrate::Calibrator;
-use floe_firmware::weighing::{Load, Unrest, Weighing};
+use floe_firmware::weighing::{Unrest, Weighing};
 use serde::Serialize;
 
 use crate::error::InputError;
 use crate::log::Log;
 
+mod resolution;
+use resolution::Resolution;
+
 /// Name and version of this format; changes when a meaning changes.
 pub const SCHEMA: &str = "floe-weigh/1";
 
 /// A load is one when it is so many standard deviations from zero.
-const SURE: f32 = 5.0;
+const SURE: f64 = 5.0;
 
-/// The weight, the same numbers as the board's.
+/// The weight, the same numbers as the board's but for the step of the readings: the board's
+/// own converter has none that counts.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Weight {
     /// [`SCHEMA`].
     pub schema: &'static str,
     /// Weight, the excess taken off, N.
     pub weight_n: f64,
-    /// One standard deviation, N; not the zero's and not the span's.
+    /// One standard deviation, N, with what the step of the readings leaves open; not the
+    /// zero's and not the span's.
     pub weight_std_n: f64,
     /// Period of the swing, there and back, s; `null` if none is seen.
     pub swing_period_s: Option<f64>,
@@ -37,9 +42,10 @@ pub struct Weight {
 /// Weighs what hangs in a log.
 ///
 /// # Errors
-/// The log cannot be read, or the load does not rest at its end.
+/// The log cannot be read, or the load does not rest at its end, or the readings never change.
 pub fn weigh(log: &mut Log, calibrator: &Calibrator) -> Result<Weight, InputError> {
     let mut weighing = Weighing::new(log.rate_hz() as f32);
+    let mut resolution = Resolution::new(log.rate_hz());
     let mut next = None;
     while let Some(sample) = log.next_sample()? {
         let index = sample.raw.index;
@@ -49,17 +55,24 @@ pub fn weigh(log: &mut Log, calibrator: &Calibrator) -> Result<Weight, InputErro
             weighing.add(None);
         }
         next = Some(index + 1);
-        weighing.add(calibrator.force_n(sample.raw.reading).ok());
+        let force_n = calibrator.force_n(sample.raw.reading).ok();
+        weighing.add(force_n);
+        resolution.push(force_n);
     }
     let refused = |unrest| InputError::new(remedy(unrest, weighing.duration_s()));
     let rest = weighing.rest().map_err(refused)?;
     let load = rest.load(0.0).map_err(refused)?;
-    check(&load)?;
     let known = f64::from;
+    let step_std_n = resolution.std_n(known(rest.duration_s));
+    let std_n = known(load.std).hypot(step_std_n.unwrap_or(0.0));
+    check(known(load.value), std_n)?;
+    if step_std_n.is_none() {
+        return Err(unchanging(load.value));
+    }
     Ok(Weight {
         schema: SCHEMA,
         weight_n: known(load.value),
-        weight_std_n: known(load.std),
+        weight_std_n: std_n,
         swing_period_s: load.swing.map(|swing| known(swing.period_s)),
         swing_amplitude_rad: load.swing.map(|swing| known(swing.amplitude_rad)),
         excess_n: load.swing.map_or(0.0, |swing| known(swing.excess)),
@@ -68,8 +81,7 @@ pub fn weigh(log: &mut Log, calibrator: &Calibrator) -> Result<Weight, InputErro
     })
 }
 
-fn check(load: &Load) -> Result<(), InputError> {
-    let Load { value, std, .. } = *load;
+fn check(value: f64, std: f64) -> Result<(), InputError> {
     if value > SURE * std {
         return Ok(());
     }
@@ -80,6 +92,14 @@ fn check(load: &Load) -> Result<(), InputError> {
     } else {
         format!("nothing hangs there: {value:.2} ± {std:.2} N")
     }))
+}
+
+/// Readings that are all the same tell no step.
+fn unchanging(force_n: f32) -> InputError {
+    InputError::new(format!(
+        "every reading is {force_n} N: their step, and how far off the weight may be, is not known; \
+         record in finer steps, or give the weight to replay with --weight-std-n, a step / sqrt(12)"
+    ))
 }
 
 fn remedy(unrest: Unrest, duration_s: f32) -> String {

@@ -54,6 +54,41 @@ fn a_still_block_has_no_swing() {
     assert!((json["weight_n"].as_f64().expect("a number") - 98.1).abs() < 0.1, "{json}");
 }
 
+/// 634 N with 1 N of noise: in steps of 10 N the mean is 631, and no length of record helps.
+#[test]
+fn the_step_of_the_readings_is_in_the_standard_deviation() {
+    let fine = log("fine.csv", 40, |_| 634.0);
+    let fine = std::fs::read_to_string(fine).expect("kept");
+    let weighed = |name: &str, step_n: f64, noise: f64| {
+        let rounded = |line: &str| match line.split_once(',').map(|(t, f)| (t, f.parse::<f64>())) {
+            Some((time_s, Ok(force_n))) => {
+                let force_n = 634.0 + noise * (force_n - 634.0);
+                format!("{time_s},{}\n", (force_n / step_n).round() * step_n)
+            }
+            _ => format!("{line}\n"),
+        };
+        let path = file(name);
+        std::fs::write(&path, fine.lines().map(rounded).collect::<String>()).expect("kept");
+        floe(&["weigh", path.to_str().expect("a name"), "--json"])
+    };
+    let result = |output: Output| {
+        let json: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
+        ["weight_n", "weight_std_n"].map(|key| json[key].as_f64().expect("a number"))
+    };
+    let [weight_n, std_n] = result(weighed("coarse.csv", 10.0, 3.0));
+    assert!(
+        (weight_n - 634.0).abs() < 2.0 * std_n && (2.8..3.2).contains(&std_n),
+        "{weight_n} {std_n}"
+    );
+    let [weight_n, std_n] = result(weighed("dithered.csv", 10.0, 60.0));
+    assert!((weight_n - 634.0).abs() < 3.0 * std_n && std_n < 1.5, "{weight_n} {std_n}");
+    let refused = weighed("constant.csv", 20.0, 1.0);
+    let said = String::from_utf8(refused.stderr).expect("text");
+    assert_eq!(refused.status.code(), Some(2), "{said}");
+    assert!(said.contains("every reading is 640 N") && said.contains("--weight-std-n"), "{said}");
+    assert_eq!(said.lines().count(), 1, "{said}");
+}
+
 #[test]
 fn what_is_no_weighing_is_refused_in_one_line() {
     let drift = log("drift.csv", 40, |t| 630.0 + 0.2 * t);

@@ -24,7 +24,8 @@ Examples:
 
 The last 64 s count. What a steady swing adds is taken off; a load that drifts or is pulled is
 refused. The standard deviation is that of the weighing, without the zero's and the span's: when
-the same cell pulls the block afterwards, the span cancels.")]
+the same cell pulls the block afterwards, the span cancels. Where the noise is no larger than the
+step of the readings, the step is in it: step / sqrt(12).")]
 pub struct Args {
     /// The log: a file, or - for standard input
     #[arg(value_name = "LOG")]
