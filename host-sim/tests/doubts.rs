@@ -86,6 +86,64 @@ fn fast_slips_without_the_speed_of_the_winch_are_asked_about() {
     assert!(!slow.contains("alias"), "{slow}");
 }
 
+/// A limit of the sensor is asked about; once it is named, no slip beyond it counts.
+#[test]
+fn a_limit_that_the_log_does_not_name_is_asked_about() {
+    let dir = directory("rails");
+    let path = dir.join("cut.csv");
+    let path = path.to_str().unwrap();
+    let report = dir.join("cut.html");
+    for log in ["logs/dff8-13.csv", "logs/fig6-7.csv"] {
+        let whole = fs::read_to_string(log).unwrap();
+        let forces = whole.lines().filter_map(|line| line.split_once(',')?.1.parse::<f64>().ok());
+        let largest_n = forces.fold(0.0, f64::max);
+        assert!(!warned_of_a_limit(&["replay", log, "--json"]), "{log}");
+        for percent in [60, 75, 90, 95, 98] {
+            let limit_n = (largest_n * f64::from(percent)).round() / 100.0;
+            let cut = |line: &str| match line.split_once(',').map(|(t, f)| (t, f.parse::<f64>())) {
+                Some((time_s, Ok(force_n))) => format!("{time_s},{}\n", force_n.min(limit_n)),
+                _ => format!("{line}\n"),
+            };
+            fs::write(path, whole.lines().map(cut).collect::<String>()).unwrap();
+            let said = json_with_warnings(&floe(&["replay", path, "--json"]));
+            assert!(said.contains(&format!("--range-n {limit_n},")), "{log} {percent} %: {said}");
+        }
+        let refused = floe(&["replay", path, "--range-n", "400", "--json"]);
+        let refused: serde_json::Value = serde_json::from_slice(&refused.stdout).unwrap();
+        assert_eq!(refused["estimate"]["events"], 0);
+        assert!(refused["log"]["saturated"].as_u64().unwrap() > 900, "{}", refused["log"]);
+    }
+    let output = floe(&["replay", path, "--report", report.to_str().unwrap()]);
+    for said in [text(&output.stderr), text(&output.stdout), fs::read_to_string(report).unwrap()] {
+        assert!(said.contains("samples lie exactly at"), "{said}");
+    }
+    let refused = floe(&["replay", path, "--range-n", "0"]);
+    assert_refused(&refused, &["range must be a number above zero"]);
+}
+
+/// Coarse steps, forces that rest, swing or spike, a range that the log names: no limit to ask about.
+#[test]
+fn no_scene_is_asked_about_a_limit() {
+    let made = directory("no-rails").join("made.csv");
+    let made = made.to_str().unwrap();
+    let mut scenes = 0;
+    for folder in ["scenes", "scenes/hard", "scenes/honesty", "scenes/linear", "scenes/paper"] {
+        let entries = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+        for scene in entries.filter(|path| path.extension().is_some_and(|it| it == "toml")) {
+            let scene = scene.to_str().unwrap();
+            let output = floe(&["simulate", scene, "-o", made, "--duration-s", "60"]);
+            assert_eq!(output.status.code(), Some(0), "{scene}: {}", text(&output.stderr));
+            assert!(!warned_of_a_limit(&["replay", made, "--json"]), "{scene}");
+            scenes += 1;
+        }
+    }
+    assert!(scenes > 70, "{scenes} scenes");
+}
+
+fn warned_of_a_limit(arguments: &[&str]) -> bool {
+    json_with_warnings(&floe(arguments)).contains("samples lie exactly at")
+}
+
 fn json_with_warnings(output: &Output) -> String {
     let said = text(&output.stderr);
     assert_eq!(output.status.code(), Some(0), "{said}");

@@ -11,6 +11,7 @@ pub mod doubts;
 pub mod events;
 pub mod known;
 pub mod quantities;
+pub mod rails;
 pub mod result;
 pub mod samples;
 pub mod stretches;
@@ -19,6 +20,7 @@ pub mod test;
 pub mod timeline;
 
 use events::{Events, Means};
+use rails::Rails;
 use result::{ChangeSummary, EffectSummary, EventSummary, LogSummary, ReplayResult, TestSummary};
 use stretches::Stretches;
 use test::{Around, TestOptions};
@@ -59,12 +61,15 @@ pub fn replay_with(
     let mut pipeline = Pipeline::new(config).map_err(refused)?;
     let mut timeline = Timeline::new(log.rate_hz());
     let (mut events, mut changes, mut kept) = (Events::default(), Vec::new(), Ok(()));
-    let mut stretches = Stretches::default();
+    let (mut stretches, mut rails) = (Stretches::default(), Rails::default());
     let means = |pipeline: &Pipeline| if keeps_means { so_far(pipeline) } else { Means::default() };
     let mut take = |sample: Sample| {
         timeline.push(sample.raw.index, sample.time_s);
         let step = pipeline.step(sample.raw);
         observe(sample.time_s, &step);
+        if let Some(force_n) = step.sample.force_n {
+            rails.push(force_n);
+        }
         if let Some(event) = &step.event
             && kept.is_ok()
         {
@@ -109,7 +114,7 @@ pub fn replay_with(
         format: log.format().name().to_string(),
         rate_hz: log.rate_hz(),
         duration_s: timeline.duration_s(),
-        warnings: [log.warnings(), doubts::doubts(log, config, &report)].concat(),
+        warnings: [log.warnings(), doubts::doubts(log, config, &report), rails.warnings()].concat(),
         synthetic: log.metadata().synthetic.clone(),
         ..LogSummary::from(report.counters)
     };

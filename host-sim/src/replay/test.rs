@@ -29,6 +29,10 @@ pub struct TestOptions {
     /// [default: `# winch_m_per_s:` in the log]
     #[arg(long, value_name = "V", allow_negative_numbers = true)]
     pub winch_m_per_s: Option<f64>,
+    /// Force in newtons from which on the sensor or the converter is at its limit
+    /// [default: `# range_n:` in the log]
+    #[arg(long, value_name = "X", allow_negative_numbers = true)]
+    pub range_n: Option<f64>,
     /// What to look for beyond the linear model: auto (the data decide), none, or names
     #[arg(long, value_name = "auto|none|LIST", value_parser = effects, help = effects_help())]
     pub effects: Option<Effects>,
@@ -105,7 +109,7 @@ pub fn configure(log: &Log, options: &TestOptions) -> Result<Config, InputError>
         mass_kg: mass_kg.map(|mass| mass as f32),
         slope_rad: slope_deg.to_radians() as f32,
         winch_m_per_s: winch_m_per_s.map(|speed| speed as f32),
-        range_n: said.range_n.map(|range| range as f32),
+        range_n: options.range_n.or(said.range_n).map(|range| range as f32),
         calibration: calibration(log, options)?,
         effects: effects.with(Effect::Drift, drifts),
         std: options.known.std(&said.known, weight_n, winch_m_per_s),
