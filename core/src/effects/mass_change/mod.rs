@@ -155,10 +155,7 @@ impl Mass {
         if let State::Trial(events) = self.state {
             self.state = State::Trial(events + 1);
             let verdict = self.tried(events + 1)?;
-            // Without a swing since, nothing is known of it either.
-            if self.since.count > 0 {
-                self.dynamic_n = self.since.dynamic_n;
-            }
+            self.dynamic_n = self.since.dynamic_n_or(self.dynamic_n);
             return Some(verdict);
         }
         let share = 1.0 / self.seen.clamp(1, 8) as f32;

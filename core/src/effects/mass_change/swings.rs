@@ -47,6 +47,11 @@ impl Swings {
         self.count += 1;
         self.dynamic_n += (dynamic_n - self.dynamic_n) / self.count as f32;
     }
+
+    /// The mean `Fp`, or what it was before where no swing was seen since, N.
+    pub(super) fn dynamic_n_or(&self, before_n: f32) -> f32 {
+        if self.count > 0 { self.dynamic_n } else { before_n }
+    }
 }
 
 impl Told {
