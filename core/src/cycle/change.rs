@@ -86,10 +86,13 @@ impl CycleTracker {
                     .then(|| self.levels.tell(|levels| levels.take(static_n, dynamic_n)))??;
                 let first = (event.index.saturating_sub(shift.events_ago), event.onset);
                 let watches = self.site.effects.has(Effect::Mass);
-                if watches && is_clear(posterior) && self.learnt.mass.doubt(shift.dynamic_before_n)
-                {
+                let (mass, before_n) = (&mut self.learnt.mass, shift.dynamic_before_n);
+                if watches && is_clear(posterior) && mass.doubt(before_n) {
                     self.suspect = Some(first);
                     return None;
+                }
+                if watches {
+                    mass.leave_open(dynamic_n, before_n);
                 }
                 (Cause::Unknown, first)
             }

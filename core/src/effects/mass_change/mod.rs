@@ -49,8 +49,9 @@ pub enum Verdict {
     Unknown,
 }
 
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 enum State {
+    #[default]
     Steady,
     /// With the swing as it was, and how many suspects there are.
     Suspect(FadingTrend, u32),
@@ -58,8 +59,8 @@ enum State {
     Trial(u32),
 }
 
-/// Follows the swing, and the mass with it.
-#[derive(Clone, Copy, Debug)]
+/// Follows the swing, and the mass with it. Before the first event the weight is the given one.
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Mass {
     /// What the next event may expect.
     inverse_omega: FadingTrend,
@@ -155,6 +156,9 @@ impl Mass {
         if let State::Trial(events) = self.state {
             self.state = State::Trial(events + 1);
             let verdict = self.tried(events + 1)?;
+            if verdict == Verdict::Unknown {
+                self.leave_open(told.dynamic_n, self.dynamic_n);
+            }
             self.dynamic_n = self.since.dynamic_n_or(self.dynamic_n);
             return Some(verdict);
         }
@@ -175,6 +179,12 @@ impl Mass {
             self.state = State::Trial(0);
         }
         known
+    }
+
+    /// The force has changed, and nothing tells why: it may be the weight, by as much.
+    pub fn leave_open(&mut self, dynamic_n: f32, before_n: f32) {
+        let off = dynamic_n / before_n - 1.0;
+        self.base.variance += off * off;
     }
 
     /// Is a trial under way?
@@ -237,21 +247,6 @@ impl Mass {
     fn start(&mut self, before: Option<Prior>) {
         self.base = self.ratio();
         (self.before, self.seen, self.since) = (before, 0, Swings::default());
-    }
-}
-
-impl Default for Mass {
-    /// Before the first event: the weight is the given one.
-    fn default() -> Self {
-        Self {
-            inverse_omega: FadingTrend::default(),
-            state: State::Steady,
-            seen: 0,
-            dynamic_n: 0.0,
-            base: Ratio { value: 1.0, variance: 0.0 },
-            before: None,
-            since: Swings::default(),
-        }
     }
 }
 

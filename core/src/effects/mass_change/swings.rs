@@ -29,6 +29,12 @@ pub(super) struct Ratio {
     pub(super) variance: f32,
 }
 
+impl Default for Ratio {
+    fn default() -> Self {
+        Self { value: 1.0, variance: 0.0 }
+    }
+}
+
 /// Weighted mean of the swings since the last change.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Swings {
