@@ -61,9 +61,6 @@ impl Detector {
     /// which has just begun, unseen, does not bend it, nor creep before it.
     pub(super) fn extend_line(&mut self, newest: u64) {
         while near(self.stick.next, newest) >= self.line_delay.cast_signed() {
-            if self.usual_drop_n <= 0.0 && self.stick.next == self.stick.origin {
-                self.begin_after_fall(newest);
-            }
             let index = self.stick.next;
             self.stick.next += 1;
             let rested = near(self.stick.origin, self.stick.next);
@@ -71,7 +68,12 @@ impl Detector {
                 self.forget_usual();
             }
             match rested {
-                FIRST => self.look_for_flop(Look::Begin, SHORT..PROFILE, false),
+                FIRST => {
+                    self.look_for_flop(Look::Begin, SHORT..PROFILE, false);
+                    if self.usual_drop_n <= 0.0 && self.begins_after_fall(newest) {
+                        continue;
+                    }
+                }
                 SECOND => self.look_for_flop(Look::Learn, SHORT..PROFILE, false),
                 PROFILE => self.look_for_flop(Look::Begin, PROFILE..i32::MAX, true),
                 PAST_PROFILE => self.look_for_flop(Look::Learn, PROFILE..i32::MAX, true),
@@ -84,19 +86,21 @@ impl Detector {
     }
 
     /// A record may begin in the middle of a slip: its first line begins where the force has stopped
-    /// falling, and two samples later, as after any slip.
+    /// falling, and two samples later, as after any slip. Before the noise is known the fall may be that; once
+    /// it is, all samples are looked at again.
     #[cold]
     #[inline(never)]
-    fn begin_after_fall(&mut self, newest: u64) {
+    fn begins_after_fall(&mut self, newest: u64) -> bool {
         let mut low = self.stick.origin;
         while low < newest && self.window.get(low + 1) < self.window.get(low) {
             low += 1;
         }
         let [high_n, low_n] = [self.stick.origin, low].map(|index| self.window.get(index));
-        // Before the noise is known it may be that; once it is, all samples are looked at again.
-        if high_n.zip(low_n).is_some_and(|(high_n, low_n)| high_n - low_n > OFF_LINE * self.std_n) {
+        let falls = high_n.zip(low_n).is_some_and(|(high, low)| high - low > OFF_LINE * self.std_n);
+        if falls {
             self.stick.next = low + 2;
         }
+        falls
     }
 
     /// No slip for far longer than before: the usual one may be no more, after a knock or a first slip of a
