@@ -220,16 +220,15 @@ impl Expectations {
         if strained || (verdict == Verdict::Suspect && !on_trial) {
             return verdict;
         }
-        // A first rate that did not last is not that of the events to come.
+        // A first rate that did not last is not that of the events to come, and its change no bend that
+        // stays. Where the force wanders that may be why: only the rate is taken.
         let change = cycle.rate_change;
-        let lasts = self.rate.mean().is_some()
-            || data.wander.level > 0.0
-            || change * change < LASTS * LASTS * rate_change;
-        if let Some((value, variance)) = own_rate.filter(|_| lasts) {
+        let steady = self.rate.mean().is_some() || change * change < LASTS * LASTS * rate_change;
+        if let Some((value, variance)) = own_rate.filter(|_| steady || data.wander.level > 0.0) {
             self.rate.add(value, variance);
         }
         let own_change = own(cycle.rate_change, rate_change, data.rate_change, LEAST_OWN);
-        if let Some((value, variance)) = own_change.filter(|_| lasts) {
+        if let Some((value, variance)) = own_change.filter(|_| steady) {
             self.rate_change.add(value, variance);
         }
         told.inverse_omega = own_swing(LEAST_OWN).filter(|_| !on_trial || is_clear(posterior));
