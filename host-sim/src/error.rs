@@ -1,7 +1,7 @@
 //! What a tool says when it cannot go on: one line, then exit code 2.
 
 use std::borrow::Cow;
-use std::fmt;
+use std::{fmt, io};
 
 /// A problem with something the user gave.
 ///
@@ -14,6 +14,12 @@ impl InputError {
     /// A problem as one sentence without a full stop.
     pub fn new(message: impl Into<String>) -> Self {
         Self(printable_line(&message.into()).into_owned())
+    }
+
+    /// What cannot be read, with what the system says.
+    #[must_use]
+    pub fn unreadable(error: &io::Error) -> Self {
+        Self::new(format!("cannot be read: {error}"))
     }
 
     /// The same problem with the place where it is put in front.

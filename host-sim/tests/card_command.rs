@@ -13,6 +13,9 @@ use floe_firmware::sample::Sample;
 #[path = "support/command.rs"]
 mod command;
 use command::{assert_refused, directory, text};
+#[path = "support/sector.rs"]
+mod sector;
+use sector::seal;
 
 fn floe(directory: &Path, arguments: &[&str]) -> Output {
     let mut command = Command::new(env!("CARGO_BIN_EXE_floe"));
@@ -49,14 +52,7 @@ fn two_tests() -> Vec<Sector> {
 /// Changes a value that no logger writes, with a right checksum.
 fn unsound(mut sector: Sector) -> Sector {
     sector[36..40].copy_from_slice(&f32::NAN.to_le_bytes());
-    let mut sum = u32::MAX;
-    for &byte in &sector[..508] {
-        sum ^= u32::from(byte);
-        for _ in 0..8 {
-            sum = (sum >> 1) ^ (0xEDB8_8320 & (sum & 1).wrapping_neg());
-        }
-    }
-    sector[508..].copy_from_slice(&(!sum).to_le_bytes());
+    seal(&mut sector);
     sector
 }
 

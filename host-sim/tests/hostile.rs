@@ -17,6 +17,9 @@ use floe_firmware::sample::Sample;
 #[path = "support/command.rs"]
 mod command;
 use command::{assert_refused, directory, text};
+#[path = "support/sector.rs"]
+mod sector;
+use sector::seal;
 
 fn floe(directory: &Path, arguments: &[&str]) -> Output {
     let mut command = Command::new(env!("CARGO_BIN_EXE_floe"));
@@ -56,14 +59,7 @@ fn card(name: &[u8], version: u8) -> Vec<u8> {
     sector[4] = version;
     sector[68..84].fill(0);
     sector[68..68 + name.len()].copy_from_slice(name);
-    let mut sum = u32::MAX;
-    for &byte in &sector[..508] {
-        sum ^= u32::from(byte);
-        for _ in 0..8 {
-            sum = (sum >> 1) ^ (0xEDB8_8320 & (sum & 1).wrapping_neg());
-        }
-    }
-    sector[508..].copy_from_slice(&(!sum).to_le_bytes());
+    seal(&mut sector);
     sector.to_vec()
 }
 

@@ -49,10 +49,6 @@ pub fn logs(path: &Path) -> Result<Logs, InputError> {
     Ok(logs)
 }
 
-fn unreadable(error: std::io::Error) -> InputError {
-    InputError::new(format!("cannot be read: {error}"))
-}
-
 fn in_directory(folder: &Path) -> Result<Logs, InputError> {
     let table = folder.join(manifest::NAME);
     // A link that leads nowhere is there too.
@@ -93,8 +89,8 @@ struct Content {
 /// The logs of a directory by their names, also those that cannot be opened: that is said of each.
 fn content(folder: &Path) -> Result<Content, InputError> {
     let (mut logs, mut notes, mut folders) = (Vec::new(), Vec::new(), 0_u64);
-    for entry in fs::read_dir(folder).map_err(unreadable)? {
-        let path = entry.map_err(unreadable)?.path();
+    for entry in fs::read_dir(folder).map_err(|error| InputError::unreadable(&error))? {
+        let path = entry.map_err(|error| InputError::unreadable(&error))?.path();
         match path.metadata() {
             Ok(there) if there.is_dir() => folders += 1,
             Ok(there) if !there.is_file() && has_name_of_log(&path) => {
@@ -138,13 +134,13 @@ fn once(entries: &[Entry]) -> Result<(), InputError> {
 }
 
 fn tabled(table: &Path) -> Result<Vec<Entry>, InputError> {
-    let text = short_file::read(table).map_err(unreadable)?;
+    let text = short_file::read(table).map_err(|error| InputError::unreadable(&error))?;
     let entries = manifest::read(&text, table.parent().unwrap_or(Path::new(".")))?;
     once(&entries).map(|()| entries)
 }
 
 fn listed(path: &Path) -> Result<Logs, InputError> {
-    let list = short_file::read(path).map_err(unreadable)?;
+    let list = short_file::read(path).map_err(|error| InputError::unreadable(&error))?;
     if manifest::is_manifest(&list) {
         return Ok(Logs { entries: tabled(path)?, notes: Vec::new() });
     }

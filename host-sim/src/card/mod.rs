@@ -100,8 +100,8 @@ impl Test {
 /// It cannot be read, or there is no record in it.
 pub fn tests(mut input: impl Read + Seek) -> Result<(Vec<Test>, Found), InputError> {
     // There are devices that give bytes for ever; none of them has an end.
-    let end = input.seek(SeekFrom::End(0)).map_err(sectors::unreadable)?;
-    input.seek(SeekFrom::Start(0)).map_err(sectors::unreadable)?;
+    let end = input.seek(SeekFrom::End(0)).map_err(|error| InputError::unreadable(&error))?;
+    input.seek(SeekFrom::Start(0)).map_err(|error| InputError::unreadable(&error))?;
     let found = sectors::scan(&mut input.by_ref().take(end), |_, _, _| {})?;
     if found.places.is_empty() {
         return Err(no_record(&found));

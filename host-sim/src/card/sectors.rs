@@ -53,7 +53,7 @@ pub fn scan(
     let mut buffer = vec![0; 2048 * SECTOR_LEN];
     let mut offset = 0;
     loop {
-        let count = fill(input, &mut buffer).map_err(unreadable)?;
+        let count = fill(input, &mut buffer).map_err(|error| InputError::unreadable(&error))?;
         let (sectors, rest) = buffer[..count].as_chunks::<SECTOR_LEN>();
         for (sector, at) in sectors.iter().zip(0_u64..) {
             if let Some((place, record)) = found.take(sector, offset + at * SECTOR_LEN as u64) {
@@ -69,11 +69,6 @@ pub fn scan(
     }
     found.put_in_order();
     Ok(found)
-}
-
-/// What cannot be read has no place that helps.
-pub fn unreadable(error: std::io::Error) -> InputError {
-    InputError::new(format!("cannot be read: {error}"))
 }
 
 /// Whether a logger's log begins so, or goes on so behind damaged sectors.

@@ -131,6 +131,15 @@ pub fn refuse_standard(path: &Path) -> Result<(), InputError> {
     ))
 }
 
+/// Makes a folder for outputs, if it is not there.
+///
+/// # Errors
+/// It cannot be made.
+pub fn make_folder(folder: &Path) -> Result<(), InputError> {
+    fs::create_dir_all(folder)
+        .map_err(|e| InputError::new(format!("cannot be made: {e}")).within(folder.display()))
+}
+
 /// Refuses a folder that cannot be made, or that would be made where one of `outputs` is.
 ///
 /// # Errors

@@ -1,6 +1,5 @@
 //! `floe recover`: every test of a card as files of its own.
 
-use std::fs;
 use std::path::{Path, PathBuf};
 
 use crate::card::{self, Test};
@@ -34,16 +33,11 @@ pub struct Args {
 /// # Errors
 /// One line for the user.
 pub fn run(args: &Args) -> Result<(), InputError> {
-    output::refuse_standard(&args.output)?;
-    if args.output.is_file() {
-        return Err(InputError::new("is a file; name a directory").within(args.output.display()));
-    }
+    output::check_folder(&args.output, &[])?;
     let place = args.input.display();
     let read = open_file(&args.input, false).and_then(card::tests);
     let (tests, found) = read.map_err(|e| e.within(&place))?;
-    fs::create_dir_all(&args.output).map_err(|e| {
-        InputError::new(format!("cannot be made: {e}")).within(args.output.display())
-    })?;
+    output::make_folder(&args.output)?;
     let mut files = Vec::new();
     for test in &tests {
         files.push((name(args, test, "csv"), card::csv(test)));

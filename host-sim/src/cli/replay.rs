@@ -267,9 +267,7 @@ impl Figures {
         recorder: &Recorder,
         args: &Args,
     ) -> Result<Self, InputError> {
-        std::fs::create_dir_all(folder).map_err(|error| {
-            InputError::new(format!("cannot be made: {error}")).within(folder.display())
-        })?;
+        output::make_folder(folder)?;
         let drawn = report::figures(result, recorder).into_iter();
         let files: Vec<_> = drawn.map(|(name, svg)| (folder.join(name), svg)).collect();
         let paths: Vec<&Path> = files.iter().map(|(path, _)| path.as_path()).collect();

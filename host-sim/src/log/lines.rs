@@ -137,7 +137,7 @@ impl Lines {
             match self.input.read(self.buffer.get_mut(self.end..).unwrap_or_default()) {
                 Ok(count) => break count,
                 Err(error) if error.kind() == std::io::ErrorKind::Interrupted => {}
-                Err(error) => return Err(InputError::new(format!("cannot be read: {error}"))),
+                Err(error) => return Err(InputError::unreadable(&error)),
             }
         };
         self.exhausted = count == 0;

@@ -27,7 +27,7 @@ pub fn peek(
 ) -> Result<(Box<dyn Read + Send>, Vec<u8>), InputError> {
     let mut start = Vec::new();
     let read = input.by_ref().take(START_LEN as u64).read_to_end(&mut start);
-    read.map_err(|error| InputError::new(format!("cannot be read: {error}")))?;
+    read.map_err(|error| InputError::unreadable(&error))?;
     Ok((Box::new(Cursor::new(start.clone()).chain(input)), start))
 }
 

@@ -29,11 +29,16 @@ pub fn doubts(log: &Log, config: &Config, report: &Report) -> Vec<String> {
     doubts.into_iter().flatten().collect()
 }
 
+/// Whether a record has samples and none of them is a force.
+pub(super) fn has_no_force(samples: u64, rejected: u64, saturated: u64) -> bool {
+    samples > 0 && rejected + saturated == samples
+}
+
 /// No sample can be used.
 fn no_force(config: &Config, report: &Report) -> Option<String> {
     let Counters { samples, rejected, saturated, .. } = report.counters;
     let range = config.range_n.map(|range| format!(" of {range} N, its 'range_n'"));
-    (samples > 0 && rejected + saturated == samples).then(|| {
+    has_no_force(samples, rejected, saturated).then(|| {
         format!(
             "no sample is a force: {rejected} of {samples} are no number, {saturated} lie at the end \
              of the cell's range{}",

@@ -3,6 +3,7 @@
 use std::fmt::Write;
 use std::io;
 
+use super::doubts::has_no_force;
 use super::quantities::Quantities;
 use super::result::{
     CoefficientSummary, EffectSummary, EventSummary, LogSummary, ParameterSummary, ReplayResult,
@@ -57,7 +58,7 @@ pub fn write(out: &mut dyn io::Write, result: &ReplayResult, each_event: bool) -
 
 /// Why there are no events: where a sample could be used, there was no slip.
 fn why_none(log: &LogSummary) -> &'static str {
-    if log.samples > 0 && log.samples == log.rejected + log.saturated {
+    if has_no_force(log.samples, log.rejected, log.saturated) {
         "no sample of this log can be used"
     } else {
         "no slip was found in this log"
