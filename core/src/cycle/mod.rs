@@ -122,8 +122,8 @@ impl CycleTracker {
     ) {
         let stick = detector.ended();
         // Where samples wait it may lie past all that were looked at.
-        let seen = ..=detector.last().index;
-        let hides = last_hidden.is_some_and(|it| it + 4 >= stick.next && seen.contains(&it));
+        let last = detector.last().index;
+        let hides = last_hidden.is_some_and(|index| index + 4 >= stick.next && index <= last);
         self.end_line(detector, Ended::by_slip(detector, extremes, hides), told);
     }
 

@@ -92,9 +92,9 @@ impl CycleTracker {
         let has_line = pending.before.count + finishing.after.count > 0;
         let loads_fast = event.slack && !has_line && 2.0 * cycle.rate > cycle.static_n;
         let is_fast = pending.limit - pending.extremes().0 < refusal::FAST;
-        let why = if is_fast || loads_fast { Reason::TooShort } else { Reason::NoRest };
-        let rests = !(loads_fast || unsure);
-        let reason = refusal::of_event(event).or(overlaps).or((!rests).then_some(why));
+        let without_rest = if is_fast || loads_fast { Reason::TooShort } else { Reason::NoRest };
+        let without_rest = (loads_fast || unsure).then_some(without_rest);
+        let reason = refusal::of_event(event).or(overlaps).or(without_rest);
         // What is not believed for itself is no sign that the others are: of slips in quick succession
         // whatever the reason, of slower ones where the force itself is another than a slip's.
         let doubted = reason.or(event.reason).is_some_and(|it| is_fast || it.is_of_shape());

@@ -167,6 +167,7 @@ impl CycleFit {
             Stage::Fitted => self.judge(learnt),
             Stage::Places(_) => self.place(waiting > NO_PLACES),
             Stage::Telling => self.tell(learnt),
+            // Never without terms to ask for: then what asks for them leaves the image.
             Stage::Alone(_) if learnt.asks() => self.alone(),
             Stage::Asked(..) if learnt.asks() => self.asked(learnt),
             Stage::Alone(_) | Stage::Asked(..) | Stage::Told => {
