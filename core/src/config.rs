@@ -77,6 +77,9 @@ impl InputStd {
         winch: 0.0,
     };
 
+    /// Most damping that counts, a part of the critical one: beyond it no cable swings, and nothing is known.
+    pub const MOST_DAMPING: f32 = 0.3;
+
     /// The zero's, N, where the largest force was so much.
     pub(crate) fn zero_n(&self, largest_n: f32) -> f32 {
         const PART: f32 = 1e-3;
@@ -176,6 +179,9 @@ fn is_at_least_zero(x: f32) -> bool {
 }
 
 impl Config {
+    /// Steepest slope of the ice, rad: 68.7°.
+    pub const STEEPEST_RAD: f32 = 1.2;
+
     /// Checks every value.
     ///
     /// # Errors
@@ -186,7 +192,7 @@ impl Config {
         check((1.0..=2000.0).contains(&self.rate_hz), ConfigError::Rate)?;
         check(positive(self.weight_n), ConfigError::Weight)?;
         check(self.mass_kg.is_none_or(positive), ConfigError::Weight)?;
-        check((-1.2..=1.2).contains(&self.slope_rad), ConfigError::Slope)?;
+        check(self.slope_rad.abs() <= Self::STEEPEST_RAD, ConfigError::Slope)?;
         check(self.winch_m_per_s.is_none_or(positive), ConfigError::Winch)?;
         check(self.range_n.is_none_or(positive), ConfigError::Range)?;
         let calibration = &self.calibration;

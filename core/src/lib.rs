@@ -36,7 +36,7 @@ mod stats;
 mod stretch;
 pub mod units;
 
-pub use budget::{Entry, Input, Losses, Share, budget};
+pub use budget::{Entry, Input, Losses, Share, budget, of_constant_force};
 pub use coefficient::{Coefficient, Estimate};
 pub use config::{Calibration, Config, ConfigError, InputStd};
 pub use effect::{Effect, Effects, Finding, Parameter};

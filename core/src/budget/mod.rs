@@ -152,6 +152,24 @@ impl Known<'_> {
     }
 }
 
+/// Coefficient of a block that slides under a constant force, of the mean of that force over the
+/// weight and its standard deviation; and the combined standard deviation, without the scatter
+/// between events and without a drift of the zero.
+#[must_use]
+pub fn of_constant_force(config: &Config, (force_over_weight, std): (f32, f32)) -> (f32, f32) {
+    let (sin, cos) = math::sin_cos(config.slope_rad);
+    let mu = (force_over_weight - sin) / cos;
+    let known = Known {
+        config,
+        weight_ratio: (1.0, 0.0),
+        zero_n: config.std.zero_n(force_over_weight.abs() * config.weight_n),
+        drift_n: 0.0,
+        losses: Losses::default(),
+    };
+    let [variance, _] = known.variances([mu; 2]);
+    (mu, math::hypotenuse(std / cos, math::sqrt(variance)))
+}
+
 fn square(x: f32) -> f32 {
     x * x
 }
@@ -175,4 +193,24 @@ pub fn budget(config: &Config, report: &Report) -> Option<[Entry; INPUTS]> {
         *entry = input;
     }
     Some(entries)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::config::InputStd;
+
+    #[test]
+    fn what_a_slide_would_tell_is_no_better_than_the_inputs() {
+        let std =
+            InputStd { weight: 0.01, slope_rad: 0.01, zero_n: Some(6.3), ..InputStd::default() };
+        let config = Config { weight_n: 630.0, slope_rad: 0.1, std, ..Config::default() };
+        let (mu, combined) = of_constant_force(&config, (0.78, 1e-3));
+        let (sin, cos) = math::sin_cos(0.1);
+        assert!((mu - (0.78 - sin) / cos).abs() < 1e-6);
+        let parts =
+            [1e-3 / cos, 7.8e-3 / cos, 0.01 * (1.0 - mu * sin / cos), 0.01 / cos, 7.8e-4 / cos];
+        let variance: f32 = parts.iter().map(|part| part * part).sum();
+        assert!((combined - math::sqrt(variance)).abs() < 1e-7, "{combined}");
+    }
 }

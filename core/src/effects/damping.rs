@@ -11,14 +11,12 @@
 //! by chance must not hide losses: few events tell them to no more than a few percent, which is as
 //! much as they may be. Losses that are stated to be known exactly, with 0, stay so.
 
+use crate::config::InputStd;
 use crate::effect::Parameter;
 use crate::effects::score::ScoreSum;
 use crate::model::Shape;
 use crate::num::math;
 use crate::stats::normal_equations::Gradient;
-
-/// Most losses of a cable that still swings: beyond it nothing is known.
-const MOST: f32 = 0.3;
 
 /// What the events tell of the losses.
 #[derive(Clone, Copy, Debug, Default)]
@@ -42,7 +40,7 @@ impl Damping {
         if !self.0.counts() || value <= 0.0 || stated <= 0.0 {
             return stated;
         }
-        math::smaller(math::hypotenuse(stated, value), MOST)
+        math::smaller(math::hypotenuse(stated, value), InputStd::MOST_DAMPING)
     }
 
     /// The damping ratio, if it is significant.

@@ -12,6 +12,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::ValueEnum;
+use floe_core::Config;
 
 use crate::error::{InputError, excerpt};
 use crate::log::cells::{Cells, texts};
@@ -200,7 +201,7 @@ impl Entry {
 
     /// Refuses what the core would, and what contradicts itself.
     fn check(&self) -> Result<(), String> {
-        const STEEPEST_DEG: f64 = 68.0;
+        let steepest_deg = f64::from(Config::STEEPEST_RAD).to_degrees().floor();
         let TestOptions { weight_n, mass_kg, slope_deg, winch_m_per_s, .. } = self.test;
         if self.path.as_os_str().is_empty() {
             return Err("names no file: write it, or take the line out".to_string());
@@ -212,8 +213,8 @@ impl Entry {
                 return Err(format!("'{name}' has {value}: write a number above zero"));
             }
         }
-        if let Some(slope) = slope_deg.filter(|slope| slope.abs() > STEEPEST_DEG) {
-            return Err(format!("'slope_deg' has {slope}: write degrees within ±{STEEPEST_DEG}"));
+        if let Some(slope) = slope_deg.filter(|slope| slope.abs() > steepest_deg) {
+            return Err(format!("'slope_deg' has {slope}: write degrees within ±{steepest_deg}"));
         }
         let both = weight_n.zip(mass_kg);
         match both.and_then(|(weight_n, mass_kg)| sense::other_weight_n(weight_n, mass_kg)) {

@@ -179,11 +179,11 @@ impl KnownOptions {
     /// # Errors
     /// They are more than the core takes into account.
     pub fn check_damping(&self, said: &KnownMetadata) -> Result<(), InputError> {
-        const MOST: f64 = 0.3;
+        let most = InputStd::MOST_DAMPING;
         let [.., damping, _, _, _] = self.or(said);
-        match damping.filter(|damping| *damping > MOST) {
+        match damping.filter(|damping| *damping > f64::from(most)) {
             Some(damping) => Err(InputError::new(format!(
-                "damping_std {damping}: at most {MOST} of the critical damping counts, give \
+                "damping_std {damping}: at most {most} of the critical damping counts, give \
                  --damping-std D up to that"
             ))),
             None => Ok(()),

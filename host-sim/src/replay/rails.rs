@@ -75,10 +75,11 @@ impl Highest {
     fn push(&mut self, force_n: f32) {
         let [last_n, before_n] = self.last_n;
         self.last_n = [force_n, last_n];
-        let place = self.levels.partition_point(|level| level.force_n > force_n);
-        if place >= LEVELS {
+        // Nearly every force lies below all that are kept.
+        if self.levels.get(LEVELS - 1).is_some_and(|lowest| force_n < lowest.force_n) {
             return;
         }
+        let place = self.levels.partition_point(|level| level.force_n > force_n);
         if self.levels.get(place).is_none_or(|level| level.force_n < force_n) {
             self.levels.insert(place, Level { force_n, samples: 0, leapt: 0 });
             self.levels.truncate(LEVELS);

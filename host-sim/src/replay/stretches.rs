@@ -28,9 +28,9 @@ pub struct SteadySummary {
     /// Whether the winch turns as far as its speed tells; `null`: not known, as when the cable
     /// was slack.
     pub moving: Option<bool>,
-    /// One standard deviation of the coefficient, if the block slid: with that of the inputs.
+    /// The coefficient, if the block slid, and its combined standard deviation.
     #[serde(skip)]
-    pub sliding_std: f64,
+    pub sliding: (f32, f32),
 }
 
 /// Falls of the force that are no slips.
@@ -49,19 +49,14 @@ impl Stretches {
     pub fn add(&mut self, stretch: &Stretch, config: &Config, start_s: f64, stop_s: f64) {
         match stretch.kind {
             StretchKind::Steady { force_over_weight, std, moving } => {
+                let sliding = floe_core::of_constant_force(config, (force_over_weight, std));
                 let [force_over_weight, std] = [force_over_weight, std].map(shortest);
                 // A winch that turns moves no block by a slack cable.
                 let slides = |moves: &bool| !(*moves && is_nothing(force_over_weight, std));
                 let moving = moving.filter(slides);
-                let sliding_std = sliding_std(config, force_over_weight, std);
-                self.steady.push(SteadySummary {
-                    start_s,
-                    stop_s,
-                    force_over_weight,
-                    std,
-                    moving,
-                    sliding_std,
-                });
+                let steady =
+                    SteadySummary { start_s, stop_s, force_over_weight, std, moving, sliding };
+                self.steady.push(steady);
             }
             StretchKind::NotUnderstood(reason) => {
                 let reason = reason.to_string();
@@ -72,11 +67,10 @@ impl Stretches {
 }
 
 impl SteadySummary {
-    /// One sentence for a person, on ice with this slope.
+    /// One sentence for a person.
     #[must_use]
-    pub fn sentence(&self, slope_rad: f64) -> String {
-        let Self { start_s, stop_s, force_over_weight, std, moving, sliding_std } = self;
-        let (sin, cos) = slope_rad.sin_cos();
+    pub fn sentence(&self) -> String {
+        let Self { start_s, stop_s, force_over_weight, std, moving, sliding } = self;
         let decimals = digits(*std).max(4);
         let what = match moving {
             _ if is_nothing(*force_over_weight, *std) => {
@@ -85,8 +79,8 @@ impl SteadySummary {
             None => "held or sliding: the force alone cannot tell".to_string(),
             Some(false) => "the winch stood: the cable was held".to_string(),
             Some(true) => {
-                let mu = (force_over_weight - sin) / cos;
-                format!("mu {}, if the winch turned then", plus_minus(mu, *sliding_std))
+                let (mu, std) = *sliding;
+                format!("mu {}, if the winch turned then", plus_minus(mu.into(), std.into()))
             }
         };
         format!(
@@ -127,25 +121,6 @@ fn is_nothing(force_over_weight: f64, std: f64) -> bool {
     force_over_weight.abs() <= 3.0 * std
 }
 
-/// Standard deviation of `c = (F/W − sin α)/cos α`, by the formulas of [`floe_core::budget`].
-fn sliding_std(config: &Config, force_over_weight: f64, std: f64) -> f64 {
-    let known = config.std;
-    let (sin, cos) = f64::from(config.slope_rad).sin_cos();
-    let of_force = (force_over_weight / cos).abs();
-    let by_slope = (force_over_weight - sin) / cos * (sin / cos) - 1.0;
-    let zero = known
-        .zero_n
-        .map_or(1e-3 * of_force, |zero_n| f64::from(zero_n) / (f64::from(config.weight_n) * cos));
-    let parts = [
-        std / cos,
-        of_force * f64::from(known.weight),
-        by_slope * f64::from(known.slope_rad),
-        zero,
-        of_force * f64::from(known.span),
-    ];
-    parts.into_iter().fold(0.0, f64::hypot)
-}
-
 /// The number whose shortest text is that of the `f32`.
 fn shortest(value: f32) -> f64 {
     value.to_string().parse().unwrap_or(f64::from(value))
@@ -154,7 +129,7 @@ fn shortest(value: f32) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use floe_core::{InputStd, Reason, SampleTime};
+    use floe_core::{Reason, SampleTime};
 
     fn stretch(kind: StretchKind) -> Stretch {
         let time = SampleTime { index: 0, fraction: 0.0 };
@@ -162,8 +137,8 @@ mod tests {
     }
 
     fn steady(force_over_weight: f64, std: f64, moving: Option<bool>) -> SteadySummary {
-        let (start_s, stop_s, sliding_std) = (0.0, 9.0, 2e-3);
-        SteadySummary { start_s, stop_s, force_over_weight, std, moving, sliding_std }
+        let (start_s, stop_s, sliding) = (0.0, 9.0, (force_over_weight as f32, 2e-3));
+        SteadySummary { start_s, stop_s, force_over_weight, std, moving, sliding }
     }
 
     #[test]
@@ -197,7 +172,7 @@ mod tests {
 
     #[test]
     fn only_a_winch_that_turns_makes_it_a_coefficient() {
-        let said = |moving| steady(0.5, 1e-3, moving).sentence(0.1);
+        let said = |moving| steady(0.4022, 1e-3, moving).sentence();
         assert!(said(None).contains("held or sliding: the force alone cannot tell"));
         let sliding = said(Some(true));
         assert!(sliding.ends_with("; mu 0.4022 ± 0.0020, if the winch turned then"), "{sliding}");
@@ -206,21 +181,9 @@ mod tests {
 
     #[test]
     fn a_slack_cable_is_no_block_that_slides() {
-        let said = steady(-2e-5, 1e-4, Some(true)).sentence(0.0);
+        let said = steady(-2e-5, 1e-4, Some(true)).sentence();
         assert!(said.contains("the cable was slack") && !said.contains("mu"), "{said}");
-        let said = steady(4e-4, 1e-4, Some(true)).sentence(0.0);
+        let said = steady(4e-4, 1e-4, Some(true)).sentence();
         assert!(said.contains("mu 0.0004 ± 0.0020, if"), "{said}");
-    }
-
-    #[test]
-    fn what_a_slide_would_tell_is_no_better_than_the_inputs() {
-        let std =
-            InputStd { weight: 0.01, slope_rad: 0.01, zero_n: Some(6.3), ..Default::default() };
-        let config = Config { weight_n: 630.0, slope_rad: 0.1, std, ..Config::default() };
-        let cos = 0.1_f64.cos();
-        let by_slope = 1.0 - (0.78 - 0.1_f64.sin()) / cos * 0.1_f64.tan();
-        let parts = [1e-3 / cos, 7.8e-3 / cos, 0.01 * by_slope, 0.01 / cos, 7.8e-4 / cos];
-        let expected = parts.iter().map(|part| part * part).sum::<f64>().sqrt();
-        assert!((sliding_std(&config, 0.78, 1e-3) - expected).abs() < 1e-7);
     }
 }

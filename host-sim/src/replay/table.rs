@@ -166,7 +166,7 @@ fn notices(out: &mut String, result: &ReplayResult) -> std::fmt::Result {
     }
     let Stretches { steady, not_understood } = &result.stretches;
     for it in steady {
-        writeln!(out, "steady {}", it.sentence(result.test.slope_rad))?;
+        writeln!(out, "steady {}", it.sentence())?;
     }
     for it in not_understood {
         writeln!(out, "not understood {}", it.sentence())?;

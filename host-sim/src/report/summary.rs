@@ -39,7 +39,7 @@ fn notices(result: &ReplayResult) -> String {
     let zero = |zero_n| {
         format!("<p class=\"notice\">Zero: {}.</p>", with_whole_options(&zero_sentence(zero_n)))
     };
-    let steady = result.stretches.steady.iter().map(|it| it.sentence(result.test.slope_rad));
+    let steady = result.stretches.steady.iter().map(|it| it.sentence());
     let steady = steady.map(|it| {
         format!("<p class=\"notice\">Steady: {}.</p>", escape(&it.replace("F/W -", "F/W −")))
     });
