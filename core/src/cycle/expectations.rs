@@ -156,14 +156,20 @@ impl Expectations {
         found.then_some(Parameter { name: "rate_gain", value: gain.mean / rate, std })
     }
 
-    /// Variance of `Fp`, N², because a rate that changed by the slip may have done so at any time
-    /// of it. A winch whose rate steps by `b` at the angle `ωt` of the slip lifts `Fe` by
-    /// `b sin(ωt) / ω`; the model takes the mean over an even change, `2/π` of the largest. Half
-    /// the time anywhere and half the time at either end: `0.5 b/ω` about it, half of that in `Fp`.
-    pub(crate) fn unsteady_n2(&self, cycle: &CycleParams) -> f32 {
+    /// Variances of `Fs` and `Fp`, N², because a rate that changed by the slip may have done so at any
+    /// time of it, or in the samples next to it that no line has. A winch whose rate steps by `b` at the
+    /// angle `ωt` of the slip lifts `Fe` by `b sin(ωt) / ω`; the model takes the mean over an even change,
+    /// `2/π` of the largest. Half the time anywhere and half the time at either end: `0.5 b/ω` about it,
+    /// half of that in `Fp`. A step at a time `t` before the onset lifts `Fs` by `b t`, one after the stop
+    /// lowers `Fe` by it, and `Fp` by half of either.
+    pub(crate) fn unsteady_n2(&self, posterior: &Posterior) -> (f32, f32) {
+        // Anywhere in four samples, which the lines stay behind.
+        const BESIDE: f32 = 2.3;
+        let Posterior { cycle, unknowns: [.., variance], .. } = posterior;
         let own = cycle.rate_change - self.rate_change.prior_around_zero(1.0).mean;
-        let unsteady_n = 0.25 * own * cycle.inverse_omega();
-        unsteady_n * unsteady_n
+        let own2 = larger(own * own - variance, 0.0);
+        let (beside, within) = (BESIDE * BESIDE, 0.25 * cycle.inverse_omega());
+        (beside * own2, (0.25 * beside + within * within) * own2)
     }
 
     /// Is the swing known from earlier events?

@@ -108,7 +108,8 @@ impl CycleTracker {
         let Posterior { cycle, unknowns, .. } = posterior;
         let (site, learnt) = (self.site(), &self.learnt);
         let (rate, swing) = (learnt.rate.now(), learnt.mass.inverse_omega().now());
-        let is_clear = core::f32::consts::PI * swing.0 > CLEAR;
+        // All of them tell, and no single one.
+        let is_clear = learnt.knows_omega() && core::f32::consts::PI * swing.0 > CLEAR;
         let periods = next - cycle.onset;
         let learnt = refusal::stiffer(&site, rate, swing);
         let folded = is_clear && refusal::is_folded(learnt, periods);
@@ -142,9 +143,11 @@ impl CycleTracker {
         let cycle = &posterior.cycle;
         let mut event = self.bare(pending, cycle, shape);
         let site = self.site();
-        event.mu_s = Some(site.coefficient(cycle.static_n, posterior.static_n2));
+        let (static_n2, dynamic_n2) = self.unsteady_n2(pending, posterior);
+        event.mu_s = Some(site.coefficient(cycle.static_n, posterior.static_n2 + static_n2));
         event.dynamic_force_n -= shift_n;
-        event.mu = Some(site.coefficient(event.dynamic_force_n, posterior.dynamic_n2 + shift_n2));
+        let dynamic_n2 = posterior.dynamic_n2 + shift_n2 + dynamic_n2;
+        event.mu = Some(site.coefficient(event.dynamic_force_n, dynamic_n2));
         if !posterior.is_resolved() {
             if !event.slack {
                 event.quality = Quality::Unresolved;

@@ -12,6 +12,7 @@ use crate::effect::Parameter;
 use crate::effects::score::{Score, ScoreSum};
 use crate::fit::slip_scatter::steepness;
 use crate::model::Shape;
+use crate::num::math::larger;
 use crate::stats::prior::surely;
 
 /// Standard errors beyond which a term is possible. Tuned: with 2 the median event of snow is given a
@@ -29,7 +30,12 @@ const UNTOLD: f32 = 0.06;
 
 /// What the events tell of the two terms: parts of half the drop.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Onset([ScoreSum; 2]);
+pub(crate) struct Onset {
+    terms: [ScoreSum; 2],
+    /// Events that were asked, also those with too few samples in the slip to tell a term: of slips that
+    /// never have more nothing is ever told, and they are taken as the model has them.
+    asked: u8,
+}
 
 /// Forces of amplitudes of one at a time since the onset.
 pub(crate) fn terms_n(shape: &Shape, since_onset: f32) -> [f32; 2] {
@@ -42,24 +48,32 @@ impl Onset {
     /// Takes what an event tells of the terms; gives the variance of `Fs`, N², by what they would
     /// move it: as far as they are possible, and as far as they are untold.
     pub(crate) fn learn(&mut self, event: &[Score; 2], noise_n2: f32) -> f32 {
-        let mut possible_n2 = 0.0;
-        for (sum, event) in self.0.iter_mut().zip(event) {
+        let (mut possible_n2, untold) = (0.0, self.untold());
+        self.asked = self.asked.saturating_add(1);
+        for (sum, event) in self.terms.iter_mut().zip(event) {
             sum.learn(event, noise_n2);
             let [_, _, by_n, ..] = event.response;
-            possible_n2 += (COURSE * possible(sum) + sum.untold(UNTOLD)) * by_n * by_n;
+            possible_n2 += (COURSE * possible(sum) + untold) * by_n * by_n;
         }
         possible_n2
     }
 
+    /// Variance that is left of what was possible beforehand: all of it with the first event, none
+    /// from the fourth on.
+    fn untold(&self) -> f32 {
+        const TELLING: f32 = 2.5;
+        UNTOLD * UNTOLD * larger(1.0 - f32::from(self.asked) / TELLING, 0.0)
+    }
+
     /// Square of the first term's largest force, N², for half a drop, as far as it is possible.
     pub(crate) fn largest_n2(&self, half_drop_n: f32) -> f32 {
-        let [even, _] = &self.0;
+        let [even, _] = &self.terms;
         possible(even) * half_drop_n * half_drop_n
     }
 
     /// The first term's amplitude, if it is significant.
     pub(crate) fn parameter(&self) -> Option<Parameter> {
-        let [even, _] = &self.0;
+        let [even, _] = &self.terms;
         let (value, std) = even.found()?;
         Some(Parameter { name: "part_of_half_drop", value, std })
     }
@@ -110,7 +124,7 @@ mod tests {
                     _ => widest_n2 = static_n2.max(widest_n2),
                 }
             });
-            for (sum, amplitude) in onset.0.iter().zip(amplitudes) {
+            for (sum, amplitude) in onset.terms.iter().zip(amplitudes) {
                 let (far, near) = (sum.value() - amplitude, 0.1 * amplitude);
                 let most = (near * near).max(9.0 * sum.variance());
                 assert!(far * far < most, "{amplitudes:?}: {} {}", sum.value(), sum.variance());

@@ -145,13 +145,6 @@ impl ScoreSum {
         larger(self.surprise / (self.count - 1.0), 1.0) / self.information
     }
 
-    /// Variance that is left of what was possible beforehand: all of it with the first event, none
-    /// from the fourth on.
-    pub(crate) fn untold(&self, before: f32) -> f32 {
-        const TELLING: f32 = 2.5;
-        before * before * larger(1.0 - (self.count - 1.0) / TELLING, 0.0)
-    }
-
     /// Do enough events tell it?
     pub(crate) fn counts(&self) -> bool {
         self.count > LEAST_EVENTS
