@@ -188,10 +188,10 @@ impl CycleTracker {
     #[inline(never)]
     fn give_lines(&mut self, detector: &Detector) -> Option<Provisional> {
         let ended = self.ended.as_ref()?;
-        let Stage::Answered(first) = ended.stage else { return None };
-        let first = first.filter(|fit| self.shows_slip(fit));
+        let Stage::Answered(first) = &ended.stage else { return None };
+        let first = first.as_ref().filter(|fit| self.shows_slip(fit));
         if let Some(slip) = &mut self.pending {
-            slip.know(first.as_ref().map(|fit| *fit.cycle()));
+            slip.know(first.map(|fit| *fit.cycle()));
         }
         if let Some(finishing) = &mut self.finishing {
             let (stick, end) = (&ended.stick, ended.end());
@@ -204,7 +204,8 @@ impl CycleTracker {
             slip.refused = slip.refused.or(refused);
             self.slides |= slip.refused.is_none() && refusal::takes_time(slip);
         }
+        let answer = first.and_then(|fit| self.first_answer(*fit));
         self.ended = None;
-        self.first_answer(first?)
+        answer
     }
 }

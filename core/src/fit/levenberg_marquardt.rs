@@ -101,27 +101,25 @@ impl Fitting {
             if !pass.advance(data) {
                 return ControlFlow::Continue(());
             }
-            let Pass { trial, normal, .. } = *pass;
-            self.pass = None;
-            self.judge(trial, normal, noise_n2)?;
+            self.judge(noise_n2)?;
         }
         self.propose(data, noise_n2)
     }
 
-    /// Takes the trial, or refuses it.
-    fn judge(
-        &mut self,
-        trial: CycleParams,
-        next: Normal,
-        noise_n2: f32,
-    ) -> ControlFlow<Option<Fit>> {
+    /// Takes the trial that was passed, or refuses it.
+    fn judge(&mut self, noise_n2: f32) -> ControlFlow<Option<Fit>> {
         let least_n2 = self.least_n2(noise_n2);
         // Rounding may make a good step look a little worse. A NaN cost compares false and
         // is a refused step.
-        if next.cost <= self.normal.cost + SETTLED * least_n2 {
-            (self.cycle, self.normal) = (trial, next);
+        let most_n2 = self.normal.cost + SETTLED * least_n2;
+        let good = self.pass.as_ref().filter(|pass| pass.normal.cost <= most_n2);
+        let is_good = good.is_some();
+        if let Some(Pass { trial, normal, .. }) = good {
+            (self.cycle, self.normal) = (*trial, *normal);
             self.damping = if self.damping > LEAST_DAMPING { 0.1 * self.damping } else { 0.0 };
-        } else {
+        }
+        self.pass = None;
+        if !is_good {
             self.refuse()?;
         }
         if self.steps < MOST_STEPS {
@@ -170,16 +168,16 @@ impl Fitting {
     }
 
     fn fit(&self, information: &Factor, converged: bool) -> Option<Fit> {
-        let Self { cycle, normal, .. } = *self;
+        if !self.normal.cost.is_finite() {
+            return None;
+        }
         let variances = information.variances();
-        let forces = Forces::new(&cycle, variances[2], information);
-        let wider = (0.0, 0.0);
-        normal.cost.is_finite().then_some(Fit {
-            shape: cycle.shape(),
-            normal,
-            forces,
+        Some(Fit {
+            shape: self.cycle.shape(),
+            normal: self.normal,
+            forces: Forces::new(&self.cycle, variances[2], information),
             variances,
-            wider,
+            wider: (0.0, 0.0),
             converged,
         })
     }
