@@ -116,13 +116,15 @@ impl Correlation {
 
     /// Mean of `(x_i − mean)(x_{i+k} − mean)`; `None` beyond the lags or the values.
     #[must_use]
-    pub fn covariance(&self, lag: usize, mean: DoubleSingle) -> Option<DoubleSingle> {
+    pub fn covariance(&self, lag: usize, mean: DoubleSingle) -> Option<f32> {
         let pairs = self.count.saturating_sub(lag as u32);
         if lag == 0 || lag > LAGS || pairs == 0 {
             return None;
         }
         let m = mean - self.reference.into();
-        Some((self.products[lag - 1] - m * self.sums(lag)) / DoubleSingle::from(pairs) + m * m)
+        let products = (self.products[lag - 1] - m * self.sums(lag)).rounded();
+        let m = m.rounded();
+        Some(products / pairs as f32 + m * m)
     }
 
     /// By how much the variance of the mean exceeds that of independent values, 1 or
@@ -135,8 +137,8 @@ impl Correlation {
     /// correlations as they are seen, and the variance is `(n − 1) / (n − I)` times that of
     /// independent values.
     #[must_use]
-    pub fn inflation(&self, mean: DoubleSingle, variance: DoubleSingle) -> f32 {
-        if variance <= DoubleSingle::ZERO {
+    pub fn inflation(&self, mean: DoubleSingle, variance: f32) -> f32 {
+        if variance <= 0.0 {
             return 1.0;
         }
         let count = self.count as f32;
@@ -145,7 +147,7 @@ impl Correlation {
         let (mut missing, mut sum) = (0.0, 0.0);
         for lag in 1..longest + 1 {
             let covariance = self.covariance(lag, mean).unwrap_or_default();
-            let correlation = math::smaller((covariance / variance).rounded(), 1.0);
+            let correlation = math::smaller(covariance / variance, 1.0);
             if correlation <= least {
                 break;
             }
@@ -228,11 +230,11 @@ mod tests {
         let c = all(0, 200);
         let mean = (0..200).map(value).sum::<f64>() / 200.0;
         let variance = (0..200).map(|i| (value(i) - mean).powi(2)).sum::<f64>() / 199.0;
-        let inflation = c.inflation(mean.into(), variance.into());
+        let inflation = c.inflation(mean.into(), variance as f32);
         assert!(inflation > 10.0, "{inflation}");
         let mut alternating = Correlation::new();
         (0..200).for_each(|i| alternating.add((i % 2) as f32));
-        assert!((alternating.inflation(0.5_f32.into(), 0.25_f32.into()) - 1.0).abs() < 1e-9);
+        assert!((alternating.inflation(0.5_f32.into(), 0.25) - 1.0).abs() < 1e-9);
     }
 
     /// Rows of 134 values, each .9 of the one before and noise: nine of ten intervals hold the mean.
@@ -251,7 +253,7 @@ mod tests {
             let variance = row.iter().map(|x| (x - mean) * (x - mean)).sum::<f32>() / 133.0;
             let mut c = Correlation::new();
             row.into_iter().for_each(|x| c.add(x));
-            let inflation = c.inflation(mean.into(), variance.into());
+            let inflation = c.inflation(mean.into(), variance);
             let reach = t95(133.0 / inflation);
             held += u32::from(mean * mean < reach * reach * inflation * variance / 134.0);
         }

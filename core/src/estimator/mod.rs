@@ -3,7 +3,8 @@
 //! The events differ by their own noise, which each states, and by real variation
 //! of the friction, which has to be found out: random effects. All sums are kept to
 //! 48 bits ([`DoubleSingle`]), relative to the running mean, so a million events lose
-//! nothing, and two estimators can be merged. What one event adds is rounded to 24 bits.
+//! nothing, and two estimators can be merged. What one event adds is rounded to 24 bits, and so
+//! are the sums when they are asked.
 //!
 //! With `s_i` an event's standard deviation, `τ²` the variance between events:
 //!
@@ -29,8 +30,6 @@ use crate::estimator::autocovariance::Correlation;
 use crate::estimator::scatter::{FEW, Scatter};
 use crate::num::double_single::DoubleSingle;
 use crate::num::math::{self, larger};
-
-const ONE: DoubleSingle = DoubleSingle::ONE;
 
 /// Parts of an event's standard deviation that others have as well.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -147,54 +146,50 @@ impl Estimator {
         if self.count == 0 {
             return None;
         }
-        let scatter = (self.count > 1).then(|| {
-            let (squares, noise) = (self.squares.rounded(), self.variance.rounded());
-            Scatter::of(self.count, self.mean.rounded(), squares, noise)
-        });
+        let (own, mean) = (self.variance.rounded(), self.mean.rounded());
+        let scatter =
+            (self.count > 1).then(|| Scatter::of(self.count, mean, self.squares.rounded(), own));
         let seen = self.between();
-        // Of few events with the prior; of more, to 48 bits.
+        // Of few events with the prior.
         let between = match scatter {
-            Some(scatter) if self.count <= FEW => {
-                (DoubleSingle::from(scatter.variance) - self.variance).or_zero()
-            }
+            Some(scatter) if self.count <= FEW => larger(scatter.variance - own, 0.0),
             _ => seen.unwrap_or_default(),
         };
-        let n = DoubleSingle::from(self.count);
-        let typical = n / self.weight;
+        let n = self.count as f32;
+        let typical = n / self.weight.rounded();
         let lambda = typical / (typical + between);
-        let mean = self.mean + lambda * (self.weighted_mean - self.mean);
-        let (rest, square) = (ONE - lambda, lambda * lambda);
-        let uneven = typical * typical * self.weight_squares / n - ONE;
-        let noise = typical + rest * rest * (self.variance - typical);
-        let independent = (noise + between + between * square * uneven) / n;
-        let inflation = self.inflation(lambda.rounded());
-        let variance = independent * inflation.into();
+        let mean = mean + lambda * (self.weighted_mean - self.mean).rounded();
+        let rest = 1.0 - lambda;
+        let uneven = typical * typical * self.weight_squares.rounded() / n - 1.0;
+        let noise = typical + rest * rest * (own - typical);
+        let independent = (noise + between + between * lambda * lambda * uneven) / n;
+        let inflation = self.inflation(lambda);
+        let variance = independent * inflation;
         let Common { shared, granted } = self.common;
-        let shared = shared + lambda.rounded() * (self.weighted_shared - shared);
+        let shared = shared + lambda * (self.weighted_shared - shared);
         let common_std = math::hypotenuse(shared, granted);
         Some(Estimate {
-            mean: mean.rounded(),
-            std_error: scatter.map(|_| math::sqrt(variance.rounded())),
+            mean,
+            std_error: scatter.map(|_| math::sqrt(variance)),
             // Correlated values tell their scatter as so many fewer do.
             freedom: scatter.map_or(0.0, |scatter| scatter.freedom / inflation),
             systematic_std: common_std,
             common_std,
-            spread: seen.map(|variance| math::sqrt(variance.rounded())),
+            spread: seen.map(math::sqrt),
             events: self.count,
         })
     }
 
     /// Variance between events, noise removed; needs two events.
-    fn between(&self) -> Option<DoubleSingle> {
-        let free = DoubleSingle::from(self.count.checked_sub(2)? + 1);
-        let plain = (self.squares / free - self.variance).or_zero();
+    fn between(&self) -> Option<f32> {
+        let free = (self.count.checked_sub(2)? + 1) as f32;
+        let plain = larger(self.squares.rounded() / free - self.variance.rounded(), 0.0);
         if self.count <= FEW {
             return Some(plain);
         }
         // Σ w − Σ w² / Σ w, without a difference.
-        let pairs = DoubleSingle::from(2_u32) * self.weight_pairs / self.weight;
-        let weighted = ((self.weighted_squares - free) / pairs).or_zero();
-        Some(if weighted.rounded() > plain.rounded() { weighted } else { plain })
+        let pairs = 2.0 * self.weight_pairs.rounded() / self.weight.rounded();
+        Some(larger((self.weighted_squares.rounded() - free) / pairs, plain))
     }
 
     /// Factor on the variance of the mean because the events are correlated: what is
@@ -208,7 +203,7 @@ impl Estimator {
         if self.count < ENOUGH {
             return shared_line;
         }
-        let variance = self.squares / DoubleSingle::from(self.count);
+        let variance = self.squares.rounded() / self.count as f32;
         larger(self.correlation.inflation(self.mean, variance), shared_line)
     }
 }

@@ -41,13 +41,6 @@ impl DoubleSingle {
     pub fn rounded(self) -> f32 {
         self.high
     }
-
-    /// Itself, or zero if it is below.
-    #[must_use]
-    #[inline(never)]
-    pub fn or_zero(self) -> Self {
-        if self.high > 0.0 { self } else { Self::ZERO }
-    }
 }
 
 impl From<f32> for DoubleSingle {
