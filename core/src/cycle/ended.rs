@@ -153,7 +153,7 @@ impl CycleTracker {
             if self.count >= FLOP_SEEN || next.before.count < BRIEF {
                 next.lengthen_line(before, stick);
             }
-            if self.recurrence.is_aliased(since(before.peak.index, next.peak.index)) {
+            if self.recurrence.is_aliased(before.periods_to(next)) {
                 next.refused = Some(Reason::Aliased);
                 before.refused = next.refused;
             }
@@ -199,7 +199,8 @@ impl CycleTracker {
             let last = self.pending.as_ref().and_then(|slip| slip.last_before(creep_periods));
             finishing.give_lines(stick, detector.window(), end, last);
             let (slip, after) = (&mut finishing.pending, &finishing.after);
-            let (periods, rest) = (since(slip.low.index, end), (after, stick.highest.force_n));
+            let periods = since(slip.origin, end) - slip.low.time;
+            let rest = (after, stick.highest.force_n);
             let refused = refusal::of_fall(slip, rest, periods, self.slides, self.learnt.swing());
             slip.refused = slip.refused.or(refused);
             self.slides |= slip.refused.is_none() && refusal::takes_time(slip);

@@ -111,7 +111,7 @@ impl SlipRecord {
 
     /// When the force is highest and lowest, periods.
     pub(crate) fn extremes(&self) -> (f32, f32) {
-        (since(self.origin, self.peak.index), since(self.origin, self.low.index))
+        (self.peak.time, self.low.time)
     }
 
     /// Between which times, periods, the samples of the fall lie that are neither its highest nor its
@@ -147,7 +147,12 @@ impl SlipRecord {
 
     /// Periods from the highest sample to the lowest.
     pub(crate) fn fall(&self) -> f32 {
-        since(self.peak.index, self.low.index)
+        self.low.time - self.peak.time
+    }
+
+    /// Periods from its highest sample to that of a later one.
+    pub(crate) fn periods_to(&self, later: &Self) -> f32 {
+        since(self.origin, later.origin) + later.peak.time - self.peak.time
     }
 
     /// The slip ended on a slack cable if the stick line after it, continued back to
@@ -156,7 +161,7 @@ impl SlipRecord {
     /// winch's own.
     pub(super) fn slack(&self, after: &Line) -> Option<Slack> {
         let slope = after.slope()?;
-        let below_n = -after.at(since(self.origin, self.low.index), slope);
+        let below_n = -after.at(self.low.time, slope);
         if below_n <= 0.0 || !self.reaches_zero(slope) {
             return None;
         }

@@ -4,7 +4,6 @@ use crate::cycle::slip_record::{PI, SlipRecord};
 use crate::fit::{Data, Fitting};
 use crate::model::CycleParams;
 use crate::num::math::{self, larger};
-use crate::sample::since;
 use crate::stats::line::Line;
 
 /// Lengths of a slip that are tried beside the time from its highest to its lowest sample, parts of
@@ -72,7 +71,6 @@ impl SlipRecord {
     /// the lowest sample and the one nearest to half-way down.
     fn through_samples(&self, mut cycle: CycleParams) -> CycleParams {
         let shape = cycle.shape();
-        let low = since(self.origin, self.low.index);
         let middle = math::floor(self.rough.middle + 0.5);
         let middle_n = self.samples().forces_n.get((middle - self.start) as usize);
         // What a sample lies above the guess, and what onset and drop add to that.
@@ -80,7 +78,7 @@ impl SlipRecord {
             let (guess_n, [by_onset, _, by_static, by_drop, ..]) = shape.force(time);
             (force_n - guess_n, by_onset + cycle.rate * by_static, by_drop)
         };
-        let (low_n, low_by_onset, low_by_drop) = seen(low, self.low.force_n);
+        let (low_n, low_by_onset, low_by_drop) = seen(self.low.time, self.low.force_n);
         let (above_n, by_onset, by_drop) = seen(middle, *middle_n.unwrap_or(&f32::NAN));
         let determinant = by_onset * low_by_drop - low_by_onset * by_drop;
         let later = (above_n * low_by_drop - low_n * by_drop) / determinant;

@@ -26,6 +26,13 @@ const CORE: usize = 96;
 /// resolved.
 pub(crate) const UNSURE: f32 = 0.25;
 
+/// The highest or the lowest sample of a slip: its time, periods from the event's origin, and force.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Extreme {
+    pub(crate) time: f32,
+    pub(crate) force_n: f32,
+}
+
 /// A slip whose stick line after it is still growing.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SlipRecord {
@@ -37,8 +44,8 @@ pub(crate) struct SlipRecord {
     /// Time of the first of them, and how many there are.
     start: f32,
     length: usize,
-    pub(crate) peak: ForcePoint,
-    pub(crate) low: ForcePoint,
+    pub(crate) peak: Extreme,
+    pub(crate) low: Extreme,
     /// What the extremes alone tell, for a slip that the samples hardly resolve.
     rough: Rough,
     /// Rough variance of the noise, from the detector, N².
@@ -72,6 +79,9 @@ impl SlipRecord {
     ) -> Self {
         let (first, window) = (stick.next, detector.window());
         let noise_n = detector.noise_n().unwrap_or(1.0);
+        let rough = Rough::new(stick, window, (peak, low), noise_n);
+        let [peak, low] = [peak, low]
+            .map(|ForcePoint { index, force_n }| Extreme { time: since(first, index), force_n });
         let mut pending = Self {
             origin: first,
             before: stick.line_from(first),
@@ -80,19 +90,18 @@ impl SlipRecord {
             length: 0,
             peak,
             low,
-            rough: Rough::new(stick, window, (peak, low), noise_n),
+            rough,
             noise_n2: noise_n * noise_n,
             wander: detector.wander(),
             rest_weight,
-            rest_from: since(first, low.index),
+            rest_from: low.time,
             broken: stick.broken,
             hidden: None,
             early: None,
-            slip: (0.0, 0.0),
+            slip: (peak.time, low.time),
             limit: f32::MAX,
             refused: None,
         };
-        pending.slip = pending.extremes();
         pending.take(window, start, last);
         pending.rough.middle = pending.crossing();
         pending.rough.edges = pending.edges();

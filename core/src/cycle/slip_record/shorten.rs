@@ -36,13 +36,12 @@ impl SlipRecord {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::cycle::slip_record::{CORE, Rough};
+    use crate::cycle::slip_record::{CORE, Extreme, Rough};
     use crate::fit::Data;
     use crate::model::corner::Corner;
     use crate::model::tests::dff8_13;
     use crate::noise::ripple::ColoredNoise;
     use crate::num::math;
-    use crate::sample::ForcePoint;
     use crate::stats::normal_equations::{Normal, UNKNOWNS};
     use crate::stats::prior::Prior;
 
@@ -63,7 +62,7 @@ mod tests {
             let noise_n = [0.7, -1.1, 0.4, 0.2, -0.6][i % 5];
             *force_n = if i == 2 { f32::NAN } else { shape.force(start + i as f32).0 + noise_n };
         }
-        let point = ForcePoint { index: 0, force_n: 0.0 };
+        let point = Extreme { time: 0.0, force_n: 0.0 };
         let record = SlipRecord {
             origin: 100,
             before: line(&cycle, -30, -6),
