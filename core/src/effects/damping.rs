@@ -14,7 +14,7 @@
 use crate::config::InputStd;
 use crate::effect::Parameter;
 use crate::effects::score::ScoreSum;
-use crate::model::Shape;
+use crate::model::{CycleParams, Shape};
 use crate::num::math;
 use crate::stats::normal_equations::Gradient;
 
@@ -23,14 +23,23 @@ use crate::stats::normal_equations::Gradient;
 pub(crate) struct Damping(pub(crate) ScoreSum);
 
 /// Force of losses with a ratio of one, at a time since the onset where the model has these
-/// derivatives.
+/// derivatives, to first order: the swing about `Fp` decays, `−ωτ (F − Fp)`, and the stop, where
+/// `F − Fp = −d`, keeps what it is then.
+///
+/// Of what `sin ωτ` adds, losses in the cable have the opposite of those in the air, and
+/// an onset that is a little earlier or later has the same: it is left out.
 ///
 /// What losses do to the line after the slip is a smaller drop. Without that the rest is told by
 /// the slip's samples alone, and is no small difference of large sums.
 pub(crate) fn term_n(shape: &Shape) -> impl Fn(f32, &Gradient) -> f32 {
+    let CycleParams { omega, rate, half_drop_n, .. } = *shape.cycle();
     let slide = shape.slide_time();
-    let drop_n = -shape.by_damping(slide) / shape.after(slide).1[3];
-    move |since_onset, gradient| shape.by_damping(since_onset) + drop_n * gradient[3]
+    let drop_n = -omega * slide * half_drop_n / shape.after(slide).1[3];
+    move |since_onset, &[_, by_rate, _, by_drop, ..]| {
+        // `d cos ωτ + q sin ωτ`.
+        let from_centre_n = half_drop_n * (1.0 + by_drop) + rate * by_rate;
+        drop_n * by_drop - omega * since_onset * from_centre_n
+    }
 }
 
 impl Damping {
@@ -55,7 +64,6 @@ mod tests {
     use super::*;
     use crate::effects::score::Asked;
     use crate::effects::synthetic::{self, NOISE_N};
-    use crate::model::CycleParams;
 
     /// Force at a time since the onset of a slip with losses in the air, brute force.
     fn damped_n(cycle: &CycleParams, ratio: f32, since_onset: f32) -> f32 {

@@ -2,7 +2,7 @@
 
 use crate::model::CycleParams;
 use crate::model::slack::{ByShape, Slack, Then};
-use crate::num::math::{self, larger, smaller};
+use crate::num::math::{self, larger};
 use crate::stats::normal_equations::Gradient;
 
 /// What several formulas of one [`CycleParams`] share.
@@ -152,19 +152,6 @@ impl Shape {
         let by_rate_change = (1.0 - cos) * self.ramp;
         let force_n = c.static_n - c.half_drop_n + from_centre + c.rate_change * by_rate_change;
         (force_n, [-force_rate, by_rate, 1.0, cos - 1.0, by_inverse_omega, by_rate_change])
-    }
-
-    /// Derivative of the force by a damping ratio, to first order, at a time since the onset on a
-    /// taut cable: the swing about `Fp` decays, `−ωτ (F − Fp)`, and the stop keeps what it is then.
-    ///
-    /// Of what `sin ωτ` adds, losses in the cable have the opposite of those in the air, and
-    /// an onset that is a little earlier or later has the same: it is left out.
-    #[must_use]
-    pub fn by_damping(&self, since_onset: f32) -> f32 {
-        let c = &self.cycle;
-        let angle = c.omega * smaller(larger(since_onset, 0.0), self.slide);
-        let (sin, cos) = math::sin_cos(angle);
-        -angle * (c.half_drop_n * cos + self.q * sin)
     }
 
     /// On the stick line after the slip, continued to any time.
