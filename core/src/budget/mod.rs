@@ -87,6 +87,8 @@ pub struct Entry {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Known<'a> {
     pub(crate) config: &'a Config,
+    /// Sine and cosine of its slope.
+    pub(crate) slope: (f32, f32),
     /// Weight in use over the given one, and its relative standard deviation.
     pub(crate) weight_ratio: (f32, f32),
     /// Standard deviations of the zero as it was taken, and of its drift, N.
@@ -120,9 +122,9 @@ impl Known<'_> {
 
     /// Standard deviation of each of them, and the changes of `mu_s` and `mu` with it.
     fn sensitivities(&self, [mu_s, mu]: [f32; 2]) -> [(f32, [f32; 2]); INPUTS - 1] {
-        let Config { weight_n, slope_rad, winch_m_per_s, std, .. } = *self.config;
+        let Config { weight_n, winch_m_per_s, std, .. } = *self.config;
         let (ratio, ratio_std) = self.weight_ratio;
-        let (sin, cos) = math::sin_cos(slope_rad);
+        let (sin, cos) = self.slope;
         let (tan, weight_n) = (sin / cos, ratio * weight_n);
         let each = |by: fn(f32, f32) -> f32| [by(mu_s, tan), by(mu, tan)];
         let force = each(|c, tan| -(c + tan));
@@ -180,6 +182,7 @@ pub fn budget(config: &Config, report: &Report) -> Option<[Entry; INPUTS]> {
     let (mu_s, mu) = report.mu_s.zip(report.mu)?;
     let known = Known {
         config,
+        slope: math::sin_cos(config.slope_rad),
         weight_ratio: (report.weight_ratio, report.weight_ratio_std),
         zero_n: report.zero_std_n,
         drift_n: report.zero_drift_n,

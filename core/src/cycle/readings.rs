@@ -78,6 +78,12 @@ impl CycleTracker {
         Site { weight_n: ratio * weight_n, momentum: ratio * momentum, ..self.site }
     }
 
+    /// Sine and cosine of the slope.
+    #[must_use]
+    pub fn slope(&self) -> (f32, f32) {
+        self.site.slope
+    }
+
     /// Force of so much of a coefficient, N.
     #[must_use]
     pub fn force_n(&self, coefficient: f32) -> f32 {

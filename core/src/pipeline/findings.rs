@@ -96,6 +96,7 @@ impl Pipeline {
     fn known(&self) -> Known<'_> {
         Known {
             config: &self.config,
+            slope: self.cycles.slope(),
             weight_ratio: self.cycles.weight_ratio(),
             zero_n: self.config.std.zero_n(self.largest_n),
             drift_n: self.cycles.force_n(self.drift.ask(Drift::std)),
