@@ -28,6 +28,8 @@ pub(crate) struct Rough {
     pub(super) edges: (f32, f32),
     /// Part of the drop that begins and ends the fall: beyond what the noise does.
     pub(super) edge_part: f32,
+    /// Angle at which half a cosine has fallen by that part.
+    edge_angle: f32,
 }
 
 /// Standard deviation of the swing that winch and weight ask for, a part of it. Tuned: with .03 slips
@@ -76,7 +78,8 @@ impl Rough {
         let edge_part = math::smaller(0.1 + 3.0 * noise_n / drop_n, 0.3);
         let (slide, slide_std) = (slide * longer, slide_std * longer);
         let rise = phase * fall / PI;
-        Self { rate, rise, slide, slide_std, edge_part, ..Self::default() }
+        let edge_angle = math::acos(1.0 - 2.0 * edge_part);
+        Self { rate, rise, slide, slide_std, edge_part, edge_angle, ..Self::default() }
     }
 
     /// The swing `1/ω` and its standard deviation, periods. Where the samples hardly show how long the
@@ -184,7 +187,7 @@ impl SlipRecord {
 
     /// Angle at which half a cosine has fallen by that part.
     pub(crate) fn edge_angle(&self) -> f32 {
-        math::acos(1.0 - 2.0 * self.rough.edge_part)
+        self.rough.edge_angle
     }
 
     pub(super) fn edges(&self) -> (f32, f32) {
