@@ -3,7 +3,6 @@
 //! slips that follow each other faster than they are fitted wait in the window.
 
 use crate::detector::{Detector, Transition};
-use crate::effect::Kept;
 use crate::num::math::larger;
 use crate::sample::{ForcePoint, Phase};
 use crate::signal::window::WINDOW;
@@ -66,7 +65,7 @@ impl Detector {
         let Some(std) = self.noise_n().filter(|_| self.phase != Phase::Slip) else { return };
         if std < LESS_NOISE * self.judged_with_n {
             self.judged_with_n = std;
-            self.ripple = Kept::default();
+            self.forget_ripple();
             (self.next, self.is_behind) = (0, true);
             self.phase = Phase::Unknown;
         } else {

@@ -6,7 +6,7 @@ use core::ops::Range;
 use crate::detector::onset::OFF_LINE;
 use crate::detector::stick_line::Stick;
 use crate::detector::{Detector, slack_wait};
-use crate::effect::{Effect, Kept};
+use crate::effect::Effect;
 use crate::noise::flop::FlopProfile;
 use crate::noise::ripple::Ripple;
 use crate::num::math::{larger, smaller};
@@ -216,7 +216,7 @@ impl Detector {
         });
         if flops {
             // What the innovations told had the swing in it.
-            self.ripple = Kept::default();
+            self.forget_ripple();
         }
     }
 }

@@ -249,7 +249,7 @@ impl Detector {
         let low = if wait.is_some() { self.first_low(peak.index) } else { self.lowest };
         if self.usual_drop_n <= 0.0 && !self.line_fits() {
             // What strayed from the first line may be the line's own bend.
-            self.ripple = Kept::default();
+            self.forget_ripple();
         }
         self.update_usual(drop, near(peak.index, low.index) as f32);
         // Only now is it known how late the first slip was seen.
@@ -261,6 +261,12 @@ impl Detector {
         self.slack_wait = wait;
         self.look_back(low.index, now.index);
         Transition::Restick { peak, low }
+    }
+
+    /// What the innovations told so far holds no more.
+    #[inline(never)]
+    fn forget_ripple(&mut self) {
+        self.ripple = Kept::default();
     }
 
     /// Back to the old line, without the samples that looked like a slip.

@@ -1,7 +1,7 @@
 //! What others may know of the detector, and what they let it know.
 
 use crate::detector::{Detector, Stick};
-use crate::effect::{Effect, Kept};
+use crate::effect::Effect;
 use crate::noise::ripple::{ColoredNoise, Ripple};
 use crate::num::math::{larger, smaller};
 use crate::sample::{ForcePoint, Phase, since};
@@ -114,7 +114,7 @@ impl Detector {
         self.creep_periods = larger(smaller(periods, ROOM - self.usual_fall), 0.0);
         if self.creep_periods > before + LONGER {
             // What the innovations told had the creep in it.
-            self.ripple = Kept::default();
+            self.forget_ripple();
         }
         self.update_delay();
     }
