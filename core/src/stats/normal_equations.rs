@@ -42,6 +42,11 @@ impl Symmetric {
         Factor::new(self, damping)
     }
 
+    /// Its entries, row by row: those of the first unknowns come first.
+    pub(crate) fn entries(&self) -> &[f32] {
+        &self.0
+    }
+
     /// Of the first three unknowns alone: the others, which nothing tells, are one each.
     pub(crate) fn of_first(entries: &[f32; ENTRIES_OF_FIRST]) -> Self {
         let mut all = Self::default();

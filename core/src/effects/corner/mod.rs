@@ -15,7 +15,7 @@ use crate::effects::corner::score::{Score, numbers_of, with_zeros};
 use crate::effects::score::Asked;
 use crate::fit::correction::Correction;
 use crate::fit::{Alone, DYNAMIC, Fit, STATIC};
-use crate::model::corner::{Corner, NUMBERS, Numbers};
+use crate::model::corner::{Corner, Numbers};
 use crate::num::math::{self, larger, smaller};
 use crate::stats::normal_equations::{ENTRIES_OF_FIRST, Factor, Gradient, Symmetric, dot, place};
 use crate::stats::prior::surely;
@@ -218,13 +218,10 @@ impl CornerEstimator {
     /// Adds what an event tells.
     fn add(&mut self, score: &Score, told: &Numbers, used: &Numbers, noise_n2: f32) {
         self.count = FADE * self.count + 1.0;
-        for i in 0..NUMBERS {
-            for j in 0..=i {
-                let sum = &mut self.information[place(i, j)];
-                *sum = FADE * *sum + score.asked.normal.matrix[[i, j]] / noise_n2;
-            }
-            self.right[i] = FADE * self.right[i] + told[i] / noise_n2;
-        }
+        let fade = |sum: &mut f32, by: f32| *sum = FADE * *sum + by / noise_n2;
+        let told_of = score.asked.normal.matrix.entries();
+        self.information.iter_mut().zip(told_of).for_each(|(sum, by)| fade(sum, *by));
+        self.right.iter_mut().zip(told).for_each(|(sum, by)| fade(sum, *by));
         // While nothing tells the range it stays what it was thought to be.
         self.information[place(2, 2)] += (1.0 - FADE) * RANGE_KNOWN;
         self.right[2] += (1.0 - FADE) * RANGE_KNOWN * used[2];
