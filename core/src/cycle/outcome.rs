@@ -8,6 +8,7 @@ use crate::fit::posterior::{CLEAR, Posterior};
 use crate::model::{CycleParams, Shape};
 use crate::num::math::larger;
 use crate::sample::SampleTime;
+use crate::stats::line::Line;
 
 /// Whether a fit is to be believed.
 #[derive(Clone, Copy, Debug, Default)]
@@ -23,8 +24,8 @@ struct Belief {
 impl CycleTracker {
     /// The fit has ended: gives the event, between the end of the last one and the next.
     pub(super) fn end(&mut self, outcome: Outcome) -> Option<Finished> {
-        let finishing = self.finishing.take()?;
-        let CycleFit { pending, .. } = &finishing;
+        let CycleFit { pending, after, measured, .. } = self.finishing.take()?;
+        let pending = &pending;
         let (mut finished, load) = match outcome {
             Outcome::Failed(reason) => {
                 // Two rests with a slip between them are not one.
@@ -32,11 +33,12 @@ impl CycleTracker {
                 (self.without_coefficients(pending, reason).into(), None)
             }
             Outcome::Fitted => {
-                let (finished, load) = self.fitted(&finishing);
+                let (finished, load) = self.fitted(pending, &after, &measured);
                 (finished, Some(load))
             }
         };
-        if let Some(reason) = self.refused(&finishing, &finished.event, load.is_some()) {
+        let fit = load.is_some().then_some(&measured.posterior);
+        if let Some(reason) = self.refused(pending, &after, &finished.event, fit) {
             finished = self.without_coefficients(pending, reason).into();
         }
         let (event, limit) =
@@ -52,9 +54,13 @@ impl CycleTracker {
     }
 
     /// The event of a fit, and when its cable began to load.
-    fn fitted(&mut self, finishing: &CycleFit) -> (Finished, SampleTime) {
-        let (pending, site) = (&finishing.pending, self.site());
-        let Measured { posterior, alone, noise_n2, verdict } = &finishing.measured;
+    fn fitted(
+        &mut self,
+        pending: &SlipRecord,
+        after: &Line,
+        Measured { posterior, alone, noise_n2, verdict }: &Measured,
+    ) -> (Finished, SampleTime) {
+        let site = self.site();
         let shape = posterior.cycle.shape();
         self.learn_sag(pending, posterior, &shape);
         let loads = shape.loads();
@@ -66,7 +72,7 @@ impl CycleTracker {
         });
         let event = self.measured(pending, posterior, &shape, shift);
         let mut finished = self.judged(event, alone, posterior, shift, *verdict);
-        if event.slack && !finishing.shows(loads) {
+        if event.slack && !pending.shows(after, loads) {
             // How far the block slid on a slack cable was not seen.
             (finished.event.mu, finished.alone) = (None, None);
             finished.event.reason = finished.event.reason.or(Some(Reason::TooShort));
@@ -77,20 +83,23 @@ impl CycleTracker {
     /// Why an event that has no reason yet is not believed: what all tell, and, where the next one
     /// follows soon, what it tells itself.
     #[inline(never)]
-    fn refused(&mut self, finishing: &CycleFit, event: &Event, fits: bool) -> Option<Reason> {
-        let CycleFit { pending, measured, .. } = finishing;
+    fn refused(
+        &mut self,
+        pending: &SlipRecord,
+        after: &Line,
+        event: &Event,
+        fit: Option<&Posterior>,
+    ) -> Option<Reason> {
         let limit = SampleTime::after(pending.origin, pending.limit);
         let overlaps =
             limit.precedes(event.stop) || self.last_stop.is_some_and(|it| event.onset.precedes(it));
         let overlaps = (overlaps && event.reason.is_none()).then_some(Reason::NoFit);
-        let Belief { folded, asked_for, unsure } = match fits {
-            true => self.of_fit(&measured.posterior, pending.limit),
-            false => Belief::default(),
-        };
+        let Belief { folded, asked_for, unsure } =
+            fit.map(|posterior| self.of_fit(posterior, pending.limit)).unwrap_or_default();
         // A slack cable that loads within two samples shows no loading rate without any line.
-        let cycle = &measured.posterior.cycle;
-        let has_line = pending.before.count + finishing.after.count > 0;
-        let loads_fast = event.slack && !has_line && 2.0 * cycle.rate > cycle.static_n;
+        let is_steep = |it: &Posterior| 2.0 * it.cycle.rate > it.cycle.static_n;
+        let has_line = pending.before.count + after.count > 0;
+        let loads_fast = event.slack && !has_line && fit.is_some_and(is_steep);
         let is_fast = pending.limit - pending.extremes().0 < refusal::FAST;
         let without_rest = if is_fast || loads_fast { Reason::TooShort } else { Reason::NoRest };
         let without_rest = (loads_fast || unsure).then_some(without_rest);
@@ -98,7 +107,7 @@ impl CycleTracker {
         // What is not believed for itself is no sign that the others are: of slips in quick succession
         // whatever the reason, of slower ones where the force itself is another than a slip's.
         let doubted = reason.or(event.reason).is_some_and(|it| is_fast || it.is_of_shape());
-        let doubtful = self.recurrence.is_folded(folded || doubted) && fits && !asked_for;
+        let doubtful = self.recurrence.is_folded(folded || doubted) && fit.is_some() && !asked_for;
         let why = if is_fast { Reason::Aliased } else { Reason::NoFit };
         reason.or(doubtful.then_some(why))
     }

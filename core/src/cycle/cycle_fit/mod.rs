@@ -15,7 +15,6 @@ use core::ops::ControlFlow;
 use crate::cycle::cycle_fit::after_fit::{LEVELS_A_STEP, Strain};
 use crate::cycle::expectations::{Expectations, own_residuals};
 use crate::cycle::expected::Expected;
-use crate::cycle::refusal::SURE;
 use crate::cycle::slip_record::SlipRecord;
 use crate::detector::{MOST_PUT_OFF, Stick};
 use crate::effect::Kept;
@@ -26,7 +25,7 @@ use crate::fit::levenberg_marquardt::Pass;
 use crate::fit::over_onset::OverOnset;
 use crate::fit::posterior::Posterior;
 use crate::fit::{Alone, Fit, Fitting, Forces};
-use crate::num::math::{self, larger, smaller};
+use crate::num::math::{larger, smaller};
 use crate::signal::window::Window;
 use crate::stats::line::Line;
 
@@ -148,13 +147,6 @@ impl CycleFit {
     ) {
         self.pending.end_before(stick, window, next_peak, last);
         self.after = self.pending.line_after(stick, window, last);
-    }
-
-    /// Does the last sample show the stick line that starts at a time, clearly above its start? A
-    /// fit without it ends where the last samples would begin to contradict.
-    pub(crate) fn shows(&self, start: f32) -> bool {
-        let risen_n = self.pending.rate() * (self.pending.samples().end() - start);
-        self.after.count > 0 || risen_n > SURE * math::sqrt(self.pending.noise_n2)
     }
 
     /// One step: an iteration, or what comes after the fit; so many samples are `waiting` for it.

@@ -5,6 +5,7 @@ mod initial_guess;
 mod shorten;
 
 use crate::cycle::ended::Slip;
+use crate::cycle::refusal::SURE;
 use crate::cycle::slip_record::extremes::Rough;
 use crate::detector::{Detector, Stick};
 use crate::event::Reason;
@@ -202,6 +203,13 @@ impl SlipRecord {
             }
         }
         line
+    }
+
+    /// Does the last sample show the stick line after it that starts at a time, clearly above its
+    /// start? A fit without it ends where the last samples would begin to contradict.
+    pub(crate) fn shows(&self, after: &Line, start: f32) -> bool {
+        let risen_n = self.rate() * (self.samples().end() - start);
+        after.count > 0 || risen_n > SURE * math::sqrt(self.noise_n2)
     }
 
     /// Begins the stick line before the slip with the samples from the stop of the slip before
