@@ -48,7 +48,7 @@ impl Correlation {
         // In one go: its products with the last ones, and their places.
         let mut newer = x;
         for (product, last) in self.products.iter_mut().zip(&mut self.last) {
-            *product = product.plus(x * *last);
+            *product = product.plus_smaller(x * *last);
             newer = core::mem::replace(last, newer);
         }
         if let Some(slot) = self.first.get_mut(self.count as usize) {

@@ -36,6 +36,15 @@ impl DoubleSingle {
         Self::renormed(sum, lost + self.low)
     }
 
+    /// The sum with a number that is no larger, as most are that are added to a sum, in place: four
+    /// operations (Kahan). Of a larger one the last bit may be lost.
+    #[inline(always)]
+    pub(crate) fn plus_smaller(self, number: f32) -> Self {
+        let step = number + self.low;
+        let high = self.high + step;
+        Self { high, low: step - (high - self.high) }
+    }
+
     /// The nearest number of single precision.
     #[must_use]
     pub fn rounded(self) -> f32 {
