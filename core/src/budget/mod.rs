@@ -159,10 +159,11 @@ impl Known<'_> {
 /// between events and without a drift of the zero.
 #[must_use]
 pub fn of_constant_force(config: &Config, (force_over_weight, std): (f32, f32)) -> (f32, f32) {
-    let (sin, cos) = math::sin_cos(config.slope_rad);
+    let slope @ (sin, cos) = math::sin_cos(config.slope_rad);
     let mu = (force_over_weight - sin) / cos;
     let known = Known {
         config,
+        slope,
         weight_ratio: (1.0, 0.0),
         zero_n: config.std.zero_n(force_over_weight.abs() * config.weight_n),
         drift_n: 0.0,
