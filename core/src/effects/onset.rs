@@ -28,13 +28,16 @@ const COURSE: f32 = 2.0;
 /// makes the first three of a test that has neither twice as wide as their errors.
 const UNTOLD: f32 = 0.06;
 
+/// Part of an event that one counts for with a slip too brief to tell anything: slips that never have more
+/// samples are taken as the model has them from the tenth on, as shorter ones are.
+const UNTELLING: f32 = 0.25;
+
 /// What the events tell of the two terms: parts of half the drop.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Onset {
     terms: [ScoreSum; 2],
-    /// Events that were asked, also those with too few samples in the slip to tell a term: of slips that
-    /// never have more nothing is ever told, and they are taken as the model has them.
-    asked: u8,
+    /// Events that were asked; those with too few samples in the slip to tell a term as a part of one.
+    asked: f32,
 }
 
 /// Forces of amplitudes of one at a time since the onset.
@@ -49,7 +52,8 @@ impl Onset {
     /// move it: as far as they are possible, and as far as they are untold.
     pub(crate) fn learn(&mut self, event: &[Score; 2], noise_n2: f32) -> f32 {
         let (mut possible_n2, untold) = (0.0, self.untold());
-        self.asked = self.asked.saturating_add(1);
+        let tells = event.iter().any(|term| term.information > 0.0);
+        self.asked += if tells { 1.0 } else { UNTELLING };
         for (sum, event) in self.terms.iter_mut().zip(event) {
             sum.learn(event, noise_n2);
             let [_, _, by_n, ..] = event.response;
@@ -62,7 +66,7 @@ impl Onset {
     /// from the fourth on.
     fn untold(&self) -> f32 {
         const TELLING: f32 = 2.5;
-        UNTOLD * UNTOLD * larger(1.0 - f32::from(self.asked) / TELLING, 0.0)
+        UNTOLD * UNTOLD * larger(1.0 - self.asked / TELLING, 0.0)
     }
 
     /// Square of the first term's largest force, N², for half a drop, as far as it is possible.

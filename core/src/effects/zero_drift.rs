@@ -31,7 +31,7 @@ const LEAST_SHARE: f32 = 0.25;
 /// Events over which the past is forgotten: how they scatter, and a move that was seen.
 const FADE: f32 = 1.0 - 1.0 / 40.0;
 /// Standard errors beyond which a move counts, and those of a move of the drop.
-const SIGNIFICANT: f32 = 3.0;
+const SIGNIFICANT: f32 = 3.5;
 const DROP_SIGNIFICANT: f32 = 2.0;
 /// Of a move without a cause: all of it is the zero's or nothing, one as likely as the
 /// other. Mean square of the zero's part.

@@ -1,0 +1,66 @@
+//! A winch that comes up to speed, or a cable that tightens, near the first slip and not in it: no event
+//! before tells the rate, and the lines end some samples away from the slip.
+//!
+//! `cargo test -p floe-tests --test first_rates -- --nocapture` prints the figures.
+
+use floe::sim::Scene;
+use floe::sim::terms::WinchProfile;
+use floe_core::{Coefficient, Event};
+use floe_tests::scenes::stored;
+use floe_tests::score::{Tried, run};
+
+const SEEDS: u64 = 12;
+
+/// The base scene whose rate changes by a factor, so many seconds after its first onset.
+fn changed(seed: u64, factor: f64, after_s: f64) -> Scene {
+    let scene = Scene { duration_s: 20.0, ..stored("honesty/base") };
+    let onset_s = run(&scene, seed).truths[0].onset_s;
+    let steps = vec![[onset_s + after_s, factor]];
+    let winch_profile = Some(WinchProfile::Steps { steps, period_s: None });
+    Scene { winch_profile, ..scene }
+}
+
+/// Errors of both coefficients of the first event, combined standard deviations; none if it is refused.
+fn off(tried: &Tried) -> Option<[f64; 2]> {
+    let &(truth, found) = tried.pairs.iter().find(|(truth, _)| *truth == 0)?;
+    let (truth, Event { mu_s, mu, .. }) = (&tried.truths[truth], tried.found[found]);
+    let off =
+        |it: Coefficient, truth: f64| (f64::from(it.value) - truth) / f64::from(it.combined_std());
+    Some([off(mu_s?, truth.mu_s), off(mu?, truth.mu)])
+}
+
+#[test]
+fn the_first_event_knows_that_its_rate_changed() {
+    for factor in [1.05, 1.2, 1.7] {
+        for after_s in [-0.4, -0.1, 0.08, 0.3, 0.5] {
+            let tried = (1..=SEEDS).map(|seed| run(&changed(seed, factor, after_s), seed));
+            let off: Vec<[f64; 2]> = tried.filter_map(|it| off(&it)).collect();
+            assert!(off.len() as u64 > SEEDS / 2, "{factor}, {after_s} s: {} are read", off.len());
+            for (place, what) in ["mu_s", "mu"].into_iter().enumerate() {
+                let worst = off.iter().map(|it| it[place].abs()).fold(0.0, f64::max);
+                println!(
+                    "rate x {factor} {after_s} s after the onset, {what}: worst {worst:.1} std"
+                );
+                assert!(worst < 5.0, "rate x {factor}, {after_s} s, {what}: {worst:.1} std");
+            }
+        }
+    }
+}
+
+/// A steady winch is told from one that is not: it makes no event as wide.
+#[test]
+fn a_steady_winch_costs_nothing() {
+    let std = |scene: &dyn Fn(u64) -> Scene| {
+        let tried = (1..=SEEDS).map(|seed| run(&scene(seed), seed));
+        let mu = tried.filter_map(|it| it.found.first().and_then(|event| event.mu));
+        let mut std: Vec<f32> = mu.map(|it| it.combined_std()).collect();
+        std.sort_by(f32::total_cmp);
+        std[std.len() / 2]
+    };
+    let (steady, changes) =
+        (std(&|seed| changed(seed, 1.0, 0.3)), std(&|seed| changed(seed, 1.2, 0.3)));
+    println!(
+        "median standard deviation of the first mu: {steady:.4}, {changes:.4} where the rate changes"
+    );
+    assert!(changes > 5.0 * steady, "{steady} {changes}");
+}
