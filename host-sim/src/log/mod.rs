@@ -61,7 +61,7 @@ pub use number::{Decimal, STANDARD_GRAVITY, Unit};
 use open::{begin, no_floe, peek, recognise, refuse_binary, utf8};
 pub use options::LogOptions;
 use rate::{agrees_with_stamps, keeps_up};
-use rows::{Row, Rows};
+use rows::{LastLine, Row, Rows};
 use start::Start;
 
 /// Rows read ahead to find rate, phase and metadata.
@@ -265,9 +265,7 @@ impl Log {
     /// What a reader of the result should know, complete at the end of the log.
     #[must_use]
     pub fn warnings(&self) -> Vec<String> {
-        let truncated = self.rows.truncated().map(|line| {
-            format!("line {line}, the last, is cut off and was left out; all before it is used")
-        });
+        let truncated = self.rows.truncated().map(LastLine::warning);
         let left_out = Some(self.rows.left_out()).filter(|&count| count > 0).map(|count| {
             format!(
                 "{} between rows without a time left out: where a reading is missing, write NaN",
@@ -334,7 +332,9 @@ impl Log {
 
 fn no_samples(rows: &Rows) -> InputError {
     InputError::new(match rows.truncated() {
-        Some(line) => format!("no samples: line {line} is cut off and nothing is before it"),
+        Some(LastLine::CutOff(line) | LastLine::MayGoOn(line)) => {
+            format!("no samples: line {line} is cut off and nothing is before it")
+        }
         None => "no samples: the log ends after its header".to_string(),
     })
 }

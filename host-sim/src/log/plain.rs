@@ -25,7 +25,9 @@ pub struct PlainRow {
     pub time_s: f64,
     /// Its force, in the unit of the log.
     pub force: f64,
-    /// Its bytes, the end of the line among them.
+    /// Its bytes without the end of the line.
+    pub bytes: usize,
+    /// Its bytes with it.
     pub length: usize,
 }
 
@@ -78,7 +80,9 @@ impl Plain {
                 [next, rest @ ..] if *next == self.separator && cell < self.width => rest,
                 [b'\n', rest @ ..] | [b'\r', b'\n', rest @ ..] if cell == self.width => {
                     let length = text.len() - rest.len();
-                    return Some(PlainRow { time_s, force, length });
+                    let line = text.get(..length - 1)?;
+                    let bytes = line.strip_suffix(b"\r").unwrap_or(line).len();
+                    return Some(PlainRow { time_s, force, bytes, length });
                 }
                 _ => return None,
             };
@@ -176,11 +180,11 @@ mod tests {
         assert_eq!(read("3;;4\r"), Some((4.0, 3.0)));
         let commas = Plain { mark: b',', ..TWO };
         let row = commas.read(b"-12,5;1.5;0,0625\n0;0;0,0000");
-        assert_eq!(row, Some(PlainRow { time_s: 0.0625, force: -12.5, length: 17 }));
+        assert_eq!(row, Some(PlainRow { time_s: 0.0625, force: -12.5, bytes: 16, length: 17 }));
         assert_eq!(commas.read(b"-12.5;1.5;0,0625\n0;0;0,0000"), None);
         let last = Plain { separator: b',', mark: b'.', width: 3, time: 0, force: 1 };
         let row = last.read(b"0.5,2,#\r\n0,0,0\n");
-        assert_eq!(row, Some(PlainRow { time_s: 0.5, force: 2.0, length: 9 }));
+        assert_eq!(row, Some(PlainRow { time_s: 0.5, force: 2.0, bytes: 7, length: 9 }));
     }
 
     #[test]

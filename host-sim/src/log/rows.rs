@@ -25,6 +25,31 @@ pub struct Row {
     pub line: u64,
 }
 
+/// A last line without an end that was left out, by its number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LastLine {
+    /// It is no row.
+    CutOff(u64),
+    /// It is one, but shorter than the row before: a number at its end may go on.
+    MayGoOn(u64),
+}
+
+impl LastLine {
+    /// What is said of it.
+    #[must_use]
+    pub fn warning(self) -> String {
+        match self {
+            Self::CutOff(line) => {
+                format!("line {line}, the last, is cut off and was left out; all before it is used")
+            }
+            Self::MayGoOn(line) => format!(
+                "line {line}, the last, has no end and is shorter than the row before: its last number \
+                 may be cut short, and it was left out; if it is whole, end the line"
+            ),
+        }
+    }
+}
+
 /// Reads row by row.
 #[derive(Debug)]
 pub struct Rows {
@@ -38,7 +63,9 @@ pub struct Rows {
     /// Midnights so far, for times of day that nothing dates.
     days_s: f64,
     last_record: Option<f64>,
-    truncated: Option<u64>,
+    truncated: Option<LastLine>,
+    /// Bytes of the last row's line.
+    bytes: usize,
     count: u64,
     /// Empty lines between rows that nothing but their order dates, and those since the last.
     left_out: u64,
@@ -61,6 +88,7 @@ impl Rows {
             days_s: 0.0,
             last_record: None,
             truncated: None,
+            bytes: 0,
             count: 0,
             left_out: 0,
             empty: 0,
@@ -68,7 +96,7 @@ impl Rows {
         }
     }
 
-    /// The next row, `None` at the end or where the last line is cut off.
+    /// The next row, `None` at the end or where the last line is, or may be, cut off.
     ///
     /// # Errors
     /// A row that cannot be used, with its line number.
@@ -85,7 +113,7 @@ impl Rows {
     fn next_odd_row(&mut self) -> Result<Option<Row>, InputError> {
         loop {
             let Some(line) = self.lines.next_line()? else { return Ok(None) };
-            let (number, ended) = (line.number, line.ended);
+            let (number, ended, bytes) = (line.number, line.ended, line.bytes.len());
             let result = match line.bytes.trim_ascii_start().first() {
                 None => {
                     self.empty += 1;
@@ -114,9 +142,16 @@ impl Rows {
             });
             match result {
                 Ok(None) => {}
-                Ok(row) => return Ok(row),
+                Ok(Some(_)) if !ended && bytes < self.bytes => {
+                    self.truncated = Some(LastLine::MayGoOn(number));
+                    return Ok(None);
+                }
+                Ok(row) => {
+                    self.bytes = bytes;
+                    return Ok(row);
+                }
                 Err(_) if !ended => {
-                    self.truncated = Some(number);
+                    self.truncated = Some(LastLine::CutOff(number));
                     return Ok(None);
                 }
                 Err(error) => return Err(error.within(format_args!("line {number}"))),
@@ -128,12 +163,13 @@ impl Rows {
     fn plain_row(&mut self) -> Option<Row> {
         let plain = self.plain?.read(self.lines.ahead())?;
         let row = self.layout.plain_row(&plain)?;
+        self.bytes = plain.bytes;
         Some(Row { line: self.lines.take(plain.length), ..row })
     }
 
-    /// Line number of a last line that was cut off and left out.
+    /// A last line that was left out.
     #[must_use]
-    pub fn truncated(&self) -> Option<u64> {
+    pub fn truncated(&self) -> Option<LastLine> {
         self.truncated
     }
 

@@ -52,6 +52,12 @@ pub fn text_forms() -> Vec<Form> {
         ),
         form("comments and empty lines", plain.replace("\n1,", "\n# a comment\n\n1,"), Same),
         form("a last line cut off", format!("{plain}12.5,"), Noted("cut off")),
+        form("a last line without an end", plain.trim_end(), Same),
+        form(
+            "such a line, its number cut short",
+            format!("{plain}12.5,2"),
+            Noted("may be cut short"),
+        ),
     ]
 }
 
