@@ -60,6 +60,9 @@ pub struct Rows {
     plain: Option<Plain>,
     cells: Cells,
     last_time_s: f64,
+    /// The time of the row before the last, and the line of the last.
+    before_s: f64,
+    last_line: u64,
     /// Midnights so far, for times of day that nothing dates.
     days_s: f64,
     last_record: Option<f64>,
@@ -85,6 +88,8 @@ impl Rows {
             layout,
             cells: Cells::default(),
             last_time_s: f64::NEG_INFINITY,
+            before_s: f64::NEG_INFINITY,
+            last_line: 0,
             days_s: 0.0,
             last_record: None,
             truncated: None,
@@ -210,9 +215,13 @@ impl Rows {
             self.days_s += DAY_S;
         }
         if row.time_s < self.last_time_s - jitter_s {
-            return Err(goes_back(self.last_time_s - row.time_s));
+            let seconds = self.last_time_s - row.time_s;
+            let ahead = self.before_s.is_finite() && row.time_s >= self.before_s;
+            let line = self.last_line;
+            return Err(if ahead { runs_ahead(seconds, line) } else { goes_back(seconds) });
         }
-        self.last_time_s = row.time_s;
+        self.before_s = self.last_time_s;
+        (self.last_time_s, self.last_line) = (row.time_s, row.line);
         if let (Some(last), Some(record)) = (self.last_record, record) {
             row.records = (record - last).max(1.0) as u32;
         }
@@ -225,6 +234,15 @@ impl Rows {
         let undated = matches!(self.layout.time, TimeCells::DateAndClock { date: None, .. });
         undated && self.last_time_s - time_s > 0.5 * DAY_S
     }
+}
+
+/// The time goes on from the row before the last: the last one may be ahead.
+#[cold]
+fn runs_ahead(seconds: f64, line: u64) -> InputError {
+    InputError::new(format!(
+        "time goes back by {seconds:.6} s, and would not without line {line}: its time may be wrong; \
+         correct it, or take that line out, or sort the log"
+    ))
 }
 
 #[cold]

@@ -94,6 +94,15 @@ pub fn numbers() -> Vec<Form> {
             Refused(&["line 91: time goes back by 65.", "begins anew there; let the times run on"]),
         ),
         form(
+            "a time far ahead in one line",
+            plain().replacen("\n5,", "\n1000000,", 1),
+            Refused(&[
+                "line 83: time goes back",
+                "would not without line 82",
+                "take that line out",
+            ]),
+        ),
+        form(
             "a force that is held",
             table("time_s,force_n\n", |t, _| format!("{t},{}", (4.0 * t).floor())),
             Noted("over 4 samples each time"),
