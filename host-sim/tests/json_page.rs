@@ -49,6 +49,18 @@ fn written(arguments: &[&str]) -> BTreeSet<String> {
 }
 
 #[test]
+fn the_page_names_every_form() {
+    let page = fs::read_to_string("../docs/json.md").unwrap();
+    assert!(!page.contains("no `schema`"));
+    for file in ["cli/stiffness.rs", "weigh.rs", "campaign/summary.rs", "log/inspection.rs"] {
+        let source = fs::read_to_string(Path::new("src").join(file)).unwrap();
+        let (_, behind) = source.split_once("const SCHEMA: &str = \"").unwrap();
+        let schema = behind.split('"').next().unwrap();
+        assert!(page.contains(&format!("`{schema}`")), "{schema} is not told");
+    }
+}
+
+#[test]
 fn the_page_has_every_field_and_no_other() {
     let page = fs::read_to_string("../docs/json.md").unwrap();
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("json-page");
