@@ -184,11 +184,13 @@ fn coefficients(out: &mut String, result: &ReplayResult) -> std::fmt::Result {
     coefficient(out, "mu_s", &estimate.mu_s)?;
     coefficient(out, "mu", &estimate.mu)?;
     let found = result.events.found();
-    writeln!(
-        out,
-        "       ± one standard deviation, all that is known of it; {} of {found} events count",
-        estimate.events
-    )?;
+    if found > 0 {
+        writeln!(
+            out,
+            "       ± one standard deviation, all that is known of it; {} of {found} events count",
+            estimate.events
+        )?;
+    }
     result.events.refused().try_for_each(|it| writeln!(out, "       {it}"))?;
     writeln!(out)
 }
@@ -266,23 +268,35 @@ fn budget(out: &mut String, result: &ReplayResult) -> std::fmt::Result {
     )?;
     let estimate = &result.estimate;
     for line in &result.budget {
-        write!(out, "{:<14}{:>10}{:>10}", line.input, number(line.value), part(line.std))?;
+        write!(out, "{:<14}{:>10}{:>10}", line.input, number(line.value), small(line.std))?;
         for (share, mean) in [(&line.mu_s, &estimate.mu_s), (&line.mu, &estimate.mu)] {
-            let percent =
-                share.contribution.zip(mean.combined_std).map(|(a, b)| 100.0 * (a / b).powi(2));
-            let (by, percent) = (number(share.sensitivity), cell(percent, 1));
+            let (by, percent) = (number(share.sensitivity), percent(share.contribution, mean));
             let own = part_beside(share.contribution, mean.combined_std);
-            write!(out, "   {by:>11}{own:>11}{percent:>6}%")?;
+            write!(out, "   {by:>11}{own:>11}{percent:>7}")?;
         }
         writeln!(out)?;
     }
     write!(out, "{:<34}", "random")?;
     for mean in [&estimate.mu_s, &estimate.mu] {
-        let percent = mean.std_error.zip(mean.combined_std).map(|(a, b)| 100.0 * (a / b).powi(2));
+        let percent = percent(mean.std_error, mean);
         let own = part_beside(mean.std_error, mean.combined_std);
-        write!(out, "   {:>11}{own:>11}{:>6}%", "", cell(percent, 1))?;
+        write!(out, "   {:>11}{own:>11}{percent:>7}", "")?;
     }
     writeln!(out, "\n")
+}
+
+/// What part of a mean's variance an uncertainty is.
+fn percent(part: Option<f64>, mean: &CoefficientSummary) -> String {
+    let parts = part.zip(mean.combined_std);
+    parts.map_or_else(|| "-".to_string(), |(a, b)| format!("{:.1}%", 100.0 * (a / b).powi(2)))
+}
+
+/// An uncertainty of any size with two digits, in at most eight letters.
+fn small(std: Option<f64>) -> String {
+    match std {
+        Some(std) if std > 0.0 && !(1e-4..1e7).contains(&std) => format!("{std:.1e}"),
+        std => part(std),
+    }
 }
 
 /// A number of any size in at most nine letters.

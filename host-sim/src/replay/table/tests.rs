@@ -127,6 +127,27 @@ note          line 9 is odd
 }
 
 #[test]
+fn the_columns_of_a_budget_stay_apart() {
+    let mut result = result(vec![event()]);
+    result.budget[0].value = Some(4.2e-5);
+    result.budget[0].std = Some(4.2e-7);
+    let line =
+        |text: &str| text.lines().find(|line| line.starts_with("weight_n")).unwrap().to_string();
+    let said = line(&text(&result).unwrap());
+    assert!(said.starts_with("weight_n         4.20e-5    4.2e-7      -0.00197"), "{said}");
+    result.budget[0].std = Some(1.3e-9);
+    result.estimate.mu.combined_std = None;
+    let said = line(&text(&result).unwrap());
+    assert!(said.contains("    1.3e-9 ") && said.ends_with("      -"), "{said}");
+}
+
+#[test]
+fn without_events_nothing_is_said_of_their_deviation() {
+    let said = text(&result(Vec::new())).unwrap();
+    assert!(!said.contains("events count") && !said.contains("one standard deviation"), "{said}");
+}
+
+#[test]
 fn a_change_is_said() {
     let mut result = result(vec![event()]);
     result.changes.push(ChangeSummary {
