@@ -328,7 +328,9 @@ fn the_bundled_log_reads_the_same_in_both_formats() {
 
 #[test]
 fn help_goes_to_standard_output() {
-    for arguments in [["replay", "--help"], ["--version", "--version"], ["help", "replay"]] {
+    for arguments in
+        [["replay", "--help"], ["--version", "--version"], ["help", "replay"], ["help", "--help"]]
+    {
         let output = floe(&arguments);
         assert_eq!((output.status.code(), output.stderr.len()), (Some(0), 0), "{arguments:?}");
         assert!(!output.stdout.is_empty());

@@ -74,7 +74,7 @@ pub fn main() -> ExitCode {
 /// # Errors
 /// One line for the user.
 pub fn run(arguments: impl IntoIterator<Item = OsString>) -> Result<(), InputError> {
-    match Cli::try_parse_from(arguments) {
+    match Cli::try_parse_from(plain_help(arguments.into_iter().collect())) {
         Ok(Cli { command: Some(Command::Replay(args)) }) => replay::run(&args),
         Ok(Cli { command: Some(Command::Completions(args)) }) => completions::run(&args),
         Ok(Cli { command: Some(Command::Inspect(args)) }) => inspect::run(&args),
@@ -92,6 +92,15 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> Result<(), InputErr
     }
 }
 
+/// `floe help --help` asks what `floe --help` does; clap takes it for a command.
+fn plain_help(mut arguments: Vec<OsString>) -> Vec<OsString> {
+    let asks = |it: &OsString| it == "--help" || it == "-h";
+    if arguments.get(1).is_some_and(|it| it == "help") && arguments.get(2).is_some_and(asks) {
+        arguments.remove(1);
+    }
+    arguments
+}
+
 /// A usage error without the paragraphs around it.
 fn one_line(error: &clap::Error) -> InputError {
     if let Some(said) = in_words(error) {
@@ -102,8 +111,10 @@ fn one_line(error: &clap::Error) -> InputError {
     let said: Vec<&str> = said
         .map(|line| line.trim().trim_start_matches("error: "))
         .filter(|line| !line.is_empty() && !line.starts_with("For more information"))
+        // An option that does not exist is hardly meant as a value.
+        .filter(|line| !line.starts_with("tip: to pass"))
         .collect();
-    InputError::new(format!("{} (see --help)", said.join(" ")))
+    InputError::new(format!("{} (see --help)", said.join(" ").replace(" tip: ", "; ")))
 }
 
 /// What clap does not say so that anybody understands it.
@@ -159,6 +170,21 @@ mod tests {
         assert_eq!(text, "--weight-n must be a number like 630, not ''");
         let text = said(&["replay", "x.csv", "--delimiter", "ab"]);
         assert!(text.contains("must be one character like ;"), "{text}");
+        let text = said(&["campaign", "--quiet"]);
+        assert_eq!(text, "unexpected argument '--quiet' found (see --help)");
+        let text = said(&["replay", "--jsn"]);
+        let similar = "unexpected argument '--jsn' found; a similar argument exists: '--json'";
+        assert_eq!(text, format!("{similar} (see --help)"));
+    }
+
+    #[test]
+    fn help_of_the_help_is_the_help() {
+        for asked in ["--help", "-h"] {
+            let arguments = ["floe", "help", asked].map(OsString::from).to_vec();
+            assert_eq!(plain_help(arguments), ["floe", asked]);
+        }
+        let of_one = ["floe", "help", "replay"].map(OsString::from).to_vec();
+        assert_eq!(plain_help(of_one.clone()), of_one);
     }
 
     #[test]
