@@ -168,7 +168,7 @@ fn events_as_lines() {
     let said = live.end();
     let said: Vec<&str> = said.lines().collect();
     assert_eq!(said.len(), 3, "{said:?}");
-    assert_eq!(said[0], "floe: 1 damaged lines so far");
+    assert_eq!(said[0], "floe: 1 damaged line so far");
     assert!(said[1].ends_with(": gone (closed); trying again"), "{said:?}");
     assert!(said[2].ends_with(": there again"), "{said:?}");
     let lines = fs::read_to_string(&kept).unwrap();

@@ -4,6 +4,7 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use crate::error::{InputError, printable_line};
+use crate::rounding::counted;
 use crate::short_file;
 use crate::sim::truth_file::TruthBuilder;
 use crate::sim::{Method, Run, Scene, write};
@@ -137,10 +138,11 @@ fn summary(args: &Args, scene: &Scene, events: usize) -> String {
     let terms = if terms.is_empty() { "none".to_owned() } else { terms.join(", ") };
     let output = args.output.display().to_string();
     format!(
-        "{}: {} samples at {} Hz, {events} events, seed {}\nmethod: {}\nterms: {terms}\n",
+        "{}: {} at {} Hz, {}, seed {}\nmethod: {}\nterms: {terms}\n",
         printable_line(&output),
-        scene.sample_count(),
+        counted(scene.sample_count(), "sample"),
         scene.rate_hz,
+        counted(events as u64, "event"),
         args.seed,
         Method::for_scene(scene),
     )

@@ -7,7 +7,7 @@ use floe_core::Event;
 
 use crate::cli::output::say;
 use crate::error::InputError;
-use crate::rounding::narrow;
+use crate::rounding::{counted, narrow};
 
 use super::lines::Lines;
 use super::place::Place;
@@ -93,7 +93,7 @@ impl List {
     fn tell_damage(&mut self) {
         let damaged = self.state.damaged;
         if damaged >= self.told.map_or(1, |told| told.saturating_mul(10)) {
-            say(&format!("{damaged} damaged lines so far"));
+            say(&format!("{} so far", counted(damaged, "damaged line")));
             self.told = Some(damaged);
         }
     }

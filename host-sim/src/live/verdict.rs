@@ -7,6 +7,7 @@ use floe_core::{Quality, SampleFlag};
 use super::band::is_weighing;
 use super::state::State;
 use crate::replay::result::zero_sentence;
+use crate::rounding::counted;
 
 /// How bad it is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -135,7 +136,8 @@ fn incident(state: &State, now: Duration) -> Option<String> {
     if within(state.damage, READING_TIME, now) {
         let damaged = state.damaged;
         return Some(format!(
-            "{damaged} damaged lines: bad cable, or another program reads this port"
+            "{}: bad cable, or another program reads this port",
+            counted(damaged, "damaged line")
         ));
     }
     if state.testing != Some(true) {
