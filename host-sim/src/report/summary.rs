@@ -92,7 +92,11 @@ fn coefficient(class: &str, symbol: &str, value: &CoefficientSummary, name: &str
             format!("random {random}, systematic {systematic} · ")
         }
         _ if value.mean.is_none() => String::new(),
-        _ => value.reason.map(|reason| format!("no ±: {reason} · ")).unwrap_or_default(),
+        (_, systematic) => {
+            let why = value.reason.map(|reason| format!("no ±: {reason} · "));
+            let systematic = systematic.map(|it| format!("systematic {} · ", own_digits(it)));
+            why.unwrap_or_default() + &systematic.unwrap_or_default()
+        }
     };
     let spread = match (value.mean, value.spread) {
         (None, _) => format!("not measured: {}", value.reason.unwrap_or("no event gives a value")),
@@ -223,6 +227,18 @@ fn facts(name: &str, facts: &[Fact]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_one_event_tells_of_its_deviation_is_said() {
+        let one = CoefficientSummary {
+            mean: Some(1.2722),
+            systematic_std: Some(0.0057),
+            reason: Some("one event does not tell"),
+            ..CoefficientSummary::default()
+        };
+        let said = coefficient("static", "m", &one, "Static coefficient");
+        assert!(said.contains("no ±: one event does not tell · systematic 0.0057 · "), "{said}");
+    }
 
     #[test]
     fn the_name_of_an_option_stays_on_one_line() {
