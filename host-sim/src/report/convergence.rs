@@ -28,15 +28,18 @@ pub(super) fn convergence(context: &Context<'_>) -> Option<Figure> {
         return None;
     }
     let bars = drawn.iter().all(|panel| panel.values.len() <= MOST_BARS);
-    let keys = vec![
+    let mut keys = vec![
         dot_key(
             "event static",
             if bars { "events with ±1 standard deviation, random" } else { "events" },
         ),
         line_key("mean static", "mean so far"),
-        tint_key("band-1 static", "±1 standard deviation, all"),
-        tint_key("band-2 static", "95 % interval"),
     ];
+    let banded = drawn.iter().any(|panel| panel.course.iter().any(|r| r.band.is_some()));
+    if banded {
+        keys.push(tint_key("band-1 static", "±1 standard deviation, all"));
+        keys.push(tint_key("band-2 static", "95 % interval"));
+    }
     let outside: usize = drawn.iter().map(|panel| panel.outside()).sum();
     // Those that are kept stand for those in between.
     let every = events.found() as f64 / events.len() as f64;
@@ -48,10 +51,13 @@ pub(super) fn convergence(context: &Context<'_>) -> Option<Figure> {
         1 => " One value lies outside the axes.".into(),
         n => format!(" {} values lie outside the axes.", count(n as u64)),
     };
+    let bands = match banded {
+        true => ", with the uncertainty of weight, slope, zero, span and damping in its bands",
+        false => "",
+    };
     let caption = format!(
         "Static (above) and dynamic (below) coefficient of each event, and their mean as it was \
-         known at that time, with the uncertainty of weight, slope, zero, span and damping in \
-         its bands.{note}"
+         known at that time{bands}.{note}"
     );
     let drawings = drawn.iter().map(|panel| both(|layout| panel.draw(layout))).collect();
     Some(Figure { class: "convergence", drawings, keys, caption })
@@ -165,17 +171,53 @@ impl Panel {
     }
 }
 
-/// The values with their errors and the result; the strays of many left out.
+/// The values with their errors and the result; the strays of many are left out where they
+/// would take half of the room.
 fn domain(values: &[Measured], end: Option<&Running>) -> (f64, f64) {
-    let mut sorted: Vec<&Measured> = values.iter().collect();
-    sorted.sort_by(|a, b| a.value.total_cmp(&b.value));
-    let stray = if sorted.len() > ALL_INSIDE { sorted.len() / 100 } else { 0 };
-    let kept = sorted.get(stray..sorted.len() - stray).unwrap_or_default();
-    let mut stds: Vec<f64> = kept.iter().map(|v| v.std).collect();
-    stds.sort_by(f64::total_cmp);
-    let std = stds.get(stds.len() / 2).copied().unwrap_or(0.0);
-    let ends = [kept.first(), kept.last()].into_iter().flatten();
-    let ends = ends.flat_map(|v| [v.value - 1.2 * std, v.value + 1.2 * std]);
+    let sorted = |side: f64| {
+        let mut ends: Vec<f64> = values.iter().map(|v| v.value + side * v.std).collect();
+        ends.sort_by(f64::total_cmp);
+        ends
+    };
+    let (lows, highs) = (sorted(-1.0), sorted(1.0));
     let result = end.and_then(|r| r.band).map_or([f64::NAN; 2], |(_, ci95)| ci95);
-    extent(ends.chain(result.into_iter().filter(|x| x.is_finite())), 0.1)
+    let without = |strays: usize| {
+        let ends = [lows.get(strays), highs.iter().nth_back(strays)].into_iter().flatten().copied();
+        extent(ends.chain(result), 0.1)
+    };
+    let (all, most) = (without(0), without(values.len() / 100));
+    let is_roomy = all.1 - all.0 <= 2.0 * (most.1 - most.0);
+    if is_roomy || values.len() <= ALL_INSIDE { all } else { most }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn of(count: u32, strayed: f64) -> (f64, f64) {
+        let value = |i: u32| if i == 40 { strayed } else { 1.24 + 0.001 * f64::from(i % 9) };
+        let values = (0..count).map(|i| Measured { event: i.into(), value: value(i), std: 0.002 });
+        domain(&values.collect::<Vec<_>>(), None)
+    }
+
+    #[test]
+    fn every_value_and_its_bar_are_inside_but_strays_that_take_the_room() {
+        let (low, high) = of(101, 1.25);
+        assert!(low < 1.238 && 1.252 < high, "{low} {high}");
+        assert!(of(101, 3.0).1 < 1.26);
+        assert!(of(100, 3.0).1 > 3.0);
+    }
+
+    #[test]
+    fn the_key_has_the_bands_that_are_drawn() {
+        use super::super::sample_log::SampleLog;
+        let figure =
+            |log: &SampleLog| convergence(&Context::new(&log.result, &log.recorder())).unwrap();
+        let mut log = SampleLog::dff8_13(20.0);
+        let many = figure(&log);
+        log.keep_events(1);
+        let one = figure(&log);
+        assert_eq!((one.keys.len(), many.keys.len()), (2, 4));
+        assert!(!one.caption.contains("bands") && many.caption.contains("bands"));
+    }
 }
