@@ -224,6 +224,17 @@ fn little_to_show_is_shown_sensibly() {
 }
 
 #[test]
+fn paper_parts_no_heading_from_its_text_and_no_row() {
+    let (_, print) = include_str!("style.css").split_once("@media print").unwrap();
+    for rule in [
+        "\n  h2, h2 + p:has(+ .scroll), thead { break-after: avoid; }",
+        "\n  tr, footer { break-inside: avoid; }",
+    ] {
+        assert!(print.contains(rule), "{rule}");
+    }
+}
+
+#[test]
 fn extreme_numbers_still_give_a_page() {
     for factor in [1e-9, 0.0, 1e9] {
         parsed(&SampleLog::troubled(40.0).scaled(factor).page());
