@@ -36,7 +36,11 @@ pub fn layout(
     let (unit, mut notes) = columns.force_unit(force, options)?;
     let decimal = columns.decimal(force, time, options)?;
     if options.column.is_none() {
+        notes.extend(columns.only_force(force));
         notes.extend(columns.other_forces(force, unit, decimal)?);
+    }
+    if let (Some(time), None) = (time, &options.time_column) {
+        columns.refuse_other_times(time, decimal)?;
     }
     let time = match time {
         Some(time) => columns.time_cells(time, options, decimal)?,

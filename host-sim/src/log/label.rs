@@ -96,6 +96,23 @@ impl Label {
         FORCE.contains(&self.quantity.as_str())
     }
 
+    /// Whether a word of the name is one of a force.
+    #[must_use]
+    pub fn holds_force(&self) -> bool {
+        self.words().any(|word| FORCE.contains(&word))
+    }
+
+    /// Whether another word stands beside it: `force_std`, `Force setpoint`.
+    #[must_use]
+    pub fn says_more_than_force(&self) -> bool {
+        !self.is_force() && self.holds_force() && self.words().any(|word| !FORCE.contains(&word))
+    }
+
+    fn words(&self) -> impl Iterator<Item = &str> {
+        let words = self.quantity.split(|letter: char| !letter.is_alphanumeric());
+        words.filter(|word| !word.is_empty())
+    }
+
     /// Whether the unit is one of time.
     #[must_use]
     pub fn is_in_time(&self) -> bool {

@@ -41,6 +41,7 @@ pub mod number;
 pub mod open;
 pub mod options;
 pub mod other_forces;
+pub mod other_times;
 pub mod plain;
 pub mod rate;
 pub mod rows;

@@ -7,7 +7,7 @@ use super::label::Label;
 use super::number::{Decimal, Unit, number};
 
 /// A conversion that was written with few digits is off by so much.
-const ROUGH: f64 = 1e-3;
+pub(super) const ROUGH: f64 = 1e-3;
 
 impl Columns<'_> {
     /// What to say of other columns of force: the same one in another unit, as far as the first
@@ -23,7 +23,10 @@ impl Columns<'_> {
     ) -> Result<Vec<String>, InputError> {
         let labels = self.labels();
         let Some(own) = labels.get(force) else { return Ok(Vec::new()) };
-        let is_other = |(place, label): &(usize, &Label)| *place != force && label.is_force();
+        let is_other = |(place, label): &(usize, &Label)| {
+            let is_named = label.holds_force() && self.stated_force(*place).is_some();
+            *place != force && (label.is_force() || is_named)
+        };
         let others = labels.iter().enumerate().filter(is_other);
         let note = |(place, label): (usize, &Label)| {
             let (name, other) = (self.name(force), self.name(place));
@@ -39,6 +42,16 @@ impl Columns<'_> {
             ))
         };
         others.map(note).collect()
+    }
+
+    /// Says that the only column of force is read where its name says more: `force_std_n`.
+    #[must_use]
+    pub fn only_force(&self, force: usize) -> Option<String> {
+        let label = self.labels().get(force)?;
+        label.says_more_than_force().then(|| {
+            let name = self.name(force);
+            format!("'{name}' is the only column of force, and is read: --column takes another")
+        })
     }
 
     /// How many rows say the same in both columns.
@@ -80,14 +93,18 @@ struct Force {
 fn force(cell: &str, unit: Unit, decimal: Decimal) -> Option<Force> {
     let value = number(cell.as_bytes(), decimal).filter(|value| value.is_finite())?;
     let scale = unit.newtons()?;
+    Some(Force { newtons: value * scale, step_n: last_digit(cell) * scale })
+}
+
+/// The step of a number's last digit.
+pub(super) fn last_digit(cell: &str) -> f64 {
     let digits = |(_, behind): (&str, &str)| behind.bytes().take_while(u8::is_ascii_digit).count();
     let decimals = cell.split_once(['.', ',']).map_or(0, digits);
     let exponent = cell.split_once(['e', 'E']).and_then(|(_, text)| text.parse().ok());
-    let step = 10_f64.powi(exponent.unwrap_or(0) - decimals as i32);
-    Some(Force { newtons: value * scale, step_n: step * scale })
+    10_f64.powi(exponent.unwrap_or(0) - decimals as i32)
 }
 
-fn shown(newtons: f64) -> String {
+pub(super) fn shown(newtons: f64) -> String {
     format!("{newtons:.*}", crate::rounding::decimals(newtons))
 }
 
@@ -126,5 +143,7 @@ mod tests {
     fn another_force_is_said() {
         let said = notes("time_s,load_n,force_n\n0,1,2\n1,1,3\n2,1,4\n3,1,5\n").unwrap();
         assert_eq!(said, ["'force_n' is read, not 'load_n': --column takes another"]);
+        let said = notes("time_s,force_raw_n,force_n\n0,1,2\n1,1,3\n2,1,4\n3,1,5\n").unwrap();
+        assert_eq!(said, ["'force_n' is read, not 'force_raw_n': --column takes another"]);
     }
 }

@@ -37,6 +37,27 @@ pub fn forces() -> Vec<Form> {
             table("Force [N];Time [s];Force [N]\n", |t, f| format!("{f};{t};7")),
             Refused(&["give --column 1 or --column 3;"]),
         ),
+        form("force_n beside force_raw_n", beside("force_raw_n", 0.5), Noted("not 'force_raw_n'")),
+        form(
+            "a deviation alone",
+            table("time_s,force_std_n\n", |t, f| format!("{t},{f}")),
+            Noted("'force_std_n' is the only column of force, and is read"),
+        ),
+        form(
+            "a setpoint alone",
+            table("time_s,Force setpoint [N]\n", |t, f| format!("{t},{f}")),
+            Noted("is the only column of force"),
+        ),
+        form(
+            "time_s against time_ms",
+            table("time_s,time_ms,force_n\n", |t, f| format!("{t},{},{f}", 2e3 * t)),
+            Refused(&["'time_s' and 'time_ms' say 0.06250 s and 0.1250 s", "--time-column NAME"]),
+        ),
+        form(
+            "time_s beside time_ms, whole",
+            table("time_s,time_ms,force_n\n", |t, f| format!("{t},{:.0},{f}", 7e5 + 1e3 * t)),
+            Same,
+        ),
         form(
             "two times of one name",
             table("time,time,force_n\n", |t, f| format!("{t},{t},{f}")),
