@@ -113,11 +113,12 @@ fn bad_options_are_refused_in_one_line() {
     let path = dir.join("log.csv");
     fs::write(&path, ramp(40)).unwrap();
     let path = path.to_str().unwrap();
-    let table: [(&[&str], &[&str]); 22] = [
+    let table: [(&[&str], &[&str]); 23] = [
         (&[], &["weight", "--weight-n", "--mass-kg", "# weight_n:"]),
         (&["--weight-n", "0"], &["weight", "above zero"]),
         (&["--weight-n", "1e308"], &["weight 1e308 N: no test has that"]),
         (&["--weight-n", "1e-300"], &["weight 1e-300 N: no test has that"]),
+        (&["--weight-n", "1e20"], &["weight 1e20 N: no test has that"]),
         (&["--mass-kg", "1e308"], &["mass 1e308 kg: no test has that"]),
         (
             &["--weight-n", "5", "--decimal", ","],

@@ -127,9 +127,13 @@ pub fn configure(log: &Log, options: &TestOptions) -> Result<Config, InputError>
     Ok(config)
 }
 
-/// Refuses a number above zero that is nothing, or without end, in the core's single precision.
+/// Largest number that a test can have: no block, and no winch, has more of anything.
+const LARGEST: f64 = 1e9;
+
+/// Refuses a number above zero that is nothing in the core's single precision, or beyond any test.
 fn fits(name: &str, unit: &str, value: f64) -> Result<(), InputError> {
-    let is_counted = (value as f32).is_normal() || !value.is_finite() || value <= 0.0;
+    let is_counted = (value as f32).is_normal() && value <= LARGEST;
+    let is_counted = is_counted || !value.is_finite() || value <= 0.0;
     let wrong = || InputError::new(format!("{name} {} {unit}: no test has that", short(value)));
     if is_counted { Ok(()) } else { Err(wrong()) }
 }
