@@ -7,7 +7,9 @@ use serde::Serialize;
 use crate::error::InputError;
 use crate::log::Log;
 
+pub mod record;
 mod resolution;
+use record::{LeftOut, Record};
 use resolution::Resolution;
 
 /// Name and version of this format; changes when a meaning changes.
@@ -16,9 +18,9 @@ pub const SCHEMA: &str = "floe-weigh/1";
 /// A load is one when it is so many standard deviations from zero.
 const SURE: f64 = 5.0;
 
-/// The weight, the same numbers as the board's but for the step of the readings: the board's
-/// own converter has none that counts.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+/// The weight, the same numbers as the board's but for the step of the readings, of which the
+/// board's own converter has none that counts, and for readings that are left out.
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Weight {
     /// [`SCHEMA`].
     pub schema: &'static str,
@@ -37,6 +39,8 @@ pub struct Weight {
     pub duration_s: f64,
     /// Scatter of means of a quarter of a second about the fit, N.
     pub scatter_n: f64,
+    /// Readings far from all others, which were not used.
+    pub left_out: Vec<LeftOut>,
 }
 
 /// Weighs what hangs in a log.
@@ -44,22 +48,20 @@ pub struct Weight {
 /// # Errors
 /// The log cannot be read, or the load does not rest at its end, or the readings never change.
 pub fn weigh(log: &mut Log, calibrator: &Calibrator) -> Result<Weight, InputError> {
+    let (readings, left_out) = read(log, calibrator)?;
     let mut weighing = Weighing::new(log.rate_hz() as f32);
     let mut resolution = Resolution::new(log.rate_hz());
-    let mut next = None;
-    while let Some(sample) = log.next_sample()? {
-        let index = sample.raw.index;
-        let missing = index.saturating_sub(*next.get_or_insert(index));
-        // A longer gap empties the window just as well.
-        for _ in 0..missing.min(10_000) {
-            weighing.add(None);
-        }
-        next = Some(index + 1);
-        let force_n = calibrator.force_n(sample.raw.reading).ok();
+    for force_n in readings {
         weighing.add(force_n);
         resolution.push(force_n);
     }
-    let refused = |unrest| InputError::new(remedy(unrest, weighing.duration_s()));
+    let refused = |unrest| {
+        let remedy = remedy(unrest, weighing.duration_s());
+        InputError::new(match left_out.as_slice() {
+            [] => remedy,
+            some => format!("{remedy}; left out: {}", record::sentence(some)),
+        })
+    };
     let rest = weighing.rest().map_err(refused)?;
     let load = rest.load(0.0).map_err(refused)?;
     let known = f64::from;
@@ -78,7 +80,28 @@ pub fn weigh(log: &mut Log, calibrator: &Calibrator) -> Result<Weight, InputErro
         excess_n: load.swing.map_or(0.0, |swing| known(swing.excess)),
         duration_s: known(rest.duration_s),
         scatter_n: known(rest.scatter),
+        left_out,
     })
+}
+
+/// The last readings, and what was left out of them.
+fn read(
+    log: &mut Log,
+    calibrator: &Calibrator,
+) -> Result<(Vec<Option<f32>>, Vec<LeftOut>), InputError> {
+    let mut record = Record::new(log.rate_hz());
+    let mut next = None;
+    while let Some(sample) = log.next_sample()? {
+        let index = sample.raw.index;
+        let missing = index.saturating_sub(*next.get_or_insert(index));
+        // A longer gap empties the window just as well.
+        for _ in 0..missing.min(10_000) {
+            record.push(sample.time_s, None);
+        }
+        next = Some(index + 1);
+        record.push(sample.time_s, calibrator.force_n(sample.raw.reading).ok());
+    }
+    Ok(record.settle())
 }
 
 fn check(value: f64, std: f64) -> Result<(), InputError> {

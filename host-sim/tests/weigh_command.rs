@@ -54,6 +54,23 @@ fn a_still_block_has_no_swing() {
     assert!((json["weight_n"].as_f64().expect("a number") - 98.1).abs() < 0.1, "{json}");
 }
 
+#[test]
+fn a_reading_far_from_all_others_is_left_out_and_said() {
+    let spiked = |t: f64| if (t - 18.75).abs() < 0.01 { 9999.0 } else { 630.0 };
+    let path = log("spike.csv", 40, spiked);
+    let json: serde_json::Value =
+        serde_json::from_slice(&floe(&["weigh", &path, "--json"]).stdout).expect("JSON");
+    assert!((json["weight_n"].as_f64().expect("a number") - 630.0).abs() < 0.1, "{json}");
+    assert!(json["weight_std_n"].as_f64().expect("a number") < 0.1, "{json}");
+    assert_eq!(json["left_out"][0]["time_s"], 18.75, "{json}");
+    let text = String::from_utf8(floe(&["weigh", &path]).stdout).expect("text");
+    assert!(text.contains("left out      1 reading far from all others: 999"), "{text}");
+    assert!(text.contains(" N at 18.750 s\n"), "{text}");
+    let clean = log("no-spike.csv", 40, |_| 630.0);
+    let text = String::from_utf8(floe(&["weigh", &clean]).stdout).expect("text");
+    assert!(!text.contains("left out"), "{text}");
+}
+
 /// 634 N with 1 N of noise: in steps of 10 N the mean is 631, and no length of record helps.
 #[test]
 fn the_step_of_the_readings_is_in_the_standard_deviation() {

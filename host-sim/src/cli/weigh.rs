@@ -9,6 +9,7 @@ use crate::error::InputError;
 use crate::log::{Log, LogOptions};
 use crate::replay::test::{TestOptions, calibration};
 use crate::rounding::plus_minus;
+use crate::weigh::record::sentence;
 use crate::weigh::{Weight, weigh};
 
 use super::input::open;
@@ -25,7 +26,8 @@ Examples:
 The last 64 s count. What a steady swing adds is taken off; a load that drifts or is pulled is
 refused. The standard deviation is that of the weighing, without the zero's and the span's: when
 the same cell pulls the block afterwards, the span cancels. Where the noise is no larger than the
-step of the readings, the step is in it: step / sqrt(12).")]
+step of the readings, the step is in it: step / sqrt(12). Readings far from all others, one in
+fifty at most, are left out, and that is said.")]
 pub struct Args {
     /// The log: a file, or - for standard input
     #[arg(value_name = "LOG")]
@@ -77,9 +79,13 @@ fn text(weight: &Weight) -> String {
     };
     let Weight { duration_s, scatter_n, .. } = weight;
     let weight_n = plus_minus(weight.weight_n, weight.weight_std_n);
+    let left_out = match weight.left_out.as_slice() {
+        [] => String::new(),
+        some => format!("left out      {}\n", sentence(some)),
+    };
     format!(
         "weight        {weight_n} N\n\
          swing         {swing}\n\
-         record        {duration_s:.1} s, scatter {scatter_n:.2} N in a quarter of a second\n"
+         record        {duration_s:.1} s, scatter {scatter_n:.2} N in a quarter of a second\n{left_out}"
     )
 }

@@ -89,7 +89,7 @@ fn positive_differences(times: &[f64]) -> Vec<f64> {
     times.windows(2).filter_map(|w| Some(w.last()? - w.first()?)).filter(|&d| d > 0.0).collect()
 }
 
-pub(super) fn median(mut values: Vec<f64>) -> Option<f64> {
+pub(crate) fn median(mut values: Vec<f64>) -> Option<f64> {
     let middle = values.len() / 2;
     values.sort_by(f64::total_cmp);
     values.get(middle).copied()

@@ -1,0 +1,126 @@
+//! The readings that a weighing uses: the last 64 s, without those that are far from all others.
+
+use serde::Serialize;
+
+use crate::log::timing::median;
+use crate::rounding::counted;
+
+/// Means a second that the weighing takes, and as many as it keeps: 64 s of them.
+const GROUPS_PER_S: f64 = 4.0;
+const GROUPS: usize = 256;
+/// Standard deviations from the median, by the readings' own scatter, and part of the median that
+/// a reading is off: neither a swing nor a step of the readings goes so far.
+const DEVIATIONS: f64 = 10.0;
+const PART: f64 = 0.05;
+/// One in so many readings can be left out. Where more are far off, the load does not rest.
+const RARE: usize = 50;
+/// Standard deviations of normal noise in its median deviation.
+const NORMAL: f64 = 1.4826;
+
+/// A reading that was left out.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct LeftOut {
+    /// When, in the log's own time, s.
+    pub time_s: f64,
+    /// What it says, N.
+    pub force_n: f64,
+}
+
+/// When, s, and what was read, N; `None` where a reading failed or is missing.
+type Reading = (f64, Option<f32>);
+
+/// The last readings, in whole groups.
+#[derive(Clone, Debug)]
+pub(super) struct Record {
+    group: usize,
+    readings: Vec<Reading>,
+}
+
+impl Record {
+    pub(super) fn new(rate_hz: f64) -> Self {
+        let group = (rate_hz / GROUPS_PER_S + 0.5) as usize;
+        Self { group: group.max(1), readings: Vec::new() }
+    }
+
+    pub(super) fn push(&mut self, time_s: f64, force_n: Option<f32>) {
+        let longest = GROUPS * self.group;
+        if self.readings.len() >= 2 * longest {
+            self.readings.drain(..longest);
+        }
+        self.readings.push((time_s, force_n));
+    }
+
+    /// The readings of the last 64 s without those that are far off, and these.
+    pub(super) fn settle(mut self) -> (Vec<Option<f32>>, Vec<LeftOut>) {
+        let count = self.readings.len();
+        let begin = (count - count % self.group).saturating_sub(GROUPS * self.group);
+        let mut readings = self.readings.split_off(begin);
+        let left_out = take_out(&mut readings);
+        (readings.into_iter().map(|(_, force_n)| force_n).collect(), left_out)
+    }
+}
+
+fn take_out(readings: &mut [Reading]) -> Vec<LeftOut> {
+    let forces = || readings.iter().filter_map(|(_, force_n)| force_n.map(f64::from));
+    let Some(middle_n) = median(forces().collect()) else { return Vec::new() };
+    let scatter_n = median(forces().map(|it| (it - middle_n).abs()).collect()).unwrap_or(0.0);
+    let far_n = (DEVIATIONS * NORMAL * scatter_n).max(PART * middle_n.abs());
+    let is_far = |force_n: &f64| (force_n - middle_n).abs() > far_n;
+    if forces().filter(is_far).count() * RARE > readings.len() {
+        return Vec::new();
+    }
+    let mut left_out = Vec::new();
+    for (time_s, reading) in readings {
+        if let Some(force_n) = reading.map(f64::from).filter(is_far) {
+            left_out.push(LeftOut { time_s: *time_s, force_n });
+            *reading = None;
+        }
+    }
+    left_out
+}
+
+/// What is said of them: how many, and the first ones.
+#[must_use]
+pub fn sentence(left_out: &[LeftOut]) -> String {
+    const SHOWN: usize = 3;
+    let one = |it: &LeftOut| format!("{:.2} N at {:.3} s", it.force_n, it.time_s);
+    let shown: Vec<String> = left_out.iter().take(SHOWN).map(one).collect();
+    let more = if left_out.len() > SHOWN { ", ..." } else { "" };
+    let count = counted(left_out.len() as u64, "reading");
+    format!("{count} far from all others: {}{more}", shown.join(", "))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn left_out(seconds: u32, force_n: impl Fn(u32) -> f32) -> Vec<LeftOut> {
+        let mut record = Record::new(16.0);
+        (0..16 * seconds).for_each(|i| record.push(f64::from(i) / 16.0, Some(force_n(i))));
+        let (readings, left_out) = record.settle();
+        assert_eq!(readings.len() as u32, (16 * seconds).min(1024));
+        assert_eq!(readings.iter().filter(|it| it.is_none()).count(), left_out.len());
+        left_out
+    }
+
+    #[test]
+    fn a_spike_is_left_out_and_a_swing_or_a_step_is_not() {
+        let spiked = |at: u32| move |i: u32| if i == at { 9999.0 } else { 630.0 };
+        let spike = LeftOut { time_s: 18.75, force_n: 9999.0 };
+        assert_eq!(left_out(40, spiked(300)), [spike]);
+        assert_eq!(left_out(200, spiked(300)), [], "before the seconds that count");
+        assert_eq!(left_out(200, spiked(3000)), [LeftOut { time_s: 187.5, ..spike }]);
+        let swing = |i: u32| 630.0 * (1.0 - 0.05 * (0.3 * i as f32).cos());
+        assert_eq!(left_out(40, swing), []);
+        assert_eq!(left_out(40, |i| if i % 97 == 0 { 640.0 } else { 630.0 }), []);
+        assert_eq!(left_out(40, |i| if i < 64 { 0.0 } else { 630.0 }), [], "hung up late");
+    }
+
+    #[test]
+    fn the_first_ones_are_said() {
+        let one = |i: u32| LeftOut { time_s: f64::from(i), force_n: -1.0 };
+        assert_eq!(sentence(&[one(3)]), "1 reading far from all others: -1.00 N at 3.000 s");
+        let said = sentence(&[1, 2, 3, 4].map(one));
+        assert!(said.starts_with("4 readings far") && said.ends_with("at 3.000 s, ..."), "{said}");
+    }
+}
