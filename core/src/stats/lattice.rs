@@ -12,11 +12,17 @@ pub fn spacing(numbers: impl Iterator<Item = f32>, tolerance: f32) -> f32 {
             first = Some(number);
             continue;
         };
-        let mut left: f32 = number - first;
-        left = left.abs();
+        let mut distance: f32 = number - first;
+        distance = distance.abs();
+        let mut left = distance;
         while left > tolerance {
             let rest = remainder(spacing, left);
             (spacing, left) = (left, rest);
+        }
+        // What the numbers are rounded by counts for the less the further they are apart.
+        let steps = whole(distance / spacing);
+        if steps > 0.0 {
+            spacing = distance / steps;
         }
         if spacing < CLEAR * tolerance {
             return 0.0;
@@ -28,7 +34,12 @@ pub fn spacing(numbers: impl Iterator<Item = f32>, tolerance: f32) -> f32 {
 /// Distance of a number from the nearest multiple of another; of an endless one nothing.
 fn remainder(number: f32, step: f32) -> f32 {
     let steps = number / step;
-    if steps < 1e6 { (number - step * (steps + 0.5) as i32 as f32).abs() } else { 0.0 }
+    if steps < 1e6 { (number - step * whole(steps)).abs() } else { 0.0 }
+}
+
+/// To the nearest whole number.
+fn whole(steps: f32) -> f32 {
+    (steps + 0.5) as i32 as f32
 }
 
 #[cfg(test)]
@@ -53,5 +64,13 @@ mod tests {
         assert!(spacing(anywhere.into_iter(), TOLERANCE) <= 0.0);
         assert!(spacing([3.0; 9].into_iter(), TOLERANCE) <= 0.0);
         assert!(spacing([f32::NAN, 1.0, f32::INFINITY].into_iter(), TOLERANCE).is_finite());
+    }
+
+    #[test]
+    fn steps_are_seen_in_rounded_numbers() {
+        let steps = [0.0, 5.0, 32.0, 98.0, 122.0, 117.0, 112.0];
+        let forces_n = steps.map(|n: f32| libm::roundf((776.356 - 4.5137 * n) * 1e3) / 1e3);
+        let seen = spacing(forces_n.into_iter(), 0.03);
+        assert!((seen - 4.5137).abs() < 1e-3, "{seen}");
     }
 }

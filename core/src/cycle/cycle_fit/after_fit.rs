@@ -13,7 +13,7 @@ use crate::fit::over_onset::OverOnset;
 use crate::fit::posterior::Posterior;
 use crate::fit::residuals::excess_ratio;
 use crate::fit::{Fit, Variances};
-use crate::num::math::larger;
+use crate::num::math::{larger, smaller};
 
 /// Part of the drop, beside a period of the line, that a strained fit may end from the highest and
 /// the lowest sample. Tuned with the pauses of heavy blocks.
@@ -35,9 +35,11 @@ impl CycleFit {
         let around_n2 = squares_n2 - line_n2;
         let misfit = learnt.is_misfit(pending, around_n2, free - points);
         let counts = free >= 1.0 && !misfit;
+        let own_n2 = squares_n2 / larger(free, 1.0);
+        let quieter_n2 = pending.quieter_n2(&self.after);
+        let step_n2 = pending.step_n2(smaller(own_n2, quieter_n2));
         if free >= 1.0 {
-            let squares_n2 = free * pending.least_n2(squares_n2 / free);
-            learnt.residuals.add(squares_n2, free, pending.noise_n2);
+            learnt.residuals.add(free * larger(own_n2, step_n2), free, pending.noise_n2);
         }
         let now_n2 = learnt.noise_n2(pending);
         fit.scale(excess_ratio(around_n2, free - points, now_n2));
@@ -47,9 +49,10 @@ impl CycleFit {
             let (lines_n2, lines) = pending.line_residuals(&self.after);
             let line_n2 = lines_n2 / larger(lines, 1.0);
             let quiet_n2 = larger(noise_n2, line_n2);
-            // Where the steps leave less than they should, all samples of a line are off alike.
-            let step_n2 = larger(pending.step_n2(line_n2) - line_n2, 0.0);
-            fit.widen(&Variances::UNSURE_SWING, step_n2 / now_n2);
+            // Where the steps leave one line less than they should, all samples of a line are off alike.
+            // As far as the noise, which is what all leave beyond the steps, does not smear them.
+            let hidden_n2 = larger(2.0 * step_n2 - now_n2 - quieter_n2, 0.0);
+            fit.widen(&Variances::UNSURE_SWING, hidden_n2 / now_n2);
             let (slip, wider) = data.slip_scatter(fit, quiet_n2);
             // A force that wanders does so in the slip as well.
             if pending.wander.level <= 0.0 {

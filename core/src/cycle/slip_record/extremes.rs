@@ -132,6 +132,17 @@ impl SlipRecord {
         if free < BRIEF { self.noise_n2 } else { squares_n2 / free }
     }
 
+    /// The same about the quieter one of the two, of those that tell it; both rise at the same rate.
+    pub(crate) fn quieter_n2(&self, after: &Line) -> f32 {
+        // Tuned: with one the few samples of a brief line lie on it by chance.
+        const BRIEF: f32 = 3.0;
+        let own_n2 = |line: &Line| {
+            let free = line.weight - 2.0;
+            if free < BRIEF { self.noise_n2 } else { line.residual() / free }
+        };
+        smaller(own_n2(&self.before), own_n2(after))
+    }
+
     /// Squared residuals about the stick lines before and after, N², and their degrees of freedom.
     #[inline(never)]
     pub(crate) fn line_residuals(&self, after: &Line) -> (f32, f32) {
