@@ -102,6 +102,13 @@ impl CycleFit {
             posterior.common_n2 = fit.wider_n2(noise_n2);
         }
         let is_resolved = posterior.is_resolved();
+        // Where no event before told how long a slip is, what is missing may have been taken for a part of
+        // it.
+        let told = learnt.rate.mean().is_none() || learnt.mass.inverse_omega().mean().is_some();
+        if is_resolved && !told && pending.hides_length() {
+            self.stage = Stage::Failed(Reason::Hidden);
+            return;
+        }
         *alone = fit.forces_alone(data.rate).filter(|_| is_resolved);
         let strained = is_resolved && self.strain != Strain::None;
         *verdict = learnt.learn(&data, posterior, noise_n2, strained);

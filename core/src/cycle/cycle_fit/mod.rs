@@ -15,7 +15,7 @@ use core::ops::ControlFlow;
 use crate::cycle::cycle_fit::after_fit::{LEVELS_A_STEP, Strain};
 use crate::cycle::expectations::{Expectations, own_residuals};
 use crate::cycle::expected::Expected;
-use crate::cycle::slip_record::SlipRecord;
+use crate::cycle::slip_record::{SlipRecord, TELLING};
 use crate::detector::{MOST_PUT_OFF, Stick};
 use crate::effect::Kept;
 use crate::effects::mass_change::Verdict;
@@ -36,10 +36,6 @@ const NO_PLACES: u32 = MOST_PUT_OFF - 8;
 /// Most places of an onset that are looked at, for every period until the next slip. Tuned: slips of which
 /// several are taken for one follow each other fast, and with all their places some are believed.
 const PLACES: f32 = 2.0;
-
-/// Periods from the highest to the lowest sample that tell when a slip began and how long it took:
-/// a single sample in between could be anywhere in slips of many lengths.
-const TELLING: f32 = 3.0;
 
 /// An event being fitted.
 // In this order: the record is copied straight into its place, as words.

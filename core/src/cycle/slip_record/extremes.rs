@@ -2,7 +2,7 @@
 //! them hardly resolve.
 
 use crate::cycle::refusal::SURE;
-use crate::cycle::slip_record::{PI, SlipRecord};
+use crate::cycle::slip_record::{PI, SlipRecord, TELLING};
 use crate::detector::Stick;
 use crate::fit::posterior::CLEAR;
 use crate::num::math::{self, larger, smaller};
@@ -194,6 +194,13 @@ impl SlipRecord {
         const ZERO: f32 = 0.03;
         let noise_n = SURE * math::sqrt(self.noise_n2);
         self.low.force_n < PERIODS * rate + noise_n + ZERO * self.peak.force_n
+    }
+
+    /// Is a sample missing in or next to a slip that has hardly another one? It may have begun, or ended,
+    /// on either side of that.
+    pub(crate) fn hides_length(&self) -> bool {
+        let samples = self.samples();
+        self.fall() <= TELLING && samples.good().count() < samples.forces_n.len()
     }
 
     /// Angle at which half a cosine has fallen by that part.

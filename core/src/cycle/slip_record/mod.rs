@@ -27,6 +27,10 @@ const CORE: usize = 96;
 /// resolved.
 pub(crate) const UNSURE: f32 = 0.25;
 
+/// Periods from the highest to the lowest sample that tell when a slip began and how long it took:
+/// a single sample in between could be anywhere in slips of many lengths.
+pub(crate) const TELLING: f32 = 3.0;
+
 /// The highest or the lowest sample of a slip: its time, periods from the event's origin, and force.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Extreme {
