@@ -4,6 +4,7 @@ use crate::cycle::cycle_fit::{CycleFit, Measured, Outcome};
 use crate::cycle::slip_record::SlipRecord;
 use crate::cycle::{CycleTracker, Finished, refusal};
 use crate::event::{Event, Quality, Reason};
+use crate::fit::correction::Correction;
 use crate::fit::posterior::{CLEAR, Posterior};
 use crate::model::{CycleParams, Shape};
 use crate::num::math::larger;
@@ -24,7 +25,8 @@ struct Belief {
 impl CycleTracker {
     /// The fit has ended: gives the event, between the end of the last one and the next.
     pub(super) fn end(&mut self, outcome: Outcome) -> Option<Finished> {
-        let CycleFit { pending, after, measured, .. } = self.finishing.take()?;
+        let CycleFit { pending, after, mut measured, .. } = self.finishing.take()?;
+        self.doubt_slack(&mut measured);
         let pending = &pending;
         let (mut finished, load) = match outcome {
             Outcome::Failed(reason) => {
@@ -78,6 +80,22 @@ impl CycleTracker {
             finished.event.reason = finished.event.reason.or(Some(Reason::TooShort));
         }
         (finished, SampleTime::after(pending.origin, loads))
+    }
+
+    /// A winch that stands while the cable hangs slack, or while the force is low, makes the slack last
+    /// longer, and `Fp` too low: where it lies far below those before it is no surer than that. By a fall
+    /// to a lower `Fp` the onset is later by as much over `d omega`, at most, and `Fs` higher.
+    fn doubt_slack(&self, measured: &mut Measured) {
+        let cycle = &measured.posterior.cycle;
+        if cycle.is_taut() {
+            return;
+        }
+        let off_n = self.levels.ask(|levels| levels.below_n(cycle.dynamic_n()));
+        if off_n > 0.0 {
+            let static_n = off_n * cycle.rate * cycle.inverse_omega() / cycle.half_drop_n;
+            let (static_n2, dynamic_n2) = (static_n * static_n, off_n * off_n);
+            measured.take(&Correction { static_n2, dynamic_n2, ..Correction::default() });
+        }
     }
 
     /// Why an event that has no reason yet is not believed: what all tell, and, where the next one

@@ -81,7 +81,7 @@ impl Level {
         self.before += share * off;
         self.scatter += share * (off * off * (1.0 - share) - self.scatter);
         if left >= FEWEST {
-            self.off = middle_half(self.recent) - self.before;
+            self.off = middle_half(self.recent).0 - self.before;
             let share = 1.0 / smaller(compared + 1.0, MEMORY);
             // A change is not usual: what exceeds the usual by far counts for less.
             let square = smaller(self.off * self.off, MOST_USUAL * self.usual());
@@ -119,11 +119,11 @@ impl Level {
     }
 }
 
-/// Mean of the middle half.
-fn middle_half(mut values: [f32; RECENT]) -> f32 {
+/// Mean of the middle half, and from its lowest to its highest value.
+fn middle_half(mut values: [f32; RECENT]) -> (f32, f32) {
     values.sort_unstable_by(f32::total_cmp);
-    let middle = values.iter().skip(RECENT / 4).take(RECENT / 2);
-    middle.sum::<f32>() / (RECENT / 2) as f32
+    let [_, _, low, a, b, high, _, _] = values;
+    (0.25 * (low + a + b + high), high - low)
 }
 
 /// Follows the levels of `Fs` and `Fp`.
@@ -168,6 +168,16 @@ impl Levels {
         Some(shift)
     }
 
+    /// How far a value of `Fp` lies below those of the last events, N, beyond what these scatter: `FAR`
+    /// times the width of their middle half, which is about a standard deviation. Nothing before
+    /// there are six.
+    pub fn below_n(&self, dynamic_n: f32) -> f32 {
+        const FAR: f32 = 4.0;
+        let (mean, width) = middle_half(self.dynamic_n.recent);
+        let off_n = mean - dynamic_n;
+        if off_n > FAR * width { off_n } else { 0.0 }
+    }
+
     /// Nothing before counts any more, but how much the levels usually differ.
     pub fn forget(&mut self) {
         self.taken = 0.0;
@@ -209,5 +219,19 @@ mod tests {
         assert_eq!(told((0..400).map(|i| force(i, 490.0 + i as f32))).count(), 0);
         let odd = |i: usize| force(i, if i % 10 == 7 { 150.0 } else { 490.0 });
         assert_eq!(told((0..400).map(odd)).count(), 0);
+    }
+    #[test]
+    fn a_force_far_below_those_before_is_seen_and_one_within_their_scatter_is_not() {
+        let mut levels = Levels::default();
+        assert!(levels.below_n(10.0) <= 0.0);
+        for i in 0..8 {
+            let force_n = force(i, 200.0);
+            // Too few before.
+            assert!(i > 4 || levels.below_n(20.0) <= 0.0, "{i}");
+            levels.take(400.0, force_n);
+        }
+        assert!(levels.below_n(180.0) <= 0.0 && levels.below_n(400.0) <= 0.0);
+        let far_n = levels.below_n(20.0);
+        assert!((150.0..200.0).contains(&far_n), "{far_n}");
     }
 }

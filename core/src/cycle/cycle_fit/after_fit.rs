@@ -191,7 +191,7 @@ impl Measured {
 
     /// Takes what is known since the fit.
     #[inline(never)]
-    fn take(&mut self, correction: &Correction) {
+    pub(crate) fn take(&mut self, correction: &Correction) {
         self.posterior.take(correction);
         if let Some(forces) = &mut self.alone {
             forces.take(correction, self.noise_n2);
