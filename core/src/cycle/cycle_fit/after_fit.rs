@@ -102,8 +102,8 @@ impl CycleFit {
             posterior.common_n2 = fit.wider_n2(noise_n2);
         }
         let is_resolved = posterior.is_resolved();
-        // Where no event before told how long a slip is, what is missing may have been taken for a part of
-        // it.
+        // Events before it that told the rate and not how long a slip is had brief ones: this one looks
+        // longer by what is missing.
         let told = learnt.rate.mean().is_none() || learnt.mass.inverse_omega().mean().is_some();
         if is_resolved && !told && pending.hides_length() {
             self.stage = Stage::Failed(Reason::Hidden);
