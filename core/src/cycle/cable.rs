@@ -52,13 +52,4 @@ impl CycleTracker {
         let stiffening_n = if stiffens { self.learnt.stiffening_n(cycle) } else { 0.0 };
         (sag_n - stiffening_n, sag_n2)
     }
-
-    /// Variances of `Fs` and `Fp`, N², because of a rate that changed by the slip; where the force
-    /// wanders that may be why.
-    pub(super) fn unsteady_n2(&self, pending: &SlipRecord, posterior: &Posterior) -> (f32, f32) {
-        if pending.wander.level > 0.0 || !posterior.cycle.is_taut() {
-            return (0.0, 0.0);
-        }
-        self.learnt.unsteady_n2(posterior)
-    }
 }

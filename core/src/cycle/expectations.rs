@@ -161,11 +161,14 @@ impl Expectations {
     /// angle `ωt` of the slip lifts `Fe` by `b sin(ωt) / ω`; the model takes the mean over an even change,
     /// `2/π` of the largest. Half the time anywhere and half the time at either end: `0.5 b/ω` about it,
     /// half of that in `Fp`. A step at a time `t` before the onset lifts `Fs` by `b t`, one after the stop
-    /// lowers `Fe` by it, and `Fp` by half of either.
-    pub(crate) fn unsteady_n2(&self, posterior: &Posterior) -> (f32, f32) {
+    /// lowers `Fe` by it, and `Fp` by half of either. Where the force wanders that may be why.
+    pub(crate) fn unsteady_n2(&self, pending: &SlipRecord, posterior: &Posterior) -> (f32, f32) {
         // Anywhere in four samples, which the lines stay behind.
         const BESIDE: f32 = 2.3;
         let Posterior { cycle, unknowns: [.., variance], .. } = posterior;
+        if pending.wander.level > 0.0 || !cycle.is_taut() {
+            return (0.0, 0.0);
+        }
         let own = cycle.rate_change - self.rate_change.prior_around_zero(1.0).mean;
         let own2 = larger(own * own - variance, 0.0);
         let (beside, within) = (BESIDE * BESIDE, 0.25 * cycle.inverse_omega());

@@ -26,7 +26,6 @@ impl CycleTracker {
     /// The fit has ended: gives the event, between the end of the last one and the next.
     pub(super) fn end(&mut self, outcome: Outcome) -> Option<Finished> {
         let CycleFit { pending, after, mut measured, .. } = self.finishing.take()?;
-        self.doubt_slack(&mut measured);
         let pending = &pending;
         let (mut finished, load) = match outcome {
             Outcome::Failed(reason) => {
@@ -35,6 +34,7 @@ impl CycleTracker {
                 (self.without_coefficients(pending, reason).into(), None)
             }
             Outcome::Fitted => {
+                self.doubt_slack(&mut measured);
                 let (finished, load) = self.fitted(pending, &after, &measured);
                 (finished, Some(load))
             }
@@ -170,7 +170,7 @@ impl CycleTracker {
         let cycle = &posterior.cycle;
         let mut event = self.bare(pending, cycle, shape);
         let site = self.site();
-        let (static_n2, dynamic_n2) = self.unsteady_n2(pending, posterior);
+        let (static_n2, dynamic_n2) = self.learnt.unsteady_n2(pending, posterior);
         event.mu_s = Some(site.coefficient(cycle.static_n, posterior.static_n2 + static_n2));
         event.dynamic_force_n -= shift_n;
         let dynamic_n2 = posterior.dynamic_n2 + shift_n2 + dynamic_n2;

@@ -220,6 +220,7 @@ mod tests {
         let odd = |i: usize| force(i, if i % 10 == 7 { 150.0 } else { 490.0 });
         assert_eq!(told((0..400).map(odd)).count(), 0);
     }
+
     #[test]
     fn a_force_far_below_those_before_is_seen_and_one_within_their_scatter_is_not() {
         let mut levels = Levels::default();

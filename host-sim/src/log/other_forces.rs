@@ -104,8 +104,8 @@ pub(super) fn last_digit(cell: &str) -> f64 {
     10_f64.powi(exponent.unwrap_or(0) - decimals as i32)
 }
 
-pub(super) fn shown(newtons: f64) -> String {
-    format!("{newtons:.*}", crate::rounding::decimals(newtons))
+pub(super) fn shown(value: f64) -> String {
+    format!("{value:.*}", crate::rounding::decimals(value))
 }
 
 #[cfg(test)]

@@ -101,6 +101,11 @@ impl Rough {
     }
 }
 
+/// Squared residuals about a stick line, N², and their degrees of freedom.
+fn residuals(line: &Line) -> (f32, f32) {
+    (line.residual(), larger(line.weight - 2.0, 0.0))
+}
+
 impl SlipRecord {
     /// Loading rate, N per period, to within a factor of two.
     pub(crate) fn rate(&self) -> f32 {
@@ -128,26 +133,27 @@ impl SlipRecord {
     /// detector's.
     pub(crate) fn line_noise_n2(&self, after: &Line) -> f32 {
         const BRIEF: f32 = 8.0;
-        let (squares_n2, free) = self.line_residuals(after);
-        if free < BRIEF { self.noise_n2 } else { squares_n2 / free }
+        self.mean_n2(self.line_residuals(after), BRIEF)
     }
 
     /// The same about the quieter one of the two, of those that tell it; both rise at the same rate.
     pub(crate) fn quieter_n2(&self, after: &Line) -> f32 {
         // Tuned: with one the few samples of a brief line lie on it by chance.
         const BRIEF: f32 = 3.0;
-        let own_n2 = |line: &Line| {
-            let free = line.weight - 2.0;
-            if free < BRIEF { self.noise_n2 } else { line.residual() / free }
-        };
+        let own_n2 = |line| self.mean_n2(residuals(line), BRIEF);
         smaller(own_n2(&self.before), own_n2(after))
+    }
+
+    /// Mean of squared residuals, N², with so many degrees of freedom; of too few the detector's.
+    fn mean_n2(&self, (squares_n2, free): (f32, f32), least: f32) -> f32 {
+        if free < least { self.noise_n2 } else { squares_n2 / free }
     }
 
     /// Squared residuals about the stick lines before and after, N², and their degrees of freedom.
     #[inline(never)]
     pub(crate) fn line_residuals(&self, after: &Line) -> (f32, f32) {
-        let free = |line: &Line| larger(line.weight - 2.0, 0.0);
-        (self.before.residual() + after.residual(), free(&self.before) + free(after))
+        let [before, after] = [&self.before, after].map(residuals);
+        (before.0 + after.0, before.1 + after.1)
     }
 
     /// What the extremes tell together with the stick line after the slip.
