@@ -10,10 +10,12 @@ use crate::log::Log;
 pub mod record;
 mod resolution;
 use record::{LeftOut, Record};
-use resolution::Resolution;
 
 /// Name and version of this format; changes when a meaning changes.
 pub const SCHEMA: &str = "floe-weigh/1";
+
+/// Longest record whose readings tell their step, s.
+const LONGEST_S: f64 = 64.0;
 
 /// A load is one when it is so many standard deviations from zero.
 const SURE: f64 = 5.0;
@@ -50,11 +52,7 @@ pub struct Weight {
 pub fn weigh(log: &mut Log, calibrator: &Calibrator) -> Result<Weight, InputError> {
     let (readings, left_out) = read(log, calibrator)?;
     let mut weighing = Weighing::new(log.rate_hz() as f32);
-    let mut resolution = Resolution::new(log.rate_hz());
-    for force_n in readings {
-        weighing.add(force_n);
-        resolution.push(force_n);
-    }
+    readings.iter().for_each(|&force_n| weighing.add(force_n));
     let refused = |unrest| {
         let remedy = remedy(unrest, weighing.duration_s());
         InputError::new(match left_out.as_slice() {
@@ -65,7 +63,8 @@ pub fn weigh(log: &mut Log, calibrator: &Calibrator) -> Result<Weight, InputErro
     let rest = weighing.rest().map_err(refused)?;
     let load = rest.load(0.0).map_err(refused)?;
     let known = f64::from;
-    let step_std_n = resolution.std_n(known(rest.duration_s));
+    let used_s = known(rest.duration_s).min(LONGEST_S);
+    let step_std_n = resolution::std_n(&readings, (used_s * log.rate_hz()).round() as usize);
     let std_n = known(load.std).hypot(step_std_n.unwrap_or(0.0));
     check(known(load.value), std_n)?;
     if step_std_n.is_none() {

@@ -24,6 +24,7 @@ pub use sine::Oscillation;
 
 use floe_core::num::math::{larger, sqrt};
 use sine::Fit;
+pub use window::MEANS;
 use window::Window;
 
 /// Means a second that are kept.
@@ -41,6 +42,12 @@ const DRIFT_THAT_MATTERS: f32 = 1e-4;
 const MOVED: (f32, f32) = (0.5, 4.0);
 /// What is moved matters when it makes the mean so uncertain, as a part of it.
 const MOVE_THAT_MATTERS: f32 = 1e-3;
+
+/// Readings of which one mean is kept, at so many a second.
+#[must_use]
+pub fn readings_a_mean(rate_hz: f32) -> u32 {
+    ((rate_hz / BLOCKS_PER_S + 0.5) as u32).max(1)
+}
 
 /// Averages the readings of a load that rests or swings.
 #[derive(Clone, Debug)]
@@ -78,8 +85,7 @@ impl Weighing {
     /// Of readings at so many a second, 1 to 2000.
     #[must_use]
     pub fn new(rate_hz: f32) -> Self {
-        let readings = (rate_hz / BLOCKS_PER_S + 0.5) as u32;
-        Self { window: Window::new(readings.max(1), rate_hz) }
+        Self { window: Window::new(readings_a_mean(rate_hz), rate_hz) }
     }
 
     /// Takes a reading, `None` for one that failed.

@@ -3,7 +3,7 @@
 use floe_core::num::math::larger;
 
 /// Means that are kept; an even number.
-const LEN: usize = 256;
+pub const MEANS: usize = 256;
 
 /// Means of groups of readings, the oldest forgotten.
 #[derive(Clone, Debug)]
@@ -12,7 +12,7 @@ pub(super) struct Window {
     rate_hz: f32,
     /// The first reading: means are kept as distances from it.
     origin: Option<f32>,
-    means: [f32; LEN],
+    means: [f32; MEANS],
     /// Groups since the window was last empty.
     blocks: u32,
     /// The group being filled: readings, good ones among them, and their sum.
@@ -23,7 +23,7 @@ pub(super) struct Window {
 
 impl Window {
     pub(super) fn new(readings: u32, rate_hz: f32) -> Self {
-        let (origin, means) = (None, [0.0; LEN]);
+        let (origin, means) = (None, [0.0; MEANS]);
         Self { readings, rate_hz, origin, means, blocks: 0, taken: 0, good: 0, sum: 0.0 }
     }
 
@@ -49,7 +49,7 @@ impl Window {
             (self.origin, self.blocks) = (None, 0);
             return;
         }
-        if let Some(place) = self.means.get_mut(self.blocks as usize % LEN) {
+        if let Some(place) = self.means.get_mut(self.blocks as usize % MEANS) {
             *place = mean;
         }
         self.blocks = self.blocks.wrapping_add(1);
@@ -57,7 +57,7 @@ impl Window {
 
     /// Means in the window, the newest ones: an even number.
     pub(super) fn len(&self) -> usize {
-        (self.blocks as usize).min(LEN) & !1
+        (self.blocks as usize).min(MEANS) & !1
     }
 
     /// What all means are distances from.
@@ -78,7 +78,7 @@ impl Window {
     /// The means in order, the oldest first.
     pub(super) fn means(&self) -> impl DoubleEndedIterator<Item = f32> + '_ {
         let first = self.blocks as usize - self.len();
-        (first..self.blocks as usize).map(|i| self.means.get(i % LEN).copied().unwrap_or(0.0))
+        (first..self.blocks as usize).map(|i| self.means.get(i % MEANS).copied().unwrap_or(0.0))
     }
 
     /// Pairs of means that are as far from the middle of the window, the middle ones first:

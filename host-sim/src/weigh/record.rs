@@ -1,13 +1,11 @@
 //! The readings that a weighing uses: the last 64 s, without those that are far from all others.
 
+use floe_firmware::weighing::{MEANS, readings_a_mean};
 use serde::Serialize;
 
 use crate::log::timing::median;
 use crate::rounding::counted;
 
-/// Means a second that the weighing takes, and as many as it keeps: 64 s of them.
-const GROUPS_PER_S: f64 = 4.0;
-const GROUPS: usize = 256;
 /// Standard deviations from the median, by the readings' own scatter, and part of the median that
 /// a reading is off: neither a swing nor a step of the readings goes so far.
 const DEVIATIONS: f64 = 10.0;
@@ -38,12 +36,11 @@ pub(super) struct Record {
 
 impl Record {
     pub(super) fn new(rate_hz: f64) -> Self {
-        let group = (rate_hz / GROUPS_PER_S + 0.5) as usize;
-        Self { group: group.max(1), readings: Vec::new() }
+        Self { group: readings_a_mean(rate_hz as f32) as usize, readings: Vec::new() }
     }
 
     pub(super) fn push(&mut self, time_s: f64, force_n: Option<f32>) {
-        let longest = GROUPS * self.group;
+        let longest = MEANS * self.group;
         if self.readings.len() >= 2 * longest {
             self.readings.drain(..longest);
         }
@@ -53,7 +50,7 @@ impl Record {
     /// The readings of the last 64 s without those that are far off, and these.
     pub(super) fn settle(mut self) -> (Vec<Option<f32>>, Vec<LeftOut>) {
         let count = self.readings.len();
-        let begin = (count - count % self.group).saturating_sub(GROUPS * self.group);
+        let begin = (count - count % self.group).saturating_sub(MEANS * self.group);
         let mut readings = self.readings.split_off(begin);
         let left_out = take_out(&mut readings);
         (readings.into_iter().map(|(_, force_n)| force_n).collect(), left_out)
