@@ -103,6 +103,7 @@ const STRENGTHS: [(&str, &str, &str); 74] = [
     ("slack", "mu = 0.4", "mu = 0.3"),
     ("slack", "mu = 0.4", "mu = 0.48"),
     ("winding_back", "[9.5, 1.0]", "[10.0, 1.0]"),
+    ("winding_back", "[9.0, -1.0], [9.5, 1.0]", "[9.0, -0.3], [10.0, 1.0]"),
     ("falling", "per_decade = -0.05", "per_decade = -0.1"),
     ("falling", "per_decade = -0.05", "per_decade = -0.02"),
     ("stribeck", "falling_m_per_s = 0.01", "falling_m_per_s = 0.003"),

@@ -190,18 +190,21 @@ fn winding_back_without_noise_is_no_slip() {
 /// and after the swing is known: all slips are found, and next to nothing else.
 #[test]
 fn winding_back_between_slips_is_no_slip() {
-    let turns: [(&str, &[[f64; 2]], f64); 5] = [
-        ("as fast", &[[9.0, -1.0], [9.5, 1.0]], 11.0),
-        ("slow", &[[9.0, -0.3], [11.0, 1.0]], 13.0),
-        ("fast", &[[9.0, -3.0], [9.3, 1.0]], 11.0),
-        ("brief", &[[6.0, -1.0], [6.25, 1.0]], 7.0),
-        ("before the first slip", &[[0.7, -1.0], [1.2, 1.0]], 6.1),
+    let turns: [(&str, &[[f64; 2]], f64, f64); 7] = [
+        ("as fast", &[[9.0, -1.0], [9.5, 1.0]], 11.0, NOISE_N),
+        ("slow", &[[9.0, -0.3], [11.0, 1.0]], 13.0, NOISE_N),
+        // For more samples than a slip may have, and the noise hides whether they lie on a cosine.
+        ("slow, for a second", &[[9.0, -0.3], [10.0, 1.0]], 11.0, NOISE_N),
+        ("for a second, in noise", &[[9.0, -1.0], [10.0, 1.0]], 11.0, 5.0),
+        ("fast", &[[9.0, -3.0], [9.3, 1.0]], 11.0, NOISE_N),
+        ("brief", &[[6.0, -1.0], [6.25, 1.0]], 7.0, NOISE_N),
+        ("before the first slip", &[[0.7, -1.0], [1.2, 1.0]], 6.1, NOISE_N),
     ];
-    for (how, steps, period_s) in turns {
+    for (how, steps, period_s, white_n) in turns {
         let (steps, period_s) = (steps.to_vec(), Some(period_s));
         let winch_profile = Some(WinchProfile::Steps { steps, period_s });
         let mut scene = Scene { winch_profile, duration_s: 120.0, ..Scene::default() };
-        scene.measurement.white_n = NOISE_N;
+        scene.measurement.white_n = white_n;
         let mut all = Detection::default();
         for seed in 1..=12 {
             all.add(score::run(&scene, seed).detection);

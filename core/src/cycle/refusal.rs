@@ -208,34 +208,36 @@ fn is_even(slip: &SlipRecord, swing: Option<f32>, after: &Line) -> bool {
     if low - peak < SHORTEST {
         return false;
     }
-    if low - peak > LONGEST {
-        return is_long_and_even(slip);
-    }
-    let (straight, cosine) = lines(slip, slip.steep(), 0.0, (peak, low));
+    // The highest sample of a long fall may lie anywhere on a slow rest: its edges count.
+    let is_long = low - peak > LONGEST;
+    let edges = slip.fall_edges();
+    let (straight, cosine) = if is_long {
+        lines(slip, edges, slip.edge_angle(), edges)
+    } else {
+        lines(slip, slip.steep(), 0.0, (peak, low))
+    };
     let off_n2 = straight.residual();
     let own_n2 = off_n2 / (straight.count as f32 - 2.0);
     let noise_n2 = larger(slip.line_noise_n2(after), rounding_n2(slip.peak.force_n));
     // Not for NaN.
     let is_straight = own_n2 < EVEN * noise_n2;
-    if !is_straight {
-        return false;
+    if swing.is_some_and(|swing| is_straight && is_slow(slip, swing, &straight, noise_n2)) {
+        return true;
     }
-    if let Some(swing) = swing {
-        return is_slow(slip, swing, &straight, noise_n2);
+    if is_long {
+        return edges.1 - edges.0 >= SHAPELY_PERIODS && is_likelier(&straight, &cosine);
     }
     let further_n2 = cosine.residual() - off_n2;
     let is_clear = further_n2 > LIKELIER * larger(own_n2, noise_n2);
-    straight.count >= SHAPELY && is_clear && further_n2 > FURTHER * off_n2
+    let is_shapely = straight.count >= SHAPELY && further_n2 > FURTHER * off_n2;
+    swing.is_none() && is_straight && is_shapely && is_clear
 }
 
-/// The same of a fall with many samples, whose highest one may lie anywhere on a slow rest: half a
-/// cosine and a line through the samples in its middle, the noise unknown.
-fn is_long_and_even(slip: &SlipRecord) -> bool {
-    let (first, last) = slip.fall_edges();
-    let (straight, cosine) = lines(slip, (first, last), slip.edge_angle(), (first, last));
+/// Is a line through the samples far likelier than half a cosine, whatever the noise is?
+fn is_likelier(straight: &Line, cosine: &Line) -> bool {
     let likelier = straight.count as f32 * math::ln(cosine.residual() / straight.residual());
     // Also not for a force without any noise, or NaN.
-    last - first >= SHAPELY_PERIODS && likelier > LIKELIER
+    likelier > LIKELIER
 }
 
 /// Lines through the samples between two times, by their time and by a cosine of it, that goes from an
