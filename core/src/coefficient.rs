@@ -14,25 +14,25 @@ pub struct Coefficient {
     pub value: f32,
     /// One standard deviation of this event's estimate, the random part alone.
     pub std: f32,
-    /// One standard deviation of what is the same in all events: weight, slope, zero, span,
-    /// damping.
+    /// One standard deviation of what is the same in all events: the inputs (weight, slope, zero,
+    /// span, damping), a drift of the zero and a changed weight. See [`crate::budget()`].
     pub systematic_std: f32,
 }
 
 impl Coefficient {
-    /// With a random part alone.
+    /// Without a systematic part.
     #[must_use]
     pub const fn random(value: f32, std: f32) -> Self {
         Self { value, std, systematic_std: 0.0 }
     }
 
-    /// One standard deviation of all.
+    /// Standard deviation of the random and the systematic part together.
     #[must_use]
     pub fn combined_std(&self) -> f32 {
         math::hypotenuse(self.std, self.systematic_std)
     }
 
-    /// The 95 % interval. The noise is known from many samples: it is a normal one.
+    /// The 95 % interval of a normal distribution: the noise is known from many samples.
     #[must_use]
     pub fn ci95(&self) -> (f32, f32) {
         let half = t95(f32::INFINITY) * self.combined_std();
@@ -47,15 +47,16 @@ impl Coefficient {
 pub struct Estimate {
     /// Mean.
     pub mean: f32,
-    /// Standard error of the mean, the random part alone, including the variation between
-    /// events. One event tells nothing of that variation: `None`.
+    /// Standard error of the mean, the random part alone, with the variation between events. One
+    /// event tells nothing of that variation: `None`.
     pub std_error: Option<f32>,
     /// Degrees of freedom of `std_error`.
     pub freedom: f32,
     /// Standard deviation of what is the same in all events, which no number of them
     /// averages out.
     pub systematic_std: f32,
-    /// Part of it that the events share beyond the inputs: what the model learns from them.
+    /// The part of `systematic_std` that no input has: parameters that the model learns from the
+    /// events, and assumptions that all of them rest on.
     pub common_std: f32,
     /// Standard deviation between events, noise removed; needs two events.
     pub spread: Option<f32>,
@@ -64,29 +65,31 @@ pub struct Estimate {
 }
 
 impl Estimate {
-    /// One standard deviation of all; `None` with one event.
+    /// Standard deviation of the random and the systematic part together; `None` with one event.
     #[must_use]
     pub fn combined_std(&self) -> Option<f32> {
         self.std_error.map(|random| math::hypotenuse(random, self.systematic_std))
     }
 
-    /// The 95 % interval by Student's t, the degrees of freedom by Welch and Satterthwaite:
-    /// those of the inputs are endless. `None` with one event.
+    /// The 95 % interval by Student's t, its degrees of freedom by Welch and Satterthwaite: those
+    /// of the systematic part are endless. `None` with one event.
     #[must_use]
     pub fn ci95(&self) -> Option<(f32, f32)> {
         let (random, combined) = self.std_error.zip(self.combined_std())?;
+        // At most a thousand: where nothing is random the degrees of freedom are as good as endless.
         let ratio = combined / math::larger(random, 1e-3 * combined);
         let half = t95(self.freedom * ratio * ratio * ratio * ratio) * combined;
         Some((self.mean - half, self.mean + half))
     }
 }
 
-/// What turns forces into coefficients.
+/// What a test takes for given: it turns forces into coefficients.
 #[derive(Clone, Copy, Debug)]
 pub struct Site {
     /// Weight of the block, N.
     pub weight_n: f32,
-    /// Its mass times the speed of the winch, N periods; NaN where that is not known.
+    /// Mass of the block times the speed of the winch, N periods; NaN where that speed is not
+    /// known.
     pub momentum: f32,
     /// Sine and cosine of the slope of the ice.
     pub slope: (f32, f32),

@@ -45,15 +45,15 @@ pub struct InputStd {
     /// Of the span of the load cell, relative. Default 0.1 %. 0 where the block was weighed
     /// with the same cell: a wrong span is then wrong in force and weight alike.
     pub span: f32,
-    /// Of the cable's damping, a part of the critical one: half-normal about 0, and never
-    /// taken off. Default 0.5 %.
+    /// Of the damping ratio of the cable (critical damping is 1): half-normal, from 0 up. No
+    /// coefficient is corrected for it. Default 0.5 %.
     pub damping: f32,
     /// Of the winch speed, relative. Default 1 %.
     pub winch: f32,
 }
 
 impl Default for InputStd {
-    /// Ordinary care.
+    /// For weight, slope and load cell determined with ordinary care.
     fn default() -> Self {
         Self {
             weight: 0.003,
@@ -80,7 +80,7 @@ impl InputStd {
     /// Most damping that counts, a part of the critical one: beyond it no cable swings, and nothing is known.
     pub const MOST_DAMPING: f32 = 0.3;
 
-    /// The zero's, N, where the largest force was so much.
+    /// Standard deviation of the zero, N: as stated, else 0.1 % of the largest force.
     pub(crate) fn zero_n(&self, largest_n: f32) -> f32 {
         const PART: f32 = 1e-3;
         self.zero_n.unwrap_or(PART * largest_n)
@@ -103,7 +103,8 @@ pub struct Config {
     pub rate_hz: f32,
     /// Weight of the block, N, above zero.
     pub weight_n: f32,
-    /// Mass of the block, kg, above zero, where that is not its weight over gravity: under the ice.
+    /// Mass of the block, kg, above zero, where it is not the weight over gravity: a block pulled
+    /// along the underside of the ice is pressed on by its buoyancy.
     pub mass_kg: Option<f32>,
     /// Slope of the ice along the pull, rad, uphill positive, within ±1.2.
     pub slope_rad: f32,
@@ -172,7 +173,7 @@ impl fmt::Display for ConfigError {
 
 impl core::error::Error for ConfigError {}
 
-/// Is it a finite number at or above zero? Asked a dozen times: one piece of code.
+/// Is a number finite and not below zero? Not inlined: asked a dozen times.
 #[inline(never)]
 fn is_at_least_zero(x: f32) -> bool {
     (0.0..f32::INFINITY).contains(&x)

@@ -1,5 +1,5 @@
-//! The effects that a test may look for: what makes an event depart from line, ellipse,
-//! line.
+//! The effects that a test may look for: what makes an event depart from the plain model of stick
+//! line, ellipse, stick line.
 //!
 //! An effect that is not compiled in (a cargo feature of the same name) leaves the image; one
 //! that is not enabled in [`crate::Config`] leaves a test. What is enabled still has to show
@@ -15,7 +15,8 @@ use core::fmt;
 #[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
 #[repr(u8)]
 pub enum Effect {
-    /// Creep before the onset and the mean that a converter takes round off the corners.
+    /// Creep before the onset, and a converter that averages over part of a period, round off the
+    /// corners between stick line and slip.
     Corner,
     /// A sagging cable is softer at small forces.
     Sag,
@@ -31,10 +32,12 @@ pub enum Effect {
     Flop,
     /// The force strays from its stick lines in a way that is not white noise.
     Ripple,
-    /// Losses in the cable or the air: they widen, and shift nothing. Bit 8 was that of an effect
-    /// which paid nowhere; the bits of logs stay what they were.
+    /// Losses in the cable or the air: they widen the intervals and shift no value. Bit 8 belonged
+    /// to an effect that was taken out; it stays free, so that the masks in old logs mean what they
+    /// did.
     Damping = 9,
-    /// Slips whose force departs from the ellipse along the way: they widen, and shift nothing.
+    /// Slips whose force departs from the ellipse along the way: they widen the intervals and shift
+    /// no value.
     Onset,
 }
 
@@ -53,7 +56,7 @@ impl Effect {
         Self::Onset,
     ];
 
-    /// As in `--effects`, JSON and `docs/effects.md`.
+    /// Its name in `--effects`, JSON and `docs/effects.md`.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -70,13 +73,13 @@ impl Effect {
         }
     }
 
-    /// The effect of a name.
+    /// The effect with a name.
     #[must_use]
     pub fn named(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|effect| effect.name() == name)
     }
 
-    /// Room for what it keeps: one where it is compiled in, none where it is not.
+    /// Length of the array in its [`Kept`]: 1 where it is compiled in, 0 where it is not.
     pub(crate) const fn room(self) -> usize {
         (Effects::COMPILED.0 >> self as u8 & 1) as usize
     }
@@ -92,23 +95,23 @@ impl fmt::Display for Effect {
     }
 }
 
-/// What an effect keeps from sample to sample, or from event to event: nothing, in no bytes, where
-/// the effect is not compiled in. `ROOM` is its [`Effect::room`].
+/// The state that an effect keeps between samples or events. Where the effect is not compiled in
+/// there is none, in no bytes. `ROOM` is its [`Effect::room`].
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Kept<T, const ROOM: usize>([T; ROOM]);
 
 impl<T, const ROOM: usize> Kept<T, ROOM> {
-    /// What is there, if there is room.
+    /// The state, if the effect is compiled in.
     pub(crate) fn get(&self) -> Option<&T> {
         self.0.first()
     }
 
-    /// The answer to a question, or the default where there is nobody to ask.
+    /// What is read from the state; the default where there is none.
     pub(crate) fn ask<R: Default>(&self, question: impl FnOnce(&T) -> R) -> R {
         self.get().map_or_else(R::default, question)
     }
 
-    /// The same of a question that teaches something.
+    /// What a change of the state gives; the default where there is none.
     pub(crate) fn tell<R: Default>(&mut self, question: impl FnOnce(&mut T) -> R) -> R {
         self.0.first_mut().map_or_else(R::default, question)
     }
@@ -153,28 +156,28 @@ impl Effects {
         all
     };
 
-    /// As stored in a log: one bit each, in the order of [`Effect::ALL`]; other bits are of
-    /// other versions and stay away.
+    /// From the mask that a log holds: for each effect the bit of its number, see [`Effect`]. Bits
+    /// of other versions are dropped.
     #[must_use]
     pub const fn from_mask(bits: u32) -> Self {
         Self(bits & Self::ALL.0)
     }
 
-    /// One bit each.
+    /// The mask that a log holds, one bit an effect.
     #[must_use]
     pub const fn mask(self) -> u32 {
         self.0
     }
 
-    /// With one of them, or without it.
+    /// The set with an effect in it, or without.
     #[must_use]
     pub const fn with(self, effect: Effect, wanted: bool) -> Self {
         let others = self.0 & !effect.bit();
         Self(if wanted { others | effect.bit() } else { others })
     }
 
-    /// Is an effect among them, and compiled in? Known at compile time where it is not: then
-    /// its code is left out.
+    /// Is an effect in the set, and compiled in? Of one that is not compiled in this is known at
+    /// compile time, and its code is left out.
     #[must_use]
     #[inline]
     pub const fn has(self, effect: Effect) -> bool {
@@ -189,7 +192,7 @@ impl Default for Effects {
     }
 }
 
-/// A number that an effect has, as far as the events of a test tell it.
+/// A parameter of an effect, as the events of a test determine it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Parameter {
@@ -205,7 +208,7 @@ pub struct Parameter {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Finding {
-    /// Which.
+    /// The effect.
     pub effect: Effect,
     /// Whether it was looked for.
     pub enabled: bool,

@@ -5,16 +5,16 @@ use core::fmt;
 use crate::coefficient::Coefficient;
 use crate::sample::SampleTime;
 
-/// A first answer while the slip is still going on or has just ended, from the samples
-/// so far and what the other events told; the event itself follows when the next slip
-/// has ended the stick line.
+/// A first answer on a slip that is going on or has just ended, from the samples so far and what
+/// earlier events told. The [`Event`] itself is complete when the next slip has ended the stick
+/// line after this one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Provisional {
     /// Static coefficient.
     pub mu_s: Coefficient,
-    /// Dynamic coefficient; unknown while the force falls.
+    /// Dynamic coefficient; unknown while the force falls, and after a slip on a slack cable.
     pub mu: Option<Coefficient>,
 }
 
@@ -48,19 +48,20 @@ pub enum Reason {
     TooLong,
     /// The model does not describe the samples.
     NoFit,
-    /// Omega is not that of the events before: the mass may have changed, which the
-    /// next event tells.
+    /// Omega differs from that of the events before: the mass may have changed. The next event
+    /// decides.
     Suspect,
-    /// Fewer than four samples from slip to slip, or a cable that the winch shows to be far stiffer
-    /// than the slips do.
+    /// Fewer than four samples from slip to slip; or loading rate and winch speed give a far
+    /// stiffer cable than omega does.
     Aliased,
-    /// The force does not rise before the fall, or not again after it, or as it falls, without a rest.
+    /// No rest beside the fall: the force does not rise before it, does not rise again after it, or
+    /// rises as it falls, like an oscillation.
     NoRest,
     /// A coefficient above 3, or clearly below zero.
     Implausible,
-    /// The force falls to nothing at once, or stays there: perhaps no slip.
+    /// The force falls to zero at once, or stays there too long: the cable may have been let go.
     LetGo,
-    /// The force falls evenly: no slip.
+    /// The force falls along a straight line, as a winch that turns back makes it: no slip.
     WoundBack,
     /// The force is below zero: no slip.
     Negative,
@@ -69,13 +70,13 @@ pub enum Reason {
 }
 
 impl Reason {
-    /// Does it say that nothing slipped?
+    /// Does the reason say that nothing slipped, so that there is no event?
     #[must_use]
     pub fn is_no_slip(self) -> bool {
         matches!(self, Self::WoundBack | Self::Negative | Self::Scatters)
     }
 
-    /// Does it say that the force does not go as that of a slip?
+    /// Does the reason say that the force does not take the course of a slip?
     pub(crate) fn is_of_shape(self) -> bool {
         matches!(self, Self::NoFit | Self::NoRest | Self::LetGo)
     }

@@ -12,6 +12,25 @@
 //!
 //! The model is the block on a cable of Pritchard, Knoke and Echert (2012); see
 //! [`model`] for its equations.
+//!
+//! # Words
+//!
+//! | word | meaning |
+//! |---|---|
+//! | rest, stick | the block stands still while the winch stretches the cable |
+//! | stick line | the straight line of the force in a rest; its slope is the loading rate `r = k w` |
+//! | slip | the block slides; it begins at the *onset* and ends at the *stop* |
+//! | re-stick | the detector has seen that a slip is over |
+//! | swing | `1/ω` of the sliding block, periods; not an *oscillation* of the force about its line |
+//! | rate change | loading rate after a slip less that before it |
+//! | corner | the bend between stick line and slip |
+//! | innovation | a sample less what the stick line so far forecasts |
+//! | level | a force that a fit compares with the model: a sample's, or that of a line's middle |
+//! | wander | how far the force strays from a stick line beyond white noise |
+//! | expectation, prior | what earlier events tell of an unknown |
+//!
+//! Unless a name says otherwise a force is in newtons and a time in sampling *periods*; `_n2` is the
+//! variance or square of a force, N². A variance *in units of the noise* is over that of a sample.
 #![no_std]
 #![forbid(unsafe_code)]
 

@@ -38,26 +38,27 @@ pub struct Report {
     pub noise_n: Option<f32>,
     /// Mean rate of the force at rest, N/s.
     pub loading_rate_n_per_s: Option<Quantity>,
-    /// Natural frequency while sliding, rad/s; unknown where it is not known to a third.
+    /// Natural frequency while sliding, rad/s; unknown while its standard deviation is a third of
+    /// it or more.
     pub omega_rad_per_s: Option<Quantity>,
     /// Stiffness of the cable, N/m: from the winch speed if given, else from
     /// omega and the mass.
     pub stiffness_n_per_m: Option<f32>,
     /// Mean time from onset to onset, s.
     pub recurrence_s: Option<f32>,
-    /// How far the zero of the load cell may have moved, one standard deviation, N: it is
-    /// in the budget. Where it may have moved beyond the noise only.
+    /// How far the zero of the load cell may have moved, one standard deviation, N; it is in the
+    /// budget. `None` where that is no more than the noise.
     pub zero_n: Option<f32>,
     /// The budget's standard deviation of the zero as it was taken, N.
     pub zero_std_n: f32,
     /// What the drift of the zero leaves in the means, one standard deviation, N.
     pub zero_drift_n: f32,
-    /// Standard deviation of the damping ratio: as stated, or as the events ask for.
+    /// Standard deviation of the damping ratio: the stated one, widened by what the events show.
     pub damping_std: f32,
-    /// Weight in use over the given one, and what its relative standard deviation leaves in
-    /// the means: 1 and 0 where the block did not change.
+    /// Weight in use over the given one; 1 where the block did not change.
     pub weight_ratio: f32,
-    /// See [`Report::weight_ratio`].
+    /// Relative standard deviation of that ratio, averaged over the events as the means are; 0
+    /// where the block did not change.
     pub weight_ratio_std: f32,
     /// The newest change, with the ratio of the weights as it is known now.
     pub change: Option<Change>,

@@ -60,8 +60,9 @@ pub enum SampleFlag {
     Saturated,
     /// The reading was [`Reading::Bad`] or not finite.
     Rejected,
-    /// One sample far from both neighbours, faster than a cable can change: it came as good, and
-    /// [`crate::Step::spike`] told of it later.
+    /// A spike: one sample far from both neighbours, faster than a cable can change. The pipeline
+    /// never sets this flag, for a spike is known only with the next sample: it is named in
+    /// [`crate::Step::spike`], and a caller may flag it then.
     Spike,
     /// The index was there already; the first reading stands.
     Duplicate,
@@ -76,7 +77,7 @@ pub struct ForceSample {
     pub index: u64,
     /// Force, N. `None` unless the flag is [`SampleFlag::Good`].
     pub force_n: Option<f32>,
-    /// Whether and why not it is used.
+    /// Whether the sample is used, and if not, why.
     pub flag: SampleFlag,
     /// How many indices are missing right before this one.
     pub gap: u32,
@@ -99,7 +100,7 @@ pub enum Phase {
 
 /// A moment between samples: an index and a fraction of a period, 0 to below 1.
 ///
-/// Kept apart so that a month of samples costs no resolution.
+/// Index and fraction are kept apart: after a month of samples the resolution is the same.
 #[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -114,7 +115,7 @@ impl SampleTime {
     /// The first sample.
     pub(crate) const ZERO: Self = Self { index: 0, fraction: 0.0 };
 
-    /// The moment that is so many periods after an index; before it, if they are negative.
+    /// The moment that lies `periods` after an index; before it, if they are negative.
     pub(crate) fn after(origin: u64, periods: f32) -> Self {
         let whole = math::floor(periods);
         Self {
@@ -123,7 +124,8 @@ impl SampleTime {
         }
     }
 
-    /// Is it before another moment? In one place: the board compares 64 bits in many instructions.
+    /// Is this moment before another one? Not inlined: the board takes many instructions to compare
+    /// 64 bits.
     #[inline(never)]
     pub(crate) fn precedes(self, other: Self) -> bool {
         self < other
@@ -135,7 +137,7 @@ impl SampleTime {
     }
 }
 
-/// A sample and where it was.
+/// The force of a sample and its index.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ForcePoint {
     /// Index of the sample.
@@ -145,12 +147,12 @@ pub struct ForcePoint {
 }
 
 impl ForcePoint {
-    /// None yet.
+    /// Stands for no sample, before the first one.
     pub(crate) const ZERO: Self = Self { index: 0, force_n: 0.0 };
 }
 
-/// Periods from an origin to an index, which may lie before it: up to 2^31 of them, four
-/// years at 16 Hz. The board turns 32 bits into a number in one instruction, 64 in ninety.
+/// Periods from `origin` to `index`, negative if that lies before; at most 2^31, four years at 16
+/// Hz. The board converts 32 bits to `f32` in one instruction, 64 bits in ninety.
 #[inline(never)]
 pub(crate) fn since(origin: u64, index: u64) -> f32 {
     let periods = index.wrapping_sub(origin).cast_signed();
@@ -161,7 +163,8 @@ pub(crate) fn since(origin: u64, index: u64) -> f32 {
     if periods < 0 { i32::MIN as f32 } else { i32::MAX as f32 }
 }
 
-/// The same for two indices that are known to be near each other, on the path of every sample.
+/// As [`since`], for two indices that are known to be within 2^31 periods of each other. Inlined:
+/// on the path of every sample.
 #[inline(always)]
 pub(crate) fn near(origin: u64, index: u64) -> i32 {
     (index as u32).wrapping_sub(origin as u32).cast_signed()

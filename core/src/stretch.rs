@@ -1,9 +1,9 @@
 //! Stretches of a record that are no events: a constant force, and what was not understood.
 //!
-//! A cable that is tightened and held and a block that slides evenly are the same constant
-//! force. The samples are taken in blocks of a second or 16 samples; a stretch goes on while
-//! the blocks' means stay within what they scatter and rise by no more than chance. Work per
-//! sample: one mean and one squared difference; nothing is looked at twice.
+//! A cable that is tightened and held and a block that slides evenly are the same constant force.
+//! The samples are taken in blocks of a second, 16 samples at least. A stretch goes on while the
+//! blocks' means agree within their scatter and have no significant slope. Work per sample: one
+//! mean and one squared difference.
 
 use crate::event::{Event, Reason};
 use crate::num::math::{self, larger};
@@ -12,20 +12,20 @@ use crate::stats::line::Line;
 
 /// Fewest samples of a block.
 const LEAST_BLOCK: f32 = 16.0;
-/// Fewest and most blocks of a stretch: what is shorter may be a slow stick, what is longer
-/// is told in parts.
+/// Fewest and most blocks of a stretch: a shorter one may be a slow stick line, a longer one is
+/// given in parts.
 const BLOCKS: (u32, u32) = (8, 128);
-/// Standard deviations that are no chance.
+/// Standard deviations beyond which a difference or a slope is no chance.
 const SURE: f32 = 4.0;
-/// Standard deviations of a slope that may be chance: one constant force in four hundred is not told.
+/// Standard deviations by which a stretch that is not given rises: it may be a slow stick line.
 const UNLIKELY: f32 = 3.0;
-/// A mean that differs by less than this part of the force is the same.
+/// Block means that differ by less than this part of the force are equal.
 const SAME: f32 = 0.01;
-/// Largest scatter of the samples, parts of the weight: more of it hides slips.
+/// Largest scatter of a constant force's samples, parts of the weight: more of it hides slips.
 const LARGEST_SCATTER: f32 = 0.06;
-/// The same of a force in which nothing may slip before it has risen: more of it may be slips.
+/// The same where the force has to rise before anything can slip: more of it may be slips.
 const QUIET_SCATTER: f32 = 0.01;
-/// Standard deviations by which the highest of very many samples lies above their mean.
+/// Standard deviations by which the highest of 300 000 normal samples lies above their mean.
 const HIGHEST: f32 = 4.5;
 /// Longest gap within a stretch, periods.
 const LONGEST_GAP: u64 = 8;
@@ -71,23 +71,23 @@ struct SteadyForce {
     last: ForcePoint,
     /// Samples of a block.
     block: u32,
-    /// Of the block that grows: samples, mean, and squared differences of neighbours, N².
+    /// Of the block under way: samples, mean, and Σ of squared differences of neighbours, N².
     count: u32,
     mean_n: f32,
     steps_n2: f32,
-    /// Sum of its squared distances from the mean of all, N²; and all samples' variance.
+    /// Σ of its squared distances from its mean, N²; mean of that variance over the full blocks.
     squares_n2: f32,
     variance_n2: f32,
-    /// Its first index.
+    /// First index of the stretch.
     start: u64,
-    /// The means of the full blocks, by their number; what the noise adds to one of them, N².
+    /// The means of the full blocks, a line over their number; their variance by the noise, N².
     means: Line,
     noise_n2: f32,
     /// The samples scatter too much to be called steady.
     scatters: bool,
 }
 
-/// First and last index, the means of the blocks, and whether their samples scatter.
+/// A stretch that ended: first and last index, its blocks' means, whether its samples scatter.
 type Steady = (u64, u64, Line, bool);
 
 impl SteadyForce {
@@ -119,12 +119,12 @@ impl SteadyForce {
         self.count >= self.block
     }
 
-    /// Ends the stretch before the block that grows; what follows begins at an index.
+    /// Ends the stretch with its last full block; `None` if it is too short, or rises.
     #[cold]
     #[inline(never)]
     fn end(&mut self, next: u64) -> Option<Steady> {
         let (start, means) = (self.start, self.means);
-        // What seems to rise is as likely a slow stick line.
+        // What rises significantly is as likely a slow stick line.
         let rises = self.slope_over_std2() > UNLIKELY * UNLIKELY;
         let stop = self.last.index.saturating_sub(self.count.into());
         self.clear_block();
@@ -138,8 +138,8 @@ impl SteadyForce {
         (self.count, self.mean_n, self.steps_n2, self.squares_n2) = (0, 0.0, 0.0, 0.0);
     }
 
-    /// What a force that has been constant for long has to exceed before it has risen: of
-    /// samples that scatter by no more than this.
+    /// The force, N, that only a rise takes a constant force beyond. `None` unless it was constant
+    /// for eight blocks, with samples that scatter by less than `most_n`.
     fn ceiling_n(&self, most_n: f32) -> Option<f32> {
         let variance_n2 = self.variance_n2 + self.scatter_n2(0.0);
         let is_constant =
@@ -149,7 +149,7 @@ impl SteadyForce {
 
     fn end_block(&mut self, most_n: f32) -> Option<Steady> {
         let (count, mean_n) = (self.count as f32, self.mean_n);
-        // White noise differs from its neighbour by twice its variance.
+        // Differences of neighbours have twice the variance of white noise.
         let sample_n2 = 0.5 * self.steps_n2 / (count - 1.0);
         let noise_n2 = sample_n2 / count;
         let first = (self.last.index + 1).saturating_sub(self.count.into());
@@ -171,7 +171,7 @@ impl SteadyForce {
         ended.or_else(|| if is_long { self.end(self.last.index + 1) } else { None })
     }
 
-    /// Is a block's mean that of the blocks before it, and have they no slope?
+    /// Does a block's mean agree with the blocks before it, and have those no slope?
     fn goes_on(&self, mean_n: f32, noise_n2: f32) -> bool {
         let means = &self.means;
         let scatter_n = SURE * math::sqrt(self.scatter_n2(noise_n2));
@@ -198,18 +198,18 @@ impl SteadyForce {
     }
 }
 
-/// Stretches on their way out, in order: one a step.
+/// Finds stretches and gives them in order, one a step.
 #[derive(Clone, Debug)]
 #[repr(C)]
 pub(crate) struct Stretches {
     steady: SteadyForce,
     weight_n: f32,
     moving: Option<bool>,
-    /// What is not understood, as long as it may grow.
+    /// The newest one that was not understood, while it may grow.
     open: Option<Stretch>,
-    /// First and last moment of the newest stretch that was told.
+    /// First and last moment of the newest complete one.
     told: (SampleTime, SampleTime),
-    /// Oldest first.
+    /// Complete ones, oldest first.
     ready: [Option<Stretch>; 3],
 }
 
@@ -242,13 +242,13 @@ impl Stretches {
         ends
     }
 
-    /// What the force has to exceed before a slip can begin: where it is constant nothing rose.
+    /// Force, N, that a slip has to begin above: where the force is constant nothing rose.
     pub(crate) fn ceiling_n(&self) -> Option<f32> {
         self.steady.ceiling_n(QUIET_SCATTER * self.weight_n)
     }
 
-    /// The force has left what it was: a stretch ends before this index. `None`: the sample
-    /// is not the newest, so what was taken for a constant force is none.
+    /// A slip or a gap ends a constant force at the index `last` at the latest. `None`: it was
+    /// found later, in samples taken for a constant force, so there was none.
     pub(crate) fn interrupt(&mut self, last: Option<u64>) {
         let next = self.steady.last.index + 1;
         let steady = self.steady.end(next);
@@ -272,7 +272,7 @@ impl Stretches {
         }
     }
 
-    /// An event begins: it may be older than what was not understood.
+    /// What was not understood ends where an event begins; it is dropped if it is not older.
     pub(crate) fn end_before(&mut self, onset: SampleTime) {
         self.open = self.open.filter(|open| open.start.precedes(onset));
         if let Some(open) = self.open.as_mut().filter(|open| onset.precedes(open.stop)) {
@@ -281,7 +281,7 @@ impl Stretches {
         self.close();
     }
 
-    /// Onset and stop of an event, without what was told already. `None` if all of it was.
+    /// Onset and stop of an event without the part in the newest stretch; `None` if all of it is.
     pub(crate) fn outside(&self, event: &Event) -> Option<(SampleTime, SampleTime)> {
         let Event { onset, stop, .. } = *event;
         let (from, to) = self.told;
@@ -294,7 +294,7 @@ impl Stretches {
         }
     }
 
-    /// What was not understood is over.
+    /// Completes the stretch that was not understood.
     pub(crate) fn close(&mut self) {
         if let Some(open) = self.open.take() {
             self.push(open);
@@ -331,8 +331,8 @@ impl Stretches {
         self.push(Stretch { start, stop, kind });
     }
 
-    /// There is room: a step ends at most one constant force, which takes many samples, with what
-    /// was open before it, and one event's; and it takes one out.
+    /// There is room: a step completes at most a constant force, the stretch that was open before
+    /// it and one of an event, and gives one.
     fn push(&mut self, mut stretch: Stretch) {
         if stretch.start.precedes(self.told.1) {
             stretch.start = self.told.1;
