@@ -23,7 +23,8 @@ pub struct Corner {
     pub smoothing: f32,
     /// `h`, N: what the force lacks at the onset.
     pub missing_n: f32,
-    /// `c`, N: below `Fs` by so much the creep is slower by `e`. Above zero, unless all is.
+    /// `c`, N: at a force that is lower by `c` the creep is slower by the factor `e`. Above zero,
+    /// unless all three are zero.
     pub range_n: f32,
 }
 
@@ -45,10 +46,10 @@ impl Corner {
         self.smoothing <= 0.0 && self.missing_n <= 0.0
     }
 
-    /// With all that the times of a cycle share.
+    /// The corners of a cycle: what all its times share, computed once.
     #[must_use]
     pub fn at<'a>(&self, shape: &'a Shape) -> Rounded<'a> {
-        // Half of τ; without any, what a usual converter has.
+        // Half of τ = √(24 κ); without any averaging that of a usual converter.
         const LEAST: f32 = 0.3;
         let half = larger(math::sqrt(6.0 * self.smoothing), LEAST);
         // Most events do not creep.
@@ -70,7 +71,7 @@ pub struct Rounded<'a> {
 }
 
 impl Rounded<'_> {
-    /// What is added to the force at a time since the onset.
+    /// What is added to the force at a time since the onset, periods.
     #[must_use]
     #[inline(never)]
     pub fn shift(&self, since_onset: f32) -> Shift {
@@ -89,7 +90,8 @@ impl Rounded<'_> {
         let mut shift = if since_onset <= 0.0 {
             self.creep(since_onset)
         } else {
-            // The ellipse's q is less by the part f; the stop keeps what it is then.
+            // The slip begins with the rate (1 − f) r, so the ellipse's q is smaller by the part f;
+            // after the stop the shift stays what it is there.
             let Corner { missing_n: h, range_n: c, .. } = self.corner;
             let f = 1.0 - 1.0 / self.rise;
             let rate = if since_onset < slide_time { -f * cycle.rate * cos } else { 0.0 };
@@ -118,7 +120,8 @@ impl Rounded<'_> {
     }
 }
 
-/// Part of `κ F''` that a mean over `τ` shows so many halves of `τ` after `F''` began.
+/// Part of `κ F''` that a mean over `τ` shows when `F''` jumped up from zero so many `τ/2` before:
+/// 0 up to −1, and 1 from 1 on.
 fn seen(halves: f32) -> f32 {
     let z = halves.clamp(-1.0, 1.0);
     let inside = larger(z, 0.0);

@@ -43,7 +43,8 @@ pub struct CycleParams {
     pub half_drop_n: f32,
     /// Natural frequency while sliding, rad per unit of time.
     pub omega: f32,
-    /// Loading rate after the slip minus `rate`: the winch gained so much meanwhile.
+    /// Loading rate after the slip less that before it, by which the winch or the cable changed
+    /// during the slip.
     pub rate_change: f32,
 }
 
@@ -79,7 +80,7 @@ impl CycleParams {
         math::atan2(self.rate / self.omega, self.half_drop_n) / self.omega
     }
 
-    /// Swing `1/ω`: the time in which the slide turns by one radian.
+    /// Swing `1/ω`: the time in which the slide turns by one radian of the ellipse.
     #[must_use]
     pub fn inverse_omega(&self) -> f32 {
         1.0 / self.omega

@@ -17,10 +17,11 @@ pub struct Shape {
     phase: f32,
     /// `T_slide` (25), or up to the stop on a slack cable.
     slide: f32,
-    /// Force per bend by which a winch that gains speed evenly over the slip shifts the centre of
-    /// the ellipse: `1 / (T_slide ω²)`, from `F'' + ω² (F − Fp) = k w'`. Zero on a slack cable.
+    /// By how much a rate change of one that grows evenly over the slip shifts the centre of the
+    /// ellipse: `1 / (T_slide ω²)`, from `F'' + ω² (F − Fp) = k w'`. Zero on a slack cable.
     ramp: f32,
-    /// Up to here since the onset the slip is on the ellipse.
+    /// Time since the onset up to which the force is on the ellipse: to the stop, or until the
+    /// cable is slack.
     arc: f32,
     slack: Option<Slack>,
 }
@@ -29,6 +30,7 @@ pub struct Shape {
 struct Rest {
     /// Time since the onset.
     time: f32,
+    /// Derivatives of that time.
     by: ByShape,
     /// Force there, N, with its derivatives by `Fs` and `d`.
     force_n: f32,
@@ -117,7 +119,7 @@ impl Shape {
         }
     }
 
-    /// From the moment at which the force has reached zero.
+    /// The force and its gradient from the moment on at which the ellipse has reached zero.
     fn after_fall(&self, slack: &Slack, since_onset: f32) -> (f32, Gradient) {
         if since_onset < slack.taut {
             return (0.0, Gradient::default());
@@ -125,7 +127,8 @@ impl Shape {
         match &slack.then {
             Then::Slides(delay, by) if since_onset < slack.stop => {
                 let (force_n, mut gradient) = self.during(since_onset - delay);
-                // A later force is that of an earlier moment, as with the onset.
+                // A delay acts as a later onset does: its derivatives enter by way of that by the
+                // onset.
                 let [by_onset, by_shape @ .., _] = &mut gradient;
                 by_shape.iter_mut().zip(by).for_each(|(g, by)| *g += *by_onset * by);
                 (force_n, gradient)
@@ -162,8 +165,8 @@ impl Shape {
         let [by_rate, by_static, by_drop, by_inverse_omega] = by;
         let since_rest = since_onset - time;
         let rate = c.rate + c.rate_change;
-        // At the stop 1 − cos ω T = 2 cos² φ; that it comes later changes nothing, since the force
-        // goes on at the winch's rate either way.
+        // At the stop 1 − cos ω T = 2 cos² φ = 2 d²/a². The rate change moves the stop as well,
+        // which changes nothing: the force goes on at the winch's rate either way.
         let by_rate_change = since_rest + 2.0 * c.half_drop_n * c.half_drop_n / self.a2 * self.ramp;
         let gradient = [
             -rate,

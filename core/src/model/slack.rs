@@ -30,7 +30,7 @@ use crate::num::math::{self, larger};
 /// Derivatives by the loading rate, `Fs`, `d` and the swing.
 pub(crate) type ByShape = [f32; 4];
 
-/// The slack of one cycle; times are since the onset.
+/// The slack of one cycle; times are since the onset, in the unit of the cycle's.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Slack {
     /// The force reaches zero.
@@ -39,7 +39,7 @@ pub(crate) struct Slack {
     pub(crate) stop: f32,
     /// The cable is taut again.
     pub(crate) taut: f32,
-    /// What the winch finds.
+    /// What the block does then.
     pub(crate) then: Then,
 }
 
@@ -88,6 +88,8 @@ impl Slack {
     }
 }
 
+/// The ellipse of a slip that goes slack: half the drop, `q`, `h = √(a² − Fp²)` and `Fp`, N, and
+/// `a²`, N².
 struct Ellipse {
     drop_n: f32,
     q: f32,

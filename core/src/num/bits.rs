@@ -13,10 +13,11 @@ const MANTISSA: u32 = 23;
 /// bit from an exact difference in integers: the same as a processor's own instruction.
 #[cfg(any(test, target_arch = "arm"))]
 pub(super) fn sqrt(x: f32) -> f32 {
+    // Half the exponent's bias, less what makes the guess 3.5 % too large or too small at worst.
     const HALF: u32 = 0x1FBD_1DF5;
     const LEAST: u32 = 1 << MANTISSA;
     const ENDLESS: u32 = 0xFF << MANTISSA;
-    // Also not for NaN, nor below zero.
+    // True also for NaN and below zero.
     if x.to_bits().wrapping_sub(LEAST) >= ENDLESS - LEAST {
         return unusual_root(x);
     }
@@ -37,7 +38,7 @@ pub(super) fn sqrt(x: f32) -> f32 {
     f32::from_bits(root.wrapping_add(more))
 }
 
-/// Zero, below zero, infinite, no number, and what is too small for all its bits.
+/// Root of zero, negative numbers, infinity, NaN and subnormal numbers.
 #[cfg(any(test, target_arch = "arm"))]
 #[inline(always)]
 fn unusual_root(x: f32) -> f32 {
@@ -50,7 +51,7 @@ fn unusual_root(x: f32) -> f32 {
     }
 }
 
-/// Of what is too small for all its bits.
+/// Root of a subnormal number, by way of a normal one.
 #[cfg(any(test, target_arch = "arm"))]
 #[cold]
 #[inline(never)]
@@ -63,6 +64,7 @@ fn small_root(x: f32) -> f32 {
 pub(super) fn exp(x: f32) -> f32 {
     // ln 2 in two parts, the first so short that some hundred times it is exact.
     const LN_2: (f32, f32) = (0.693_145_75, 1.428_606_8e-6);
+    // Just inside ln of the smallest normal and of the largest number, −87.34 and 88.72.
     const LEAST: f32 = -87.3;
     const MOST: f32 = 88.0;
     // NaN stays what it is.
@@ -81,6 +83,7 @@ pub(super) fn exp(x: f32) -> f32 {
 /// Natural logarithm of a normal number above zero: with `x = m 2^k`, `m` from `√½` to `√2`, and
 /// `s = (m − 1)/(m + 1)` it is `k ln 2 + 2 artanh s`.
 pub(super) fn log(x: f32) -> f32 {
+    // The bits of √½.
     const HALF_ROOT: u32 = 0x3F35_04F3;
     if x < f32::MIN_POSITIVE || x.is_nan() {
         return if x >= 0.0 { f32::NEG_INFINITY } else { f32::NAN };

@@ -27,7 +27,7 @@ impl DoubleSingle {
         Self { high: sum, low: low - (sum - high) }
     }
 
-    /// The sum with a number, in place: for loops.
+    /// The sum with a number. Inlined: for loops.
     #[inline(always)]
     pub(crate) fn plus(self, number: f32) -> Self {
         let sum = self.high + number;
@@ -36,8 +36,8 @@ impl DoubleSingle {
         Self::renormed(sum, lost + self.low)
     }
 
-    /// The sum with a number that is no larger, as most are that are added to a sum, in place: four
-    /// operations (Kahan). Of a larger one the last bit may be lost.
+    /// The sum with a number that is no larger than it, in four operations (Kahan); with a larger
+    /// one the last bit may be lost. Inlined: for loops.
     #[inline(always)]
     pub(crate) fn plus_smaller(self, number: f32) -> Self {
         let step = number + self.low;
@@ -106,7 +106,7 @@ impl Sub for DoubleSingle {
     }
 }
 
-/// A number in two halves of 12 bits each: products of halves are exact.
+/// A number in two halves of 12 bits each, whose products are exact: Dekker's way, by `2^12 + 1`.
 fn halves(number: f32) -> (f32, f32) {
     let shifted = 4097.0 * number;
     let leading = shifted - (shifted - number);

@@ -1,6 +1,7 @@
-//! Division of long numbers, which the processor does not do: Rust's way takes 1 kB.
+//! Division of 64 bits by 16: the processor has no instruction for it, and the library's routine
+//! takes 1 kB.
 
-/// Quotient and remainder; divided by zero, as by one.
+/// Quotient and remainder; a divisor of zero counts as one.
 ///
 /// ```
 /// assert_eq!(floe_core::num::long_division::divide(1_000_000_000_000_007, 10), (100_000_000_000_000, 7));

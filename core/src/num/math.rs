@@ -26,8 +26,8 @@ use crate::num::bits;
 
 /// Square root, correctly rounded; NaN below zero.
 ///
-/// A PC has an instruction for it, which libm takes, and stable Rust without std does not reach
-/// the board's. What is correctly rounded has the same bits.
+/// libm takes a PC's instruction for it; stable Rust without std does not reach the board's, so
+/// there it is computed from the bits. Both are correctly rounded: the same bits.
 #[must_use]
 pub fn sqrt(x: f32) -> f32 {
     #[cfg(target_arch = "arm")]
@@ -47,7 +47,7 @@ pub fn hypotenuse(a: f32, b: f32) -> f32 {
 /// Single precision throughout: libm's computes in double precision, which the board
 /// does in software, at forty times the price. The polynomials are the minimax ones
 /// on ±π/4, for `sin x / x` and `cos x`, in `x²`.
-// Once: small enough to be taken into other crates as well.
+// Not inlined: it is small enough to be copied into other crates as well.
 #[inline(never)]
 #[must_use]
 pub fn sin_cos(x_rad: f32) -> (f32, f32) {
@@ -124,7 +124,7 @@ pub fn ln(x: f32) -> f32 {
     bits::log(x)
 }
 
-/// The largest whole number that is no larger, of numbers within ±2³¹.
+/// The largest whole number that is not above a number within ±2³¹.
 #[must_use]
 #[inline(never)]
 pub fn floor(x: f32) -> f32 {
