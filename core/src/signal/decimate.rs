@@ -61,11 +61,12 @@ impl Decimator {
         self.block = block;
         self.count += 1;
         self.mean_n += (sample.force_n - self.mean_n) / f32::from(self.count);
-        // One at a time: a block whose only sample is its last one waits for the next.
+        // One block a step: if the block before has just been completed, this one, whose only
+        // sample is its last, waits for the next step.
         if place == self.factor - 1 && complete.is_none() { self.finish() } else { complete }
     }
 
-    /// Ends the block begun, if it holds enough samples.
+    /// Ends the block under way; `None` if it holds fewer than half its samples.
     #[inline(never)]
     pub fn finish(&mut self) -> Option<ForcePoint> {
         let block = ForcePoint { index: self.block, force_n: self.mean_n };

@@ -1,10 +1,11 @@
 //! One sample far from both its neighbours is a spike.
 //!
 //! A cable cannot do that: the force never rises faster than the winch stretches
-//! it, `F' ≤ k w`, and falls no further than a slip's drop. A sample is therefore
-//! held back by one period and left out when it stands out against the one before
-//! and the one after, both on the same side, by more than the noise, the usual rise, the last
-//! rises and a part of the usual drop: a cable that was held tells no usual rise. Delay: one good sample.
+//! it, `F' ≤ k w`, and falls no further than a slip's drop. A sample is therefore held back until
+//! the next one, and is a spike when it lies above both its neighbours, or below both, by more than
+//! each of ten standard deviations of the noise, three times the usual rise, three times the
+//! largest of the last rises (a cable that was held tells no usual one) and a quarter of the usual
+//! drop. Delay: one good sample.
 
 use crate::num::math::{larger, smaller};
 use crate::sample::ForcePoint;
@@ -14,10 +15,12 @@ use crate::stats::quantile::Quantile;
 const NOISES: f32 = 10.0;
 /// Part of the usual drop that a spike exceeds.
 const PART_OF_DROP: f32 = 0.25;
-/// Usual rises per sample that a spike exceeds, and last ones.
+/// Rises per sample that a spike exceeds, usual ones and recent ones.
 const RISES: f32 = 3.0;
-/// Part of a rise that is left of it with the next one.
+/// Part of the largest recent rise that is left with the next one.
 const FADE: f32 = 0.5;
+/// Neighbours that are more periods apart say too little to judge a sample by.
+const LONGEST_SPAN: u64 = 4;
 
 /// What the filter needs to know of the force.
 #[derive(Clone, Copy, Debug)]
@@ -37,7 +40,7 @@ pub struct SpikeFilter {
     count: u8,
     /// Upper quartile of the rises between neighbours, N.
     rises: Quantile,
-    /// The largest of the last ones, N.
+    /// The largest recent rise, fading, N.
     last_rise_n: f32,
 }
 
@@ -65,7 +68,8 @@ impl SpikeFilter {
         }
     }
 
-    /// Takes a sample and gives the one before it; `usual` is asked if that stands out at all.
+    /// Takes a sample and gives the one before it; `usual` is called only if that is above or below
+    /// both its neighbours.
     pub fn step(&mut self, sample: ForcePoint, usual: impl FnOnce() -> Usual) -> Judged {
         let (before, held) = (self.before, core::mem::replace(&mut self.held, sample));
         if self.count < 2 {
@@ -92,11 +96,11 @@ impl SpikeFilter {
         held
     }
 
-    /// Does a sample stand out from both its neighbours, by these forces?
+    /// Is a sample a spike, that differs from its neighbours, `span` periods apart, by these
+    /// forces, N?
     #[inline(never)]
     fn stands_out(&self, (left, right): (f32, f32), span: u64, usual: Usual) -> bool {
-        // Neighbours further away say less: only within a few periods.
-        if span > 4 {
+        if span > LONGEST_SPAN {
             return false;
         }
         let Some(rise_n) = self.rises.value() else { return false };

@@ -36,7 +36,7 @@ impl Window {
         in_a_row
     }
 
-    /// Leaves out what was missed.
+    /// Marks the periods that were skipped as missing.
     #[cold]
     #[inline(never)]
     fn skip_to(&mut self, index: u64) {
@@ -61,7 +61,7 @@ impl Window {
         self.force_n(index).filter(|_| inside)
     }
 
-    /// The same of an index that is near the newest one, on the path of every sample.
+    /// As [`Self::get`], for an index within 2^31 of the newest one: on the path of every sample.
     #[inline(always)]
     pub(crate) fn get_near(&self, index: u64) -> Option<f32> {
         let inside = (1..=WINDOW as i32).contains(&near(index, self.end));
@@ -74,7 +74,8 @@ impl Window {
     }
 
     /// Forces from an index up to another one, in two parts where the ring begins anew; NaN is
-    /// missing. Both have to lie within the window: of others it gives what is in their places.
+    /// missing. Both indices have to lie within the window: beyond it other samples are in their
+    /// places.
     pub(crate) fn between(&self, from: u64, to: u64) -> [&[f32]; 2] {
         let (from_slot, to_slot) = (slot(from), slot(to));
         let part = |range| self.forces_n.get(range).unwrap_or_default();

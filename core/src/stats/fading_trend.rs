@@ -1,12 +1,12 @@
-//! What the events of a test share: the loading rate and omega.
+//! A quantity that the events of a test share, such as the loading rate or the swing.
 //!
-//! Each event measures both; the next one may expect them again, within what they
-//! vary from event to event. Old events are forgotten slowly, so a cable that
-//! shortens or a winch that tires is followed. A single event that is far off (the
-//! winch had paused) teaches nothing; several in a row are how things are now.
+//! Each event measures it; the next one may expect it again, within what it varies from event to
+//! event. Old events fade, so a cable that shortens or a winch that tires is followed. A single
+//! event that is far off (the winch had paused) is ignored; three in a row mean that the quantity
+//! has changed, and the past is dropped.
 //!
-//! What counts only when it is significant grows from its limit to twice that: no
-//! expectation jumps because of a last digit.
+//! What counts only when it is significant counts from its limit on, and fully from twice that
+//! (`surely`): no expectation jumps because of a last digit.
 
 use crate::num::math::{self, larger};
 use crate::stats::line::Line;
@@ -15,15 +15,15 @@ use crate::stats::quantity::Quantity;
 
 /// Events over which the past is forgotten.
 const MEMORY: f32 = 40.0;
-/// Events before which nothing is expected.
+/// Fewest events, their number fading, that give an expectation: two.
 const LEAST_EVENTS: f32 = 1.5;
-/// Standard errors beyond which a value that should be zero, or a trend, counts: the
-/// trend is looked at with every event.
+/// Standard errors beyond which the mean of a quantity that should be zero counts.
 const SIGNIFICANT: f32 = 3.0;
+/// Standard errors beyond which a trend counts: more, for it is looked at with every event.
 const TREND: f32 = 5.0;
 /// Standard deviations beyond which an event is far off.
 const FAR_OFF: f32 = 6.0;
-/// So many far off in a row: all that was before is forgotten.
+/// So many far off in a row: the quantity has changed, and the past is dropped.
 const CHANGED: u8 = 3;
 
 /// Running mean of a quantity that events share, its trend, and how much it varies.
@@ -35,37 +35,40 @@ const CHANGED: u8 = 3;
 pub struct FadingTrend {
     /// Over the events so far, the newest at time −1.
     line: Line,
-    /// Variance of the first event: weights are in units of one over it, so that their
-    /// squares are numbers whatever the size of the forces.
+    /// Variance of the first event: weights are in units of one over it, so that their squares
+    /// neither overflow nor vanish, whatever the size of the forces.
     unit: f32,
-    /// Number of events, at most [`MEMORY`].
+    /// Number of events, fading: at most [`MEMORY`].
     count: f32,
-    /// Σ w² (step² − s²) and Σ w²; a step without what the expectation adds to it.
+    /// Σ w² (step² − s²) and Σ w², where a step is an event's distance from the line before it,
+    /// without the part that is the line's own error.
     excess: f32,
     weight_squares: f32,
+    /// Variance between events, `τ²`, as far as it is significant.
     between: f32,
     /// Events in a row that were far off.
     strangers: u8,
-    /// The value that the next event may expect, and the variance of that; zeros before the
-    /// first event.
+    /// The value that the next event may expect, and its variance without that between events;
+    /// zeros before the first event.
     now: (f32, f32),
 }
 
 impl FadingTrend {
-    /// Lets the past count for less: once an event, whether or not it tells anything, so
-    /// that no expectation, once too sure of itself, shuts out what could correct it.
+    /// Lets the past count for less, and moves the trend on by an event. Once an event, whether or
+    /// not it tells anything, so that no expectation that is too sure of itself shuts out for good
+    /// what could correct it.
     pub fn forget(&mut self) {
         self.line.shift(1.0);
         self.fade();
     }
 
-    /// An event passes: a trend goes on.
+    /// Moves the trend on by an event; the past counts as much as before.
     pub(crate) fn pass(&mut self) {
         self.line.shift(1.0);
         self.now = self.at(NEXT);
     }
 
-    /// The past counts for less, and no trend goes on.
+    /// Lets the past count for less; the trend stays where it is.
     #[inline(never)]
     pub(crate) fn fade(&mut self) {
         const FADE: f32 = 1.0 - 1.0 / MEMORY;
@@ -76,7 +79,8 @@ impl FadingTrend {
         self.now = self.at(NEXT);
     }
 
-    /// Takes the newest event's own measurement and its variance.
+    /// Takes the newest event's own measurement and its variance. One that is no finite number, or
+    /// far off, is ignored.
     pub fn add(&mut self, value: f32, variance: f32) {
         if !(value.is_finite() && variance.is_normal() && variance > 0.0) {
             return;
@@ -122,7 +126,8 @@ impl FadingTrend {
         (self.line.at(time, slope), self.unit * self.line.leverage(time))
     }
 
-    /// Variance between events, as far as it is more than so few events can feign.
+    /// Variance between events: zero unless it is more than the own variances of so few events can
+    /// feign.
     fn significant_excess(&self) -> f32 {
         let between = self.excess / self.weight_squares;
         if between <= 0.0 {
@@ -133,36 +138,36 @@ impl FadingTrend {
         larger(between, 0.0) * surely(between, feigned)
     }
 
-    /// The value now; `None` before the first event.
+    /// The value that the next event may expect; `None` before the first event.
     #[must_use]
     pub fn mean(&self) -> Option<f32> {
         (self.count > 0.0).then_some(self.now.0)
     }
 
-    /// The same with its variance; both are zero before the first event.
+    /// That value and its variance without that between events; zeros before the first event.
     pub(crate) fn now(&self) -> (f32, f32) {
         self.now
     }
 
-    /// The same with its standard deviation.
+    /// That value with its standard deviation; `None` before the first event.
     pub(crate) fn known(&self) -> Option<Quantity> {
         let (value, variance) = self.now;
         (self.count > 0.0).then(|| Quantity { value, std: math::sqrt(variance) })
     }
 
-    /// Do three events agree on it? What single events may be far off in wants that.
+    /// Have three events told it? For a quantity in which single events may be far off.
     pub(crate) fn is_well_known(&self) -> bool {
         self.count > LEAST_EVENTS + 1.0
     }
 
-    /// Is there anything to expect?
+    /// Have two events told it?
     #[must_use]
     pub fn is_known(&self) -> bool {
         self.count >= LEAST_EVENTS
     }
 
-    /// What the next event may expect, in units of one over `noise_n2`: its variance
-    /// is that between events plus that of the mean.
+    /// What the next event may expect. The weight is `noise_n2` over the variance between events
+    /// plus that of the mean; zero before two events.
     #[must_use]
     #[inline(never)]
     pub fn prior(&self, noise_n2: f32) -> Prior {
@@ -173,25 +178,25 @@ impl FadingTrend {
         Prior { mean, weight: noise_n2 / (self.between + variance) }
     }
 
-    /// Every event would have told so much more.
+    /// Moves all that was measured so far by as much.
     pub fn translate(&mut self, by: f32) {
         self.line.level_n += by;
         self.now.0 += by;
     }
 
-    /// The same for a quantity that is zero unless the events say otherwise.
+    /// As [`Self::prior`], for a quantity that is zero unless the events say otherwise.
     #[must_use]
     pub fn prior_around_zero(&self, noise_n2: f32) -> Prior {
         let prior = self.prior(noise_n2);
         let mean = self.line.level_n;
         let limit = SIGNIFICANT * SIGNIFICANT * self.unit / self.line.weight;
         let sure = surely(mean * mean, limit);
-        // No sign of anything: a quarter of the standard error of the mean that says so.
+        // Around zero: within a quarter of the standard error of the mean that shows nothing else.
         Prior { mean: sure * prior.mean, weight: (16.0 - 15.0 * sure) * prior.weight }
     }
 }
 
-/// Times of the line: the event that is being learnt, and the one after it.
+/// Times of the line, in events: the event that is being learnt, and the one after it.
 const NEWEST: f32 = -1.0;
 const NEXT: f32 = 0.0;
 

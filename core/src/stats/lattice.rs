@@ -1,8 +1,9 @@
-//! The steps of a converter, seen from numbers that lie on them.
+//! The steps of a converter, found from readings that lie on them.
 
-/// Largest distance of which all differences of the numbers are a multiple, by Euclid's
-/// algorithm; zero where it is no more than some `tolerance`s, as of numbers that lie anywhere.
-/// Every turn of its loop halves what is left: 32 turns and one a number are the most.
+/// Largest distance of which all differences of the numbers are a multiple, by Euclid's algorithm
+/// with remainders up to `tolerance` taken for zero. Zero where it is less than eight times that,
+/// as it is for numbers that lie anywhere. Every turn of the inner loop halves what is left: there
+/// are 32 turns and one a number at most.
 #[must_use]
 pub fn spacing(numbers: impl Iterator<Item = f32>, tolerance: f32) -> f32 {
     const CLEAR: f32 = 8.0;
@@ -19,7 +20,8 @@ pub fn spacing(numbers: impl Iterator<Item = f32>, tolerance: f32) -> f32 {
             let rest = remainder(spacing, left);
             (spacing, left) = (left, rest);
         }
-        // What the numbers are rounded by counts for the less the further they are apart.
+        // The further two numbers are apart, the less their rounding counts: the distance again,
+        // from these.
         let steps = whole(distance / spacing);
         if steps > 0.0 {
             spacing = distance / steps;
@@ -31,7 +33,8 @@ pub fn spacing(numbers: impl Iterator<Item = f32>, tolerance: f32) -> f32 {
     if spacing.is_finite() { spacing } else { 0.0 }
 }
 
-/// Distance of a number from the nearest multiple of another; of an endless one nothing.
+/// Distance of a number from the nearest multiple of another; zero where that multiple is beyond a
+/// million, as of an infinite number.
 fn remainder(number: f32, step: f32) -> f32 {
     let steps = number / step;
     if steps < 1e6 { (number - step * whole(steps)).abs() } else { 0.0 }

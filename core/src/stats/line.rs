@@ -17,7 +17,7 @@ pub struct Line {
     pub time: f32,
     /// Weighted mean force, N.
     pub level_n: f32,
-    /// What rounding has left out of it.
+    /// What rounding has left out of `level_n`, N (Kahan).
     lost_n: f32,
     /// Σ w (t − mean)².
     tt: f32,
@@ -42,14 +42,15 @@ impl Line {
         count: 0,
     };
 
-    /// Takes a point with a weight above zero. Its squared residual counts `trust` times:
-    /// with one over its own variance the residuals have a mean of one a weight.
+    /// Takes a point with a weight above zero. Its squared residual is multiplied by `trust`. With
+    /// weight and trust of one over the point's own variance, the sum of the squared residuals over
+    /// that of the weights is the variance of a point of weight one.
     #[inline(never)]
     pub fn add(&mut self, time: f32, force_n: f32, weight: f32, trust: f32) {
         self.take(time, force_n, weight, trust);
     }
 
-    /// The same, in place: for the path of every sample.
+    /// As [`Self::add`], inlined: for the path of every sample.
     #[inline(always)]
     pub fn take(&mut self, time: f32, force_n: f32, weight: f32, trust: f32) {
         let total = self.weight + weight;
@@ -62,8 +63,8 @@ impl Line {
         let rest = self.weight * share;
         let tt = self.tt + rest * dt * dt;
         let mean = self.time + share * dt;
-        // In a long rest every sample moves the mean by nearly as much: what that is rounded by is
-        // no noise, and adds up (Kahan).
+        // In a long rest every sample moves the mean by nearly as much: the rounding of that step
+        // is the same again and again, and adds up, unless it is kept (Kahan).
         let step_n = self.slope * (mean - self.time) + share * off_n + self.lost_n;
         let level_n = self.level_n + step_n;
         self.lost_n = step_n - (level_n - self.level_n);

@@ -5,18 +5,18 @@ use core::ops::{Index, IndexMut};
 /// Number of unknowns of a cycle.
 pub const UNKNOWNS: usize = 6;
 
-/// Gradient of the force with respect to the unknowns of the fit: onset, rate, `Fs`,
-/// `d`, swing `1/ω` and bend. The swing, not ω: times are proportional to it, so what
-/// few samples tell of it is close to a normal distribution.
+/// Gradient of the force with respect to the unknowns of the fit: onset, rate, `Fs`, `d`, swing
+/// `1/ω` and rate change. The swing, not ω: times are proportional to it, so what few samples tell
+/// of it is close to a normal distribution.
 pub type Gradient = [f32; UNKNOWNS];
 
-/// Those that the stick line before the slip tells.
+/// The first unknowns, onset, rate and `Fs`: the stick line before the slip depends on no others.
 const FIRST: usize = 3;
 
 /// Entries of a symmetric matrix of the fit's size, on its diagonal and below.
 const ENTRIES: usize = UNKNOWNS * (UNKNOWNS + 1) / 2;
 
-/// The same of the first three alone.
+/// Entries of the matrix of these first three alone.
 pub(crate) const ENTRIES_OF_FIRST: usize = FIRST * (FIRST + 1) / 2;
 
 /// A symmetric matrix of the fit's size: its lower triangle, row by row.
@@ -47,7 +47,8 @@ impl Symmetric {
         &self.0
     }
 
-    /// Of the first three unknowns alone: the others, which nothing tells, are one each.
+    /// The matrix of the first three unknowns. The others, of which nothing is known, get a one on
+    /// the diagonal, so that it can be factored.
     pub(crate) fn of_first(entries: &[f32; ENTRIES_OF_FIRST]) -> Self {
         let mut all = Self::default();
         all.0.iter_mut().zip(entries).for_each(|(entry, first)| *entry = *first);
@@ -63,7 +64,7 @@ impl Symmetric {
     }
 }
 
-/// Where a row's entry lies, which is not above the diagonal.
+/// Place of an entry in the lower triangle; `column` is at most `row`.
 pub(crate) const fn place(row: usize, column: usize) -> usize {
     row * (row + 1) / 2 + column
 }
@@ -141,7 +142,7 @@ pub struct Factor {
     inverse: Gradient,
 }
 
-/// Where a row's entry lies, which is below the diagonal.
+/// Place of an entry below the diagonal; `column` is less than `row`.
 const fn below(row: usize, column: usize) -> usize {
     row * row.saturating_sub(1) / 2 + column
 }
@@ -206,8 +207,8 @@ impl Factor {
         })
     }
 
-    /// `uᵀ A⁻¹ u`, the variance of a known combination of unknowns, none of them before the first one,
-    /// in place: a fifth of the time of a call.
+    /// `uᵀ A⁻¹ u`, the variance of a known combination of unknowns, whose entries before the place
+    /// `first` are zero. Inlined: a fifth of the time of a call.
     #[inline(always)]
     pub(crate) fn spread(&self, u: &Gradient, first: usize) -> f32 {
         // Σ (L⁻¹ u)² / D: forward substitution is enough.
@@ -222,7 +223,7 @@ impl Factor {
     }
 }
 
-/// So many times a gradient.
+/// A gradient times a number.
 #[must_use]
 #[inline(never)]
 pub fn scaled(u: &Gradient, by: f32) -> Gradient {

@@ -12,18 +12,18 @@ pub struct Prior {
 }
 
 impl Prior {
-    /// With more variance, in units of the noise variance.
+    /// With a variance added to its own, in units of the noise variance.
     pub(crate) fn loosened(self, variance: f32) -> Self {
         Self { weight: loosened(self.weight, variance), ..self }
     }
 }
 
-/// A weight, one over a variance, where another variance is added to that.
+/// A weight, one over a variance, after another variance was added to that.
 pub(crate) fn loosened(weight: f32, variance: f32) -> f32 {
     weight / (1.0 + variance * weight)
 }
 
-/// From 0 where a size is within a limit to 1 where it is twice that.
+/// How surely a size is beyond a limit: 0 up to the limit, rising evenly to 1 at twice that.
 #[inline(never)]
 pub(crate) fn surely(size: f32, limit: f32) -> f32 {
     if size > limit { smaller(size / limit - 1.0, 1.0) } else { 0.0 }
@@ -31,9 +31,9 @@ pub(crate) fn surely(size: f32, limit: f32) -> f32 {
 
 /// What an event measured by itself, without the expectation it was fitted with.
 ///
-/// `mean` and `variance` are the fitted ones; the precisions subtract. `None` when
-/// less than the given part of the fitted precision is the event's own; up to twice
-/// that part it counts for less.
+/// `mean` and `variance` are the fitted ones; the precisions subtract. `None` when no more than the
+/// part `least` of the fitted precision is the event's own; up to twice that part it counts for
+/// less.
 #[must_use]
 pub fn without_prior(
     mean: f32,

@@ -1,4 +1,4 @@
-//! A quantile, online: moved by a constant factor up or down, no threshold.
+//! A running quantile: each number moves it up or down by a constant factor, whatever the scale.
 
 use crate::num::math::{larger, smaller};
 
@@ -7,17 +7,18 @@ use crate::num::math::{larger, smaller};
 pub struct Quantile {
     value: f32,
     count: u32,
-    /// The largest of the first numbers, in order: none of the others can be their quantile.
+    /// The largest half of the first numbers, in descending order: the quantile, of a probability
+    /// of a half or more, is among them.
     largest: [f32; FEWEST as usize / 2],
     /// Probability of the quantile.
     part: f32,
 }
 
-/// Final step of a quantile: settles to 8 % within a hundred samples.
+/// Final relative step of a quantile: it settles to 8 % within a hundred samples.
 const SMALLEST_GAIN: f32 = 0.08;
 /// Numbers after which the step is final.
 const SETTLED: u32 = 40;
-/// Where zero grows to, in the unit of the numbers: far below any noise.
+/// What a value of zero grows to at least, in the unit of the numbers: far below any noise.
 const LEAST: f32 = 1e-6;
 /// Fewest numbers that tell a quantile.
 const FEWEST: u32 = 8;
@@ -35,11 +36,12 @@ impl Quantile {
         if self.count >= SETTLED { self.follow(size, SMALLEST_GAIN) } else { self.start(size) }
     }
 
-    /// With factors that balance when a part of the numbers lies below the quantile.
+    /// Moves the value by factors that balance when the part `part` of the numbers lies below it.
     #[inline(always)]
     fn follow(&mut self, size: f32, gain: f32) {
         self.value = if size > self.value {
-            // Zero (a noiseless start) could not grow by a factor alone; a knock is no noise.
+            // A value of zero (a noiseless start) cannot grow by a factor: it grows to a thousandth
+            // of the number. But at most it doubles, for a knock is no noise.
             let least = smaller(1e-3 * size, 2.0 * self.value + LEAST);
             larger(self.value * (1.0 + gain * self.part), least)
         } else {
@@ -47,8 +49,8 @@ impl Quantile {
         };
     }
 
-    /// Sorts the first numbers in: their quantile is where to start from. Larger steps at
-    /// first.
+    /// Sorts the first eight numbers in, whose quantile is where to start from; after them the
+    /// steps are larger at first.
     #[inline(never)]
     fn start(&mut self, mut size: f32) {
         if self.count >= FEWEST {
@@ -60,14 +62,15 @@ impl Quantile {
             (*entry, size) = (larger(*entry, size), smaller(*entry, size));
         }
         self.count += 1;
-        // Of no use before there are as many.
+        // Meaningful once there are all eight.
         let smaller_ones = (self.part * (FEWEST - 1) as f32 + 0.5) as u32;
         let place = (FEWEST - 1).saturating_sub(smaller_ones);
         self.value = self.largest.get(place as usize).copied().unwrap_or(size);
     }
 
     /// The quantile over a number, with caution; infinite until eight numbers were seen. What few
-    /// tell may be far too small: the caution is 2 at the first value, and none when settled.
+    /// numbers tell may be far too small: the caution is a factor of 2 at the eighth and falls to 1
+    /// at the fortieth.
     #[must_use]
     #[inline(always)]
     pub fn over(&self, number: f32) -> f32 {
