@@ -3,9 +3,9 @@
 //! After a slip the cable flops: the force swings while the block rests, and the swing
 //! dies away. What a straight line through a stick leaves has the variance
 //! `sigma² (1 + excess e^(−decay age))`. `sigma²` is that of the second halves of the
-//! sticks; excess and decay come from two moments of the first halves, the sum of
-//! `r² − sigma²` and its mean age, tapered over the length of a stick. What is within
-//! chance, or no more than `sigma²` itself, is none: then every sample counts alike.
+//! sticks; excess and decay come from two moments of the first halves, the sum of `r² − sigma²` and
+//! its mean age, tapered over the length of a stick. An excess within chance, or no more than 1,
+//! counts as none: then every sample counts alike.
 
 use crate::num::math::{self, larger, smaller};
 use crate::stats::line::Line;
@@ -13,16 +13,18 @@ use crate::stats::prior::surely;
 
 /// Sticks after which the past has faded.
 const MEMORY: f32 = 16.0;
-/// Fewest samples of a stick, and fewest sticks, that tell anything.
+/// Fewest samples of a stick that tell anything.
 const FEWEST: u32 = 8;
+/// Fewest sticks, their number fading, that show a first excess: three.
 const FEWEST_STICKS: f32 = 2.5;
-/// Standard errors that count, and the least excess that does.
+/// Standard errors beyond which an excess counts.
 const SIGNIFICANT: f32 = 4.0;
+/// Excess beyond which it counts.
 const LEAST: f32 = 1.0;
-/// After so many sticks that scatter alike only one of eight is looked at.
+/// Sticks that scatter alike, their number fading, after which only one of so many is looked at.
 const SETTLED: f32 = 8.0;
 const SELDOM: u8 = 8;
-/// A square counts for no more than so many usual ones.
+/// Largest squared residual that counts, in usual ones: no outlier decides alone.
 const LARGEST: f32 = 10.0;
 
 /// Scatter of a resting block's samples by their age since the re-stick, periods.
@@ -43,7 +45,8 @@ pub struct FlopProfile {
     line: Line,
 }
 
-/// Sums over the first halves: `v`, `v age`, `v r²` and `v age r²` with a taper `v`.
+/// Sums over the first halves: `v`, `v age`, `v r²` and `v age r²` with a taper `v`, which falls
+/// exponentially with the age.
 #[derive(Clone, Copy, Debug, Default)]
 struct Early {
     sums: [f32; 2],
@@ -75,15 +78,16 @@ impl FlopProfile {
         !self.is_flat() || self.sticks < SETTLED || self.seen.is_multiple_of(SELDOM)
     }
 
-    /// Begins with a stick: with its line, if all samples were followed by one, and its forces, N,
-    /// one a period, in two parts; NaN is missing.
+    /// Begins with a stick that has ended: keeps the line through all its samples, or fits one
+    /// where the detector followed none. The forces, N, are one a period, in two parts; NaN is
+    /// missing.
     pub fn begin(&mut self, line: Option<Line>, forces_n: [&[f32]; 2]) {
         let is_due = self.is_due();
         let line = || line.unwrap_or_else(|| self.line_through(forces_n));
         self.line = if is_due { line() } else { Line::default() };
     }
 
-    /// Takes the forces of the stick that it began with.
+    /// Takes the forces of the stick that [`Self::begin`] was given.
     pub fn learn(&mut self, forces_n: [&[f32]; 2]) {
         let line = self.line;
         let Some(slope) = line.slope().filter(|_| line.count >= FEWEST) else { return };
@@ -92,13 +96,14 @@ impl FlopProfile {
         let half = 0.5 * line.count as f32;
         let taper = self.taper(half);
         let (mut v, step) = (1.0, math::exp(-taper));
-        // Of the line's own variance.
+        // Variances of the line: at its mean time, and by its slope a period away from that.
         let (level, turn) = (1.0 / line.weight, 1.0 / line.slope_weight());
         let (mut early, mut late_n2, mut late) = (self.early, 0.0, 0.0);
         self.each(forces_n, |age, force_n, variance| {
             if !force_n.is_nan() {
                 let time = age - line.time;
                 let off_n = force_n - line.level_n - slope * time;
+                // What the line takes of a residual leaves a tenth of it at least.
                 let free = larger(1.0 - (level + turn * time * time) / variance, 0.1);
                 let square_n2 = smaller(off_n * off_n / free, LARGEST * usual_n2 * variance);
                 if age > half {
@@ -128,7 +133,7 @@ impl FlopProfile {
         line
     }
 
-    /// Gives age, force, N, and variance of each sample.
+    /// Gives age, periods, force, N, and relative variance of each sample, missing ones too.
     #[inline(always)]
     fn each(&self, [first, second]: [&[f32]; 2], mut take: impl FnMut(f32, f32, f32)) {
         let (mut excess, step) = (self.excess, math::exp(-self.decay));
@@ -149,7 +154,8 @@ impl FlopProfile {
         self.sticks += 1.0;
     }
 
-    /// One over half the usual length of a stick, when the newest one has this half.
+    /// Decay rate of the taper, one over half the mean length of a stick, where the newest one has
+    /// this half.
     fn taper(&self, half: f32) -> f32 {
         self.sticks / (self.late + half)
     }
@@ -165,7 +171,7 @@ impl FlopProfile {
         let limit = SIGNIFICANT * math::sqrt(chance);
         let is_new = self.is_flat() && self.sticks < FEWEST_STICKS;
         self.excess = 0.0;
-        // Also not for NaN.
+        // False for NaN as well.
         let is_sure = all > limit;
         if !is_sure || is_new {
             return;

@@ -1,4 +1,4 @@
-//! What strays from the stick line: how much, how long, and in which shape.
+//! How far the force strays from the stick line: how much, how long, and in which shape.
 
 pub mod flop;
 pub mod ripple;

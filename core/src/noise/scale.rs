@@ -8,10 +8,10 @@
 //! Where the block rests long enough the innovations of the stick line tell the
 //! noise. Where it never does, the line does not describe the force, and two other
 //! measures do, until the first fits are there: what is left of the second differences
-//! when a swing is taken off, if that is little (`swing.rs`), and how fast slips fall
-//! (`time_asymmetry.rs`). White noise shows neither.
-//! Where the innovations are far larger than what the second differences leave, the line was bent
-//! before the noise was known: a cable that was tightened, held, and pulled. The noise is theirs.
+//! when an oscillation is taken off, if that is little (`oscillation.rs`), and how fast slips fall
+//! (`time_asymmetry.rs`). White noise shows neither. Where the innovations are far larger than what
+//! the second differences leave, the line was bent before the noise was known, by a cable that was
+//! tightened, held, and pulled: then the second differences tell the noise.
 
 use crate::noise::swing::Swing;
 use crate::noise::time_asymmetry::TimeAsymmetry;
@@ -36,22 +36,25 @@ pub struct Noise {
     repeats: bool,
     /// Samples in a row, up to five.
     filled: u8,
+    /// Median of the innovations' sizes.
     innovation: Quantile,
-    /// The same, upper quartile: of the coarse steps of a converter the median tells
-    /// little. Until the first fit.
+    /// Their upper quartile, until the first fit: of the coarse steps of a converter the median
+    /// tells little.
     upper: Quantile,
     arrow: TimeAsymmetry,
+    /// Median of the second differences' sizes.
     second: Quantile,
     swing: Swing,
     /// The samples before the newest, newest last.
     row: [f32; 3],
 }
 
-/// Events whose residuals are the noise whatever the samples themselves tell: one
-/// event of a block that never rests may fit badly, and with too large a noise there
-/// would be no other.
+/// Fits after which their residuals are the noise, whatever the samples themselves tell. Before,
+/// both count: one event of a block that never rests may fit badly, and with too large a noise
+/// there would be no other.
 const TRUSTED: u8 = 16 * BELIEVED;
-/// One that is believed counts as so many that are not: those of mere noise come and go.
+/// An event that has coefficients counts as so many that have none: those of mere noise come and
+/// go.
 const BELIEVED: u8 = 4;
 
 /// Median and upper quartile of |x|, for a normal distribution.
@@ -63,11 +66,17 @@ const STD_PER_SECOND: f32 = 1.0 / 1.652;
 /// Most noise of slips, parts of their usual fall in a sample: with more of it none could
 /// be told from noise.
 const SLIP: f32 = 1.0 / 12.0;
-/// A bent line: so many times what the second differences leave is less than this part of its
-/// innovations. Tuned: a larger part takes a slow swing of the force for slips. A line that is no
-/// guide cannot tell the range of the noise from a slip: the caution does.
+/// A line is bent where [`CAUTION`] times the noise by the second differences is less than this part of
+/// its innovations. Tuned: a larger part takes a slow oscillation of the force for slips.
 const BENT: f32 = 0.3;
+/// Factor on that noise: a line that is no guide cannot tell the range of the noise from a slip.
 const CAUTION: f32 = 3.0;
+/// What a line has to allow for beyond the noise of a fit, which follows slips and rate changes.
+const BEYOND_FITS: f32 = 1.5;
+/// Standard deviation that rounding to a step hides, parts of that: `1/√12`, rounded up.
+const OF_STEP: f32 = 0.3;
+/// Standard deviation of what single precision leaves of a force, parts of that: some units of 2⁻²⁴.
+const ROUNDING: f32 = 4e-7;
 
 impl Noise {
     /// Nothing known.
@@ -98,10 +107,10 @@ impl Noise {
         }
     }
 
-    /// Takes the noise that the fits of the events leave, N, after one more that is `believed`, or not.
+    /// Takes the noise, N, by the residuals of all events so far, the newest of which is `believed`
+    /// if it has coefficients.
     pub fn fitted(&mut self, noise_n: f32, believed: bool) {
-        // The fits allow for what a line does not.
-        self.fitted_n = 1.5 * noise_n;
+        self.fitted_n = BEYOND_FITS * noise_n;
         self.fits = (self.fits + if believed { BELIEVED } else { 1 }).min(TRUSTED);
     }
 
@@ -123,7 +132,7 @@ impl Noise {
     #[inline(never)]
     fn resolve(&mut self, step_n: f32) {
         if step_n > 0.0 {
-            (self.resolution_n, self.hidden_n) = (step_n, 0.3 * step_n);
+            (self.resolution_n, self.hidden_n) = (step_n, OF_STEP * step_n);
         }
     }
 
@@ -146,14 +155,14 @@ impl Noise {
         }
     }
 
-    /// Two standard deviations, N: of the innovations of the stick line, and of the
-    /// samples, which is less where the line does not describe the force.
+    /// Standard deviation of the innovations of the stick line, N, and that of the samples, N,
+    /// which is less where the line does not describe the force.
     ///
     /// Never below the resolution's own, nor below the rounding of a force of this
     /// size. Infinite until enough was seen.
     #[must_use]
     pub fn std_n(&self, force_n: f32) -> (f32, f32) {
-        let floor = larger(self.hidden_n, 4e-7 * force_n.abs());
+        let floor = larger(self.hidden_n, ROUNDING * force_n.abs());
         let innovation = self.innovation.over(MEDIAN);
         let line = larger(innovation, floor);
         if self.fits < TRUSTED {
@@ -162,7 +171,7 @@ impl Noise {
         (line, larger(smaller(innovation, self.fitted_n), floor))
     }
 
-    /// The second one before there are enough fits.
+    /// The standard deviation of the samples before there are enough fits.
     #[inline(never)]
     fn early_std_n(&self, line_n: f32, floor_n: f32) -> f32 {
         let (upper_n, fitted_n) = match self.fits {
@@ -173,14 +182,14 @@ impl Noise {
         smaller(larger(line_n, upper_n), bound_n)
     }
 
-    /// Standard deviation where there is no line to be followed, N, or one of these innovations;
+    /// Standard deviation of the samples, N, by what needs no line, for innovations of `line_n`;
     /// infinite where nothing tells it.
     fn without_line_n(&self, line_n: f32) -> f32 {
         let (Some(swing_n2), Some(second_n)) = (self.swing.noise_n2(), self.second.value()) else {
             return f32::INFINITY;
         };
         let second_n = second_n * STD_PER_SECOND;
-        // Coarse steps make differences of zero: they are as large as a step.
+        // Coarse steps make many differences zero: then the noise may be as large as a step.
         let repeats = self.repeats && self.hidden_n > 0.0;
         let step_n = if repeats { self.resolution_n } else { 0.0 };
         let mut std_n = self.arrow.slip_n().map_or(f32::INFINITY, |slip_n| SLIP * slip_n);

@@ -1,19 +1,20 @@
-//! What a force that never rests leaves when its swing is taken off.
+//! What a force that never rests leaves when its oscillation is taken off.
 //!
-//! A swing of any length is told by its neighbours: its second differences `u` obey
-//! `u'' + p u' + u = 0` with `p = −2 cos ω` for `ω` a sample. `p` is what leaves least, by
-//! least squares over the past of late; of white noise that remainder has
-//! `2 + 2 (p − 2)² + 4 (1 − p)²` times its variance, the squares of the weights of five samples.
-//! (At `p = −2`, a slow swing, it is the fourth difference.) No remainder is less than the noise.
+//! The second differences `u` of a sinusoid, `ω` a sample, obey `u'' + p u' + u = 0` with `p = −2
+//! cos ω` (primes count samples). `p` is taken by least squares over the past of late; of white
+//! noise the remainder has `2 + 2 (p − 2)² + 4 (1 − p)²` times its variance, the squares of the
+//! weights of five samples. (At `p = −2`, a slow oscillation, it is the fourth difference.) No
+//! remainder is less than the noise.
 
 use crate::num::math::larger;
 
 /// Samples over which the past is forgotten.
 const MEMORY: f32 = 64.0;
-/// Samples that tell it.
+/// Fewest samples, their number fading, that tell it.
 const FEWEST: f32 = 30.0;
-/// A smooth swing leaves less than this part of the squares of its second differences, both in units of
-/// what white noise has. Tuned: with more, noise is taken for a swing now and then.
+/// A smooth oscillation leaves less than this part of the squares of its second differences, both
+/// in units of what white noise has. Tuned: with more, noise is taken for an oscillation now and
+/// then.
 const LITTLE: f32 = 0.3;
 /// Least part of the squares that single precision leaves.
 const ROUNDING: f32 = 4e-6;
@@ -52,7 +53,8 @@ impl Swing {
         (self.count >= FEWEST && self.middle_n2 > 0.0).then(|| left_n2 / (gain * self.count))
     }
 
-    /// Is such a variance far less than the second differences tell?
+    /// Is such a variance far less than that of white noise with these second differences, six
+    /// times it?
     pub(crate) fn leaves_little(&self, noise_n2: f32) -> bool {
         6.0 * noise_n2 * self.count < LITTLE * self.middle_n2
     }

@@ -1,7 +1,7 @@
-//! The direction of time in a force: noise and swings look the same backwards, slips do
-//! not. They fall faster than the winch pulls.
+//! The direction of time in a force: noise and oscillations look the same backwards, slips do not.
+//! They fall faster than the winch pulls.
 //!
-//! Rises and falls are compared by their steepest steps: a slow one counts once.
+//! Rises and falls are compared by the steepest step of each run in one direction.
 
 use crate::num::math::smaller;
 use crate::stats::quantile::Quantile;
@@ -9,17 +9,18 @@ use crate::stats::quantile::Quantile;
 /// Compares rises and falls, until the fits tell the noise.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct TimeAsymmetry {
-    /// Mean step of late: a force that is let go falls evenly.
+    /// Mean step of late, which is taken off: a force that is let go falls evenly.
     drift_n: f32,
     /// Steepest step of the run that is going on, signed.
     steepest_n: f32,
     /// Upper quartile of the steepest steps.
     usual_n: Quantile,
-    /// Sums of the steepest steps' scores, their cubes.
+    /// Sums of the scores of falls and of rises, the cubes of their steepest steps, and of the
+    /// squared scores of both.
     falls: f32,
     rises: f32,
     squares: f32,
-    /// Sum of the falls, each times its score, N.
+    /// Sum of the falls' steepest steps, each times its score, N.
     fall_n: f32,
 }
 
@@ -51,7 +52,7 @@ impl TimeAsymmetry {
     }
 
     fn end_run(&mut self, size_n: f32, falls: bool) {
-        /// Larger steps are as good as this one, usual steps: no spike decides alone.
+        /// Largest step that counts, in usual ones: no spike decides alone.
         const MOST: f32 = 3.0;
         self.usual_n.add(size_n);
         let Some(usual_n) = self.usual_n.value().filter(|&usual_n| usual_n > 0.0) else { return };
@@ -66,8 +67,8 @@ impl TimeAsymmetry {
         }
     }
 
-    /// The usual fall in a sample, N, if falls are steeper than rises: by twice, and
-    /// beyond any doubt.
+    /// The usual steepest step of a fall, N, if the falls' scores are more than twice the rises',
+    /// and beyond 3 standard errors.
     pub(crate) fn slip_n(&self) -> Option<f32> {
         /// Standard errors.
         const SURE: f32 = 3.0;

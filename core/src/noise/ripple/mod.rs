@@ -18,12 +18,12 @@ pub struct ColoredNoise {
     pub level: f32,
     /// Variance of the force's slope, per period squared.
     pub slope: f32,
-    /// Part of the variance of a sample about the line that may be the cell's as well as the
-    /// cable's, because it is a swing of few samples or a bend that is not quite the same in all
-    /// rests: a line's end tells the force no better than to that.
+    /// Part of the variance of a sample about the line that is an oscillation of few samples, or a
+    /// bend that is not quite the same in all rests, and so may be the cell's as well as the
+    /// cable's: the end of a line tells the force no better than to that variance.
     pub unsure: f32,
-    /// Noise whose neighbours are alike: a line is so much less sure, over its variance if the noise
-    /// were white.
+    /// Of noise with correlated neighbours: by how much the variance of a line is larger than white
+    /// noise would make it, over the latter.
     pub alike: f32,
     /// All rests are bent alike: that is in the force.
     pub bends: bool,
@@ -36,14 +36,14 @@ impl ColoredNoise {
     pub const NONE: Self =
         Self { level: 0.0, slope: 0.0, unsure: 0.0, alike: 0.0, bends: false, creeps: false };
 
-    /// Is it a swing that may be the cable's or the cell's?
+    /// Is it an oscillation that may be the cable's or the cell's?
     #[must_use]
     #[inline(never)]
     pub fn is_disputed(&self) -> bool {
         self.level > 0.0 && !self.bends
     }
 
-    /// What a fit follows, as long as nothing is known of a swing.
+    /// What a fit follows while it is not known whose an oscillation is: not a disputed one.
     #[must_use]
     pub fn followed(self) -> Self {
         if self.is_disputed() { Self::NONE } else { self }
@@ -56,14 +56,14 @@ impl ColoredNoise {
     }
 }
 
-/// What the innovations of a fading past show.
+/// Follows the innovations of a fading past, to tell colored noise from white.
 #[derive(Clone, Copy, Debug)]
 pub struct Ripple {
-    /// The last innovations, newest first; NaN where there is none.
+    /// The last innovations, each times its weight, newest first; NaN where there is none.
     last: [f32; FAR],
-    /// That of the newest sample, and its weight: it counts once another has come.
+    /// The newest innovation times its weight, and the weight: it counts once another has come.
     held: (f32, f32),
-    /// Of this rest, and of those before.
+    /// Sums over this rest, and over those before.
     rest: Sums,
     past: Sums,
     /// Mean square of a usual rest; zero before the first.
@@ -72,16 +72,17 @@ pub struct Ripple {
     fouls: u8,
 }
 
-/// Samples between which a slow wander shows its slope.
+/// Distance, samples, over which a slow wander shows its slope.
 const FAR: usize = 4;
 /// Samples over which the past is forgotten.
 const MEMORY: f32 = 2000.0;
 /// Samples of a long rest that are looked at together.
 const REST: f32 = 64.0;
-/// A rest whose mean square is so many times what is usual teaches nothing: its line was bent, by a
-/// winch that paused. What is usual is what three rests of ten stay below, where these factors up and
-/// down balance: more than half of the rests may be foul.
+/// A rest whose mean square exceeds the usual one so many times is foul, and teaches nothing: its line
+/// was bent, by a winch that paused.
 const FOUL: f32 = 6.0;
+/// Factors by which a rest moves the usual mean square at most. They balance where three rests of ten
+/// lie below, `UP^7 DOWN^3` = 1.02: more than half of the rests may be foul.
 const UP: f32 = 1.35;
 const DOWN: f32 = 0.5;
 /// So many foul rests in a row are how things are now.
@@ -89,9 +90,9 @@ const IN_A_ROW: u8 = 3;
 /// Fewest samples of a rest that tell what is usual.
 const TELLING: f32 = 6.0;
 impl Ripple {
-    /// Takes the innovation of the sample after the last one, with its weight. The last one of a
-    /// line never counts: a block that creeps bends the force down there, and a bend that is taken
-    /// for a ripple would hide it from the corners.
+    /// Takes the innovation of the sample after the last one, with its weight. The last innovation
+    /// of a line never counts: a block that creeps bends the force down there, and if that were
+    /// taken for a ripple, the corners would not be seen.
     pub fn add(&mut self, innovation: f32, weight: f32) {
         let before = core::mem::replace(&mut self.held, (weight * innovation, weight));
         self.count(before);
@@ -102,7 +103,7 @@ impl Ripple {
         self.last = [innovation, last, before, earlier];
         let step = innovation - last;
         let second_difference = step - (last - before);
-        // Also not where there are not yet so many.
+        // NaN as well where there are not yet three in a row.
         if second_difference.is_nan() {
             return;
         }
@@ -130,8 +131,8 @@ impl Ripple {
         self.held = (f32::NAN, 0.0);
     }
 
-    /// A rest has ended, or has gone on for long: it counts unless it is foul, and so does the past,
-    /// as far as is known by now.
+    /// A rest has ended, or has gone on for long: it is added to the past unless it is foul. A past
+    /// that turns out to be foul itself is dropped.
     #[cold]
     #[inline(never)]
     pub fn settle(&mut self) {
@@ -145,7 +146,7 @@ impl Ripple {
                 (self.usual, is_foul, self.past.count) = (mean, false, 0.0);
             }
         }
-        // Also a past that is no longer how things are: it counts nothing.
+        // A past that is no longer how things are counts nothing.
         if self.past.squares >= FOUL * self.usual * self.past.count {
             self.past = Sums::default();
         }

@@ -7,51 +7,55 @@ use crate::stats::prior::surely;
 /// Standard errors beyond which the force wanders; that of the noise's mean square is
 /// about `2 / √count` of it.
 const SIGNIFICANT: f32 = 4.0;
-/// A swing of fewer than six samples changes too fast to be followed from one to the next:
-/// the mean of the line is better. This is its variance of the slope over that of the level.
+/// Variance of the slope over that of the level beyond which the force is not followed. An oscillation
+/// of `ω` a sample has `2 (1 − cos ω)`: one of fewer than seven samples changes too fast to be followed
+/// from one to the next, and the mean of the line is better.
 const FASTEST: f32 = 0.8;
-/// One of more than 14 samples is followed as a bend: the mean of a line is off by it, whosever it is.
+/// Such a ratio below which, at more than 14 samples, an oscillation is followed as a bend is: the mean
+/// of a line is off by it, whether it is the cable's or the cell's.
 const QUICK: f32 = 0.2;
-/// Noise whose neighbours are alike makes a line so many times less sure than what is left about it
-/// shows, since the line takes all that is slower than itself. Tuned with correlations of .5 and .9 and
-/// rests of 20 samples: a smaller number makes the second too sure, a larger one the first twice too wide.
+/// Noise with correlated neighbours makes a line so many times less sure than the residuals about
+/// it show, for the line takes all that is slower than itself. Tuned with correlations of .5 and .9
+/// and rests of 20 samples: a smaller number makes those of .9 too sure, a larger one those of .5
+/// twice too wide.
 const HIDDEN: f32 = 1.75;
-/// Least and most correlation of the next neighbour but one over that of the next in such noise. Less
-/// is white enough, more is not told from a trend.
+/// Least and most `γ₂/γ₁` of such noise, `γ_k` the autocovariance `k` samples apart. With less it
+/// is white enough, with more it cannot be told from a trend.
 const RED: (f32, f32) = (0.2, 0.8);
-/// Slow noise: its correlation must fall at least so fast from sample to sample, or a slow swing looks
-/// alike.
+/// Most `γ₂/γ₁` of slow noise: one that falls more slowly may be a slow oscillation.
 const SLOWEST: f32 = 0.91;
-/// By how much more it may be alike four samples apart than it is if its correlation falls evenly, in parts
-/// of the whole: a line that is off is alike at any distance. Tuned with correlations of .9 and rests of 40
-/// samples (coverage of `mu_s` .54 without any slow noise) against cables that sag.
+/// By how much the autocovariance four samples apart may exceed that of noise whose correlation
+/// falls evenly, parts of the variance: an error of the line itself is the same at any distance.
+/// Tuned with correlations of .9 and rests of 40 samples (coverage of `mu_s` .54 without slow
+/// noise) against cables that sag.
 const NEAR: f32 = 0.08;
 /// Fewest samples that show it.
 const FEWEST: f32 = 24.0;
 /// All rests are bent alike where the square of the mean innovation is more than this part of their
-/// mean square (cables that sag: .14 to .43; swings, hum and noise whose neighbours are alike: below
-/// .015), and more than so many of its variances in white noise.
+/// mean square. Cables that sag have .14 to .43, oscillations, hum and correlated noise less than .015.
 const BENT: f32 = 1.0 / 50.0;
+/// And more than so many of the variances that white noise gives that mean.
 const NO_CHANCE: f32 = 2.0;
-/// Before so many samples a bend is not told from noise whose neighbours are alike: it may be one.
+/// Samples before which a bend cannot be told from correlated noise: what looks like that may be a
+/// bend.
 const TELLS_BEND: f32 = 200.0;
-/// Variance of what such a bend leaves unsure, over that of the innovations. Tuned with cables that
-/// sag: without it `all` covers .62 of its `mu_s`.
+/// Variance that such a bend leaves unsure, over that of the innovations. Tuned with cables that
+/// sag: without it the scene `all` covers .62 of its `mu_s`.
 const UNSURE_BEND: f32 = 6.0;
-/// Standard errors from which on a swing counts, fully at 1.4 times as many. Tuned: a smaller number
-/// widens white noise by chance (more than 1 % of snow's median), a larger one leaves the first
-/// events of a swing too sure.
+/// Standard errors from which on an oscillation counts, fully from 1.4 times as many on. Tuned: a
+/// smaller number widens white noise by chance (more than 1 % of snow's median), a larger one
+/// leaves the first events of an oscillation too sure.
 const LIKELY: f32 = 3.4;
-/// The same of alike neighbours. Tuned likewise: 2.6 widens dff8-13 by 1 %.
+/// The same for correlated neighbours. Tuned likewise: 2.6 widens dff8-13 by 1 %.
 const LIKELY_RED: f32 = 3.0;
 
 /// Sums over innovations.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Sums {
-    /// Their number and their sum: of a bend it is not zero.
+    /// Σ of their weights, and of the innovations themselves: not zero where the lines are bent.
     pub(super) count: f32,
     pub(super) sum: f32,
-    /// Of their squares, and of those of their first two differences.
+    /// Σ of their squares, and of the squares of their first and of their second differences.
     pub(super) squares: f32,
     pub(super) steps: f32,
     pub(super) bends: f32,
@@ -63,7 +67,7 @@ pub(super) struct Sums {
 }
 
 impl Sums {
-    /// Keeps a part, and takes those of a rest.
+    /// Keeps the part `part` of the sums and adds those of a rest.
     pub(super) fn take(&mut self, part: f32, rest: &Self) {
         let fade = |sum: &mut f32, by: f32| *sum = part * *sum + by;
         fade(&mut self.count, rest.count);
@@ -82,7 +86,7 @@ impl Sums {
         let swing_n2 = self.swing_n2();
         let part = swing_n2 / self.squares;
         let errors = part * part * self.count;
-        // Without any squares it is no number.
+        // NaN where there are no squares.
         if self.count < FEWEST || errors.is_nan() {
             return ColoredNoise::NONE;
         }
@@ -90,7 +94,7 @@ impl Sums {
         let is_red = self.is_red(swing_n2);
         let bends = self.sum * self.sum > limit * self.squares;
         let likely_red = surely(errors, LIKELY_RED * LIKELY_RED);
-        // What alternates is no bend.
+        // Innovations that alternate are no bend.
         if self.products[0] > 0.0 && (bends || (is_red && self.count < TELLS_BEND)) {
             let bent = self.followed(UNSURE_BEND * part * likely_red, true);
             // A slow swing bends whole rests, creep their last samples.
@@ -103,18 +107,19 @@ impl Sums {
         self.followed(part * surely(errors, LIKELY * LIKELY), false)
     }
 
-    /// How far a swing or a bend that can be followed goes; of another one what it leaves `unsure`.
+    /// What an oscillation or a bend is that can be followed; of another one what it leaves
+    /// `unsure`.
     fn followed(&self, unsure: f32, bends: bool) -> ColoredNoise {
         let white = self.bends / 6.0;
         let slow = self.squares - white;
         let limit = 2.0 * SIGNIFICANT * white;
         let sure = slow * slow * self.count > limit * limit;
         let (level, step) = (slow / white, self.steps / white - 2.0);
-        // Also not for a noise of zero.
+        // False for a noise of zero as well.
         if !(slow > 0.0 && sure && step < FASTEST * level) {
             return ColoredNoise { unsure, ..ColoredNoise::NONE };
         }
-        // The events tell what a quick swing leaves unsure, a slow one leaves nothing.
+        // What a quick oscillation leaves unsure the events tell later; a slow one leaves nothing.
         let unsure = if bends { unsure } else { 0.0 };
         let bends = bends || step < QUICK * level;
         // A slow bend's slope is lost in the noise of single steps.
@@ -124,10 +129,11 @@ impl Sums {
         ColoredNoise { level, slope, unsure, bends, ..ColoredNoise::NONE }
     }
 
-    /// Is what wanders no swing, but noise whose neighbours are alike? Four samples apart a swing has
-    /// `γ₄ = A cos 4ω`; where the correlation falls by the same part `γ₂/γ₁` from sample to sample it
-    /// is `γ₁ (γ₂/γ₁)³`. The nearer of the two counts, as far as so few samples tell: to a standard
-    /// error. Noise that alternates is told likewise.
+    /// Is it correlated noise, and no oscillation? Four samples apart an oscillation of variance
+    /// `A` has the autocovariance `γ₄ = A cos 4ω`, noise whose correlation falls by the same factor
+    /// `γ₂/γ₁` from sample to sample `γ₁ (γ₂/γ₁)³`. The one that is nearer to what is seen counts,
+    /// with a standard error of room for noise where samples are few. Noise that alternates is told
+    /// likewise.
     fn is_red(&self, swing_n2: f32) -> bool {
         let [first, second] = self.products;
         let seen = self.squares - 0.5 * self.far_steps_n2();
@@ -142,9 +148,10 @@ impl Sums {
             && (is_nearer || self.falls_evenly(ratio, seen - red, unsure))
     }
 
-    /// The same of slow ones, where a swing may have `cos 4ω > 0` as well: does the correlation go on to
-    /// fall by the part `ratio` from sample to sample? A swing's falls faster and faster. What is seen four
-    /// samples apart is by so much `over` what such noise has there, known to a standard error `unsure`.
+    /// The same for slow noise, where an oscillation may have `cos 4ω > 0` as well: does the
+    /// correlation go on to fall by the factor `ratio`? That of an oscillation falls faster and
+    /// faster. `over` is what is seen four samples apart beyond what such noise has there, `unsure`
+    /// its standard error.
     fn falls_evenly(&self, ratio: f32, over: f32, unsure: f32) -> bool {
         let is_above = over > -0.5 * unsure;
         ratio < SLOWEST && is_above && over < 0.5 * unsure + NEAR * self.squares
@@ -155,15 +162,16 @@ impl Sums {
         self.squares / math::sqrt(self.count)
     }
 
-    /// As if there were as many as samples.
+    /// Σ of the squared differences [`FAR`] samples apart, scaled to the number of all samples.
     fn far_steps_n2(&self) -> f32 {
         self.far_steps * self.count / self.far_count
     }
 
-    /// Variance of the mean of samples whose correlation falls by the part `r = γ₂/γ₁` from each to
-    /// the next, over that of independent ones, less one: `2 γ₁/γ₀ / (1 − r)`; by another `1 − r`, as
-    /// far as a line hides it. `r` is taken a standard error higher: a line hides the more of it the higher
-    /// it is, and white noise beside it leaves little to be seen. None for noise that alternates.
+    /// Variance of the mean of samples whose correlation falls by the factor `r = γ₂/γ₁`, over that
+    /// of independent ones, less one: `2 γ₁/γ₀ / (1 − r)`. By another `1 − r` and [`HIDDEN`] times,
+    /// for what a line hides of it. `r` is taken a standard error higher: a line hides the more of
+    /// it the higher it is, and white noise beside it leaves little to be seen. Zero for noise that
+    /// alternates.
     fn alike(&self) -> f32 {
         let [first, second] = self.products;
         let most = second + self.unsure();
@@ -171,9 +179,9 @@ impl Sums {
         HIDDEN * 2.0 * larger(first, 0.0) / self.squares / (left * left)
     }
 
-    /// Sum of the squares of a swing.
+    /// Σ of the squares of an oscillation.
     ///
-    /// White noise and a swing of the variance `A` have the autocovariances `γ₁ = A c` and
+    /// White noise and an oscillation of the variance `A` have the autocovariances `γ₁ = A c` and
     /// `γ₂ = A (2 c² − 1)`, `c = cos ω`, so `4 c = γ₂/γ₁ ± √((γ₂/γ₁)² + 8)`, with the sign of `γ₁`.
     fn swing_n2(&self) -> f32 {
         let [first, second] = self.products;
