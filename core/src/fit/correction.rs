@@ -1,11 +1,12 @@
-//! What is learnt of an event after its fit, and moves its forces.
+//! A correction of an event's forces, learnt after its fit.
 
 use crate::stats::normal_equations::Gradient;
 
-/// What is known after an event of its corners, of a swing that may be the cable's, or of its onset.
+/// What is known after an event's fit of its corners, of an oscillation that may be the cable's, or
+/// of its onset.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Correction {
-    /// By how much its unknowns move.
+    /// By how much the event's unknowns move.
     pub(crate) moved: Gradient,
     /// Variances of `Fs` and `Fp` because of that, N².
     pub(crate) static_n2: f32,

@@ -18,16 +18,16 @@ pub struct Samples<'a> {
     pub start: f32,
     /// Forces, N; NaN where a sample is missing or bad.
     pub forces_n: &'a [f32],
-    /// Weight of those later than a time, one over their variance; 1 for the others.
+    /// Weight of the samples later than `rest_from`, one over their variance; the others have 1.
     pub rest_weight: f32,
-    /// That time, periods.
+    /// Beginning of the rest after the slip, periods.
     pub rest_from: f32,
     /// When the slip begins and ends, periods.
     pub slip: (f32, f32),
 }
 
 impl<'a> Samples<'a> {
-    /// Of equal weight.
+    /// Samples of equal weight, of a slip whose ends are not known.
     #[must_use]
     pub fn new(start: f32, forces_n: &'a [f32]) -> Self {
         let (rest_from, slip) = (f32::INFINITY, (f32::INFINITY, f32::INFINITY));
@@ -60,11 +60,11 @@ impl<'a> Samples<'a> {
 /// Everything one event's fit is made from.
 #[derive(Clone, Copy, Debug)]
 pub struct Data<'a> {
-    /// Stick line up to the first point.
+    /// Stick line up to the first sample.
     pub before: &'a Line,
     /// The samples in between.
     pub samples: Samples<'a>,
-    /// Stick line after the last point.
+    /// Stick line after the last sample.
     pub after: &'a Line,
     /// How far the force wanders about both lines.
     pub wander: ColoredNoise,
@@ -76,16 +76,16 @@ pub struct Data<'a> {
     pub rate_change: Prior,
     /// What rounds off the corners.
     pub corner: Corner,
-    /// Held onset, for events whose onset the samples cannot tell.
+    /// The onset as the slip's extremes have it, or held at a place.
     pub onset: Prior,
 }
 
 impl Data<'_> {
-    /// Squared residuals, N², that a step may leave because the model is no straight
-    /// line: where the slide turns by an angle `φ`, `δd φ + (d + q) φ²/2` on each sample. Onset,
-    /// swing and, as `φ = atan(q/d)` at either end, the drop turn it.
+    /// Squared residuals, N², that a step may leave because the model is not linear: where the step
+    /// turns the slide by an angle `a`, each sample is off by up to `δd a + (d + q) a²/2`. Onset
+    /// and swing turn it, and so does the drop, by `φ = atan(q/d)` at either end.
     ///
-    /// Without limit where the cable goes slack: there the force has kinks.
+    /// Infinite where the cable goes slack: there the force has kinks.
     pub(crate) fn nonlinearity_n2(&self, cycle: &CycleParams, step: &Gradient) -> f32 {
         if !cycle.is_taut() {
             return f32::INFINITY;
@@ -104,8 +104,7 @@ impl Data<'_> {
         Model { shape, rounded: is_round.then(|| self.corner.at(shape)) }
     }
 
-    /// Takes samples into the normal equations at a trial cycle: as many as given, from a
-    /// place on.
+    /// Adds samples to the normal equations at a trial cycle: as many as given, from a place on.
     pub(crate) fn add_samples(&self, normal: &mut Normal, shape: &Shape, from: usize, most: usize) {
         let forces_n = self.samples.forces_n.get(from..).unwrap_or_default();
         let model = self.model(shape);
@@ -130,14 +129,14 @@ impl Data<'_> {
         squares_n2
     }
 
-    /// What the samples of the slip scatter at a fit, in units of the noise's variance, and what
-    /// a scatter beyond the noise of `λ` = 1 adds to the variances; of a long slip a part of them,
-    /// evenly spread.
+    /// The residuals of the slip's samples at a fit, in units of the noise variance, and what a
+    /// scatter beyond the noise of `λ` = 1 adds to the variances. Of a long slip eight samples at
+    /// most are taken, evenly spread.
     ///
-    /// The fit is the one without that scatter, `x = A⁻¹ Σ w u r`, so its covariance grows by
-    /// `λ Σ g w² (A⁻¹ u)(A⁻¹ u)ᵀ`. The scatter may be the same in every slip: what the others
-    /// told of the swing then has it too and does not help, so for the forces `A` is the one
-    /// without that.
+    /// The fit is the one without that scatter, `x = A⁻¹ Σ w u r`, so its covariance grows by `λ Σ
+    /// g w² (A⁻¹ u)(A⁻¹ u)ᵀ`. The scatter may be the same in every slip: then what the others told
+    /// of the swing has it too and does not help. For the forces, therefore, `A` is the one without
+    /// that expectation.
     #[must_use]
     pub fn slip_scatter(&self, fit: &Fit, noise_n2: f32) -> (SlipResiduals, Variances) {
         const MOST: usize = 8;
@@ -146,7 +145,7 @@ impl Data<'_> {
         let apart = fit.without_swing(self.inverse_omega);
         let apart = apart.as_ref().map_or(&factor, |alone| &alone.factor);
         let (from, to) = self.samples.slip;
-        // Never zero, also for a slip that is no number.
+        // At least 1, also for a slip whose ends are NaN.
         let stride = ((1.0 + (to - from) / MOST as f32) as usize).max(1);
         let inside = self.samples.good().filter(|&(time, _)| time > from && time < to);
         let model = self.model(&fit.shape);
@@ -175,7 +174,7 @@ impl Data<'_> {
         (slip, wider)
     }
 
-    /// Takes the lines and what is expected into the normal equations at a trial cycle.
+    /// Adds the lines and the expectations to the normal equations at a trial cycle.
     pub(crate) fn add_lines(&self, normal: &mut Normal, shape: &Shape) {
         let cycle = shape.cycle();
         let (before, after) = (self.before, self.after);
@@ -200,7 +199,8 @@ impl Data<'_> {
         }
     }
 
-    /// Times, periods, forces, N, and weights of the samples and lines at some places.
+    /// Time, periods, force, N, and weight of each level at some places: samples first, then both
+    /// lines.
     pub(crate) fn levels_in(
         &self,
         places: core::ops::Range<usize>,
@@ -213,7 +213,7 @@ impl Data<'_> {
         self.samples.forces_n.len() + 2
     }
 
-    // Once: three loops look at the levels.
+    // Not inlined: three loops look at the levels.
     #[inline(never)]
     fn level(&self, place: usize) -> Option<(f32, f32, f32)> {
         if let Some(&force_n) = self.samples.forces_n.get(place) {
@@ -255,7 +255,7 @@ impl Model<'_> {
     /// What a sample lies above the model, N, and the model's derivatives.
     #[inline(always)]
     pub(crate) fn residual(&self, time: f32, measured_n: f32) -> (f32, Gradient) {
-        // Filled where it lies.
+        // Changed in place: it is long.
         let mut at = self.shape.force(time);
         at.0 = measured_n - at.0;
         if let Some(rounded) = &self.rounded {
@@ -272,16 +272,17 @@ impl Model<'_> {
     }
 }
 
-/// The level of a line, as far off as the force wanders, as one observation.
+/// Adds the level of a line as one observation, less sure by how far the force wanders.
 fn add_level(normal: &mut Normal, line: &Line, wander: &ColoredNoise, level: &(f32, Gradient)) {
     if line.weight > 0.0 {
-        // The rate is that next to the slip: on its way to the line's middle the force wanders off.
+        // The unknown rate is that next to the slip: from there to the line's middle the force
+        // wanders off.
         let far = wander.level + wander.slope * line.time * line.time;
         normal.add(line.level_n - level.0, &level.1, loosened(line.weight, far));
     }
 }
 
-/// Its slope, and the weight of that.
+/// Slope of a line, and its weight.
 fn slope(line: &Line, wander: &ColoredNoise) -> Option<(f32, f32)> {
     Some((line.slope()?, loosened(line.slope_weight(), wander.slope)))
 }

@@ -10,15 +10,16 @@ use crate::stats::normal_equations::{Factor, Gradient, Normal, dot};
 
 /// Most iterations before giving up; one or two are usual.
 const MOST_STEPS: u8 = 24;
-/// Settled when the next step, which is still taken, is below this share of a standard
-/// deviation, squared: what it leaves is its square.
+/// Part of the noise variance that decides: the fit has settled when the next step, which is still
+/// taken, would gain less, or leave less by its nonlinearity.
 const SETTLED: f32 = 1e-2;
 /// The same when the iterations are used up: a sample may sit right on an end of
 /// the slip, where the sum of squares has a kink.
 const NEARLY_SETTLED: f32 = 0.05;
-/// Damping after the first refused step, and below which it is none. Tuned: where it is none after one
-/// good step, the next one goes too far again in a valley that bends, as that of a slip with one sample is.
+/// Damping after the first refused step.
 const DAMPING: f32 = 1e-3;
+/// Damping below which there is none. Tuned: where there is none after one good step, the next one goes
+/// too far again in a valley that bends, as that of a slip with one sample does.
 const LEAST_DAMPING: f32 = 1e-6;
 /// Damping beyond which the data do not determine the unknowns.
 const MOST_DAMPING: f32 = 1e9;
@@ -34,7 +35,7 @@ pub(crate) const SAMPLES_A_STEP: usize = 20;
 /// factorisation.
 #[derive(Clone, Copy, Debug)]
 pub struct Fitting {
-    /// The best so far.
+    /// The best cycle so far, and the normal equations there.
     cycle: CycleParams,
     normal: Normal,
     /// What the trial under way is expected to gain, N².
@@ -61,7 +62,7 @@ impl Pass {
         &self.normal
     }
 
-    /// Takes some more samples; true with the last ones, and then the lines.
+    /// Adds the next samples; with the last ones the lines as well, and then it is true.
     pub(crate) fn advance(&mut self, data: &Data<'_>) -> bool {
         let shape = self.trial.shape();
         data.add_samples(&mut self.normal, &shape, self.next, SAMPLES_A_STEP);
@@ -79,7 +80,7 @@ impl Fitting {
     #[must_use]
     pub fn new(guess: &CycleParams) -> Self {
         let cycle = limited(*guess);
-        // Whatever the guess costs is less.
+        // So the guess is taken, whatever it costs.
         let normal = Normal { cost: f32::INFINITY, ..Normal::default() };
         let pass = Some(Pass::at(cycle));
         Self { cycle, normal, gain: 0.0, damping: 0.0, steps: 0, pass }
@@ -161,7 +162,7 @@ impl Fitting {
     }
 
     fn settled(&self, converged: bool) -> Option<Fit> {
-        // What is all but singular in single precision gets the least help that it needs.
+        // A matrix that is all but singular in single precision gets as little damping as it needs.
         const LEAST_HELP: f32 = 1e-5;
         let factor = self.normal.factor(0.0).or_else(|| self.normal.factor(LEAST_HELP));
         self.fit(&factor?, converged)
@@ -183,9 +184,10 @@ impl Fitting {
     }
 }
 
+/// A cycle after a step, no further than the step can be trusted.
 pub(super) fn moved(cycle: &CycleParams, step: &Gradient) -> CycleParams {
-    // Omega and the rate stay positive by never losing more than two thirds at once. Not
-    // `clamp`, which panics at a limit that is no number.
+    // Rate, half the drop and swing stay above zero: a step takes two thirds of them at most, or
+    // adds twice as much. Not `clamp`, which panics at a limit that is no number.
     let grown = |value: f32, by: f32| smaller(larger(value + by, 0.33 * value), 3.0 * value);
     CycleParams {
         onset: cycle.onset + step[0].clamp(-1.0, 1.0),

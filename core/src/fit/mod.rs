@@ -26,15 +26,16 @@ use crate::stats::prior::Prior;
 /// A fitted event.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Fit {
-    /// Of the unknowns.
+    /// The fitted cycle.
     pub shape: Shape,
     /// The normal equations at the fit.
     normal: Normal,
-    /// The forces.
+    /// `Fs` and `Fp`.
     pub forces: Forces,
     /// Variances of the unknowns, in units of the noise variance.
     pub variances: Gradient,
-    /// What was added to the forces' variances since the fit.
+    /// What was added to the variances of `Fs` and `Fp` since the fit, in units of the noise
+    /// variance.
     wider: (f32, f32),
     /// Whether the iteration settled.
     pub converged: bool,
@@ -48,13 +49,13 @@ pub struct Variances {
 }
 
 impl Variances {
-    /// A swing about both lines, of variance 1: `Fs` and `Fe` are each off by it, `Fp` by half of
-    /// both.
+    /// An oscillation of variance 1 about both lines: `Fs` and `Fe` are each off by it, `Fp` by
+    /// half of both.
     pub(crate) const UNSURE_SWING: Self =
         Self { unknowns: [0.0, 0.0, 1.0, 0.5, 0.0, 0.0], forces: (1.0, 0.5) };
 
-    /// Takes an error of this variance that moves the unknowns by so much, and the forces as
-    /// much as `apart`.
+    /// Adds an error of this variance, which moves the unknowns by `moved`, and the forces as
+    /// unknowns that are moved by `apart`.
     fn add(&mut self, moved: &Gradient, apart: &Gradient, variance: f32) {
         for (sum, by) in self.unknowns.iter_mut().zip(moved) {
             *sum += variance * by * by;
@@ -91,7 +92,7 @@ impl Forces {
         self.dynamic_variance += dynamic_variance;
     }
 
-    /// Takes what is known since the fit.
+    /// Applies what became known after the fit; `noise_n2` is the unit of the variances, N².
     pub(crate) fn take(&mut self, effect: &Correction, noise_n2: f32) {
         let (static_n, dynamic_n) = forces_by(&effect.moved);
         self.static_n += static_n;
@@ -101,9 +102,11 @@ impl Forces {
     }
 }
 
-/// `Fs` and `Fp` as combinations of the unknowns, and the first of these.
+/// `Fs` as a combination of the unknowns.
 pub(crate) const STATIC: Gradient = [0.0, 0.0, 1.0, 0.0, 0.0, 0.0];
+/// `Fp = Fs − d` as a combination of the unknowns.
 pub(crate) const DYNAMIC: Gradient = [0.0, 0.0, 1.0, -1.0, 0.0, 0.0];
+/// The first unknown that either has.
 const FIRST: usize = 2;
 
 /// By how much `Fs` and `Fp` move when the unknowns do.
@@ -124,21 +127,21 @@ impl Fit {
         self.normal.cost
     }
 
-    /// Squares that the fits of this event do not have any more, N².
+    /// Takes squared residuals, N², out of the cost: those of samples that became part of a stick
+    /// line.
     pub(crate) fn leave(&mut self, left_n2: f32) {
         self.normal.cost -= left_n2;
     }
 
-    /// Multiplies all variances: an event that leaves so many times the noise is as much less
-    /// sure.
+    /// Multiplies all variances by the ratio of the event's own residuals to the noise.
     pub(crate) fn scale(&mut self, ratio: f32) {
         let Forces { static_variance, dynamic_variance, .. } = self.forces;
         let forces = (static_variance, dynamic_variance);
         self.widen(&Variances { unknowns: self.variances, forces }, ratio - 1.0);
     }
 
-    /// Adds so many times their own variances to those of the forces alone: noise whose neighbours are
-    /// alike makes them less sure, and what the events share is not told any better or worse.
+    /// Adds so many times their own variances to those of `Fs`, `d` and `Fp`: noise with correlated
+    /// neighbours makes them less sure. What the events share is not told any better or worse.
     pub(crate) fn widen_forces(&mut self, times: f32) {
         let Forces { static_variance, dynamic_variance, .. } = self.forces;
         let [_, _, static_n2, half_drop_n2, ..] = self.variances;
@@ -147,8 +150,8 @@ impl Fit {
         self.widen(&Variances { unknowns, forces }, times);
     }
 
-    /// Takes what the event is unsure of beyond the noise, so many times what is given, into
-    /// the variances.
+    /// Adds so many times what is given to the variances: what the event is unsure of beyond the
+    /// noise.
     pub(crate) fn widen(&mut self, wider: &Variances, times: f32) {
         if times == 0.0 {
             return;
@@ -180,7 +183,8 @@ impl Fit {
         Some(forces)
     }
 
-    /// The forces where `Fs` and half the drop are further by so much.
+    /// The forces where `Fs` and half the drop are moved by so much, N, with the variances of an
+    /// information matrix.
     fn forces_at(&self, by_static: f32, by_drop: f32, information: &Factor) -> Forces {
         let mut cycle = *self.cycle();
         cycle.static_n += by_static;
@@ -202,7 +206,7 @@ impl Fit {
         without(&self.normal, Gradient::default(), [(4, (swing, value))])
     }
 
-    /// The forces, one step further, where the lines or what is expected of them are other ones.
+    /// The forces a Gauss-Newton step further, by data with other lines or other expectations.
     pub(crate) fn forces_with(&self, data: &Data<'_>) -> Option<Forces> {
         let normal = self.normal_at(data);
         let factor = normal.factor(0.0)?;
@@ -210,14 +214,14 @@ impl Fit {
         Some(self.forces_at(static_n, half_drop_n, &factor))
     }
 
-    /// A pass at the fit: it ended with a step that was not looked at again, and what that left is no
-    /// noise, so it would add up over the events.
+    /// A pass over the data at the fit. The fit ended with a step whose result was not looked at
+    /// again: what that leaves is no noise, and would add up over the events.
     pub(crate) fn anew(&self) -> Pass {
         Pass::at(*self.cycle())
     }
 
-    /// What the event tells without what is expected of all but the bend, the last unknown, from the
-    /// normal equations of such a pass.
+    /// The event's normal equations, from those of such a pass, without what is expected of all
+    /// unknowns but the last, the rate change. `None` where they are singular.
     #[must_use]
     pub(crate) fn alone(&self, data: &Data<'_>, normal: &Normal) -> Option<Alone> {
         let expected = data.priors(self.cycle()).into_iter().enumerate();
@@ -232,8 +236,8 @@ pub(crate) struct Alone {
     pub(crate) right: Gradient,
 }
 
-/// Normal equations with a right-hand side, without what was expected of some unknowns with these
-/// values.
+/// Normal equations with a right-hand side, after the expectations of some unknowns, each with the
+/// unknown's value, are taken out.
 fn without(
     normal: &Normal,
     mut right: Gradient,
@@ -249,7 +253,7 @@ fn without(
     Some(Alone { factor: matrix.factor(0.0)?, right })
 }
 
-/// Variance of what single precision leaves of a force, N²: a quiet cell's noise may be
+/// Variance that rounding to single precision gives a force, N²: the noise of a quiet cell may be
 /// less.
 pub(crate) fn rounding_n2(force_n: f32) -> f32 {
     const ROUNDING: f32 = 3e-6;

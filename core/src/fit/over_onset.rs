@@ -17,11 +17,12 @@ use crate::num::math::{self, smaller};
 use crate::stats::normal_equations::{UNKNOWNS, scaled};
 use crate::stats::prior::Prior;
 
-/// Slips up to this length are averaged as well while no other event tells how long a slip is, and those
-/// that end right at a sample on a slack cable.
+/// Length, periods, up to which a slip is averaged as well while no other event tells how long a
+/// slip is, or if it ends right at a sample on a slack cable.
 const CLEARLY_RESOLVED: f32 = 3.0;
-/// Places of the onset up to a period on either side of the best fit, so far apart, periods.
+/// Distance between places of the onset, periods.
 const STEP: f32 = 0.125;
+/// Places on either side of the best fit: up to a period from it.
 const STEPS: i16 = 8;
 /// How many times closer those within the first step are where the slip is short: a sample right at
 /// an end of it leaves a tenth of a period open.
@@ -94,7 +95,7 @@ impl OverOnset {
     ) -> ControlFlow<Posterior> {
         let (by, width) = offset(self.place, self.fine);
         let onset = best.cycle().onset + by;
-        // Where nothing is likely any more nothing is beyond.
+        // Beyond a place where nothing is likely nothing is.
         let mut ends = fit.is_none();
         if let Some(fit) = &fit {
             let expected =
@@ -107,7 +108,7 @@ impl OverOnset {
         let Some(next) = following(self.place, STEPS + self.fine - 1, ends) else {
             return ControlFlow::Break(self.sums.posterior(best, noise_n2));
         };
-        // The other way begins at the best fit again.
+        // The other side begins at the best fit again.
         let turns = self.place > 0 && next < 0;
         let (fit, here) = match &fit {
             Some(fit) if !turns => (fit, by),
@@ -119,8 +120,9 @@ impl OverOnset {
     }
 }
 
-/// Is the last sample of a fall to nothing within the noise of it? Of a cable that went slack earlier it
-/// would be as likely, and all the fit knows of the fall's end is that this sample lies before it.
+/// Is the last sample before a cable goes slack within the noise of zero? It would be as likely if
+/// the cable had gone slack earlier, and of the end of the fall the fit knows only that this sample
+/// lies before it.
 fn is_at_edge(shape: &Shape, noise_n2: f32) -> bool {
     const SURE: f32 = 4.0;
     if !shape.is_slack() {

@@ -27,8 +27,8 @@ pub struct Posterior {
     /// What of these two is common to the events, N²: how the corners are rounded off, and what
     /// the samples of the slips scatter, which may be the same in all of them.
     pub common_n2: (f32, f32),
-    /// Variances of the unknowns as the fit left them; those of `Fs` and of the drop, in the middle, tell
-    /// whether there was a drop at all.
+    /// Variances of the unknowns as the fit left them. Those of `Fs` and of the drop, the two in
+    /// the middle, tell whether there was a drop at all.
     pub unknowns: Gradient,
 }
 
@@ -41,24 +41,25 @@ impl Posterior {
         self.fall_time >= RESOLVED && self.unknowns[4] < most * most
     }
 
-    /// Does it tell the next events how long a slip is? What one sample in a slip of less than
-    /// two leaves open is no normal distribution: many such events know no more than one. With the
-    /// variance of its swing, without what was expected of that.
+    /// Does the slip tell the next events how long a slip is? `variance` is that of its swing
+    /// without what was expected of it. In a slip of less than two periods one sample leaves the
+    /// swing open in a way that is no normal distribution: many such events know no more than one.
     #[must_use]
     #[inline(never)]
     pub(crate) fn tells_swing(&self, variance: f32) -> bool {
+        // Standard deviation of a swing that is known well, parts of it.
         const WELL: f32 = 0.08;
         let well = WELL * self.cycle.inverse_omega();
         self.is_resolved() && (self.fall_time > CLEAR || variance < well * well)
     }
 
-    /// How unsure a correction is, is the same in every event.
+    /// Counts the variances of a correction as the same in every event.
     pub(crate) fn share(&mut self, effect: &Correction) {
         self.common_n2.0 += effect.static_n2;
         self.common_n2.1 += effect.dynamic_n2;
     }
 
-    /// Takes what is known since the fit.
+    /// Applies what became known after the fit.
     #[inline(never)]
     pub(crate) fn take(&mut self, effect: &Correction) {
         let Correction {
@@ -76,8 +77,8 @@ impl Posterior {
         self.dynamic_n2 += effect.dynamic_n2;
     }
 
-    /// The slip began anywhere within a period before and after, and may have any length that
-    /// goes with it: `Fs` is as unsure as the onset, `Fp` by half as much.
+    /// The slip may have begun anywhere within a period before and after, and have any length that
+    /// goes with it: `Fs` is as unsure as the onset makes it, `Fp` half as much.
     pub(crate) fn begin_anywhere(&mut self) {
         const UNIFORM: f32 = 1.0 / 3.0;
         let CycleParams { rate, omega, .. } = self.cycle;
@@ -88,7 +89,7 @@ impl Posterior {
         self.unknowns[4] += 1.0 / (omega * omega);
     }
 
-    /// With no variance less than another's.
+    /// Raises each variance to at least that of another one.
     #[inline(never)]
     pub(crate) fn widened(mut self, other: &Self) -> Self {
         self.static_n2 = larger(self.static_n2, other.static_n2);
@@ -99,7 +100,7 @@ impl Posterior {
         self
     }
 
-    /// At the best fit, with the variance of the noise.
+    /// At the best fit, for a noise of this variance, N².
     #[must_use]
     #[inline(never)]
     pub fn at(fit: &Fit, noise_n2: f32) -> Self {

@@ -23,7 +23,7 @@ const LIMIT: f32 = 6.0;
 /// An event with so many times the usual residuals does not fit.
 const MISFIT: f32 = 50.0;
 
-/// The first events may leave so many times more than the rough noise.
+/// What the first events may leave in each degree of freedom, times the rough noise variance.
 const ROUGH: f32 = 3.0;
 
 impl Residuals {
@@ -39,7 +39,7 @@ impl Residuals {
     pub fn add(&mut self, squares_n2: f32, free: f32, rough_n2: f32) {
         // Median of χ²/ν over its mean (Wilson and Hilferty).
         let skew = 1.0 - 2.0 / (9.0 * math::larger(free, 1.0));
-        // Foul events among the first ones are no larger than what the median comes back from.
+        // Limits foul events among the first ones to what the median comes back from.
         let most_n2 = LIMIT * ROUGH * rough_n2;
         self.median_n2.add(math::smaller(squares_n2 / (free * skew * skew * skew), most_n2));
         let limit = LIMIT * self.usual_n2(rough_n2);
@@ -93,8 +93,9 @@ impl Residuals {
     }
 }
 
-/// How many times the noise an event's own residuals show (Birge's ratio), where that is clear;
-/// else 1. What the model lacks in one event is seldom what it lacks in the next.
+/// How many times the noise variance the mean square of an event's own residuals is (the square of
+/// Birge's ratio), where that is clear; else 1. What the model lacks in one event is seldom what it
+/// lacks in the next.
 #[must_use]
 pub(crate) fn excess_ratio(squares_n2: f32, free: f32, noise_n2: f32) -> f32 {
     const SIGNIFICANT: f32 = 4.0;

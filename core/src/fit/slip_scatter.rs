@@ -1,8 +1,8 @@
 //! What the samples of the slips scatter beyond the noise: a clock that jitters, a cell that
 //! lags, a block that rocks, a winch that cogs, friction that varies along the way.
 //!
-//! All of these are errors in time or along the fall, so their variance goes with the squared
-//! rate of the force, `g` of the steepest. In units of the noise's variance
+//! All of these are errors in time or along the fall, so their variance goes with the squared rate
+//! of the force, `g` over its largest. In units of the noise's variance
 //! `E Σ g r² = Σ g f + λ Σ g R² g`, where `R` is the part of each sample's error that the fit leaves
 //! in each residual and `f` its diagonal. The ratio `Σ g r² / Σ g f` is pooled as the residuals
 //! are, so that foul slips do no harm.
@@ -14,8 +14,8 @@ use crate::stats::prior::surely;
 /// Standard errors beyond which the scatter counts.
 const SIGNIFICANT: f32 = 2.0;
 
-/// Squared rate of the force in a slip, of the steepest but for the winch's, at a part of its
-/// time: `(4 x (1 − x))²`, close to `sin² πx`; zero outside.
+/// Squared rate of the force at the part `part` of a slip's time, over its largest, without the
+/// winch's own rate: `(4 x (1 − x))²`, close to `sin² πx`; zero outside the slip.
 #[must_use]
 pub fn steepness(part: f32) -> f32 {
     let root = 4.0 * part * (1.0 - part);
@@ -65,14 +65,16 @@ impl SlipScatter {
             return 0.0;
         }
         let limit = SIGNIFICANT * math::sqrt(2.0 / self.pooled.free());
-        // Few of them may be far too small: Student's variance over the normal one's, about.
+        // With few degrees of freedom it may have come out far too small: about as Student's
+        // variance is to the normal one.
         let few = 1.0 + 2.0 / self.pooled.free();
         if more > limit { few * more * surely(more, limit) / self.shown } else { 0.0 }
     }
 
     /// Takes a slip.
     pub fn learn(&mut self, slip: &SlipResiduals) {
-        // Degrees of freedom that tell anything, and a scatter that is believed of first slips.
+        // Fewest degrees of freedom of a slip that tell anything, and largest ratio that is
+        // believed of the first slips.
         const LEAST: f32 = 0.2;
         const LARGEST: f32 = 1e4;
         if slip.squares.is_finite() && slip.free > LEAST {
