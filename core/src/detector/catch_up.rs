@@ -9,14 +9,15 @@ use crate::signal::window::WINDOW;
 
 /// Samples looked at in a step, while catching up.
 pub(super) const CATCH_UP: u32 = 3;
-/// Part of the noise thought of that makes it worth looking at all samples again.
+/// It is worth looking at all samples again where the noise is less than this part of what was
+/// thought.
 const LESS_NOISE: f32 = 0.4;
 
 /// Samples that may have been put off: the others are room for what a slip looks back to.
 pub(crate) const MOST_PUT_OFF: u32 = WINDOW as u32 * 3 / 4;
 
 impl Detector {
-    /// Looks at a sample later, if there is room.
+    /// Leaves a sample for later; `false` if there is no room.
     #[cold]
     #[inline(never)]
     pub(super) fn put_off(&mut self, index: u64) -> bool {
@@ -59,8 +60,8 @@ impl Detector {
         if self.is_behind { self.put_off } else { 0 }
     }
 
-    /// Of a test without any slip so far. With far less noise than was thought: looks at
-    /// all samples in the window again.
+    /// In a test without any slip so far: once the noise turns out to be far less than was thought,
+    /// looks at all samples in the window again.
     pub(super) fn judge_again(&mut self) {
         let Some(std) = self.noise_n().filter(|_| self.phase != Phase::Slip) else { return };
         if std < LESS_NOISE * self.judged_with_n {

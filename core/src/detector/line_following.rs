@@ -17,19 +17,21 @@ use crate::signal::window::WINDOW;
 /// after twice as many on both sides as well. Tuned: two happen by a spike and its neighbour,
 /// four find a new line later.
 const NEW_LINE: u8 = 3;
-/// Samples of a longer stick that the profile looks at.
+/// Most samples of a stick that the flop profile looks at.
 const PROFILE: i32 = WINDOW as i32 * 3 / 4;
-/// Samples of a stick that it looks at in one step, when the stick has ended. A longer one is looked at
-/// in two, with the first samples of the next, or with its own after so many.
+/// Samples of a stick that it looks at in one step, when the stick has ended. A longer one takes two
+/// steps: with the first and the second sample of the next one, or, from [`PROFILE`] samples on, with its
+/// own two samples there.
 pub(super) const SHORT: i32 = 80;
 const FIRST: i32 = 1;
 const SECOND: i32 = FIRST + 1;
 const PAST_PROFILE: i32 = PROFILE + 1;
 
-/// Samples of a stick that is longer than usual after which half of the usual drop is forgotten, time and
-/// again; a power of two. Tuned: a knock hides the slips of as many, and no flop lasts as long.
+/// In a stick that is longer than usual, half of the usual drop is forgotten after every so many
+/// samples; a power of two. Tuned: a knock hides the slips of as many, and no flop lasts as long.
 const FORGET: i32 = 32;
-/// Least usual drop, standard deviations of the noise: with half of it at least a slip begins.
+/// Least usual drop that is kept then, standard deviations of the noise: a slip begins with half of
+/// it at least.
 const TELLS_SLIPS: f32 = 16.0;
 
 /// What the profile does in a step.
@@ -40,8 +42,8 @@ pub(super) enum Look {
     Both,
 }
 
-/// How far a stick line stays behind, for a usual fall, a usual rise after the onset and a time
-/// of creep before it, in periods.
+/// Samples by which a stick line stays behind the newest one, for a usual fall, a usual rise after
+/// the onset and a time of creep before it, in periods.
 pub(super) fn line_delay(usual_fall: f32, usual_rise: f32, creep_periods: f32) -> u32 {
     (2 + (0.3 * usual_fall + creep_periods) as u32 + whole(usual_rise)).min(WINDOW as u32 / 4)
 }
@@ -52,7 +54,7 @@ pub(super) fn whole(periods: f32) -> u32 {
 }
 
 impl Detector {
-    /// The line stays as far behind as what is usual now wants it.
+    /// Sets the delay of the line by what is usual now.
     pub(super) fn update_delay(&mut self) {
         self.line_delay = line_delay(self.usual_fall, self.usual_rise, self.creep_periods);
     }
@@ -85,9 +87,9 @@ impl Detector {
         }
     }
 
-    /// A record may begin in the middle of a slip: its first line begins where the force has stopped
-    /// falling, and two samples later, as after any slip. Before the noise is known the fall may be that; once
-    /// it is, all samples are looked at again.
+    /// A record may begin in the middle of a slip: then its first line begins two samples after the
+    /// force has stopped falling, as after any slip. Before the noise is known any fall may be one;
+    /// once it is, all samples are looked at again.
     #[cold]
     #[inline(never)]
     fn begins_after_fall(&mut self, newest: u64) -> bool {
@@ -103,8 +105,9 @@ impl Detector {
         falls
     }
 
-    /// No slip for far longer than before: the usual one may be no more, after a knock or a first slip of a
-    /// block that was frozen in. Half of it is, and no more of it than tells slips from the noise.
+    /// No slip for far longer than before: what was usual may have been a knock, or the first slip
+    /// of a block that was frozen in. Half of the usual drop is forgotten, down to what tells slips
+    /// from the noise.
     #[cold]
     #[inline(never)]
     fn forget_usual(&mut self) {
@@ -112,8 +115,8 @@ impl Detector {
         self.usual_drop_n = larger(0.5 * usual_n, smaller(usual_n, TELLS_SLIPS * self.std_n));
     }
 
-    /// A slip that was seen late, as that after a brief rest is, may have samples on the line:
-    /// then the last samples before its onset count, one by one.
+    /// A slip that was seen late, as one after a brief rest is, may have samples on the line: then
+    /// the line is forgotten, and the last samples before the onset count one by one.
     pub(super) fn shorten_line(&mut self) {
         let Stick { origin, highest, next, .. } = self.stick;
         let end = highest.index.saturating_sub(whole(self.usual_rise).into()).max(origin);
@@ -138,7 +141,8 @@ impl Detector {
             }
         }
         if self.stick.strikes > 0 {
-            // Next to samples that were left out it may be off the line as well: it does not count.
+            // Next to samples that were left out this one may be off the line as well: it says
+            // nothing of the ripple.
             self.ripple.tell(Ripple::interrupt);
             self.stick.strikes = 0;
         }
@@ -157,7 +161,7 @@ impl Detector {
             return;
         }
         self.spent += 8;
-        // The samples that are on it are taken once more.
+        // Those of the last samples that are on it are taken once more.
         let start = (index + 1).saturating_sub(u64::from(NEW_LINE));
         stick.next = start;
         stick.start_line(start);
@@ -190,8 +194,8 @@ impl Detector {
         false
     }
 
-    /// Looks for flop after the stick that has ended, or for that of the one that goes on, if it has as
-    /// many samples as given.
+    /// Looks for flop in the stick that has ended, or in the one that `goes_on`, if it has as many
+    /// samples as given.
     #[inline(never)]
     pub(super) fn look_for_flop(&mut self, look: Look, lengths: Range<i32>, goes_on: bool) {
         let (window, stick) = (&self.window, if goes_on { &self.stick } else { &self.ended });
@@ -200,7 +204,7 @@ impl Detector {
         if !looks || window.first_from(origin) != origin {
             return;
         }
-        // A line that was not followed is made here: of half as many.
+        // A line that was not followed has to be fitted in the same step: to half as many samples.
         let most = if stick.is_straight() { PROFILE } else { PROFILE / 2 };
         let forces_n = window.between(origin, next.min(origin + most as u64));
         self.spent += forces_n.iter().map(|part| part.len() * 2 / 3).sum::<usize>();

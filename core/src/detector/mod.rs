@@ -52,7 +52,7 @@ use crate::num::math::{larger, smaller};
 use crate::sample::{ForcePoint, Phase, near};
 use crate::signal::window::{WINDOW, Window};
 
-/// Most noise, usual drops: with more of it the drops could not have been seen.
+/// Most noise, parts of the usual drop: with more of it the drops could not have been seen.
 const MOST_NOISE: f32 = 0.1;
 /// A gap longer than this starts anew, periods: a whole slip may hide in it.
 const LONGEST_GAP: u64 = 8;
@@ -87,14 +87,15 @@ pub struct Detector {
     /// The noise's standard deviations at the newest sample, N; infinite before they are known.
     std_n: f32,
     line_std_n: f32,
-    /// The line stays so many samples behind the newest one.
+    /// Samples by which the line stays behind the newest one.
     line_delay: u32,
     /// Usual drop of a slip, N; zero before the first.
     usual_drop_n: f32,
     effects: Effects,
-    /// What the newest step took beyond what one does at rest, in units of 160 instructions.
+    /// Work of the newest step beyond that of one at rest, in units of 160 instructions on the
+    /// board.
     spent: usize,
-    /// How many samples were put off when one last was.
+    /// Samples that waited when one was last put off.
     put_off: u32,
     phase: Phase,
     /// Are there samples that it has not looked at?
@@ -106,7 +107,7 @@ pub struct Detector {
     profile: Kept<FlopProfile, { Effect::Flop.room() }>,
     noise: Noise,
     window: Window,
-    /// From this index on, where there are any.
+    /// First index that it has not looked at, where there are any.
     next: u64,
     ended: Stick,
     lowest: ForcePoint,
@@ -161,8 +162,8 @@ impl Detector {
         }
     }
 
-    /// Takes a good sample with an index past all earlier ones. It is looked at later if the one who
-    /// follows the slips `waits`, as far as there is room.
+    /// Takes a good sample with an index past all earlier ones. If `waits`, because the cycles have
+    /// no room for another slip, it is looked at later, as far as there is room for that.
     pub fn step(&mut self, index: u64, force_n: f32, waits: bool) -> Option<Transition> {
         self.spent = 0;
         let in_a_row = self.window.push(index, force_n);
@@ -263,7 +264,7 @@ impl Detector {
         Transition::Restick { peak, low }
     }
 
-    /// What the innovations told so far holds no more.
+    /// Drops what the innovations told so far, which no longer holds.
     #[inline(never)]
     fn forget_ripple(&mut self) {
         self.ripple = Kept::default();

@@ -67,10 +67,11 @@ impl Detector {
         larger(LEAST_DROP * std, part * usual)
     }
 
-    /// How far a sample lies below the stick line, N, as sure as a single sample of
-    /// that depth. `None` with fewer than four samples on the line.
+    /// How far a sample lies below the stick line, N, over the standard deviation of that in units
+    /// of a sample's: it is as significant as a single sample's depth below a known line. `None`
+    /// with fewer than four samples on the line.
     ///
-    /// A rising line goes on above its mean, however little is known of its slope.
+    /// Where the line rises its mean is a limit as well, however little is known of its slope.
     fn depth(&self, now: ForcePoint) -> Option<f32> {
         let off_n = self.off_line_n(now)?;
         let (line, variance) = (&self.stick.line, self.variance(now.index));
@@ -81,8 +82,8 @@ impl Detector {
         Some(if rises { larger(below_line, below_mean) } else { below_line })
     }
 
-    /// Where the force hardly rises in its noise the highest sample may lie long before a slip that shows
-    /// now: the highest since the last one on the line is what counts.
+    /// Where the force hardly rises in its noise the highest sample may lie long before a slip that
+    /// shows now: the highest sample from the last one on the line on is the peak.
     pub(super) fn find_peak(&mut self, now: u64) {
         let most = near(self.stick.highest.index, now).clamp(0, FARTHEST);
         self.spent += most as usize / 2;
@@ -101,15 +102,14 @@ impl Detector {
     /// spike in a row?
     pub(super) fn jumps(&self, now: ForcePoint) -> bool {
         let far = OFF_LINE * self.std_n;
-        // A forecast is never surer than a sample: most are judged without its spread.
+        // A forecast is never surer than a sample: most are decided without its spread.
         let spread = || self.spread(now, self.variance(now.index));
         let is_above = |off_n| off_n > far && off_n > far * spread();
         now.force_n > self.stick.highest.force_n + far && self.off_line_n(now).is_some_and(is_above)
     }
 
-    /// Would this sample begin a slip, if it came next and is no spike? Tells before
-    /// the sample is judged; nothing is changed. A fall much larger than usual is more
-    /// likely a spike.
+    /// Would this sample begin a slip, if it came next and is no spike? Asked before the sample is
+    /// judged; nothing is changed. A fall much larger than usual is more likely a spike.
     #[must_use]
     pub fn foresees_slip(&self, next: ForcePoint) -> bool {
         let drop = self.stick.highest.force_n - next.force_n;

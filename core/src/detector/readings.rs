@@ -1,4 +1,4 @@
-//! What others may know of the detector, and what they let it know.
+//! What others may read of the detector, and what they tell it.
 
 use crate::detector::{Detector, Stick};
 use crate::effect::Effect;
@@ -8,7 +8,8 @@ use crate::sample::{ForcePoint, Phase, since};
 use crate::signal::window::Window;
 
 impl Detector {
-    /// What the newest step took beyond what one does at rest, in units of 160 instructions on the board.
+    /// Work of the newest step beyond that of one at rest, in units of 160 instructions on the
+    /// board.
     #[must_use]
     pub fn spent(&self) -> usize {
         self.spent
@@ -44,7 +45,7 @@ impl Detector {
         &self.ended
     }
 
-    /// The first index after the rest before the last long gap, or fall without end.
+    /// The first index after the rest that a long gap, or a fall without end, has ended.
     pub(crate) fn lost(&self) -> u64 {
         self.ended.next + u64::from(self.line_delay)
     }
@@ -66,7 +67,8 @@ impl Detector {
         self.ripple.get().map_or(ColoredNoise::NONE, Ripple::wander)
     }
 
-    /// Weight of the samples between the lowest one and the newest, all of them together.
+    /// One weight for all samples from the lowest one to the newest: that of the age, before the
+    /// re-stick, of their middle.
     #[must_use]
     pub fn rest_weight(&self) -> f32 {
         let age = -0.5 * since(self.lowest.index, self.last.index);
@@ -79,7 +81,7 @@ impl Detector {
         self.usual_drop_n
     }
 
-    /// Do the rests of late show an effect of the noise?
+    /// Do the rests of late show an effect that is one of the noise?
     #[must_use]
     pub fn shows(&self, effect: Effect) -> bool {
         match effect {
@@ -99,21 +101,22 @@ impl Detector {
         }
     }
 
-    /// Takes the noise that the fits of the events leave, N, after one more that is `believed`, or not.
+    /// Takes the noise, N, by the residuals of all events so far, the newest of which is `believed`
+    /// if it has coefficients.
     pub fn fitted_noise(&mut self, noise_n: f32, believed: bool) {
         self.noise.fitted(noise_n, believed);
     }
 
-    /// So many periods before the onset creep bends the line: they are not taken into it.
+    /// Keeps the samples of so many periods before an onset, which creep bends, out of the line.
     pub fn creeps(&mut self, periods: f32) {
-        // They are kept one by one, as the slip is.
+        // Most periods: the fit takes those samples one by one, and its record has no more room.
         const ROOM: f32 = 48.0;
-        // Half a sample: less is no other end of the lines.
+        // Half a sample: a smaller change moves no end of a line.
         const LONGER: f32 = 0.5;
         let before = self.creep_periods;
         self.creep_periods = larger(smaller(periods, ROOM - self.usual_fall), 0.0);
         if self.creep_periods > before + LONGER {
-            // What the innovations told had the creep in it.
+            // The innovations so far had the creep in them.
             self.forget_ripple();
         }
         self.update_delay();

@@ -8,7 +8,7 @@ use crate::sample::{ForcePoint, near};
 /// Rise that ends a slip at once, parts of its drop. Tuned: a lower one lets noise and flop end
 /// long slips early, a higher one waits for the half of a slip's length.
 const CLEAR_RISE: f32 = 0.12;
-/// Part of the usual fall and of the usual drop in which it is too early for a slip to end: half of both.
+/// A slip is too young to end before this part both of the usual fall and of the usual drop.
 const EARLY: f32 = 0.5;
 /// A slip leaves the force lower by at least this part of its drop; a spike does not. Tuned: a
 /// slip that is cut short by flop needs a low one, two spikes in a row a high one.
@@ -49,7 +49,7 @@ impl Detector {
         }
     }
 
-    /// The sample before the highest one, of the same stick line.
+    /// The sample before the highest one, N, if it is of the same stick line.
     fn before_peak_n(&self) -> Option<f32> {
         let index = self.stick.highest.index.checked_sub(1)?;
         self.window.get(index).filter(|_| index >= self.stick.origin)
@@ -91,8 +91,8 @@ impl Detector {
         rise.is_finite().then_some(rise)
     }
 
-    /// Takes samples that came before what they belong to was seen, a slip's peak or a re-stick: the
-    /// highest of them, and whether the cable has become taut already.
+    /// Goes through the samples that came before a peak or a re-stick was seen, and belong to what
+    /// follows it: for the highest of them, and for a cable that is taut already.
     pub(super) fn look_back(&mut self, from: u64, now: u64) {
         for index in from..now + 1 {
             let Some(force_n) = self.window.get(index) else { continue };

@@ -12,17 +12,18 @@ const RISE: f32 = 5.0;
 /// Most that it has to be, parts of the slip's drop: where the block never rests what
 /// is known of the noise is only a bound.
 const MOST_RISE: f32 = 0.25;
-/// A slip that ends within so many parts of its drop and of the rise of zero may have
-/// ended on a slack cable; a small error of the cell's zero is allowed for.
+/// Part of a slip's drop within which of zero its lowest sample may be that of a slack cable: room for a
+/// small error of the cell's zero.
 const NEAR_ZERO: f32 = 0.1;
+/// Part of the rise that is added to that: room for the noise.
 const NEAR: f32 = 0.4;
-/// The line starts where the force has risen by less than this part: the rest is room
+/// Part of the rise by which the force has surely risen since the cable became taut: the rest is room
 /// for noise.
 const SURE: f32 = 0.7;
 
 /// So many samples at zero in a row are no turning point.
 const LONG: u32 = 5;
-/// After so many it is the level of something else, that a knock or a converter's overflow hid.
+/// After so many it is the level of something else, which a knock or a converter's overflow hid.
 const LONGEST: u32 = 1024;
 /// Most periods that the line starts before the rise is seen: where the line before was flat its rate
 /// tells nothing.
@@ -34,7 +35,7 @@ pub(crate) struct SlackWait {
     mean_n: f32,
     count: u32,
     rise_n: f32,
-    /// The last sample was above the floor.
+    /// Was the last sample above the level at zero by the rise?
     above: bool,
 }
 
@@ -72,7 +73,7 @@ impl SlackWait {
     }
 }
 
-/// Periods since a force has risen surely, at so many newtons a period.
+/// Periods since the cable became taut, from a rise, N, and a loading rate, N per period.
 pub(crate) fn periods_above(risen_n: f32, rate: f32) -> u64 {
     ((SURE * risen_n / rate) as u32).min(MOST_PERIODS).into()
 }

@@ -21,7 +21,7 @@ pub struct Stick {
     /// Index at time zero of `line`: stays near it, so that a block that rests for days
     /// costs no digits.
     pub(super) line_origin: u64,
-    /// The line as it started, once it has been begun anew.
+    /// The line up to where it was begun anew; `None` while it has not been.
     first: Option<Line>,
     /// The rate has broken off: the winch paused, or turned at another speed.
     pub broken: bool,
@@ -58,15 +58,15 @@ impl Stick {
         moved(self.line, self.line_origin, index)
     }
 
-    /// Begins the line anew, from an index on; keeps how it started.
+    /// Keeps what the line was so far, and begins it anew from an index on.
     pub(super) fn start_line(&mut self, index: u64) {
         self.first = Some(self.first_from(self.origin));
         self.strikes = 0;
         (self.line, self.line_origin) = (Line::default(), index);
     }
 
-    /// Leaves out a line that does not describe the force: only the last samples
-    /// before the highest one count.
+    /// Drops a line that does not describe the force: only the last samples before the highest one
+    /// count, one by one.
     pub(super) fn forget_line(&mut self) {
         (self.line, self.first) = (Line::default(), self.first.map(|_| Line::default()));
         self.next = self.next.min(self.origin.max(self.highest.index.saturating_sub(3)));
