@@ -1,14 +1,14 @@
 //! Losses in the cable or the air, from what the fits leave over.
 //!
-//! With a damping ratio `D` the swing about `Fp` decays, `F − Fp = e^(−D ωτ) (d cos ωτ + q sin ωτ)`
-//! to first order, so an event that is fitted without it leaves `−ωτ (F − Fp)` times `D`: a term
-//! whose score is asked (`effects/score.rs`). One shared `D` is known to about ±.018 after ten
-//! events and ±.008 after fifty.
+//! With a damping ratio `D` the force decays towards `Fp`, `F − Fp = e^(−D ωτ) (d cos ωτ + q sin
+//! ωτ)` to first order. An event that is fitted without it leaves `−ωτ (F − Fp)` times `D`: a force
+//! term, whose score tells `D` (`effects/score.rs`), to about ±.018 after ten events and ±.008
+//! after fifty.
 //!
-//! What is found is never taken off, since friction that varies along the slip looks much the
-//! same: it widens the stated prior, by `D̂²` in the variance, however little is sure of it. With
-//! `D ~ N(0, s²)` the events are most likely under `s² = D̂² − var D̂`, but a `D̂` that came out low
-//! by chance must not hide losses: few events tell them to no more than a few percent, which is as
+//! What is found is never taken off, since friction that varies along the slip looks much the same.
+//! It widens the stated prior, by `D̂²` in the variance, however little is sure of it. With `D ~
+//! N(0, s²)` the events are most likely under `s² = D̂² − var D̂`; but a `D̂` that came out low by
+//! chance must not hide losses, and few events tell them to no more than a few percent, which is as
 //! much as they may be. Losses that are stated to be known exactly, with 0, stay so.
 
 use crate::config::InputStd;
@@ -18,19 +18,19 @@ use crate::model::{CycleParams, Shape};
 use crate::num::math;
 use crate::stats::normal_equations::Gradient;
 
-/// What the events tell of the losses.
+/// The damping ratio, a term's amplitude, as the events tell it.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Damping(pub(crate) ScoreSum);
 
-/// Force of losses with a ratio of one, at a time since the onset where the model has these
-/// derivatives, to first order: the swing about `Fp` decays, `−ωτ (F − Fp)`, and the stop, where
-/// `F − Fp = −d`, keeps what it is then.
+/// Force by losses with a ratio of one, N, to first order, at a time since the onset at which the
+/// model has this gradient: the force decays towards `Fp`, `−ωτ (F − Fp)`, and the line after the
+/// stop, where `F − Fp = −d`, keeps the force it has there.
 ///
-/// Of what `sin ωτ` adds, losses in the cable have the opposite of those in the air, and
-/// an onset that is a little earlier or later has the same: it is left out.
+/// What `sin ωτ` adds is left out: losses in the cable have the opposite of those in the air, and
+/// an onset that is a little earlier or later has the same.
 ///
-/// What losses do to the line after the slip is a smaller drop. Without that the rest is told by
-/// the slip's samples alone, and is no small difference of large sums.
+/// On the line after the slip losses are a smaller drop. That drop is taken out of the term, so
+/// that only the slip's samples tell the rest, which is no small difference of large sums.
 pub(crate) fn term_n(shape: &Shape) -> impl Fn(f32, &Gradient) -> f32 {
     let CycleParams { omega, rate, half_drop_n, .. } = *shape.cycle();
     let slide = shape.slide_time();
@@ -43,7 +43,7 @@ pub(crate) fn term_n(shape: &Shape) -> impl Fn(f32, &Gradient) -> f32 {
 }
 
 impl Damping {
-    /// The stated standard deviation with what the events ask for beyond it.
+    /// The stated standard deviation, widened by what the events show, from the third one on.
     pub(crate) fn std(&self, stated: f32) -> f32 {
         let value = self.0.value();
         if !self.0.counts() || value <= 0.0 || stated <= 0.0 {

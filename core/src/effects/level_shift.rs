@@ -1,10 +1,9 @@
 //! Have the forces gone to another level?
 //!
-//! Friction scatters and wanders from event to event; a change is more than that:
-//! half of the last eight events' `Fs` or `Fp`, the middle half, lie elsewhere than
-//! the events before, by several times what such differences have been so far. The
-//! scale is learnt from the differences themselves, so it knows the scatter, the
-//! wandering and the drifts of this very test.
+//! Friction scatters and wanders from event to event; a change is more than that: the middle half
+//! of the last eight events' `Fs` or `Fp` lies elsewhere than the events before, by several times
+//! what such differences have been so far. The scale is learnt from the differences themselves, so
+//! it knows the scatter, the wandering and the drifts of this very test.
 
 use crate::num::math::{larger, smaller};
 use crate::sample::SampleTime;
@@ -42,13 +41,14 @@ pub struct Change {
 
 /// Events that make a level.
 const RECENT: usize = 8;
-/// Events over which the past fades, and its differences.
+/// Events over which the mean before, and the usual differences, fade.
 const MEMORY: f32 = 24.0;
-/// Events before which there is nothing to differ from.
+/// Events before which there is no mean to differ from.
 const FEWEST: f32 = 8.0;
-/// Squared scales by which both levels together have to differ.
+/// Sum of both forces' squared differences, over their usual squares, beyond which the level
+/// changed.
 const FAR: f32 = 49.0;
-/// The same above which a difference is no longer taken for a usual one.
+/// Such a square beyond which a difference is no longer learnt as a usual one.
 const MOST_USUAL: f32 = 4.0;
 /// A smaller relative difference is not worth telling.
 const LEAST: f32 = 0.05;
@@ -58,18 +58,18 @@ const LEAST: f32 = 0.05;
 struct Level {
     /// The last values, oldest first, N.
     recent: [f32; RECENT],
-    /// Mean of those before, N.
+    /// Mean of the values before those, N.
     before: f32,
-    /// Mean of the middle half of the recent values, less the mean before, N.
+    /// Mean of the middle half of the recent values, less that mean, N.
     off: f32,
-    /// Mean square of a value's distance from it, and of the recent level's, N².
+    /// Mean squares of a value's distance from the mean before, and of `off`, N².
     scatter: f32,
     difference: f32,
 }
 
 impl Level {
-    /// Takes a value; `left` values have left the recent ones since the last change,
-    /// `compared` in all.
+    /// Takes a value. `left` is the number of values that have left the recent ones since the last
+    /// change, `compared` that of the levels compared in all.
     fn add(&mut self, value: f32, left: f32, compared: f32) {
         let [oldest, rest @ ..] = self.recent;
         self.recent = [value; RECENT];
@@ -89,9 +89,9 @@ impl Level {
         }
     }
 
-    /// Usual square of the difference, N²: of independent events, the middle half of
-    /// eight and the mean before, or more.
+    /// Usual square of `off`, N²: the one that was seen, or that of independent events if it is more.
     fn usual(&self) -> f32 {
+        // Variances of the middle half of eight normal values, and of the mean before.
         const INDEPENDENT: f32 = 0.15 + 1.0 / MEMORY;
         larger(self.difference, INDEPENDENT * self.scatter)
     }
@@ -119,7 +119,7 @@ impl Level {
     }
 }
 
-/// Mean of the middle half, and from its lowest to its highest value.
+/// Mean of the middle half of the values, and from its lowest to its highest.
 fn middle_half(mut values: [f32; RECENT]) -> (f32, f32) {
     values.sort_unstable_by(f32::total_cmp);
     let [_, _, low, a, b, high, _, _] = values;
@@ -129,7 +129,7 @@ fn middle_half(mut values: [f32; RECENT]) -> (f32, f32) {
 /// Follows the levels of `Fs` and `Fp`.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Levels {
-    /// Values taken since the last change, and levels compared in all.
+    /// Values taken since the last change, and levels compared in all, which outlast a change.
     taken: f32,
     compared: f32,
     static_n: Level,
@@ -146,7 +146,7 @@ pub struct Shift {
 }
 
 impl Levels {
-    /// Takes an event's forces.
+    /// Takes an event's forces; `None` unless the level has changed.
     pub fn take(&mut self, static_n: f32, dynamic_n: f32) -> Option<Shift> {
         let left = self.taken - RECENT as f32;
         self.taken += 1.0;
@@ -161,21 +161,21 @@ impl Levels {
             return None;
         }
         let worst = if a.score() > b.score() { a } else { b };
-        // The newest one is new as well.
+        // The newest event is of the new level as well.
         let events_ago = worst.since().saturating_sub(1);
         let shift = Shift { events_ago, dynamic_before_n: b.before };
         self.forget();
         Some(shift)
     }
 
-    /// How far a value of `Fp` lies below those of the last events, N, beyond what these scatter: `FAR`
-    /// times the width of their middle half, which is about a standard deviation. Nothing before
-    /// there are six.
+    /// How far a value of `Fp` lies below those of the last events, N, beyond what these scatter: by more
+    /// than `WIDTHS` times the width of their middle half, which is about a standard deviation. Zero
+    /// before there are six.
     pub fn below_n(&self, dynamic_n: f32) -> f32 {
-        const FAR: f32 = 4.0;
+        const WIDTHS: f32 = 4.0;
         let (mean, width) = middle_half(self.dynamic_n.recent);
         let off_n = mean - dynamic_n;
-        if off_n > FAR * width { off_n } else { 0.0 }
+        if off_n > WIDTHS * width { off_n } else { 0.0 }
     }
 
     /// Nothing before counts any more, but how much the levels usually differ.

@@ -1,4 +1,4 @@
-//! What makes an event depart from line, ellipse, line, and what changes between events.
+//! Effects: what makes an event depart from line, ellipse, line, and what changes between events.
 
 pub mod corner;
 pub(crate) mod damping;

@@ -1,12 +1,12 @@
-//! Slips that do not go as the model has it, from what the fits leave over.
+//! Slips whose force does not take the course of the model, from what the fits leave over.
 //!
-//! A smooth onset, friction that depends on speed or swings along the way, a cell that lags, a block
-//! that rocks: the force of the slip departs from the ellipse, most where it falls fastest. Two terms
-//! of such a course are asked by their scores (`effects/score.rs`): `A d (4 x (1 − x))²` at the part
-//! `x` of the slip, close to `sin² πx`, and the same times `1 − 2 x`, of different signs in its two
-//! halves. Their cause is not known, so nothing is shifted: `Fs`, which the line and the beginning of
-//! the slip tell together, is as unsure as the terms would move it. The first three events hardly
-//! tell them: in those they are as possible as `UNTOLD` has it.
+//! A smooth onset, friction that depends on speed or varies along the way, a cell that lags, a
+//! block that rocks: the force of the slip departs from the ellipse, most where it falls fastest.
+//! The scores of two terms of such a course are asked (`effects/score.rs`): `A d (4 x (1 − x))²` at
+//! the part `x` of the slip, close to `sin² πx`, and the same times `1 − 2 x`, which has different
+//! signs in the two halves. The cause is not known, so nothing is shifted: `Fs`, which the line and
+//! the beginning of the slip tell together, is as unsure as the terms would move it. The first
+//! three events hardly tell the terms: there `UNTOLD` says how large they may be.
 
 use crate::effect::Parameter;
 use crate::effects::score::{Score, ScoreSum};
@@ -19,29 +19,30 @@ use crate::stats::prior::surely;
 /// percent wider than the noise makes it, a larger one makes a block that rocks too sure.
 const POSSIBLE: f32 = 2.2;
 
-/// Times the variance: the cause has another course than the terms, and moves `Fs` by as much again
-/// where they do not see it.
+/// Factor on the variance: the cause has another course than the terms, and moves `Fs` by as much
+/// again where they do not see it.
 const COURSE: f32 = 2.0;
 
 /// Standard deviation of an amplitude before the events tell it. Tuned: a smaller one leaves the
-/// first event of a slow cell or a smooth onset more than five standard deviations off, a larger one
-/// makes the first three of a test that has neither twice as wide as their errors.
+/// first event of a slow cell or a smooth onset more than five standard deviations off, a larger
+/// one makes the first three events of a test that has neither twice as wide as their errors.
 const UNTOLD: f32 = 0.06;
 
-/// Part of an event that one counts for with a slip too brief to tell anything: slips that never have more
-/// samples are taken as the model has them from the twenty-fifth on, as shorter ones are. Tuned: with a quarter
-/// two more of 773 events of `jitter_10` are beyond five standard deviations.
+/// What an event counts as whose slip is too brief to tell the terms, parts of one. Where slips
+/// never have more samples they are taken as the model has them from the twenty-fifth on, as
+/// shorter slips are. Tuned: with a quarter two more of 773 events of `jitter_10` are beyond five
+/// standard deviations.
 const UNTELLING: f32 = 0.1;
 
-/// What the events tell of the two terms: parts of half the drop.
+/// What the events tell of the two terms, whose amplitudes are parts of half the drop.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Onset {
     terms: [ScoreSum; 2],
-    /// Events that were asked; those with too few samples in the slip to tell a term as a part of one.
+    /// Events that were asked; one whose slip has too few samples counts as [`UNTELLING`].
     asked: f32,
 }
 
-/// Forces of amplitudes of one at a time since the onset.
+/// Forces of both terms with amplitudes of one, N, at a time since the onset.
 pub(crate) fn terms_n(shape: &Shape, since_onset: f32) -> [f32; 2] {
     let part = since_onset / shape.slide_time();
     let even_n = shape.cycle().half_drop_n * steepness(part);
@@ -49,8 +50,8 @@ pub(crate) fn terms_n(shape: &Shape, since_onset: f32) -> [f32; 2] {
 }
 
 impl Onset {
-    /// Takes what an event tells of the terms; gives the variance of `Fs`, N², by what they would
-    /// move it: as far as they are possible, and as far as they are untold.
+    /// Takes what an event tells of the terms; gives a variance of `Fs`, N²: that by terms which
+    /// are possible, and by terms which are not told yet.
     pub(crate) fn learn(&mut self, event: &[Score; 2], noise_n2: f32) -> f32 {
         let (mut possible_n2, untold) = (0.0, self.untold());
         let tells = event.iter().any(|term| term.information > 0.0);
@@ -63,7 +64,7 @@ impl Onset {
         possible_n2
     }
 
-    /// Variance that is left of what was possible beforehand: all of it with the first event, none
+    /// Variance of an amplitude that is left of [`UNTOLD`]: all of it with the first event, none
     /// from the fourth on.
     fn untold(&self) -> f32 {
         const TELLING: f32 = 2.5;
@@ -84,7 +85,7 @@ impl Onset {
     }
 }
 
-/// Square of an amplitude, as far as it is possible.
+/// Square of an amplitude, as far as it is significantly more than zero.
 fn possible(sum: &ScoreSum) -> f32 {
     let square = sum.value() * sum.value();
     // Also not before the first event.

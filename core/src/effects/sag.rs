@@ -59,7 +59,7 @@ impl Sag {
     /// Takes a rest.
     pub(crate) fn learn(&mut self, rest: &Rest) {
         if let Some((softness, variance)) = rest.softness() {
-            // A trend goes on no longer than rests tell of it.
+            // The trend moves on only with a rest that tells of it.
             self.softness.pass();
             self.softness.add(softness, variance);
         }
@@ -72,9 +72,9 @@ impl Sag {
         (value > std).then_some(Parameter { name: "softness_n3", value, std })
     }
 
-    /// How far `Fp` lies below `(Fs + Fe)/2`, N, and its variance. A mean that is itself
-    /// uncertain counts for the part of its square that is more than its variance (James and
-    /// Stein), and for nothing before several rests; the rest is an uncertainty.
+    /// How far `Fp` lies below `(Fs + Fe)/2`, N, and its variance. A mean that is itself uncertain
+    /// shifts `Fp` by the part of it that its variance leaves (James and Stein), and by nothing
+    /// before several rests; what it does not shift is uncertainty.
     pub(crate) fn shift(&self, cycle: &CycleParams) -> (f32, f32) {
         let (high_n, low_n) = (cycle.static_n, cycle.restick_n());
         let (product, drop_n) = (high_n * low_n, high_n - low_n);

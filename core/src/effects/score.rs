@@ -1,11 +1,10 @@
-//! What the events' residuals tell of a term that the fit lacks: Rao's score, one event after the
-//! other.
+//! What the events' residuals tell of a force term that the fit lacks: Rao's score, event by event.
 //!
-//! A force term of amplitude `A` adds `A c(t)` to the samples of a slip. With the weights `W`, the
-//! residuals `r` and the model's derivatives `U`, an event's own unknowns free, its score is
+//! A term of amplitude `A` adds `A c(t)` to the samples of a slip. With the weights `W`, the
+//! residuals `r` and the model's derivatives `U`, and the event's own unknowns free, its score is
 //! `cᵀ W r − Rᵀ Uᵀ W r` and its information `cᵀ W c − Rᵀ Uᵀ W c`, `R = (Uᵀ W U)⁻¹ Uᵀ W c`: an
-//! amplitude of one that the fit does not know moves its unknowns by `−R`. The scores and the
-//! information of the events add up, and `A` is one over the other.
+//! amplitude of one that the fit does not know moves its unknowns by `−R`. Scores and information
+//! are summed over the events, and `A` is the one sum over the other.
 
 use core::ops::Range;
 
@@ -16,31 +15,32 @@ use crate::stats::normal_equations::{Gradient, Normal, dot};
 
 /// Terms that an event is asked for at a time.
 pub(crate) const TERMS: usize = 3;
-/// Information that is left when the unknowns are free, of the whole: less is rounding.
+/// Least part of a term's information that is left with the unknowns free: less is rounding.
 const LEAST_OWN: f32 = 1e-4;
-/// Events before which nothing counts.
+/// Events, their number fading, up to which nothing counts: from the third on it does.
 const LEAST_EVENTS: f32 = 2.0;
 /// Part that is left of the past with every event.
 const FADE: f32 = 1.0 - 1.0 / 200.0;
 /// Standard errors beyond which an amplitude is found.
 const SIGNIFICANT: f32 = 3.0;
 
-/// What an event's samples tell of some terms: their normal equations, the unknowns held or free.
+/// What an event's samples tell of some terms: normal equations of the amplitudes, with the event's
+/// unknowns first held, then free.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Asked {
-    /// Of the terms' amplitudes; the other three are zero.
+    /// Of the amplitudes, the first three unknowns of six; the others stay zero.
     pub(crate) normal: Normal,
-    /// `Uᵀ W c` of each term while the unknowns are held; once they are free by how much they fall when
-    /// its amplitude grows by one.
+    /// Of each term: `Uᵀ W c` while the unknowns are held; `R`, by how much they fall when its
+    /// amplitude grows by one, once they are free.
     pub(crate) response: [Gradient; TERMS],
-    /// Part of each term's information that is left with the unknowns free; no number without any.
+    /// Part of each term's information that is left with the unknowns free; NaN without any.
     pub(crate) left: [f32; TERMS],
 }
 
 impl Asked {
-    /// Asks levels at some places for terms at the shape of a fit: `by_n` gives their forces for
-    /// amplitudes of one at a time since the onset, with the model's derivatives there. Only the samples
-    /// of a slip on a taut cable are asked.
+    /// Adds the levels at some places, with `by_n`, the forces of the terms with amplitudes of one
+    /// at a time since the onset where the model has this gradient. Only samples of a slip on a
+    /// taut cable are added.
     #[inline(always)]
     pub(crate) fn take(
         &mut self,
@@ -61,14 +61,15 @@ impl Asked {
         }
     }
 
-    /// Of one term; one that the samples do not tell has no information.
+    /// The score of one term; a term that the samples do not tell has no information.
     pub(crate) fn score(&self, term: usize) -> Score {
         let is_told = self.left[term] > LEAST_OWN;
         let information = if is_told { self.normal.matrix[[term, term]] } else { 0.0 };
         Score { score: self.normal.right[term], information, response: self.response[term] }
     }
 
-    /// Takes a sample: its residual, the model's derivatives and the terms there.
+    /// Adds a sample: its residual, the model's gradient and the terms' forces there, N, and its
+    /// weight.
     #[inline(never)]
     pub(crate) fn add(&mut self, off_n: f32, gradient: &Gradient, by_n: [f32; TERMS], weight: f32) {
         let [first, second, third] = by_n;
@@ -78,7 +79,7 @@ impl Asked {
         }
     }
 
-    /// Frees the unknowns.
+    /// Frees the event's unknowns, once all its samples are added.
     #[inline(never)]
     pub(crate) fn free(&mut self, alone: &Alone) {
         let Self { normal, response, left } = self;
@@ -107,11 +108,11 @@ pub(crate) struct Score {
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct ScoreSum {
     count: f32,
-    /// Sums over events, in units of the noise.
+    /// Sums over events, in units of the noise variance.
     information: f32,
     score: f32,
-    /// Sum of the squared surprises of the scores over their variances: 1 an event after the first,
-    /// if the noise is all.
+    /// Σ of the events' squared scores, each less what the events before let expect and over its
+    /// variance: 1 an event after the first, if there is nothing but noise.
     surprise: f32,
 }
 
@@ -120,10 +121,10 @@ impl ScoreSum {
     pub(crate) fn learn(&mut self, event: &Score, noise_n2: f32) {
         let (score, information) = (event.score / noise_n2, event.information / noise_n2);
         let off = score - self.value() * information;
-        // What the others told is as unsure as the score itself, at first.
+        // What is expected is unsure as well, in the first events as much as the score itself.
         let (known, all) = (self.information, self.information + information);
         let square = off * off / information * known / all;
-        // Also not without information.
+        // False without information as well.
         if !(score + information + square).is_finite() {
             return;
         }
@@ -140,7 +141,7 @@ impl ScoreSum {
         if self.information > 0.0 { self.score / self.information } else { 0.0 }
     }
 
-    /// Its variance; scores that scatter by more than the noise tell so much less.
+    /// Its variance, larger where the scores scatter by more than the noise.
     pub(crate) fn variance(&self) -> f32 {
         larger(self.surprise / (self.count - 1.0), 1.0) / self.information
     }

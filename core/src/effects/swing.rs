@@ -1,55 +1,60 @@
-//! A swing about the stick lines that is the cable's or the cell's: a winch that cogs, or hum.
+//! An oscillation about the stick lines, by a winch that cogs or by hum: is it the cable's or the
+//! cell's?
 //!
-//! On the lines both look alike. Where the cable swings, what counts at the onset is the force there,
-//! and the mean of the line is off by the swing; where the cell does, it is the other way round. So
-//! two fits of an event differ by `D`, that which follows the force less that which takes the lines as
-//! they are. If a share `κ` of the swing is the cable's, `Fs` and `Fp` by the lines are `−κ D` off, and
-//! as friction does not know of `D`, their scatter tells `κ`: by least squares, of each event's
-//! distance from the usual one of late.
+//! On the lines both look alike. Where the cable oscillates, what counts at the onset is the force
+//! there, and the mean of the line is off by the oscillation; where the cell does, it is the other
+//! way round. So two fits of an event, one that follows the force and one that takes the lines as
+//! they are, differ by `D`. If a share `κ` of the oscillation is the cable's, `Fs` and `Fp` by the
+//! lines are off by `−κ D`. Friction does not know of `D`, so the scatter of the forces tells `κ`,
+//! by least squares over each event's distances of both from their usual values of late.
 //!
-//! Before the events tell it, `κ` is as `SHARE` and `SPREAD` have it.
+//! Before the events tell `κ` it is `SHARE` ± `SPREAD`.
 
 use crate::effect::Parameter;
 use crate::effects::score::{Score, ScoreSum};
 use crate::fit::correction::Correction;
 use crate::num::math::{self, larger, smaller};
 
-/// Share of the swing that is the cable's, and its standard deviation, before the events tell it.
-/// Tuned: such that an event that takes a whole swing for the wrong one's is as unsure as it is off. A
-/// larger share makes hum worse than the lines alone would, a smaller one cogging.
+/// Share of the oscillation that is the cable's, and its standard deviation, before the events tell
+/// it. Tuned: such that an event that takes all of it for the wrong one's is as unsure as it is
+/// off. A larger share makes hum worse than the lines alone would, a smaller one cogging.
 const SHARE: f32 = 0.3;
 const SPREAD: f32 = 0.65;
-/// Part of an event's distance from the usual one that the usual one follows: friction wanders.
+/// Part of an event's distance from the usual one by which that follows: friction wanders.
 const GAIN: f32 = 0.2;
 /// Variance of a distance from such a mean over that from the true one, `1 + GAIN / (2 − GAIN)`.
 const OF_MEAN: f32 = 1.11;
-/// Part of a cable's swing that is missed where it is followed, in its variance. Tuned: with .4
-/// `cogging_2_5` covers .87 of its `mu_s`, a larger part is of no use.
+/// Part of a cable's oscillation that is missed where it is followed, in its variance. Tuned: with
+/// .4 the scene `cogging_2_5` covers .87 of its `mu_s`, a larger part is of no use.
 const MISSED: f32 = 0.55;
 /// Variance of `Fp` over `(b/ω)²`, where the loading rate differs by `b` from its mean while the block
-/// slides on a cable that swings; it counts fully from the root of a third as the share on. Tuned: with
-/// 1 `cogging_2_5` covers .86 of its `mu`.
+/// slides on a cable that oscillates. Tuned: with 1 `cogging_2_5` covers .86 of its `mu`.
 const TURN: f32 = 2.5;
+/// It counts fully from the share of `√(1/3)` on.
 const SURELY: f32 = 3.0;
-/// The same over the variance of the share: a share that came out as none by chance is not sure.
-/// Tuned: .3 leaves events of `cogging_2_5` eight standard deviations off, .4 gives hum twice too wide.
+/// The same over the variance of the share: a share that came out as zero by chance is not sure.
+/// Tuned: with .3 events of `cogging_2_5` are eight standard deviations off, with .4 hum is given
+/// twice too wide.
 const TURN_UNSURE: f32 = 0.38;
-/// What a line leaves of a swing, over what it would leave of white noise of that variance. Tuned: a
-/// swing of eight samples and rests of twenty leave a fifth, seldom more than this.
+/// What a line leaves of an oscillation in its variance, over what it would leave of white noise of
+/// the same variance. Tuned: of an oscillation of eight samples in rests of twenty a fifth is left,
+/// seldom more than this.
 const LEFT: f32 = 0.5;
 
-/// Whose the swing is.
+/// Whose the oscillation is.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Swing {
     sum: ScoreSum,
-    /// `Fs` and `Fp` by the lines, N, and by how much the swing moves them, of late.
+    /// `Fs` and `Fp` by the lines, N, and by how much following the force moves them, N: means of
+    /// late.
     usual: Option<[[f32; 2]; 2]>,
 }
 
-/// An event by two fits.
+/// An event by two fits, one with the lines as they are, one that follows the force.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Swung {
-    /// `Fs` and `Fp` by the lines as they are, N, and their variances if all about them were white, N².
+    /// `Fs` and `Fp` by the lines, N, and their variances if all noise about the lines were white,
+    /// N².
     pub(crate) forces_n: [f32; 2],
     pub(crate) plain_n2: [f32; 2],
     /// By how much they move where the force is followed, N, and their variances then, N².
@@ -57,7 +62,7 @@ pub(crate) struct Swung {
     pub(crate) followed_n2: [f32; 2],
     /// The noise's part of the variance about the lines.
     pub(crate) white_share: f32,
-    /// Variance of the swing's rate over `ω²`, N².
+    /// Variance of the oscillation's rate over `ω²`, N².
     pub(crate) turn_n2: f32,
 }
 
@@ -78,7 +83,7 @@ impl Swing {
         self.sum.learn(&score, noise_n2);
     }
 
-    /// Share of the swing that is the cable's, and its variance.
+    /// Share of the oscillation that is the cable's, and its variance.
     fn share(&self) -> (f32, f32) {
         const BEFORE: f32 = 1.0 / (SPREAD * SPREAD);
         let told = if self.sum.counts() { 1.0 / (OF_MEAN * self.sum.variance()) } else { 0.0 };

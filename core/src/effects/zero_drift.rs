@@ -1,40 +1,40 @@
 //! How far may the zero of the load cell have moved?
 //!
-//! The zero is taken before the test. When it moves it adds the same force to `Fs` and
-//! `Fp`, the same number to both coefficients, and nothing to their difference, the drop.
-//! Friction that scatters from event to event does not last, and friction that changes
-//! for good changes the drop, unless it does so in a most peculiar way. So a lasting move
-//! of `mu` that the drop does not go with may be the zero's. It cannot be taken off, for
-//! friction may do the same: it widens the intervals.
+//! The zero is taken before the test. When it moves it adds the same force to `Fs` and `Fp`, the
+//! same number to both coefficients, and nothing to their difference, the drop. Friction that
+//! scatters from event to event does not last, and friction that changes for good changes the drop
+//! as well, except by coincidence. So a lasting move of `mu` that the drop does not go with may be
+//! the zero's. It cannot be taken off, for friction may do the same: it widens the intervals.
 //!
-//! The move is the mean of the last `K` events less that of the first `K`, `K` = 1, 4 and
-//! 16, as far as it is significant; what moves smoothly has no second differences, which
-//! tell the scatter. Of it friction explains, where the drop `D = mu_s − mu` has moved by
-//! `δD`, up to `δD mu/D` in the same direction (both coefficients in proportion), and up to
-//! `δD` in the other one (`mu` alone). What is left is extended to the whole test, from the
-//! zero's last known value to the newest event, as if it had grown evenly.
+//! The move is the mean of the last `K` events less that of the first `K`, `K` = 1, 4 and 16, as
+//! far as it is significant. The scatter comes from second differences, which a smooth move does
+//! not have. Where the drop `D = mu_s − mu` has moved by `δD`, friction explains up to `δD mu/D` of
+//! the move in the same direction (both coefficients in proportion), and up to `δD` in the other
+//! one (`mu` alone). What is left is extended to the whole test, from the zero's last known value
+//! to the newest event, as if it had grown evenly.
 
 use crate::coefficient::Coefficient;
 use crate::num::math;
 use crate::stats::prior::surely;
 
-/// Events in which the core still learns what events share: they are no reference.
+/// The first events, in which the core still learns what events share: they are no reference.
 const LEARNING: f32 = 2.0;
 /// Events over which a mean is taken.
 const SPANS: [f32; 3] = [1.0, 4.0, 16.0];
-/// So many second differences tell a scatter beyond the stated one: with fewer it needs to
-/// be taken for more.
+/// Second differences that tell a scatter beyond the stated one; with fewer it is taken for more.
 const FEW: f32 = 20.0;
-/// Least part of the drop's variance, stated and beyond, that `mu` scatters by: a few events may happen
-/// to lie on a line.
+/// Least part of the drop's variance, the stated one and the scatter, that `mu` is taken to scatter
+/// by: a few events may happen to lie on a line.
 const LEAST_SHARE: f32 = 0.25;
-/// Events over which the past is forgotten: how they scatter, and a move that was seen.
+/// Part of the past that is left with every event: of how they scatter, and of a move that was
+/// seen.
 const FADE: f32 = 1.0 - 1.0 / 40.0;
-/// Standard errors beyond which a move counts, and those of a move of the drop.
+/// Standard errors beyond which a move of `mu` counts.
 const SIGNIFICANT: f32 = 3.5;
+/// Standard errors beyond which a move of the drop explains it.
 const DROP_SIGNIFICANT: f32 = 2.0;
-/// Of a move without a cause: all of it is the zero's or nothing, one as likely as the
-/// other. Mean square of the zero's part.
+/// Mean square of the zero's part of a move without a cause: all of it is the zero's or nothing,
+/// one as likely as the other.
 const SHARE: f32 = 0.5;
 /// Least part of the test that a move is extended from to the whole.
 const LEAST_PART: f32 = 0.5;
@@ -57,12 +57,12 @@ pub(crate) struct Drift {
     spans: [Span; SPANS.len()],
     /// The last event and the one before it.
     before: [Values; 2],
-    /// Sums of the squared second differences of `mu` and of the drop, less what the stated
+    /// Second differences of `mu` and of the drop: Σ of their squares, less what the stated
     /// variances make of them, in variances of an event; and how many there are.
     bends: [f32; 2],
     count: f32,
-    /// Mean of the moves since the test began, and the square of the largest, of a fading
-    /// past; in units of the coefficients.
+    /// In units of the coefficients, over the events: mean of the moves since the test began, and
+    /// square of the largest one of a fading past.
     mean: f32,
     square: f32,
     /// The newest move.
@@ -75,8 +75,8 @@ impl Drift {
         math::sqrt(SHARE * self.square)
     }
 
-    /// The same for the means over all events: what was seen with each, and at least half of
-    /// the newest move, as if it had grown evenly before it could be seen.
+    /// The same for the means over all events: the mean of what was seen with each, but at least
+    /// half of the newest move, as if it had grown evenly before it could be seen.
     pub(crate) fn mean_std(&self) -> f32 {
         math::sqrt(SHARE) * math::larger(self.mean.abs(), 0.5 * self.last.abs())
     }
@@ -139,7 +139,7 @@ impl Drift {
 }
 
 impl Span {
-    /// Takes an event, the one with this number, into means over so many.
+    /// Takes an event, the `number`th, into means over `length` events.
     fn take(&mut self, event: Values, number: f32, length: f32) {
         let share = 1.0 / math::smaller(number, length);
         mix(&mut self.last, event, share);
@@ -148,7 +148,8 @@ impl Span {
         }
     }
 
-    /// Move of `mu` that friction does not explain, as far as it is significant.
+    /// Move of `mu` that friction does not explain, as far as it is significant. The scatters are
+    /// variances.
     fn moved(&self, [mu_scatter, drop_scatter]: [f32; 2], length: f32) -> f32 {
         let by = |i: usize| self.last[i] - self.first[i];
         let variance =

@@ -1,9 +1,9 @@
 //! How much the corners of a test's events are rounded off, from what the fits leave over.
 //!
-//! The score of a fitted event, all six unknowns free, tells its own `κ`, `h` and `ln c`;
-//! the scores of the events add up. `κ` and `h` are zero until they are significantly
-//! above it; before that they widen the intervals. What the events told of rate,
-//! swing and bend, and the event's own fit, move along with them, to first order.
+//! The score of a fitted event, all six unknowns free, tells its own `κ`, `h` and `ln c`
+//! (`model/corner.rs`), and the scores of the events add up. `κ` and `h` stay zero until they are
+//! significantly above it; before that they widen the intervals. The event's own fit, and what the
+//! events told of rate, swing and rate change, move along with them, to first order.
 
 #![allow(clippy::needless_range_loop, reason = "an index is that of rows and columns alike")]
 
@@ -23,64 +23,68 @@ use crate::stats::prior::surely;
 /// What the events share.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct CornerEstimator {
-    /// What the events of a fading past tell of the three numbers: matrix and right-hand side of their
-    /// normal equations, in units of the noise.
+    /// Sums over the events of a fading past, in units of the noise variance: information matrix
+    /// and right-hand side of the three numbers' normal equations.
     information: [f32; ENTRIES_OF_FIRST],
     right: Numbers,
-    /// Number of these events, and Σ of the squared surprises of their scores.
+    /// Number of these events, fading, and Σ of their squared scores, each less what was expected
+    /// of it, over its variance.
     count: f32,
     chi_square: f32,
-    /// The range's logarithm is that of its ratio to this, N: all is as exact whatever the
-    /// size of the forces.
+    /// The third number is the logarithm of the range over this force, N: all is as exact whatever
+    /// the size of the forces.
     unit_n: f32,
     /// The most likely numbers.
     best: Numbers,
     /// What the next event is expected to have.
     corner: Corner,
-    /// Variances of `κ` and `h` while they are only possible.
+    /// Variances of `κ` and `h` by what they may be while they do not count.
     possible: [f32; 2],
     /// Variances of `κ` and `h` as the events tell them.
     variances: [f32; 2],
-    /// Events that could tell, also those that were not asked.
+    /// Events that could tell, asked or not.
     events: u32,
 }
 
-/// Without any sign of a round corner so many events are asked, and then one of so many.
+/// Events that are asked first, without any sign of a round corner.
 const FIRST: u32 = 12;
+/// Then one of so many is.
 const SELDOM: u32 = 4;
 /// Part that is left of the past with every event that is asked.
 const FADE: f32 = 1.0 - 1.0 / 40.0;
-/// Events before which nothing counts, it is possible at most.
+/// Events up to which no number counts: it may widen at most.
 const LEAST_EVENTS: f32 = 2.5;
-/// Standard errors beyond which a number counts, and beyond which it is possible. Tuned: a smaller one
-/// widens linear scenes, a larger one lets smooth onsets pass for sharp ones.
+/// Standard errors beyond which a number counts.
 const SIGNIFICANT: f32 = 3.0;
+/// Standard errors beyond which it is possible, and widens. Tuned: a smaller one widens linear scenes, a
+/// larger one lets smooth onsets pass for sharp ones.
 const POSSIBLE: f32 = 1.1;
-/// The same in the first events, where it only is possible. Tuned: 2 leaves the first two of creep in 5 N of
-/// noise up to 11 standard deviations off, 1.3 makes those of tests of one to three events twice as wide as
-/// they are off.
+/// The same in the first events, where none counts. Tuned: 2 leaves the first two of creep in 5 N
+/// of noise up to 11 standard deviations off, 1.3 makes those of tests of one to three events twice
+/// as wide as they are off.
 const POSSIBLE_EARLY: f32 = 1.5;
-/// What a number that does not count is held at zero with, times its own information.
+/// Information that holds a number that does not count at zero, times its own.
 const HELD: f32 = 1e12;
-/// The creep is thought to last so many swings before the events tell it, and one over the
-/// variance of its logarithm.
+/// Range before the events tell it: the force by which the line rises in so many swings.
 const RANGE: f32 = 1.5;
+/// One over the variance of its logarithm then.
 const RANGE_KNOWN: f32 = 2.0;
-/// Part of the square of what the corners move `Fp` by that is its variance where they may not be
-/// the cause: it is somewhere on the way. Tuned with the smooth onsets of the honesty scenes.
+/// Part of the square of what the corners move `Fp` by that is in its variance where they may not
+/// be the cause. Tuned with the smooth onsets of the honesty scenes.
 const PART: f32 = 0.5;
 /// Largest `κ`, periods²: a mean over more than a period.
 const MOST_SMOOTHING: f32 = 0.1;
 /// Least range, parts of `h`.
 const LEAST_RANGE: f32 = 0.125;
-/// Most that an event changes `ln c`, and that it moves its onset and its swing, swings:
-/// beyond that first order is not enough.
+/// Most that an event changes `ln c`: beyond that first order is not enough.
 const MOST_STEP: f32 = 0.7;
+/// Most that it moves its own onset by, swings.
 const MOST_ONSET: f32 = 0.4;
+/// Most that it moves its own swing by, parts of that.
 const MOST_SWING: f32 = 0.1;
 
 impl CornerEstimator {
-    /// What the next event's corners are expected to be, where its rate and swing are so.
+    /// The corners that the next event is expected to have, for its rate and its swing.
     pub(crate) fn expected(&self, rate: f32, inverse_omega: f32) -> Corner {
         if self.count > 0.0 {
             return self.corner;
@@ -88,8 +92,8 @@ impl CornerEstimator {
         Corner { range_n: RANGE * rate * inverse_omega, ..Corner::default() }
     }
 
-    /// The numbers that count: what the force lacks at the onset, and over how long the
-    /// converter takes its mean, `τ² = 24 κ`, for a rate in hertz.
+    /// The numbers that count: what the force lacks at the onset, N, and the time, s, over which
+    /// the converter takes its mean, `τ² = 24 κ`.
     pub(crate) fn parameters(&self, rate_hz: f32) -> [Option<Parameter>; 2] {
         let Corner { smoothing, missing_n, .. } = self.corner;
         let [of_smoothing, of_missing] = self.variances.map(math::sqrt);
@@ -114,7 +118,8 @@ impl CornerEstimator {
         self.corner.missing_n
     }
 
-    /// How far below `Fs` the force of the creeping block lacks so many newtons, N.
+    /// How far below `Fs` the force already lacks `lacking_n` by creep, N; zero if it never lacks
+    /// as much.
     pub(crate) fn creep_n(&self, lacking_n: f32) -> f32 {
         let Corner { missing_n, range_n, .. } = self.corner;
         if missing_n > lacking_n { range_n * math::ln(missing_n / lacking_n) } else { 0.0 }
@@ -128,9 +133,9 @@ impl CornerEstimator {
         !is_sharp || self.events <= FIRST || self.events.is_multiple_of(SELDOM)
     }
 
-    /// Takes what an event's residuals tell. Where the slips depart from the model in another way
-    /// as well, by a force of which this is the square: as far as that is as large as what the
-    /// corners lack they may not be the cause, and `Fp` is as unsure as they move it.
+    /// Takes what an event's residuals tell; gives what follows for its forces. `other_n2` is the
+    /// square of another force by which the slips depart from the model: as far as that is as large
+    /// as what the corners lack they may not be the cause, and `Fp` is as unsure as they move it.
     pub(crate) fn learn(
         &mut self,
         used: Corner,
@@ -147,7 +152,7 @@ impl CornerEstimator {
             let [by_smoothing, by_missing, _] = score.by(&DYNAMIC);
             let moved_n = by_smoothing * smoothing + by_missing * missing_n;
             let doubt = math::smaller(other_n2, missing_n * missing_n) / (missing_n * missing_n);
-            // Not without creep, whose onset the other departure is taken for.
+            // Not without creep, for whose onset the other departure would be taken.
             if missing_n > 0.0 {
                 effect.dynamic_n2 += PART * doubt * moved_n * moved_n;
             }
@@ -160,7 +165,8 @@ impl CornerEstimator {
         Correction::default()
     }
 
-    /// Before the first event that tells anything: only the range is thought to be known.
+    /// Begins with an event's corners, before any told something: only the range is thought to be
+    /// known.
     fn begin(&mut self, corner: &Corner) {
         (self.corner, self.unit_n) = (*corner, corner.range_n);
         self.best = self.numbers(corner);
@@ -171,8 +177,7 @@ impl CornerEstimator {
         [corner.smoothing, corner.missing_n, math::ln(corner.range_n / self.unit_n)]
     }
 
-    /// Variance of a force of the event while the numbers, which move it by so much, are only
-    /// possible.
+    /// Variance of a force, N², by the numbers that do not count: `by` is how much they move it.
     fn possible_n2(&self, by: Numbers) -> f32 {
         self.possible.iter().zip(by).fold(0.0, |sum, (v, by)| sum + v * by * by)
     }
@@ -195,13 +200,13 @@ impl CornerEstimator {
         let (before, after) = (score.times(&self.best), score.times(&best));
         self.chi_square *= FADE;
         for k in 0..2 {
-            // How far off the event was before times how far it is after it: on average
-            // the variance of the noise.
+            // The event's distance from what was expected before it, times that from what is most
+            // likely with it: on average the variance of the noise.
             let squared = (told[k] - before[k]) * (told[k] - after[k]);
             self.chi_square += 0.5 * squared / (score.asked.normal.matrix[[k, k]] * noise_n2);
         }
         self.best = best;
-        // More than the noise explains: so much less is known.
+        // The scores scatter by more than the noise: so much less is known.
         let excess = math::larger(self.chi_square / math::larger(self.count - 1.0, 1.0), 1.0);
         let factor = self.decide(information, &free, excess, &used)?;
         let moved = self.limited(score, &used);
@@ -227,7 +232,7 @@ impl CornerEstimator {
         self.right[2] += (1.0 - FADE) * RANGE_KNOWN * used[2];
     }
 
-    /// Which numbers count, and what they then are.
+    /// Decides which numbers count, and sets the corners.
     fn decide(
         &mut self,
         mut likely: Symmetric,
@@ -249,7 +254,8 @@ impl CornerEstimator {
             counts[k] = sure > 0.0;
             let errors = if is_early { POSSIBLE_EARLY } else { POSSIBLE };
             self.possible[k] = (1.0 - sure) * beyond(errors) * square;
-            // Around zero, within its own size as far as it counts.
+            // Its prior is normal about zero: with its own size, as far as it counts; else next to
+            // nothing.
             let own = &mut likely[[k, k]];
             *own += if counts[k] { 1.0 / (sure * square) } else { HELD * *own };
         }
@@ -266,8 +272,8 @@ impl CornerEstimator {
         Some(factor)
     }
 
-    /// Goes from the numbers that were used to those that count now, no farther than first
-    /// order holds. Gives by how much the event's unknowns move.
+    /// Goes from the numbers that were used to those that count now, no farther than first order
+    /// holds. Gives by how much the event's own unknowns move.
     fn limited(&mut self, score: &Score, used: &Numbers) -> Gradient {
         let mut steps = self.numbers(&self.corner);
         steps.iter_mut().zip(used).for_each(|(step, used)| *step -= used);

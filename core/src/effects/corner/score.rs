@@ -7,8 +7,8 @@ use crate::fit::{Alone, Data, Fit};
 use crate::model::corner::{Corner, NUMBERS, Numbers};
 use crate::stats::normal_equations::{Factor, Gradient, dot};
 
-/// A number of which less than this part of the information is left when the unknowns are
-/// free is lost in rounding: the event does not tell it.
+/// Least part of a number's information that has to be left when the unknowns are free: less is
+/// lost in rounding, and the event does not tell the number.
 const LEAST_OWN: f32 = 1e-3;
 
 /// What an event tells of the corners by itself.
@@ -32,27 +32,27 @@ pub(crate) fn ask(asked: &mut Asked, data: &Data<'_>, fit: &Fit, places: Range<u
 }
 
 impl Score {
-    /// When all its levels have been asked. `None` where the corners that are asked for are no numbers.
+    /// Frees the unknowns, when all levels have been asked. `None` where the terms are no numbers.
     pub(super) fn of(corner: Corner, fit: &Fit, alone: &Alone, mut asked: Asked) -> Option<Self> {
         let inverse_omega = fit.cycle().inverse_omega();
         asked.free(alone);
-        // Without creep its range is not known at all.
+        // Zero is a number: without creep there is no information on its range.
         let is_number = (0..NUMBERS).all(|i| !asked.normal.matrix[[i, i]].is_nan());
         is_number.then_some(Self { corner, inverse_omega, asked })
     }
 
-    /// Does it not tell its smoothing or what it lacks?
+    /// Does the event tell too little of `κ` or `h`?
     pub(super) fn is_lost(&self) -> bool {
         let [smoothing, missing, _] = self.asked.left;
         !(smoothing > LEAST_OWN && missing > LEAST_OWN)
     }
 
-    /// By how much a force moves when the numbers do.
+    /// By how much a force falls when the numbers grow by one each.
     pub(super) fn by(&self, force: &Gradient) -> Numbers {
         self.asked.response.map(|response| dot(&response, force))
     }
 
-    /// By how much the unknowns move when the numbers do.
+    /// By how much the unknowns move when the numbers grow by these steps.
     pub(super) fn moved(&self, steps: &Numbers) -> Gradient {
         let mut moved = Gradient::default();
         for (response, step) in self.asked.response.iter().zip(steps) {

@@ -1,4 +1,4 @@
-//! Does the swing still tell the same mass?
+//! Has the mass changed, by the swings of the events?
 //!
 //! While the block slides `ω² = k / M`. The cable does not change from one event to
 //! the next (the loading rate `k w` would show it), so the swing `1/ω` goes with the
@@ -33,7 +33,7 @@ const ODD: u32 = 3;
 /// The same for events that do not tell their swing.
 const SILENT: u32 = 8;
 
-/// What becomes of it.
+/// What an event says of the mass.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Verdict {
     /// Nothing new.
@@ -53,9 +53,9 @@ pub enum Verdict {
 enum State {
     #[default]
     Steady,
-    /// With the swing as it was, and how many suspects there are.
+    /// An event was off: the swing as it was before, and the number of such events.
     Suspect(FadingTrend, u32),
-    /// After so many events.
+    /// The forces have changed: the number of events since.
     Trial(u32),
 }
 
@@ -83,13 +83,13 @@ impl Mass {
         &self.inverse_omega
     }
 
-    /// The same, also while it is in doubt: what was known before the suspect.
+    /// The same; while it is in doubt what was known before the suspect.
     #[must_use]
     pub fn usual(&self) -> &FadingTrend {
         if let State::Suspect(kept, _) = &self.state { kept } else { &self.inverse_omega }
     }
 
-    /// Every event since the last change would have told a swing longer by so much.
+    /// Moves all swings that were learnt since the last change by as much, periods.
     pub fn translate(&mut self, by: f32) {
         self.inverse_omega.translate(by);
     }
@@ -99,7 +99,7 @@ impl Mass {
         self.inverse_omega.forget();
     }
 
-    /// All is different from now on.
+    /// Forgets the swing, and what was under way; the weight's ratio stays.
     pub fn forget_all(&mut self) {
         self.inverse_omega = FadingTrend::default();
         self.state = State::Steady;
@@ -167,8 +167,8 @@ impl Mass {
         None
     }
 
-    /// The forces have changed; `Fp` was so much before: starts a trial. `false` if the
-    /// swing is known too little to tell anything.
+    /// The forces have changed; `dynamic_before_n` was `Fp` before: starts a trial. `false` if the
+    /// swing is known too little for one to tell anything.
     pub fn doubt(&mut self, dynamic_before_n: f32) -> bool {
         let before = self.inverse_omega.prior(1.0);
         let known = before.weight * before.mean * before.mean * LEAST * LEAST > 1.0;
@@ -181,7 +181,7 @@ impl Mass {
         known
     }
 
-    /// The force has changed, and nothing tells why: it may be the weight, by as much.
+    /// The force has changed, and nothing tells why: the weight may have, by as much.
     pub fn leave_open(&mut self, dynamic_n: f32, before_n: f32) {
         let off = dynamic_n / before_n - 1.0;
         self.base.variance += off * off;
@@ -209,7 +209,7 @@ impl Mass {
         if self.is_on_trial() { self.base } else { self.ratio() }
     }
 
-    /// What the trial says so far.
+    /// What the trial says so far; `None` while it goes on.
     fn tried(&mut self, events: u32) -> Option<Verdict> {
         let Ratio { value, variance } = self.ratio();
         let (value, variance) = (value / self.base.value, variance - self.base.variance);
@@ -232,6 +232,7 @@ impl Mass {
         Some(verdict)
     }
 
+    /// Weight in use over the given one, if the mass is the cause of what the swings show.
     fn ratio(&self) -> Ratio {
         let Some(before) = self.before.filter(|_| self.since.count > 0) else { return self.base };
         let inverse_omega = self.since.mean / before.mean;
@@ -243,7 +244,7 @@ impl Mass {
         }
     }
 
-    /// From here on the swings count anew.
+    /// Begins to count the swings anew; what they showed so far stays in the weight's ratio.
     fn start(&mut self, before: Option<Prior>) {
         self.base = self.ratio();
         (self.before, self.seen, self.since) = (before, 0, Swings::default());

@@ -8,7 +8,7 @@ const FAR: f32 = 6.0;
 /// like that.
 pub(super) const LEAST: f32 = 0.05;
 
-/// What an event tells.
+/// What an event tells of the mass.
 #[derive(Clone, Copy, Debug)]
 pub struct Told {
     /// Its swing and the variance of that, periods, with nothing from other events.
@@ -88,7 +88,7 @@ impl Told {
     }
 }
 
-/// Is a ratio of the masses nearer than one to that of the forces?
+/// Is the ratio of the forces nearer to that of the masses than to one?
 pub(super) fn is_nearer(forces: f32, masses: f32) -> bool {
     (forces - masses).abs() < (forces - 1.0).abs()
 }
