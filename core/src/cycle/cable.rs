@@ -10,8 +10,8 @@ use crate::model::{CycleParams, Shape};
 use crate::sample::SampleTime;
 
 impl CycleTracker {
-    /// What a rest between two slips tells of a cable that sags, if the force strays from
-    /// its line at all.
+    /// Learns from the rest before this slip how soft a sagging cable is, if the force strays from
+    /// its line at all; keeps where the next rest begins.
     pub(super) fn learn_sag(&mut self, pending: &SlipRecord, posterior: &Posterior, shape: &Shape) {
         let cycle = &posterior.cycle;
         let rested = self.rested.take();
@@ -27,7 +27,7 @@ impl CycleTracker {
         let rest = Rest {
             time: to.periods_since(from),
             from_n,
-            // Where the line goes on to: what creep takes from it is not the cable's.
+            // The force that the line goes on to: what creep takes of it is not the cable's.
             to_n: cycle.static_n + self.learnt.corner.ask(CornerEstimator::missing_n),
             rate,
             rate_variance,
@@ -36,12 +36,12 @@ impl CycleTracker {
         self.learnt.sag.tell(|sag| sag.learn(&rest));
     }
 
-    /// How far the cable takes `Fp` below the middle of `Fs` and `Fe`, N, and its variance. A
-    /// line that is not straight tells nothing of a cable that gets stiffer by sliding.
+    /// How far the cable takes `Fp` below the middle of `Fs` and `Fe`, N, and its variance, N². On
+    /// lines that are not straight no cable that stiffens as the block slides can be told.
     pub(super) fn shift(&self, pending: &SlipRecord, cycle: &CycleParams) -> (f32, f32) {
         let (mut sag_n, mut sag_n2) = self.learnt.sag.ask(|sag| sag.shift(cycle));
         if sag_n <= 0.0 && !pending.wander.bends {
-            // What bends no rest says nothing of a sag that only may be.
+            // A sag that is only possible widens nothing where no rest is bent.
             (sag_n, sag_n2) = (0.0, 0.0);
         }
         let stiffens = self.site.effects.has(Effect::Stiffening);

@@ -13,12 +13,12 @@ use crate::fit::rounding_n2;
 use crate::model::CycleParams;
 use crate::stats::fading_trend::FadingTrend;
 
-/// So many events in a row that do not fit: what was expected is no longer true.
+/// Events in a row that do not fit, after which all expectations are dropped.
 const CHANGED: u8 = 3;
 
 impl Expectations {
-    /// Does an event leave far more than the others do? The winch paused or started, the
-    /// block hit something; or all is different from now on.
+    /// Does an event leave far more than the others do? The winch paused or started, or the block
+    /// hit something; after several in a row what was expected no longer holds.
     pub(crate) fn is_misfit(&mut self, pending: &SlipRecord, squares_n2: f32, free: f32) -> bool {
         let least_n2 = (pending.noise_n2, rounding_n2(pending.peak.force_n));
         if !self.residuals.is_outlier(squares_n2, free, least_n2) {
@@ -29,8 +29,8 @@ impl Expectations {
         true
     }
 
-    /// An event does not fit with what was learnt: after several of them in a row that is no longer
-    /// true, and nothing is expected any more.
+    /// Counts an event that contradicts what was learnt. After several in a row nothing is expected
+    /// any more.
     pub(crate) fn contradict(&mut self) {
         self.misfits += 1;
         if self.misfits == CHANGED {
@@ -58,18 +58,18 @@ impl CycleTracker {
             return event.into();
         }
         let site = self.site();
-        // A sag that only may be is no part of what all events have in common.
+        // Only a sag that shifts `Fp` is common to all events; one that is only possible is not.
         let sag_n2 = if shift_n > 0.0 { shift_n2 } else { 0.0 };
         let (static_n2, dynamic_n2) = posterior.common_n2;
         let mut common = (site.std(static_n2), site.std(dynamic_n2 + sag_n2));
         if !posterior.is_resolved() && !self.learnt.knows_omega() {
-            // The guess of how long a slip is, is the same for all of them.
+            // How long a slip is was guessed in the same way for all of them.
             common = (site.std(posterior.static_n2), site.std(posterior.dynamic_n2));
         }
         Finished { event, alone, common, change }
     }
 
-    /// What an event tells of a change.
+    /// The change that an event tells, or completes, if any.
     fn change(&mut self, verdict: Verdict, event: &Event, posterior: &Posterior) -> Option<Change> {
         let here = (event.index, event.onset);
         let suspect = self.suspect.take();

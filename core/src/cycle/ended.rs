@@ -1,4 +1,5 @@
-//! A stick line that has ended, by a slip or a long gap: taken up when the fit before is done.
+//! A stick line that has ended, by a slip or a long gap, and what follows from that: it is taken up
+//! when the fit before it is done.
 
 use crate::cycle::CycleTracker;
 use crate::cycle::cycle_fit::CycleFit;
@@ -10,7 +11,7 @@ use crate::event::{Provisional, Reason};
 use crate::fit::{Fit, Fitting};
 use crate::sample::{ForcePoint, SampleTime, since};
 
-/// What ended a stick line.
+/// The end of a stick line.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Ended {
     stick: Stick,
@@ -18,17 +19,17 @@ pub(super) struct Ended {
     pub(super) stage: Stage,
 }
 
-/// What has been done about it.
+/// How far it has been followed up.
 #[derive(Clone, Copy, Debug)]
 #[allow(clippy::large_enum_variant, reason = "there is one, and no heap to put it on")]
 pub(super) enum Stage {
     /// The fit of the event before is under way.
     Waiting,
-    /// The slip is pending.
+    /// The slip that ended it is the pending one.
     Gathered,
     /// The first answer on it is under way.
     Answering(Answer),
-    /// What came of it; the event before is yet to be given its lines.
+    /// The first answer is there, if there is one; the event before has yet to be given its lines.
     Answered(Option<Fit>),
 }
 
@@ -80,7 +81,7 @@ impl Ended {
         Self { stick: *stick, by: By::Loss(index), stage: Stage::Waiting }
     }
 
-    /// Has nothing been done about it?
+    /// Has nothing been done about it yet?
     pub(super) fn waits(&self) -> bool {
         matches!(self.stage, Stage::Waiting)
     }
@@ -94,23 +95,24 @@ impl Ended {
     }
 }
 
-/// What it takes to gather a slip; to guess, and to compare several guesses; the lines; and an answer, in units of
-/// 160 instructions on the board.
+/// Time to gather a slip, in units of 160 instructions on the board.
 const SLIP: usize = 18;
+/// To guess where its fit begins, and to compare several guesses.
 const GUESS: usize = 9;
 const GUESSES: usize = 33;
+/// To give the event before its lines, and for a first answer.
 const LINES: usize = 12;
 const ANSWER: usize = 12;
 
-/// Events before a stick line begins with the samples right after a slip: without any, nothing tells yet
-/// whether the cable flops there. A line with fewer samples than `BRIEF` cannot do without them, and does
-/// not tell it. Tuned: with no event the mean `mu_s` of a record with flop is off at times, with two one
-/// more event of a thousand with stamps that jitter is far off.
+/// Events from which on a stick line begins with the samples right after a slip: without any, nothing
+/// tells yet whether the cable flops there. Tuned: with none the mean `mu_s` of a record with flop is off
+/// at times, with two one more event of a thousand with stamps that jitter is far off.
 const FLOP_SEEN: u32 = 1;
+/// A line with fewer samples than this needs them from the first event on, and tells no flop.
 const BRIEF: u32 = 8;
 
 impl CycleTracker {
-    /// What the next step takes of what follows from the end of a stick line, in such units.
+    /// Time that the next step takes, in those units.
     pub(super) fn takes(&self, ended: &Ended) -> usize {
         match (&ended.stage, &self.pending) {
             (Stage::Waiting, _) => SLIP,
@@ -120,14 +122,14 @@ impl CycleTracker {
             (Stage::Gathered, _) => GUESS,
             (Stage::Answering(answer), Some(slip)) => answer.expected.pass(slip),
             (Stage::Answering(_) | Stage::Answered(_), _) => {
-                // Whether a long fall is even is asked sample by sample.
+                // Whether a long fall is even is asked of each of its samples.
                 let fall = self.finishing.as_ref().map_or(0.0, |fit| fit.pending.fall());
                 LINES + ANSWER + fall as usize
             }
         }
     }
 
-    /// That step; the fit before is done.
+    /// Takes the next step; the fit of the event before is done.
     pub(super) fn follow_up(&mut self, detector: &Detector, first: &mut Option<Provisional>) {
         match self.ended.as_ref().map(|ended| &ended.stage) {
             Some(Stage::Waiting) => self.take_up(detector),
@@ -138,8 +140,9 @@ impl CycleTracker {
         }
     }
 
-    /// Takes up what has ended: the next slip is pending. The event before has its lines when the first
-    /// answer on that tells the next onset.
+    /// Takes up what has ended: the pending event can be fitted soon, and the slip becomes the
+    /// pending one. The lines of the event are given when a first answer on the slip tells its
+    /// onset.
     #[inline(never)]
     fn take_up(&mut self, detector: &Detector) {
         let Some(Ended { stick, by, .. }) = &self.ended else { return };
@@ -183,8 +186,8 @@ impl CycleTracker {
         }
     }
 
-    /// Gives the event before its lines, up to the next onset as a first answer has it: what has ended
-    /// is dealt with.
+    /// Gives the event before its lines, up to the next onset as a first answer has it, and that
+    /// answer. With that the end of the line has been followed up.
     #[inline(never)]
     fn give_lines(&mut self, detector: &Detector) -> Option<Provisional> {
         let ended = self.ended.as_ref()?;

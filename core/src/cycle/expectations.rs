@@ -21,7 +21,8 @@ use crate::stats::line::Line;
 use crate::stats::normal_equations::UNKNOWNS;
 use crate::stats::prior::{Prior, without_prior};
 
-/// Loading rate, swing `1/ω` and bend that the events share, and the noise.
+/// What the events share (loading rate, swing, rate change), the noise, and what each effect
+/// learnt.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Expectations {
     pub(super) effects: Effects,
@@ -39,20 +40,20 @@ pub(crate) struct Expectations {
     pub(crate) swing: Kept<Swing, { Effect::Ripple.room() }>,
     /// Events in a row that did not fit.
     pub(super) misfits: u8,
-    /// The residuals are those of weighted samples.
+    /// Are the residuals those of samples with weights?
     weighted: bool,
-    /// Speed of the winch times the mass, N periods; NaN where it is not known.
+    /// Speed of the winch times the mass of the given weight, N periods; NaN where it is not known.
     momentum: f32,
 }
 
-/// Least part of a fitted precision that has to be the event's own: a smaller part is
-/// the difference of two numbers that the fit's last step may have left unsettled.
+/// Least part of a fitted precision that has to be the event's own for that to be learnt: a smaller
+/// part is a difference that the fit's last step may have left unsettled.
 const LEAST_OWN: f32 = 0.01;
-/// The same to judge whether it is another block, which differs by far.
+/// The same to judge the mass, where another block differs by far.
 const LEAST_JUDGED: f32 = 0.003;
-/// Standard deviations within which the first event's rate is the same before and after it.
+/// Standard deviations within which the first event's rates before and after it are the same.
 const LASTS: f32 = 3.0;
-/// Samples of lines that tell the first event's two rates.
+/// Fewest samples of lines that tell the first event's two rates.
 const LINE: u32 = 8;
 
 impl Expectations {
@@ -69,15 +70,15 @@ impl Expectations {
         larger(pending.white_share() * noise_n2, rounding_n2(pending.peak.force_n))
     }
 
-    /// Variance of what may be a swing about an event's lines, of the cable or of the cell, in units
-    /// of the noise's.
+    /// Variance of what may be an oscillation about an event's lines, of the cable or of the cell,
+    /// in units of the noise variance.
     pub(crate) fn unsure_swing(&self, pending: &SlipRecord, noise_n2: f32) -> f32 {
         let all_n2 = self.residuals.variance_n2().unwrap_or(pending.noise_n2);
         pending.wander.unsure * all_n2 / noise_n2
     }
 
-    /// The same from the fits alone. Before the first of them next to nothing, so that
-    /// rough expectations hardly count.
+    /// As [`Self::noise_n2`], from the fits alone. Before the first of them next to nothing, so
+    /// that rough expectations hardly count.
     pub(crate) fn fitted_noise_n2(&self, pending: &SlipRecord) -> f32 {
         const HARDLY: f32 = 1e-3;
         match self.residuals.variance_n2() {
@@ -86,7 +87,8 @@ impl Expectations {
         }
     }
 
-    /// What was left before the samples had their weights is no measure any more.
+    /// Drops the residuals from before samples had weights, once some have: they are no measure any
+    /// more.
     pub(crate) fn weigh(&mut self, pending: &SlipRecord) {
         if pending.rest_weight < 1.0 && !self.weighted {
             self.weighted = true;
@@ -94,7 +96,7 @@ impl Expectations {
         }
     }
 
-    /// What is expected of an event with such a line after it.
+    /// What is expected of an event with this line after it.
     pub(crate) fn of(&self, pending: &SlipRecord, after: &Line, noise_n2: f32) -> Expected {
         let (rough, wander) = (pending.rough(after), pending.wander.followed());
         let has_lines =
@@ -121,7 +123,7 @@ impl Expectations {
         }
     }
 
-    /// Until the events tell otherwise the winch turns steadily.
+    /// Expected rate change: until the events tell otherwise the winch turns steadily.
     fn bend_prior(&self, rough_rate: f32, has_lines: bool, noise_n2: f32) -> Prior {
         const STEADY: f32 = 0.003;
         // The first slip may tighten the cable, and the winch may yet have to come up to speed.
@@ -137,17 +139,17 @@ impl Expectations {
 
     /// How far `Fp` lies above the middle of `Fs` and `Fe`, N, because a cable that gets shorter
     /// gets stiffer as the block slides: `d b / 6 r`, from `∫ (F − Fp) dF / k = 0` with `k` going
-    /// evenly from one rate to the other. A bend that stays is the cable's: the winch turns
-    /// through rests as well.
+    /// evenly from one rate to the other. A rate change that stays is the cable's: a winch that
+    /// gained speed would do so in rests as well.
     pub(crate) fn stiffening_n(&self, cycle: &CycleParams) -> f32 {
-        // Cables that a slip shortens by more are none.
+        // Part of the rate: no cable becomes stiffer by more in a slip.
         const MOST: f32 = 0.1;
         let part = self.rate_change.prior_around_zero(1.0).mean / cycle.rate;
         // Also not for a rate of zero.
         if part.abs() < MOST { cycle.half_drop_n * part / 6.0 } else { 0.0 }
     }
 
-    /// By which part the cable is stiffer after a slip than before, where that counts.
+    /// By which part of it the loading rate grows over a slip, if the events show that.
     pub(crate) fn stiffening(&self) -> Option<Parameter> {
         let rate = self.rate.mean()?;
         let gain = self.rate_change.prior_around_zero(1.0);
@@ -156,14 +158,17 @@ impl Expectations {
         found.then_some(Parameter { name: "rate_gain", value: gain.mean / rate, std })
     }
 
-    /// Variances of `Fs` and `Fp`, N², because a rate that changed by the slip may have done so at any
-    /// time of it, or in the samples next to it that no line has. A winch whose rate steps by `b` at the
-    /// angle `ωt` of the slip lifts `Fe` by `b sin(ωt) / ω`; the model takes the mean over an even change,
-    /// `2/π` of the largest. Half the time anywhere and half the time at either end: `0.5 b/ω` about it,
-    /// half of that in `Fp`. A step at a time `t` before the onset lifts `Fs` by `b t`, one after the stop
-    /// lowers `Fe` by it, and `Fp` by half of either. Where the force wanders that may be why.
+    /// Variances that `Fs` and `Fp` have, N², because a rate that changed by `b` over the slip may
+    /// have done so at any time of it, or in the samples next to it that no line has.
+    ///
+    /// A step at the angle `ωt` of the slip lifts `Fe` by `b sin(ωt) / ω`; the model has the mean
+    /// over an even change, `2/π` of the largest. Half the time anywhere and half the time at
+    /// either end, that is `0.5 b/ω` about it, and half of that in `Fp`. A step at a time `t`
+    /// before the onset lifts `Fs` by `b t`, one after the stop lowers `Fe` by as much, and either
+    /// is in `Fp` by half. Zero where the force wanders, which may be why.
     pub(crate) fn unsteady_n2(&self, pending: &SlipRecord, posterior: &Posterior) -> (f32, f32) {
-        // Anywhere in four samples, which the lines stay behind.
+        // Standard deviation of `t`, periods: anywhere in the four samples that the lines stay
+        // behind.
         const BESIDE: f32 = 2.3;
         let Posterior { cycle, unknowns: [.., variance], .. } = posterior;
         if pending.wander.level > 0.0 || !cycle.is_taut() {
@@ -185,8 +190,8 @@ impl Expectations {
         self.mass.inverse_omega().mean().filter(|_| self.knows_omega())
     }
 
-    /// Carries the event's own loading rate, swing and bend to the next ones, unless it
-    /// is a suspect. `strained` as from [`is_strained`].
+    /// Learns the event's own loading rate, swing and rate change, unless it is a suspect.
+    /// `strained` as from [`is_strained`].
     pub(crate) fn learn(
         &mut self,
         data: &Data<'_>,
@@ -204,20 +209,20 @@ impl Expectations {
         }
         let own =
             |value, variance, prior, least| without_prior(value, variance, prior, noise_n2, least);
-        // The loading rate and the swing are above zero; the bend may have any sign.
+        // The loading rate and the swing are above zero; the rate change may have any sign.
         let positive = |own: &(f32, f32)| own.0 > 0.0;
-        // What hardly resolved slips tell of the swing is what was expected of them.
+        // What slips that are hardly resolved tell of the swing is what was expected of them.
         let own_swing = |least| {
             let own = own(cycle.inverse_omega(), inverse_omega, data.inverse_omega, least)
                 .filter(positive);
             own.filter(|own| posterior.tells_swing(own.1))
         };
         let mut told = Told {
-            // A known swing hides another one: little of its own is enough to judge. A
-            // cable cannot push.
+            // Little of its own is enough to judge by: an expected swing hides another one. Not on
+            // a slack cable, which cannot push.
             inverse_omega: own_swing(LEAST_JUDGED).filter(|_| cycle.restick_n() > 0.0),
             dynamic_n: cycle.dynamic_n(),
-            // Without a line before it an event has the rate that was expected.
+            // Without a line before it its rate is the one that was expected.
             same_cable: data.before.count > 0 && self.is_usual_rate(cycle.rate),
             strained: strained && cycle.restick_n() > 0.0,
         };
@@ -229,8 +234,8 @@ impl Expectations {
         if strained || (verdict == Verdict::Suspect && !on_trial) {
             return verdict;
         }
-        // A first rate that did not last is not that of the events to come, and its change no bend that
-        // stays. Where the force wanders that may be why: only the rate is taken.
+        // A first rate that did not last is not that of the events to come, nor is its change
+        // theirs. Where the force wanders that may be why: then the rate is taken, and no change.
         let change = cycle.rate_change;
         let steady = self.rate.mean().is_some() || change * change < LASTS * LASTS * rate_change;
         if let Some((value, variance)) = own_rate.filter(|_| steady || data.wander.level > 0.0) {
@@ -244,7 +249,8 @@ impl Expectations {
         self.mass.learn(&told).unwrap_or(verdict)
     }
 
-    /// Periods before an onset in which the force lacks more than a fifth of the noise.
+    /// Periods before an onset in which the force lacks more than a fifth of the noise's standard
+    /// deviation by creep.
     pub(crate) fn creep_periods(&self) -> f32 {
         const PART: f32 = 0.2;
         if self.corner.ask(CornerEstimator::missing_n) <= 0.0 {
@@ -265,13 +271,12 @@ impl Expectations {
     }
 }
 
-/// Does the slip have samples enough to tell a small change of the swing from what the
-/// sampling makes of it?
+/// Is the slip long enough to tell a small change of the swing from what the sampling makes of it?
 pub(crate) fn is_clear(posterior: &Posterior) -> bool {
     posterior.fall_time > CLEAR && posterior.cycle.restick_n() > 0.0
 }
 
-/// Are the samples around the slip, with these squared residuals, far from the fit?
+/// Are the samples and lines around the slip, with these squared residuals, N², far from the fit?
 pub(crate) fn is_strained(data: &Data<'_>, around_n2: f32, noise_n2: f32) -> bool {
     const STRAINED: f32 = 10.0;
     // The lines are two observations each.
@@ -287,9 +292,8 @@ fn expected(learnt: Prior, guess: f32, spread: f32, noise_n2: f32) -> Prior {
     Prior { mean: guess, weight: noise_n2 / (spread * spread) }
 }
 
-/// Squared residuals of an event that no other event counts, N², and their degrees of
-/// freedom: observations less unknowns, as far as these come from the samples and not
-/// from what was expected.
+/// Squared residuals of an event that no other event counts, N², and their degrees of freedom:
+/// observations less unknowns, each unknown as far as the event and not its expectation tells it.
 pub(crate) fn own_residuals(data: &Data<'_>, fit: &Fit) -> (f32, f32) {
     let (mut squares, mut unknowns) = (fit.cost() + data.after.residual(), UNKNOWNS as f32);
     for ((prior, value), variance) in data.priors(fit.cycle()).into_iter().zip(fit.variances) {

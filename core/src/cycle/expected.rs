@@ -38,8 +38,8 @@ impl Expected {
         }
     }
 
-    /// The same, to be asked for other terms. Where the force bends down to the onset creep may be why,
-    /// and is not seen about a line that follows the bend.
+    /// The same, to ask the event for force terms. Where the force bends down before the onset
+    /// creep may be why, which is not seen about lines that follow the bend.
     #[inline(never)]
     pub(crate) fn asked<'a>(&self, pending: &'a SlipRecord, after: &'a Line) -> Data<'a> {
         let mut data = self.data(pending, after);
@@ -49,7 +49,7 @@ impl Expected {
         data
     }
 
-    /// What a pass over the samples and lines takes, in units of 160 instructions on the board.
+    /// Time of a pass over the samples and lines, in units of 160 instructions on the board.
     pub(crate) fn pass(&self, pending: &SlipRecord) -> usize {
         let samples = pending.samples().forces_n.len().min(SAMPLES_A_STEP);
         let wanders = if pending.wander.level > 0.0 { 3 } else { 0 };

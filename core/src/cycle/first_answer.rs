@@ -11,9 +11,9 @@ use crate::fit::posterior::Posterior;
 use crate::fit::{Data, Fit, Variances};
 use crate::stats::line::Line;
 
-/// Most steps of the fit for the first answer: two are usual.
+/// Most steps of the fit for a first answer: two are usual.
 const FIRST_STEPS: usize = 5;
-/// Samples beyond which a slip has no first answer.
+/// Most samples of a slip that has a first answer.
 const MOST_SAMPLES: usize = 32;
 
 impl CycleTracker {
@@ -24,7 +24,7 @@ impl CycleTracker {
         let (stick, now) = (detector.stick(), detector.last());
         let line = stick.line_from(now.index);
         let (slope, noise_n, time) = (line.slope()?, detector.noise_n()?, -1.0);
-        // Anywhere within the two periods before: a uniform distribution.
+        // Anywhere within the two periods before: a uniform distribution has 1/√3 of its half-width.
         const SPREAD: f32 = 0.577;
         let onset_n = SPREAD * slope;
         let variance_n2 = onset_n * onset_n + noise_n * noise_n * line.leverage(time);
@@ -32,7 +32,7 @@ impl CycleTracker {
         Some(Provisional { mu_s, mu: None })
     }
 
-    /// Begins the first answer on a slip: from what the other events tell.
+    /// Begins the first answer on the pending slip, by what the other events tell.
     pub(super) fn begin_first(&mut self) {
         let Some((ended, slip)) = self.ended.as_mut().zip(self.pending.as_ref()) else { return };
         let noise_n2 = self.learnt.fitted_noise_n2(slip);
@@ -44,7 +44,7 @@ impl CycleTracker {
         ended.stage = Stage::Answering(Answer { expected, fitting, left });
     }
 
-    /// One step of it.
+    /// One step of the fit for it.
     pub(super) fn step_first(&mut self) {
         let Some((ended, slip)) = self.ended.as_mut().zip(self.pending.as_ref()) else { return };
         let Stage::Answering(Answer { expected, fitting, left }) = &mut ended.stage else { return };
@@ -61,8 +61,8 @@ impl CycleTracker {
         fit.converged && self.pending.as_ref().is_some_and(|slip| slip.holds(&fit.shape))
     }
 
-    /// With all that the events so far tell of the cable and of the noise, as the event itself
-    /// will have it.
+    /// The first answer by a fit, with all that the events so far tell of the cable and of the
+    /// noise, as the event itself will have it.
     pub(super) fn first_answer(&self, mut fit: Fit) -> Option<Provisional> {
         let slip = self.pending.as_ref()?;
         let noise_n2 = self.learnt.fitted_noise_n2(slip);
@@ -75,20 +75,21 @@ impl CycleTracker {
         }
         let Posterior { cycle, static_n2, dynamic_n2, .. } = at;
         let (shift_n, shift_n2) = self.shift(slip, &cycle);
-        // The lowest sample may be one of a cable that flops, and makes about a quarter of `Fp`.
+        // The lowest sample, which is about a quarter of `Fp`, may be one of a cable that flops.
         let flop_n2 = (1.0 / slip.rest_weight - 1.0) * noise_n2 / 16.0;
         let mu = || {
             let variance_n2 = dynamic_n2 + shift_n2 + flop_n2;
             self.site().coefficient(cycle.dynamic_n() - shift_n, variance_n2)
         };
         let mu_s = self.site().coefficient(cycle.static_n, static_n2);
-        // On a slack cable the time at zero will tell it.
+        // On a slack cable only the time at zero tells `mu`.
         Some(Provisional { mu_s, mu: cycle.is_taut().then(mu) })
     }
 }
 
-/// What it is fitted to: all samples but the newest, by which the slip was seen to be over, and so more
-/// often too high than too low. While the swing is not known no sample can be spared.
+/// Data of the first answer: all samples but the newest, by which the slip was seen to be over, and
+/// which so is more often too high than too low. While the swing is not known no sample can be
+/// spared.
 fn data<'a>(expected: &Expected, slip: &'a SlipRecord, knows_omega: bool) -> Data<'a> {
     let mut data = expected.data(slip, &Line::NONE);
     let before = data.samples.forces_n.split_last().filter(|_| knows_omega);

@@ -67,15 +67,16 @@ pub struct CycleTracker {
     pending: Option<SlipRecord>,
     /// The one before it.
     finishing: Option<CycleFit>,
-    /// What ended the stick line of `pending`, until the next one's first answer is there.
+    /// What has ended the stick line after `pending`, until the next slip's first answer is there.
     ended: Option<Ended>,
     levels: Kept<Levels, { Effect::Level.room() }>,
-    /// The first event after what may be a change.
+    /// The first event after what may be a change: its number and its onset.
     suspect: Option<(u32, SampleTime)>,
-    /// Stop of the last event, and the last index before its cable began to load.
+    /// Stop of the last event, and the last index before its cable began to load again.
     last_stop: Option<SampleTime>,
     last_load: Option<u64>,
-    /// The same stop and the force there, N, if it was measured.
+    /// Stop of the last event, and the force there, N, if both were measured well enough to tell a
+    /// sag.
     rested: Option<(SampleTime, f32)>,
     count: u32,
     /// A slip was seen to take time: the block slides, and no hand lets go.
@@ -111,8 +112,8 @@ impl CycleTracker {
         self.count = self.count.saturating_sub(1);
     }
 
-    /// The block rests again, `last_hidden` is the newest saturated index. Gives an event, as
-    /// [`Self::end_line`].
+    /// The block rests again; `last_hidden` is the newest saturated index. An event that has to be
+    /// completed for that is in `told`, see [`Self::end_line`].
     pub fn restick(
         &mut self,
         detector: &Detector,
@@ -132,9 +133,9 @@ impl CycleTracker {
         self.end_line(detector, Ended::by_loss(detector.ended(), detector.lost()), told);
     }
 
-    /// The stick line after the pending event has ended. What ended before, and still waits, is dealt
-    /// with at once: samples have waited as long as there is room, or a gap has ended a line. Gives the
-    /// event that was being fitted then.
+    /// Takes the end of the stick line after the pending slip. If an earlier one still waits, all
+    /// that is left of it is done at once: samples have waited as long as there is room, or a gap
+    /// has ended a line. The event that was being fitted then is in `told`.
     fn end_line(&mut self, detector: &Detector, ended: Ended, told: &mut Told) {
         while self.ended.is_some() {
             self.advance(detector, told);
@@ -148,7 +149,7 @@ impl CycleTracker {
         self.finishing.is_none() && self.ended.is_none()
     }
 
-    /// Is there no room for another slip?
+    /// Is there no room for the end of another stick line?
     #[must_use]
     pub fn is_full(&self) -> bool {
         self.ended.is_some()
@@ -168,11 +169,11 @@ impl CycleTracker {
         }
     }
 
-    /// One step of what is to be done. Where too many samples wait for a fit, it looks at no more places
-    /// of an onset.
+    /// One step of what is to be done. A fit for which too many samples wait looks at no more
+    /// places of an onset.
     #[inline(never)]
     fn advance(&mut self, detector: &Detector, told: &mut Told) {
-        // What has ended meanwhile waits for a fit.
+        // Until the fit under way is done, what has ended has to wait.
         let waits = self.ended.as_ref().is_none_or(Ended::waits);
         let Some(fit) = self.finishing.as_mut().filter(|_| waits) else {
             return self.follow_up(detector, &mut told.first);
@@ -182,7 +183,8 @@ impl CycleTracker {
         }
     }
 
-    /// What the next step takes, as [`TIME`]; zero: there is nothing to be done.
+    /// Time that the next step takes, in the units of [`TIME`]; zero if there is nothing to be
+    /// done.
     fn next_takes(&self) -> usize {
         match (&self.ended, &self.finishing) {
             (Some(ended), finishing) if finishing.is_none() || !ended.waits() => self.takes(ended),
@@ -215,9 +217,9 @@ pub struct Told {
     pub finished: Option<Finished>,
 }
 
-/// What a sample has time for, in units of 160 instructions on the board: with what the detector takes
-/// at rest, less than 12 000.
+/// Time of a sample, in units of 160 instructions on the board: with what the detector takes at rest,
+/// less than 12 000.
 const TIME: usize = 62;
-/// The same where so many samples wait.
-const MOST_TIME: usize = 69;
+/// Samples that wait beyond which there is more of it.
 const LATE: u32 = 128;
+const MOST_TIME: usize = 69;

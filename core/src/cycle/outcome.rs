@@ -11,25 +11,26 @@ use crate::num::math::larger;
 use crate::sample::SampleTime;
 use crate::stats::line::Line;
 
-/// Whether a fit is to be believed.
+/// What speaks for and against a fit.
 #[derive(Clone, Copy, Debug, Default)]
 struct Belief {
-    /// The slips that are seen are made of many.
+    /// The slip looks like one that is made of samples of many faster slips.
     folded: bool,
-    /// The winch asks for this slip.
+    /// Loading rate and swing are those of one cable, by the speed of the winch.
     asked_for: bool,
-    /// It is known too little.
+    /// The loading rate, the drop or the rest may be nothing.
     unsure: bool,
 }
 
 impl CycleTracker {
-    /// The fit has ended: gives the event, between the end of the last one and the next.
+    /// The fit has ended: gives the event, with its times kept between the stop of the event before
+    /// and the peak of the next slip.
     pub(super) fn end(&mut self, outcome: Outcome) -> Option<Finished> {
         let CycleFit { pending, after, mut measured, .. } = self.finishing.take()?;
         let pending = &pending;
         let (mut finished, load) = match outcome {
             Outcome::Failed(reason) => {
-                // Two rests with a slip between them are not one.
+                // The rest before a slip without a fit, and the rest after it, are not one.
                 self.rested = None;
                 (self.without_coefficients(pending, reason).into(), None)
             }
@@ -55,7 +56,7 @@ impl CycleTracker {
         Some(finished)
     }
 
-    /// The event of a fit, and when its cable began to load.
+    /// The event of a fit, and the moment at which its cable begins to load again.
     fn fitted(
         &mut self,
         pending: &SlipRecord,
@@ -82,9 +83,11 @@ impl CycleTracker {
         (finished, SampleTime::after(pending.origin, loads))
     }
 
-    /// A winch that stands while the cable hangs slack, or while the force is low, makes the slack last
-    /// longer, and `Fp` too low: where it lies far below those before it is no surer than that. By a fall
-    /// to a lower `Fp` the onset is later by as much over `d omega`, at most, and `Fs` higher.
+    /// A winch that stands while the cable hangs slack, or while the force is low, makes the slack
+    /// last longer, and the fitted `Fp` too low. Where that lies far below those of the events
+    /// before, `Fp` is as unsure as the difference. By a fall to a lower `Fp` the onset is later by
+    /// at most the difference over `d omega`, and `Fs` as much higher as the line rises in that
+    /// time.
     fn doubt_slack(&self, measured: &mut Measured) {
         let cycle = &measured.posterior.cycle;
         if cycle.is_taut() {
@@ -98,8 +101,8 @@ impl CycleTracker {
         }
     }
 
-    /// Why an event that has no reason yet is not believed: what all tell, and, where the next one
-    /// follows soon, what it tells itself.
+    /// Why an event that has no reason yet is not believed: by all events of late, or, where the
+    /// next slip follows soon, by this one alone. `fit` is what was fitted, if anything was.
     #[inline(never)]
     fn refused(
         &mut self,
@@ -114,7 +117,7 @@ impl CycleTracker {
         let overlaps = (overlaps && event.reason.is_none()).then_some(Reason::NoFit);
         let Belief { folded, asked_for, unsure } =
             fit.map(|posterior| self.of_fit(posterior, pending.limit)).unwrap_or_default();
-        // A slack cable that loads within two samples shows no loading rate without any line.
+        // Without any line a slack cable that loads within two samples shows no loading rate.
         let is_steep = |it: &Posterior| 2.0 * it.cycle.rate > it.cycle.static_n;
         let has_line = pending.before.count + after.count > 0;
         let loads_fast = event.slack && !has_line && fit.is_some_and(is_steep);
@@ -122,20 +125,21 @@ impl CycleTracker {
         let without_rest = if is_fast || loads_fast { Reason::TooShort } else { Reason::NoRest };
         let without_rest = (loads_fast || unsure).then_some(without_rest);
         let reason = refusal::of_event(event).or(overlaps).or(without_rest);
-        // What is not believed for itself is no sign that the others are: of slips in quick succession
-        // whatever the reason, of slower ones where the force itself is another than a slip's.
+        // What is not believed for reasons of its own is no sign that the others are folded: but of
+        // slips in quick succession any reason is one, of slower slips that the force does not take
+        // the course of a slip.
         let doubted = reason.or(event.reason).is_some_and(|it| is_fast || it.is_of_shape());
         let doubtful = self.recurrence.is_folded(folded || doubted) && fit.is_some() && !asked_for;
         let why = if is_fast { Reason::Aliased } else { Reason::NoFit };
         reason.or(doubtful.then_some(why))
     }
 
-    /// Is a fit to be believed, with the next slip at a time?
+    /// What speaks for and against a fit, where the next slip is at its time, periods.
     fn of_fit(&self, posterior: &Posterior, next: f32) -> Belief {
         let Posterior { cycle, unknowns, .. } = posterior;
         let (site, learnt) = (self.site(), &self.learnt);
         let (rate, swing) = (learnt.rate.now(), learnt.mass.inverse_omega().now());
-        // All of them tell, and no single one.
+        // Told by all events, not by a single one.
         let is_clear = learnt.knows_omega() && core::f32::consts::PI * swing.0 > CLEAR;
         let periods = next - cycle.onset;
         let learnt = refusal::stiffer(&site, rate, swing);
@@ -144,8 +148,9 @@ impl CycleTracker {
         let is_fast = periods < refusal::FAST;
         let own = refusal::stiffer(&site, rate, (cycle.inverse_omega(), unknowns[4]));
         let asked_for = refusal::is_asked_for(own);
-        // Without a sample that is surely at rest, or a rest that is no part of a slow swing, a swing of the
-        // force is as good a slip, unless the winch asks for it.
+        // An oscillation of the force can be fitted as slips as well, but without a sample that is
+        // surely at rest, or a rest that is longer than part of a slow oscillation. Not so a slip
+        // that the winch asks for.
         let least = if is_fast { 1.0 } else { refusal::SWINGS * cycle.inverse_omega() };
         let rests = (2.0 * drop.0 - least * rate.0, 4.0 * drop.1 + least * least * rate.1);
         let shown = if asked_for { drop } else { rests };
@@ -159,7 +164,7 @@ impl CycleTracker {
         Belief { folded, asked_for, unsure: unsure || refusal::is_lame(own) }
     }
 
-    /// An event with its coefficients; omega where the slip shows it.
+    /// An event with its coefficients; with omega where the slip shows it.
     fn measured(
         &self,
         pending: &SlipRecord,
@@ -184,7 +189,7 @@ impl CycleTracker {
         event
     }
 
-    /// Times and forces of an event.
+    /// Times and forces of an event, its coefficients left open.
     fn bare(&self, pending: &SlipRecord, cycle: &CycleParams, shape: &Shape) -> Event {
         let hz = self.site.rate_hz;
         let onset = SampleTime::after(pending.origin, cycle.onset);
@@ -210,7 +215,7 @@ impl CycleTracker {
         }
     }
 
-    /// An event that is only seen, from its highest and lowest sample.
+    /// An event that was seen and not measured, by its highest and its lowest sample.
     fn without_coefficients(&self, pending: &SlipRecord, reason: Reason) -> Event {
         let (onset, stop) = pending.fall_edges();
         let fall = stop - onset;

@@ -1,4 +1,4 @@
-//! What others may know of the events so far: noise, rate, omega, effects, weight.
+//! What others may read of the events so far: noise, rate, omega, effects, weight.
 
 use crate::coefficient::Site;
 use crate::cycle::CycleTracker;
@@ -12,7 +12,7 @@ use crate::num::math;
 use crate::stats::quantity::Quantity;
 
 impl CycleTracker {
-    /// Standard deviation of the noise, N, from the residuals of all fits.
+    /// Standard deviation of the noise, N, by the residuals of all fits.
     #[must_use]
     pub fn noise_n(&self) -> Option<f32> {
         self.learnt.residuals.variance_n2().map(math::sqrt)
@@ -24,8 +24,8 @@ impl CycleTracker {
         self.learnt.creep_periods()
     }
 
-    /// Loading rate, N/s, and omega, rad/s, of the recent events, each with its standard
-    /// deviation; omega where it is known to a third.
+    /// Loading rate, N/s, and omega, rad/s, that the next event is expected to have, each with its
+    /// standard deviation; omega unless that is a third of it or more.
     #[must_use]
     pub fn shared(&self) -> (Option<Quantity>, Option<Quantity>) {
         let hz = self.site.rate_hz;
@@ -38,7 +38,7 @@ impl CycleTracker {
         (rate.known().map(|rate| rate.times(hz)), omega)
     }
 
-    /// Is omega known to a third?
+    /// Is the standard deviation of omega less than a third of it?
     fn tells_omega(&self) -> bool {
         let (swing, variance) = self.learnt.mass.usual().now();
         9.0 * variance < swing * swing
@@ -52,7 +52,7 @@ impl CycleTracker {
         rate.mean().zip(swing).map_or(0.0, |(rate, swing)| rate * swing)
     }
 
-    /// What the events show of an effect: its numbers.
+    /// The parameters of an effect, as the events determine them.
     #[must_use]
     pub fn parameters(&self, effect: Effect) -> [Option<Parameter>; 2] {
         match effect {
@@ -71,7 +71,7 @@ impl CycleTracker {
         }
     }
 
-    /// The site with the weight as far as it is known to have changed.
+    /// The site, with the weight that is now in use.
     pub(super) fn site(&self) -> Site {
         let ratio = self.learnt.mass.weight_ratio();
         let Site { weight_n, momentum, .. } = self.site;
@@ -84,14 +84,14 @@ impl CycleTracker {
         self.site.slope
     }
 
-    /// Force of so much of a coefficient, N.
+    /// The force, N, that a coefficient is at the weight in use.
     #[must_use]
     pub fn force_n(&self, coefficient: f32) -> f32 {
         let site = self.site();
         coefficient * site.weight_n * site.slope.1
     }
 
-    /// Standard deviation of the damping ratio where it is stated to be so much.
+    /// Standard deviation of the damping ratio: the stated one, widened by what the events show.
     #[must_use]
     pub fn damping_std(&self, stated: f32) -> f32 {
         self.learnt.damping.get().map_or(stated, |damping| damping.std(stated))

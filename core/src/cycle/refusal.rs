@@ -1,6 +1,6 @@
-//! Falls of the force that are no slips, and slips that the samples cannot tell: judged
-//! by what the force does before, in and after the fall, before anything is fitted; and fits that
-//! are not believed.
+//! Falls of the force that are no slips, and slips that the samples cannot tell. Before anything is
+//! fitted, what the force does before, in and after a fall decides; after it, whether a fit is to
+//! be believed.
 
 use crate::coefficient::{Coefficient, Site};
 use crate::cycle::slip_record::SlipRecord;
@@ -11,59 +11,62 @@ use crate::stats::line::Line;
 
 /// Fewest periods from slip to slip: two samples of a rest and two of a slip.
 const FEWEST_PERIODS: f32 = 4.0;
-/// Standard deviations of the noise that are no chance.
+/// Standard deviations of the noise beyond which nothing is chance.
 pub(super) const SURE: f32 = 4.0;
-/// Part of the rise after it below which a fall is no slip: what the first load does to a cable
-/// that was quieter before.
+/// Part of the rise after it below which a fall is no slip: the first load on a cable that was
+/// quieter before makes one like that.
 const LEAST_FALL: f32 = 0.02;
-/// Part of the rate after a fall below which the force was held.
+/// Part of the mean rate after a fall; with a lower rate before it the force was held there.
 const FLAT: f32 = 0.25;
-/// Periods from slip to slip below which one event alone may tell that it is folded, or that its rate
-/// is not known; of slower ones only all of them tell.
+/// Periods from slip to slip below which a single event may tell that it is folded, or that its
+/// rate is not known; of slower slips only all events together tell.
 pub(super) const FAST: f32 = 16.0;
-/// Least time of rest between slow slips, `1/ω`: of a swing of the force, which rises as it falls, the fit
-/// makes slips with rests of half a radian to one, whatever its period.
+/// Least rest between slow slips, swings. An oscillation of the force, which rises as it falls, is
+/// fitted by slips with rests of half a swing to one, whatever its period.
 pub(super) const SWINGS: f32 = 1.4;
-/// Ratio of the stiffness by the winch to that by the slip which is no error of weight, winch or
-/// model: of the scenes that can be read none comes to 1.2.
+/// Ratio of the stiffness by the winch to that by the slip that no error of weight, winch or model
+/// makes: of the scenes that can be read none comes to 1.2.
 const STIFFER: f32 = 2.0;
-/// Such a ratio the other way: weight and speed of a winch are known better than to a half.
+/// Such a ratio the other way: weight and winch speed are known better than to a half.
 const SOFTER: f32 = 2.0 / 3.0;
-/// Between these the root of the ratio is one.
+/// The root of that ratio is one within these limits: the ratio within about 20 %.
 const CLOSE: (f32, f32) = (0.9, 1.11);
-/// Standard errors by which it is beyond a limit: the true ratio is far from it. Tuned: at four, seven
-/// times as many events of `aliased_fast` and `aliased_stiff` are believed.
+/// Standard errors by which it has to be beyond a limit, where the true ratio is far beyond. Tuned:
+/// at four, seven times as many events of `aliased_fast` and `aliased_stiff` are believed.
 const LIKELY: f32 = 2.0;
-/// Periods of a fall that shows no sample between its ends.
+/// Fall, periods, that shows no sample between its ends.
 const INSTANT: f32 = 1.5;
-/// Most variance of an even fall about its line, variances of the noise: that one is known from few
-/// samples at times.
+/// Most variance of an even fall about its line, in variances of the noise, which at times is known
+/// from few samples only.
 const EVEN: f32 = 10.0;
-/// Fewest periods of a fall whose samples in between, three, can lie off a line.
+/// Shortest fall, periods, whose samples in between, three of them, can lie off a line.
 const SHORTEST: f32 = 4.0;
-/// Periods beyond which a fall shows its shape in its middle, and fewest of that middle.
+/// Periods beyond which a fall is judged by its middle.
 const LONGEST: f32 = 12.0;
+/// Fewest periods of that middle.
 const SHAPELY_PERIODS: f32 = 6.0;
 /// Fewest samples of a fall that tell half a cosine from a line.
 const SHAPELY: u32 = 4;
-/// So many variances of the noise the cosine lies further off: twice the logarithm of the ratio of
-/// the likelihoods; and so many times what the line is off.
+/// By how many variances of the noise half a cosine has to lie further off than a line: twice the
+/// logarithm of the ratio of their likelihoods.
 const LIKELIER: f32 = 12.0;
+/// And by how many times what the line is off.
 const FURTHER: f32 = 2.0;
-/// Part of what a slip falls from sample to sample that an even fall stays below, by so many
-/// standard deviations. Tuned: a slip on a coarse clock reaches nine tenths.
+/// Part of what a slip falls from sample to sample that an even fall stays below. Tuned: a slip on a
+/// coarse clock reaches nine tenths.
 const SLOW: f32 = 0.85;
+/// Standard deviations by which it does.
 const SURELY: f32 = 5.0;
 /// A coefficient beyond this is no friction: tuned to nothing, ice stays below 2.
 const LARGEST: f32 = 3.0;
-/// A block that slides on a slack cable until friction has taken its speed stays on it for
-/// `Fs (Fs - 2 Fp) / (2 Fp r)`: with `mu` a tenth of `mu_s`, four times as long as the force took
-/// to rise from nothing. One that stays longer was let go.
+/// Least `mu` over `mu_s` of a slack cable. A block that slides on one until friction has stopped
+/// it stays on it for `Fs (Fs - 2 Fp) / (2 Fp r)`: with a tenth, four times as long as the force
+/// took to rise from zero. A cable that stays slack for longer was let go.
 const LEAST_RATIO: f32 = 0.1;
 
-/// Why a fall gives no coefficient, if that can be said without a fit: the line after it and the
-/// highest force on it, N, the periods until the next slip or the end, whether a slip of this
-/// test took time, and the swing, periods, if it is known.
+/// Why a fall gives no coefficient, if that can be said without a fit: from the line after it and
+/// the highest force on that, N, the periods until the next slip or the end, whether a slip of this
+/// test was seen to take time, and the swing, periods, if it is known.
 pub(crate) fn of_fall(
     slip: &SlipRecord,
     (after, next_n): (&Line, f32),
@@ -93,36 +96,37 @@ pub(crate) fn of_fall(
     (stays || is_held(slip, rise_n / periods)).then_some(Reason::NoRest)
 }
 
-/// Was the force held before a fall, so that no load made the block slip? Its line rises, for sure, by far less
-/// than the force after the fall, which has such a rate on average.
+/// Was the force held before a fall, so that no load made the block slip? Then its line rises, for
+/// sure, by far less than `rate`, the mean rate of the force after the fall.
 fn is_held(slip: &SlipRecord, rate: f32) -> bool {
     let before = &slip.before;
     let less = FLAT * rate - before.slope().unwrap_or(0.0);
     is_no_chance((less, slip.noise_n2 / before.slope_weight()))
 }
 
-/// Does a sample show the force on its way down? A hand lets go at once.
+/// Does a sample show the force on its way down? A hand that lets go shows none.
 pub(crate) fn takes_time(slip: &SlipRecord) -> bool {
     let (from, to) = slip.fall_edges();
     to - from >= INSTANT
 }
 
-/// Events of late that count.
+/// Events over which these means fade.
 const MEMORY: f32 = 16.0;
 
-/// How the slips of late follow each other: periods from one to the next, a mean (of slips that follow
-/// each other every 3.8 samples most are seen four apart), and whether their fits say that many were
-/// missed in between.
+/// How the slips of late follow each other: the mean number of periods from one to the next (of
+/// slips every 3.8 samples most are seen four apart), and how many of their fits say that slips in
+/// between were missed.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Recurrence {
     mean: f32,
-    /// Part of the events of late that their own fits told to be folded, or that were refused for themselves.
+    /// Part of the events of late that were folded by their own fits, or refused for reasons of
+    /// their own.
     folded: f32,
 }
 
 impl Default for Recurrence {
     fn default() -> Self {
-        // Tuned: from none on, twice as many events of `aliased_fast` are believed, the first ones.
+        // Tuned: with 0 twice as many events of `aliased_fast` are believed, the first ones.
         Self { mean: FEWEST_PERIODS, folded: 0.4 }
     }
 }
@@ -130,13 +134,13 @@ impl Default for Recurrence {
 impl Recurrence {
     /// Does the next slip, so many periods later, follow too fast for the sampling?
     pub(super) fn is_aliased(&mut self, periods: f32) -> bool {
-        // Tuned: where they follow every four samples, the mean of late is not lower than that.
+        // Tuned: slips every four samples stay above the limit less this.
         const UNSURE: f32 = 0.05;
         self.mean += (math::smaller(periods, FAST) - self.mean) / MEMORY;
         periods < FEWEST_PERIODS || self.mean < FEWEST_PERIODS - UNSURE
     }
 
-    /// Is an event folded, as its fit tells, or as those of most events of late do?
+    /// Is an event folded, by its own fit, or because most events of late were?
     pub(super) fn is_folded(&mut self, fit_tells: bool) -> bool {
         const MOST: f32 = 0.5;
         let now = if fit_tells { 1.0 } else { 0.0 };
@@ -145,41 +149,41 @@ impl Recurrence {
     }
 }
 
-/// Between which limits the root of the ratio of two stiffnesses lies, `k = F'/w` over `k = ω² M`, from the
-/// loading rate, N per period, and the swing, periods, each with its variance. NaN where the speed of the
-/// winch is not known: then nothing is told by it.
+/// Limits of the root of the ratio of two stiffnesses, `k = F'/w` over `k = ω² M`: by the loading
+/// rate, N per period, and the swing, periods, each with its variance. NaN where the speed of the
+/// winch is not known: then neither limit tells anything.
 #[inline(never)]
 pub(crate) fn stiffer(site: &Site, rate: (f32, f32), swing: (f32, f32)) -> (f32, f32) {
     let root = swing.0 * math::sqrt(rate.0 / site.momentum);
-    // Of the root, the rate counts half.
+    // Of the root the rate's relative error is halved.
     let unsure = 0.25 * rate.1 / (rate.0 * rate.0) + swing.1 / (swing.0 * swing.0);
     let by = LIKELY * root * math::sqrt(unsure);
     (root - by, root + by)
 }
 
-/// Does a cable that the winch shows to be stiff let the block slip as slowly as a soft one? Then
-/// the slips that are seen are made of single samples of many: with time stretched by a factor,
-/// `k = F'/w` falls by it, `k = ω² M` by its square, and the true slips follow each other as much
-/// faster. With the periods to the next slip.
+/// Does the winch show a stiff cable, and the slips a soft one? Then the slips that are seen are
+/// made of single samples of many: with time stretched by a factor, `k = F'/w` falls by it and `k =
+/// ω² M` by its square, and the true slips follow each other that much faster. `periods` is the
+/// time to the next slip.
 pub(crate) fn is_folded((least, _): (f32, f32), periods: f32) -> bool {
     least > 0.0 && least * least > larger(STIFFER, periods / FEWEST_PERIODS)
 }
 
-/// Is that ratio one, as far as weight and winch are known? Then the slips are not folded, and no swing of
-/// the cell.
+/// Is the ratio surely one, as far as weight and winch are known? Then the slips are not folded,
+/// and no oscillation of the cell.
 pub(crate) fn is_asked_for((least, most): (f32, f32)) -> bool {
     least > CLOSE.0 && most < CLOSE.1
 }
 
-/// Is the loading rate far too low for the swing? A winch of known speed loads the cable that the
-/// swing shows by `ω² M w`; two thirds of that are another slip than the one in the samples, which a fit
-/// with few of them may find.
+/// Is the loading rate surely far too low for the swing? A winch of known speed loads the cable
+/// that the swing shows by `ω² M w`; at two thirds of that the fit has found another slip than the
+/// one in the samples, as it may with few of them.
 pub(crate) fn is_lame((_, most): (f32, f32)) -> bool {
     most * most < SOFTER
 }
 
-/// Is a value, with its variance, more than nothing and no chance? What may be nothing says nothing: fits
-/// of slips that follow each other too fast may end with hardly a drop. Not for NaN.
+/// Is a value, with its variance, surely above zero? What may be zero says nothing: fits of slips
+/// that follow each other too fast may end with hardly a drop. False for NaN.
 #[inline(never)]
 pub(crate) fn is_no_chance((value, variance): (f32, f32)) -> bool {
     value > 0.0 && SURE * SURE * variance < value * value
@@ -191,7 +195,7 @@ pub(crate) fn of_event(event: &Event) -> Option<Reason> {
     if event.slack && mu.is_some_and(|mu| mu.value < LEAST_RATIO * mu_s.value) {
         return Some(Reason::LetGo);
     }
-    // What is not known to itself says nothing.
+    // A coefficient that is no larger than its own standard deviation says nothing.
     if mu_s.std > mu_s.value.abs() {
         return Some(Reason::TooShort);
     }
@@ -199,10 +203,10 @@ pub(crate) fn of_event(event: &Event) -> Option<Reason> {
     (!is_possible(&mu_s) || mu.is_some_and(|mu| !is_possible(&mu))).then_some(Reason::Implausible)
 }
 
-/// Does the force fall as evenly as a winch that turns back lets it? Then it lies on a straight
-/// line, as far as the noise allows, and no slip does: with the swing that is known it falls
-/// faster on its way, and half a cosine from the highest sample to the lowest lies further off.
-/// At most as many samples as the record of a slip holds.
+/// Does the force fall as evenly as a winch that turns back makes it? Then it lies on a straight
+/// line, as far as the noise allows, and no slip does: a slip with the swing that is known falls
+/// faster on its way, and where none is known half a cosine from the highest sample to the lowest
+/// has to lie further off. Looks at the samples of the slip's record.
 fn is_even(slip: &SlipRecord, swing: Option<f32>, after: &Line) -> bool {
     let (peak, low) = slip.extremes();
     if low - peak < SHORTEST {
@@ -219,7 +223,7 @@ fn is_even(slip: &SlipRecord, swing: Option<f32>, after: &Line) -> bool {
     let off_n2 = straight.residual();
     let own_n2 = off_n2 / (straight.count as f32 - 2.0);
     let noise_n2 = larger(slip.line_noise_n2(after), rounding_n2(slip.peak.force_n));
-    // Not for NaN.
+    // False for NaN as well.
     let is_straight = own_n2 < EVEN * noise_n2;
     if swing.is_some_and(|swing| is_straight && is_slow(slip, swing, &straight, noise_n2)) {
         return true;
@@ -233,15 +237,15 @@ fn is_even(slip: &SlipRecord, swing: Option<f32>, after: &Line) -> bool {
     swing.is_none() && is_straight && is_shapely && is_clear
 }
 
-/// Is a line through the samples far likelier than half a cosine, whatever the noise is?
+/// Is a line through the samples far likelier than half a cosine, without knowing the noise?
 fn is_likelier(straight: &Line, cosine: &Line) -> bool {
     let likelier = straight.count as f32 * math::ln(cosine.residual() / straight.residual());
-    // Also not for a force without any noise, or NaN.
+    // False for a force without any noise, and for NaN.
     likelier > LIKELIER
 }
 
-/// Lines through the samples between two times, by their time and by a cosine of it, that goes from an
-/// angle at a third time to `π` less that angle at a fourth.
+/// Lines through the samples between two times, one over their time, one over the cosine of an
+/// angle. That goes evenly from `angle` at the third time to `π − angle` at the fourth.
 #[inline(never)]
 fn lines(
     slip: &SlipRecord,
@@ -260,8 +264,8 @@ fn lines(
     (straight, cosine)
 }
 
-/// Does a fall along a line take longer than a slip with this swing, periods? From one sample to
-/// the next a slip falls by `sin(1/s)` of half its drop once, wherever the samples lie.
+/// Does a fall along a line take longer than a slip with this swing, periods? Wherever its samples
+/// lie, such a slip falls once from one sample to the next by `sin(1/s)` times half its drop.
 fn is_slow(slip: &SlipRecord, swing: f32, straight: &Line, noise_n2: f32) -> bool {
     let angle = math::smaller(1.0 / swing, core::f32::consts::FRAC_PI_2);
     let part = 0.5 * math::sin_cos(angle).0;

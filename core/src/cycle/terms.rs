@@ -1,4 +1,4 @@
-//! What an event's residuals tell of the force terms that its fit lacks.
+//! What an event's residuals tell of the force terms and the oscillations that its fit lacks.
 
 use core::ops::Range;
 
@@ -15,20 +15,21 @@ use crate::model::Shape;
 use crate::model::corner::Corner;
 
 impl Expectations {
-    /// Are there terms to ask events for? Known at compile time where none is compiled in.
+    /// Are there force terms to ask events for? Where none is compiled in that is known at compile
+    /// time.
     #[inline(always)]
     pub(crate) fn asks(&self) -> bool {
         let terms = [Effect::Damping, Effect::Onset, Effect::Corner];
         terms.into_iter().any(|effect| self.effects.has(effect))
     }
 
-    /// Is the event to be asked for its corners?
+    /// Is the event to be asked for its corners? Counts it.
     pub(crate) fn asks_corner(&mut self, used: &Corner) -> bool {
         self.effects.has(Effect::Corner) && self.corner.tell(|corner| corner.is_due(used))
     }
 
-    /// Carries what the event's residuals tell of the corners to the next ones, and all that was
-    /// learnt along with it.
+    /// Learns the corners from what the event's levels told, and moves what was learnt of rate,
+    /// swing and rate change along with them. Gives the correction of the event itself.
     pub(crate) fn learn_corner(
         &mut self,
         used: Corner,
@@ -45,8 +46,9 @@ impl Expectations {
         effect
     }
 
-    /// What the event tells of a swing that may be the cable's or the cell's, if it teaches at all, and
-    /// what of its forces follows from that; by a fit that does not follow the swing.
+    /// Learns from an event, if it `teaches`, whether an oscillation about its lines is the cable's
+    /// or the cell's; gives the correction of its forces that follows. The fit is one that does not
+    /// follow the oscillation.
     pub(crate) fn learn_swing(
         &mut self,
         pending: &SlipRecord,
@@ -61,7 +63,7 @@ impl Expectations {
         let local = Data { wander, rate, rate_change, ..data };
         let resolved = Some(fit).filter(|_| posterior.is_resolved());
         let Some(followed) = resolved.and_then(|fit| fit.forces_with(&local)) else {
-            // All of it, whosever it is.
+            // Unsure by all of the oscillation, whosever it is.
             let static_n2 = (1.0 - wander.white_share()) * noise_n2;
             return Correction { static_n2, dynamic_n2: 0.5 * static_n2, ..Correction::default() };
         };
@@ -87,7 +89,8 @@ impl Expectations {
         })
     }
 
-    /// Asks levels of the event for the terms that widen.
+    /// Asks levels of the event for the force terms that only widen: losses, and the two of the
+    /// onset.
     pub(crate) fn ask_scores(
         &self,
         asked: &mut Asked,
@@ -103,7 +106,7 @@ impl Expectations {
         }
     }
 
-    /// Takes what all of them told; gives the variance of `Fs` by these terms, N².
+    /// Learns what all levels told of these terms; gives the variance of `Fs` by them, N².
     pub(crate) fn learn_scores(&mut self, asked: &mut Asked, alone: &Alone, noise_n2: f32) -> f32 {
         asked.free(alone);
         if self.effects.has(Effect::Damping) {

@@ -1,5 +1,5 @@
-//! What is made of an event's fit, a step each: how far its samples are from it, what it tells of
-//! its unknowns, and what of the force terms that it lacks.
+//! What follows an event's fit, a step each: how far its samples are from it, what the next events
+//! learn from its unknowns, and what its levels tell of the force terms that it lacks.
 
 use crate::cycle::cycle_fit::{CycleFit, Measured, Outcome, Stage, Terms};
 use crate::cycle::expectations::{Expectations, is_clear, is_strained, own_residuals};
@@ -15,22 +15,22 @@ use crate::fit::residuals::excess_ratio;
 use crate::fit::{Fit, Variances};
 use crate::num::math::{larger, smaller};
 
-/// Part of the drop, beside a period of the line, that a strained fit may end from the highest and
-/// the lowest sample. Tuned with the pauses of heavy blocks.
+/// Part of the drop, beside what the line rises in a period, by which the ends of a strained fit
+/// may differ from the highest and the lowest sample. Tuned with the pauses of heavy blocks.
 const SPANNED: f32 = 0.03;
 
-/// Samples and lines that one step asks for other force terms, or for the corners.
+/// Levels that one step asks for other force terms.
 pub(super) const LEVELS_A_STEP: usize = 12;
 
 impl CycleFit {
-    /// How far the samples are from the fit: noise, what slips scatter, strain.
+    /// Judges how far the samples are from the fit: noise, scatter of the slip, strain.
     // Of its own: inside `step` it takes two hundred bytes of flash more.
     #[inline(never)]
     pub(super) fn judge(&mut self, learnt: &mut Expectations) {
         let (fit, pending, noise_n2) = (&mut self.fit, &self.pending, self.expected.noise_n2);
         let data = self.expected.data(pending, &self.after);
         let (squares_n2, free) = own_residuals(&data, fit);
-        // Without what is left around the line after it, which fits whatever the slip does.
+        // Not counting the residuals of the line after it, which fits whatever the slip does.
         let (line_n2, points) = (self.after.residual(), larger(self.after.weight - 2.0, 0.0));
         let around_n2 = squares_n2 - line_n2;
         let misfit = learnt.is_misfit(pending, around_n2, free - points);
@@ -45,12 +45,13 @@ impl CycleFit {
         fit.scale(excess_ratio(around_n2, free - points, now_n2));
         fit.widen_forces(pending.wander.alike);
         if counts {
-            // Where the noise is not known yet, the lines have it.
+            // While the noise is not known the lines tell it.
             let (lines_n2, lines) = pending.line_residuals(&self.after);
             let line_n2 = lines_n2 / larger(lines, 1.0);
             let quiet_n2 = larger(noise_n2, line_n2);
-            // Where the steps leave one line less than they should, all samples of a line are off alike.
-            // As far as the noise, which is what all leave beyond the steps, does not smear them.
+            // Where a converter's steps leave less about one line than they should, all samples of
+            // that are off alike, as far as the noise (what all residuals have beyond the steps)
+            // does not smear them.
             let hidden_n2 = larger(2.0 * step_n2 - now_n2 - quieter_n2, 0.0);
             fit.widen(&Variances::UNSURE_SWING, hidden_n2 / now_n2);
             let (slip, wider) = data.slip_scatter(fit, quiet_n2);
@@ -78,8 +79,9 @@ impl CycleFit {
         }
     }
 
-    /// Leaves to the stick lines what lies on them with all places of the onset: these reach a period
-    /// to either side, and the stop is not known better than before the last fit.
+    /// Hands the samples that lie on a stick line at all places of the onset to that line. The
+    /// places reach a period to either side, and the stop is not known better than before the last
+    /// fit.
     fn shorten(&mut self) {
         const FAR: f32 = 1.0 + UNSURE;
         let (fit, pending) = (&mut self.fit, &mut self.pending);
@@ -90,7 +92,7 @@ impl CycleFit {
         }
     }
 
-    /// Carries what the event tells to the next ones.
+    /// The next events learn from this one.
     // Of its own: inside `step` it takes two hundred bytes of flash more.
     #[inline(never)]
     pub(super) fn tell(&mut self, learnt: &mut Expectations) {
@@ -102,8 +104,8 @@ impl CycleFit {
             posterior.common_n2 = fit.wider_n2(noise_n2);
         }
         let is_resolved = posterior.is_resolved();
-        // Events before it that told the rate and not how long a slip is had brief ones: this one looks
-        // longer by what is missing.
+        // The events before told the rate and not how long a slip is, so theirs were brief: this
+        // one looks longer by what is missing.
         let told = learnt.rate.mean().is_none() || learnt.mass.inverse_omega().mean().is_some();
         if is_resolved && !told && pending.hides_length() {
             self.stage = Stage::Failed(Reason::Hidden);
@@ -125,7 +127,7 @@ impl CycleFit {
         self.stage = if asked { Stage::Alone(self.fit.anew()) } else { Stage::Told };
     }
 
-    /// The event alone, which is asked for the force terms that its fit lacks.
+    /// Sets up the normal equations of the event without what was expected of it.
     pub(super) fn alone(&mut self) {
         let Stage::Alone(pass) = &mut self.stage else { return };
         let data = self.expected.asked(&self.pending, &self.after);
@@ -136,7 +138,8 @@ impl CycleFit {
         }
     }
 
-    /// What its levels tell of these terms, and then, where it is due, of its corners.
+    /// Asks some levels for force terms. When all have been asked, learns; then the same for the
+    /// corners, if the event is due for them.
     // Of its own: inside `step` it takes two hundred bytes of flash more.
     #[inline(never)]
     pub(super) fn asked(&mut self, learnt: &mut Expectations) {
@@ -169,8 +172,9 @@ impl CycleFit {
         self.measured.share(&correction);
     }
 
-    /// A misfit counts only as a sign of another block, and a strained fit only where it reaches
-    /// from the highest to the lowest sample: a winch that stood in the slip bends it away from them.
+    /// A misfit gives coefficients only as a sign of another block, and a strained fit only if it
+    /// ends near the highest and the lowest sample: a winch that stood in the slip bends it away
+    /// from them.
     pub(super) fn outcome(&self) -> Outcome {
         let Measured { posterior, verdict, .. } = &self.measured;
         let fits = match self.strain {
@@ -183,13 +187,13 @@ impl CycleFit {
 }
 
 impl Measured {
-    /// Takes what is known since the fit, and what is unsure of it in every event alike.
+    /// Applies what became known after the fit, whose variances are the same in every event.
     fn share(&mut self, correction: &Correction) {
         self.take(correction);
         self.posterior.share(correction);
     }
 
-    /// Takes what is known since the fit.
+    /// Applies what became known after the fit.
     #[inline(never)]
     pub(crate) fn take(&mut self, correction: &Correction) {
         self.posterior.take(correction);
@@ -203,15 +207,15 @@ impl Measured {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Strain {
     None,
-    /// Too far to learn from.
+    /// Too far for the next events to learn from.
     Strained,
     /// So far that the model does not describe them.
     Misfit,
 }
 
 impl Strain {
-    /// What the places of an onset tell: that the event leaves far more than the noise they do not
-    /// know.
+    /// The average over places of an onset knows only the noise: an event that leaves far more is
+    /// no surer than by its fit, whose variances were multiplied for that.
     pub(super) fn around(self, posterior: Posterior, fit: &Fit, noise_n2: f32) -> Posterior {
         match self {
             Self::None => posterior,

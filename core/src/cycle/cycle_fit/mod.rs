@@ -1,9 +1,9 @@
-//! The last fit of an event whose lines are complete, and what is made of it, spread over the
-//! samples that follow, so that none has to wait for a whole fit.
+//! The last fit of an event whose lines are complete, and what is learnt from it, spread over the samples
+//! that follow: no sample has to wait for a whole fit.
 //!
 //! ```text
-//!        iterations                                 a step each
-//! New ──► Free ──► Expected ──► Fitted ──► Telling ──► Alone ──► Asked ──► Told
+//!        iterations                                  a step each
+//! New ──► Free ──► Expected ──► Fitted ──► Learning ──► Alone ──► Asked ──► Done
 //!                                  └► Places ┘  hardly resolved: averaged over the onset
 //!  └──────────────────┴─► Failed    without a fit
 //! ```
@@ -29,12 +29,13 @@ use crate::num::math::{larger, smaller};
 use crate::signal::window::Window;
 use crate::stats::line::Line;
 
-/// Where so many samples wait there is time for what comes after the places of an onset, and for no more of
-/// those.
+/// Samples that wait, beyond which no more places of an onset are looked at: what comes after those
+/// still has time.
 const NO_PLACES: u32 = MOST_PUT_OFF - 8;
 
-/// Most places of an onset that are looked at, for every period until the next slip. Tuned: slips of which
-/// several are taken for one follow each other fast, and with all their places some are believed.
+/// Most places of an onset that are looked at, for every period until the next slip. Tuned: where
+/// several slips are taken for one, the slips follow each other fast, and with all their places
+/// looked at some are believed.
 const PLACES: f32 = 2.0;
 
 /// An event being fitted.
@@ -45,17 +46,17 @@ pub(crate) struct CycleFit {
     pub(crate) pending: SlipRecord,
     pub(crate) after: Line,
     stage: Stage,
-    /// What the fit expects: the same from its beginning to its end.
+    /// What is expected of the event: the same from the fit's beginning to its end.
     expected: Expected,
     /// The fit, once there is one.
     fit: Fit,
-    /// Whether the samples around the slip are far from it.
+    /// How far the samples around the slip are from it.
     strain: Strain,
-    /// What it tells, as far as the stage has come.
+    /// What is known of the event so far.
     pub(crate) measured: Measured,
 }
 
-// What it holds begins on a word, so that it is copied by words.
+// The data begin on a word, so that they are copied by words.
 #[derive(Clone, Copy, Debug)]
 #[repr(u32)]
 #[allow(clippy::large_enum_variant, reason = "there is one, and no heap to put it on")]
@@ -70,26 +71,26 @@ enum Stage {
     Free(Fitting),
     /// Fitted with what is expected.
     Expected(Fitting),
-    /// Fitted; how far the samples are from that is still to be seen.
+    /// Fitted; how far the samples are from the fit is still to be judged.
     Fitted,
-    /// Averaged over the onset.
+    /// Being averaged over places of the onset.
     Places(OverOnset),
-    /// Its unknowns are known; what they tell the next events is still to be learnt.
+    /// Its unknowns are known; the next events have still to learn from it.
     Telling,
-    /// Measured; to be seen without what was expected of it.
+    /// Learnt from; the normal equations without what was expected of it are being set up.
     Alone(Pass),
-    /// What the slip's samples tell of other force terms, as far as its levels have been asked.
+    /// Its levels are being asked for other force terms, from the place in the last number on.
     Asked(Terms, Alone, Asked, usize),
-    /// All is known.
+    /// All that it tells is known.
     Told,
     /// It has no fit.
     Failed(Reason),
 }
 
-/// What an event is asked for.
+/// The force terms that an event is asked for.
 #[derive(Clone, Copy, Debug)]
 enum Terms {
-    /// Those that widen, and shift nothing.
+    /// Those that widen its intervals and shift nothing.
     Widen,
     /// Its corners, which move its forces.
     Corner,
@@ -103,21 +104,21 @@ pub(crate) struct Measured {
     pub(crate) alone: Option<Forces>,
     /// Variance of the noise, N².
     pub(crate) noise_n2: f32,
-    /// Whether it is still the same block.
+    /// Whether the block is still the same.
     pub(crate) verdict: Verdict,
 }
 
 /// What became of an event.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Outcome {
-    /// Measured.
+    /// It has coefficients.
     Fitted,
-    /// Only seen.
+    /// It was seen and not measured.
     Failed(Reason),
 }
 
 impl CycleFit {
-    /// Of a slip whose line after it is yet to be given.
+    /// Of a slip whose line after it is not known yet.
     // Made where it is kept.
     #[inline(always)]
     pub(crate) fn new(pending: &SlipRecord) -> Self {
@@ -132,8 +133,8 @@ impl CycleFit {
         }
     }
 
-    /// Gives it the stick line after it, that ends at the next slip's highest sample, or with the
-    /// last index before its onset.
+    /// Gives it the stick line after it, which ends at the next slip's highest sample, or with
+    /// `last`, the last index before that slip's onset.
     pub(crate) fn give_lines(
         &mut self,
         stick: &Stick,
@@ -145,7 +146,7 @@ impl CycleFit {
         self.after = self.pending.line_after(stick, window, last);
     }
 
-    /// One step: an iteration, or what comes after the fit; so many samples are `waiting` for it.
+    /// One step: an iteration of the fit, or what comes after it. `waiting` samples wait for it.
     #[inline(never)]
     pub(crate) fn step(&mut self, learnt: &mut Expectations, waiting: u32) -> ControlFlow<Outcome> {
         match &self.stage {
@@ -155,7 +156,7 @@ impl CycleFit {
             Stage::Fitted => self.judge(learnt),
             Stage::Places(_) => self.place(waiting > NO_PLACES),
             Stage::Telling => self.tell(learnt),
-            // Never without terms to ask for: then what asks for them leaves the image.
+            // Without terms to ask for never reached: then what asks for them is not in the image.
             Stage::Alone(_) if learnt.asks() => self.alone(),
             Stage::Asked(..) if learnt.asks() => self.asked(learnt),
             Stage::Alone(_) | Stage::Asked(..) | Stage::Told => {
@@ -166,8 +167,8 @@ impl CycleFit {
         ControlFlow::Continue(())
     }
 
-    /// What the next step takes, in units of 160 instructions on the board; without the swing from
-    /// earlier events guesses may have to be compared.
+    /// Time that the next step takes, in units of 160 instructions on the board. Without the swing
+    /// from earlier events several guesses may have to be compared.
     pub(crate) fn next_takes(&self, knows_omega: bool) -> usize {
         let samples = self.pending.samples().forces_n.len();
         match &self.stage {
@@ -178,7 +179,7 @@ impl CycleFit {
             Stage::Expected(_) => 4 + self.expected.pass(&self.pending),
             Stage::Places(_) => 10 + self.expected.pass(&self.pending),
             Stage::Fitted => 25 + 5 * (self.pending.fall() as usize).min(8),
-            // With a second fit, if a swing is disputed.
+            // With a second fit, if an oscillation is disputed.
             Stage::Telling if self.pending.wander.is_disputed() => 34 + samples,
             Stage::Telling => 22,
             Stage::Alone(_) => 4 + self.expected.pass(&self.pending),
@@ -240,7 +241,7 @@ impl CycleFit {
         };
         let holds = |fit: &&Fit| fit.converged && pending.holds(&fit.shape);
         let Some(fit) = fit.as_ref().filter(holds) else {
-            // Corners that are not there may be why.
+            // Corners that are not there may be why it did not fit.
             learnt.corner = Kept::default();
             learnt.contradict();
             self.stage = Stage::Failed(Reason::NoFit);
@@ -250,8 +251,8 @@ impl CycleFit {
         self.stage = pending.hidden.map_or(Stage::Fitted, Stage::Failed);
     }
 
-    /// The next place; or no more of them, `late` or where slips follow each other fast. An onset whose
-    /// places were not looked at as far as it is likely may be anywhere then, unless samples enough lie
+    /// The next place; or the end, if it is `late` or slips follow each other too fast for more. An
+    /// onset whose likely places were not all looked at may be anywhere, unless enough samples lie
     /// in the slip.
     fn place(&mut self, late: bool) {
         let Stage::Places(places) = &mut self.stage else { return };

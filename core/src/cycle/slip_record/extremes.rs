@@ -1,5 +1,5 @@
-//! What the highest and the lowest sample tell of a slip, for those that the samples between
-//! them hardly resolve.
+//! What the highest and the lowest sample tell of a slip, where the samples between them hardly
+//! tell it.
 
 use crate::cycle::refusal::SURE;
 use crate::cycle::slip_record::{PI, SlipRecord, TELLING};
@@ -11,7 +11,7 @@ use crate::signal::window::Window;
 use crate::stats::line::Line;
 use crate::stats::prior::Prior;
 
-/// Loading rate, N per period, to within a factor of two, and the time of the slip.
+/// Loading rate, N per period, to within a factor of two, and the length of the slip.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Rough {
     pub(crate) rate: f32,
@@ -21,20 +21,20 @@ pub(crate) struct Rough {
     slide: f32,
     slide_std: f32,
     is_slack: bool,
-    /// Half-way down, periods from the event's origin.
+    /// When the force has fallen half-way, periods.
     pub(crate) middle: f32,
-    /// The last sample before that which is still high, and the first one after it which is
-    /// low: the highest and the lowest sample may lie anywhere on a slow line.
+    /// Times of the last sample before that which is still high, and of the first one after it
+    /// which is low, periods: the highest and the lowest sample may lie anywhere on a slow line.
     pub(super) edges: (f32, f32),
-    /// Part of the drop that begins and ends the fall: beyond what the noise does.
+    /// Part of the drop that is still high, or low already: beyond what the noise does.
     pub(super) edge_part: f32,
     /// Angle at which half a cosine has fallen by that part.
     edge_angle: f32,
 }
 
-/// Standard deviation of the swing that winch and weight ask for, a part of it. Tuned: with .03 slips
-/// that begin smoothly or with jitter cover less than nine tenths, with .1 those of a sample are given
-/// twice as wide as they are. A speed that is off by a tenth is covered.
+/// Standard deviation of the swing that winch and weight ask for, a part of it. Tuned: with .03
+/// slips that begin smoothly or with jitter are covered in less than nine tenths, with .1 slips of
+/// a sample are given twice as wide as they are. A winch speed that is off by a tenth is covered.
 const WINCH: f32 = 0.05;
 
 /// A slip that ended on a slack cable.
@@ -42,13 +42,13 @@ const WINCH: f32 = 0.05;
 pub(super) struct Slack {
     /// `Fp`, N.
     pub(super) centre_n: f32,
-    /// Part of the half turn from the largest force to the smallest up to `F = 0`.
+    /// Part of the half turn from the largest force to the smallest that the fall to `F = 0` takes.
     pub(super) part: f32,
 }
 
 impl Rough {
-    /// The loading rate from the line, or from the rise to the highest sample; the
-    /// time of the slip from the samples in between.
+    /// The loading rate by the line before, or else by the rise to the highest sample; the length
+    /// of the slip by the number of samples in between.
     pub(super) fn new(
         stick: &Stick,
         window: &Window,
@@ -64,14 +64,13 @@ impl Rough {
         let drop_n = peak.force_n - low.force_n;
         let least = 1e-4 * drop_n;
         let rate = larger(line.or(climb).unwrap_or(0.0), least);
-        // The force turns faster on the slip's side: of the two samples around each end of the
-        // slip the outer one is the highest, or the lowest, more often. Wider for slow ends of
-        // long slips.
         let fall = since(peak.index, low.index);
+        // The force turns faster on the slip's side: of the two samples around each end of the slip
+        // the outer one is the highest, or the lowest, more often. Wider for slow ends of long slips.
         let (slide, slide_std) = (fall - 0.4, 0.3 + 0.25 * fall);
         // From the highest to the lowest force the slide turns by π, in all by π + 2 φ.
         let turn = core::f32::consts::FRAC_2_PI * fall / drop_n;
-        // `sin φ = q / a`; the rate is rough, and so may the root be that makes an arc sine of it.
+        // `sin φ = q / a`. The rate is rough, and so may the root be that makes an angle of it.
         let sin = smaller(rate * turn, 1.0);
         let phase = math::atan2(sin, math::rough_sqrt(1.0 - sin * sin));
         let longer = 1.0 + core::f32::consts::FRAC_2_PI * phase;
@@ -82,19 +81,19 @@ impl Rough {
         Self { rate, rise, slide, slide_std, edge_part, edge_angle, ..Self::default() }
     }
 
-    /// The swing `1/ω` and its standard deviation, periods. Where the samples hardly show how long the
-    /// slip was, it is the one that the winch asks for, unless they contradict that: NaN where its
-    /// speed is not known.
+    /// The swing `1/ω` and its standard deviation, periods: that of the samples; or, where they
+    /// hardly show how long the slip was and do not contradict it, that which the winch asks for,
+    /// `by_winch`, NaN where its speed is not known.
     pub(crate) fn swing(&self, by_winch: f32) -> (f32, f32) {
         let (seen, std) = (self.slide / PI, self.slide_std / PI);
         let hides = self.is_slack || PI * by_winch < CLEAR;
-        // Also not for NaN.
+        // False for NaN as well.
         let agrees = (by_winch - seen).abs() < std;
         if hides && agrees { (by_winch, WINCH * by_winch) } else { (seen, std) }
     }
 
-    /// The slip lies around its middle: as much as one sample in between can tell,
-    /// for the slips that have no more.
+    /// Expected onset: the slip lies around its middle, to what a single sample in between can
+    /// tell.
     pub(crate) fn onset(&self, noise_n2: f32) -> Prior {
         let spread = 0.3 * larger(self.slide, 1.0);
         Prior { mean: self.middle - 0.5 * self.slide, weight: noise_n2 / (spread * spread) }
@@ -122,29 +121,31 @@ impl SlipRecord {
         (self.peak.time, self.low.time)
     }
 
-    /// Between which times, periods, the samples of the fall lie that are neither its highest nor its
-    /// lowest one, plateaus left out.
+    /// The times, periods, between which the samples of the fall lie that are neither the highest
+    /// nor the lowest one, without plateaus.
     pub(crate) fn steep(&self) -> (f32, f32) {
         let ((peak, low), (from, to)) = (self.extremes(), self.fall_edges());
         (larger(peak + 0.5, from), smaller(low - 0.5, to))
     }
 
-    /// Variance of the noise about the stick lines before and after, N²; where both are brief the
-    /// detector's.
+    /// Variance of the noise about the stick lines before and after, N²; the detector's where both
+    /// are brief.
     pub(crate) fn line_noise_n2(&self, after: &Line) -> f32 {
         const BRIEF: f32 = 8.0;
         self.mean_n2(self.line_residuals(after), BRIEF)
     }
 
-    /// The same about the quieter one of the two, of those that tell it; both rise at the same rate.
+    /// The same about the quieter one of the two lines that are not too brief; both rise at the
+    /// same rate.
     pub(crate) fn quieter_n2(&self, after: &Line) -> f32 {
-        // Tuned: with one the few samples of a brief line lie on it by chance.
+        // Tuned: with one degree of freedom the few samples of a brief line lie on it by chance.
         const BRIEF: f32 = 3.0;
         let own_n2 = |line| self.mean_n2(residuals(line), BRIEF);
         smaller(own_n2(&self.before), own_n2(after))
     }
 
-    /// Mean of squared residuals, N², with so many degrees of freedom; of too few the detector's.
+    /// Mean of squared residuals, N²; the detector's variance where their degrees of freedom are
+    /// fewer than `least`.
     fn mean_n2(&self, (squares_n2, free): (f32, f32), least: f32) -> f32 {
         if free < least { self.noise_n2 } else { squares_n2 / free }
     }
@@ -156,10 +157,10 @@ impl SlipRecord {
         (before.0 + after.0, before.1 + after.1)
     }
 
-    /// What the extremes tell together with the stick line after the slip.
+    /// The rough slip, with its length from the slack cable if the stick line after it shows one.
     pub(crate) fn rough(&self, after: &Line) -> Rough {
         let Some(Slack { part, .. }) = self.slack(after) else { return self.rough };
-        // From the highest sample, less than one off the onset, to the first at zero.
+        // From the highest sample, less than one off the onset, to the first one at zero.
         let fall = self.fall();
         let (slide, slide_std) = ((fall - 0.5) / part, (0.6 + 0.15 * fall) / part);
         Rough { slide, slide_std, is_slack: true, ..self.rough }
@@ -175,10 +176,9 @@ impl SlipRecord {
         since(self.origin, later.origin) + later.peak.time - self.peak.time
     }
 
-    /// The slip ended on a slack cable if the stick line after it, continued back to
-    /// the lowest sample, is below zero there by `x`: the block slid on and the winch
-    /// took that up. The work of friction is `Fp (Fs + x) = Fs² / 2`, but for the
-    /// winch's own.
+    /// The slip ended on a slack cable if the stick line after it, continued back to the lowest
+    /// sample, lies below zero there, by `x`: that far the block slid on, and the winch took it up.
+    /// But for the winch's own work that of friction is `Fp (Fs + x) = Fs² / 2`.
     pub(super) fn slack(&self, after: &Line) -> Option<Slack> {
         let slope = after.slope()?;
         let below_n = -after.at(self.low.time, slope);
@@ -191,8 +191,9 @@ impl SlipRecord {
         Some(Slack { centre_n, part })
     }
 
-    /// Does the lowest sample show a slack cable? It lies less than a period from where one began to
-    /// load at a rate, N per period, or its neighbour that is missing does; by the noise above that.
+    /// Does the lowest sample show a slack cable? It, or its neighbour if that is missing, lies
+    /// less than a period from where the cable began to load at `rate`, N per period; beyond that
+    /// the noise counts.
     #[inline(never)]
     pub(super) fn reaches_zero(&self, rate: f32) -> bool {
         const PERIODS: f32 = 2.0;
@@ -202,18 +203,20 @@ impl SlipRecord {
         self.low.force_n < PERIODS * rate + noise_n + ZERO * self.peak.force_n
     }
 
-    /// Is a sample missing in or next to a slip that has hardly another one? It may have begun, or ended,
-    /// on either side of that.
+    /// Is a sample missing in or next to a slip that has hardly another one? The slip may have
+    /// begun, or ended, on either side of it.
     pub(crate) fn hides_length(&self) -> bool {
         let samples = self.samples();
         self.fall() <= TELLING && samples.good().count() < samples.forces_n.len()
     }
 
-    /// Angle at which half a cosine has fallen by that part.
+    /// Angle at which half a cosine has fallen by the part of the edges.
     pub(crate) fn edge_angle(&self) -> f32 {
         self.rough.edge_angle
     }
 
+    /// Times, periods, of the last high sample before the middle of the fall and of the first low
+    /// one after it.
     pub(super) fn edges(&self) -> (f32, f32) {
         let part_n = self.rough.edge_part * (self.peak.force_n - self.low.force_n);
         let (high_n, low_n) = (self.peak.force_n - part_n, self.low.force_n + part_n);

@@ -1,4 +1,5 @@
-//! Where the fit of a slip begins: at the first answer, or at a guess from the extremes.
+//! Where the fit of a slip begins: at the cycle of the first answer, or at a guess from the
+//! extremes.
 
 use crate::cycle::slip_record::{PI, SlipRecord};
 use crate::fit::{Data, Fitting};
@@ -6,26 +7,26 @@ use crate::model::CycleParams;
 use crate::num::math::{self, larger};
 use crate::stats::line::Line;
 
-/// Lengths of a slip that are tried beside the time from its highest to its lowest sample, parts of
-/// that.
+/// Lengths of a slip that are tried besides the time from its highest to its lowest sample, parts
+/// of that.
 const OTHERS: [f32; 4] = [0.6, 0.8, 1.25, 1.6];
 
 impl SlipRecord {
-    /// Can a fit begin where an earlier one ended? Without the line after it a slip on a slack cable is
-    /// hardly determined.
+    /// Can a fit begin at the cycle of the first answer? Not on a slack cable, which that, without
+    /// the line after the slip, hardly determines.
     #[inline(never)]
     pub(crate) fn begins_again(&self, after: &Line) -> bool {
         self.early.is_some() && self.slack(after).is_none()
     }
 
-    /// Begins a fit there.
+    /// Begins a fit there, if it can.
     pub(crate) fn begin_again(&self, after: &Line) -> Option<Fitting> {
         let early = self.early.filter(|_| self.begins_again(after));
         early.map(|early| Fitting::new(&early))
     }
 
-    /// Begins at a guess: the lines' level and slope, half-way down in time, and the
-    /// slip's length that fits best of a few.
+    /// Begins a fit at a guess: through the lines and half-way down, with the swing that is
+    /// expected, or, if none is known, that of the length which fits best of a few.
     pub(crate) fn guess(&self, data: &Data<'_>, known_swing: bool) -> Fitting {
         let middle_n = 0.5 * (self.peak.force_n + self.low.force_n);
         let slack = self.slack(data.after);
@@ -41,7 +42,7 @@ impl SlipRecord {
             self.with_swing(slide / (PI + 2.0 * phase), data.rate.mean, centre_n)
         };
         let (mut best, mut least_n2) = (with_part(1.0), None);
-        // The highest and the lowest sample are half a period off their times, or less.
+        // The highest and the lowest sample are each off by half a period at most.
         for part in OTHERS.into_iter().filter(|part| (part - 1.0).abs() * fall <= 1.0) {
             let least = least_n2.get_or_insert_with(|| data.squares_n2(&best.shape()));
             let guess = with_part(part);
@@ -53,7 +54,8 @@ impl SlipRecord {
         Fitting::new(&best)
     }
 
-    /// A guess through the lines' level and slope and half-way down, about a centre, N.
+    /// A guess with a swing, periods, a rate and a centre, N: on the line before, and half-way down
+    /// when the samples are.
     #[inline(never)]
     fn with_swing(&self, inverse_omega: f32, rate: f32, centre_n: f32) -> CycleParams {
         let (peak_n, low_n) = (self.peak.force_n, self.low.force_n);
@@ -67,8 +69,8 @@ impl SlipRecord {
         CycleParams { onset, rate, static_n, half_drop_n, omega, rate_change: 0.0 }
     }
 
-    /// Moves the onset, along the stick line, and the drop of a guess so that it goes through
-    /// the lowest sample and the one nearest to half-way down.
+    /// Moves the onset of a guess, along the stick line, and its drop so that it goes through the
+    /// lowest sample and the one nearest to half-way down.
     fn through_samples(&self, mut cycle: CycleParams) -> CycleParams {
         let shape = cycle.shape();
         let middle = math::floor(self.rough.middle + 0.5);
@@ -83,7 +85,7 @@ impl SlipRecord {
         let determinant = by_onset * low_by_drop - low_by_onset * by_drop;
         let later = (above_n * low_by_drop - low_n * by_drop) / determinant;
         let drop_n = (low_n * by_onset - above_n * low_by_onset) / determinant;
-        // Also not for NaN.
+        // False for NaN as well.
         if later.abs() < 0.5 && drop_n.abs() < 0.5 * cycle.half_drop_n && self.before.count >= 3 {
             cycle.onset += later;
             cycle.static_n += cycle.rate * later;

@@ -20,15 +20,15 @@ use crate::stats::line::Line;
 
 const PI: f32 = core::f32::consts::PI;
 
-/// Most sampling periods between the two stick lines.
+/// Most samples between the two stick lines.
 const CORE: usize = 96;
 
-/// What is not known, periods, of onset and stop before the last fit of a slip that is hardly
-/// resolved.
+/// By how much onset and stop of a slip that is hardly resolved may be off before the last fit,
+/// periods.
 pub(crate) const UNSURE: f32 = 0.25;
 
-/// Periods from the highest to the lowest sample that tell when a slip began and how long it took:
-/// a single sample in between could be anywhere in slips of many lengths.
+/// Fewest periods from the highest to the lowest sample that tell when a slip began and how long it
+/// took: a single sample in between could be anywhere in slips of many lengths.
 pub(crate) const TELLING: f32 = 3.0;
 
 /// The highest or the lowest sample of a slip: its time, periods from the event's origin, and force.
@@ -38,15 +38,15 @@ pub(crate) struct Extreme {
     pub(crate) force_n: f32,
 }
 
-/// A slip whose stick line after it is still growing.
+/// A slip, gathered while the stick line after it still grows.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SlipRecord {
-    /// Index at time zero of the samples and of `before`.
+    /// Index of time zero, for the samples, `before` and all other times.
     pub(crate) origin: u64,
     pub(crate) before: Line,
-    /// The samples between the lines, as many as there are; NaN: missing.
+    /// The samples between the lines, N, the first `length` of them; NaN where one is missing.
     forces_n: [f32; CORE],
-    /// Time of the first of them, and how many there are.
+    /// Time of the first of them, periods, and their number.
     start: f32,
     length: usize,
     pub(crate) peak: Extreme,
@@ -57,25 +57,25 @@ pub(crate) struct SlipRecord {
     pub(crate) noise_n2: f32,
     /// How far the force wanders about its stick lines.
     pub(crate) wander: ColoredNoise,
-    /// Weight of the samples after the stop, and from when on they have it.
+    /// Weight of the samples after the stop, and the time from which on they have it, periods.
     pub(crate) rest_weight: f32,
     rest_from: f32,
-    /// The rate of the rest before it broke off.
+    /// Was the line before it begun anew, because the rate had changed? The winch may have paused.
     pub(crate) broken: bool,
     /// Why the samples between the lines are not all there: a gap, saturated ones, or too many.
     pub(crate) hidden: Option<Reason>,
-    /// The cycle as far as it was known before the stick line after it.
+    /// The cycle as the first answer has it, without the stick line after it.
     pub(crate) early: Option<CycleParams>,
     /// When the slip begins and ends, periods: as that cycle has it, or as the extremes do.
     slip: (f32, f32),
-    /// Where the event ends at the latest, periods: the next slip's highest sample.
+    /// Latest time that the event may reach, periods: the highest sample before the next slip.
     pub(crate) limit: f32,
     /// Why it is not even fitted.
     pub(crate) refused: Option<Reason>,
 }
 
 impl SlipRecord {
-    /// The samples from `start` up to the last one of a slip.
+    /// Gathers the samples from `start` up to the last one that the detector had looked at.
     pub(crate) fn new(
         detector: &Detector,
         stick: &Stick,
@@ -130,7 +130,8 @@ impl SlipRecord {
         (self.early, self.slip) = (cycle, cycle.map_or_else(|| self.extremes(), slip));
     }
 
-    /// Takes the samples `from`, right after those that were taken, to `to`, as many as fit.
+    /// Appends the samples `from` (right after those that were taken) to `to`, as many as there is
+    /// room for.
     fn take(&mut self, window: &Window, from: u64, to: u64) {
         let room = self.forces_n.get_mut(self.length..).unwrap_or_default();
         for (entry, index) in room.iter_mut().zip(from..to + 1) {
@@ -146,17 +147,20 @@ impl SlipRecord {
         Samples { rest_weight, rest_from, slip: self.slip, ..Samples::new(self.start, forces_n) }
     }
 
-    /// Variance of the noise as residuals tell it, N²: no less than what a converter's steps leave.
+    /// Variance of the noise, N², where residuals say `own_n2`: no less than a converter's steps
+    /// leave.
     pub(crate) fn least_n2(&self, own_n2: f32) -> f32 {
         larger(own_n2, self.step_n2(own_n2))
     }
 
-    /// Variance of what a converter's steps leave, a twelfth of their square, N², where residuals
-    /// tell far less than the samples did: those may lie on their lines by chance. Else zero.
+    /// Variance that a converter's steps leave, a twelfth of their square, N². Zero unless the
+    /// residuals are far smaller than the detector's noise: then the samples may lie on their lines
+    /// by chance.
     pub(crate) fn step_n2(&self, own_n2: f32) -> f32 {
         const FAR_LESS: f32 = 0.2;
         const PART: f32 = 1.0 / 12.0;
-        // Forces written with three decimals, some hundreds of newtons, are off by less.
+        // Tolerance, parts of the force: some hundreds of newtons with three decimals are off by
+        // less.
         const EXACT: f32 = 4e-5;
         if own_n2 > FAR_LESS * self.noise_n2 {
             return 0.0;
@@ -166,9 +170,9 @@ impl SlipRecord {
         PART * step_n * step_n
     }
 
-    /// Ends the event before the next one's slip begins: with the last index before its onset,
-    /// or a little before its highest sample; a stick too brief for a line gives its samples one
-    /// by one.
+    /// Ends the event before the next slip begins: with `last`, the last index before its onset, or
+    /// a little before its highest sample. After a rest too brief for a line the samples up to
+    /// there are taken one by one.
     pub(crate) fn end_before(
         &mut self,
         stick: &Stick,
@@ -188,17 +192,18 @@ impl SlipRecord {
         self.length = self.length.min(most);
     }
 
-    /// The last index before it begins for sure, if that is known; creep begins so much earlier.
+    /// The last index before the slip begins for sure, if there is a first answer; creep begins
+    /// earlier.
     pub(crate) fn last_before(&self, creep_periods: f32) -> Option<u64> {
         let begins = |cycle: CycleParams| cycle.onset - creep_periods - UNSURE;
         self.early.map(|cycle| SampleTime::after(self.origin, begins(cycle)).index)
     }
 
-    /// The stick line after the slip, up to the last index before the next onset: the
-    /// detector's stays behind.
+    /// The stick line after the slip, up to the last index before the next onset if that is known:
+    /// the detector's own line stays behind.
     pub(crate) fn line_after(&self, stick: &Stick, window: &Window, last: Option<u64>) -> Line {
         let mut line = stick.first_from(self.origin);
-        // Of slips on a slack cable the first answers are rough.
+        // A first answer on a slip on a slack cable is rough.
         let is_straight = self.has_straight(stick, &line) && self.slack(&line).is_none();
         if let Some(last) = last.filter(|_| is_straight) {
             for index in window.first_from(stick.next)..last + 1 {
@@ -210,16 +215,16 @@ impl SlipRecord {
         line
     }
 
-    /// Does the last sample show the stick line after it that starts at a time, clearly above its
-    /// start? A fit without it ends where the last samples would begin to contradict.
+    /// Did the samples see the stick line after the slip, which starts at a time, clearly above its
+    /// start? Without it a fit ends the slack where the last samples would begin to contradict.
     pub(crate) fn shows(&self, after: &Line, start: f32) -> bool {
         let risen_n = self.rate() * (self.samples().end() - start);
         after.count > 0 || risen_n > SURE * math::sqrt(self.noise_n2)
     }
 
-    /// Begins the stick line before the slip with the samples from the stop of the slip before
-    /// up to the re-stick, which the detector sees later. Where the cable flops, or was
-    /// slack, they are not on the line.
+    /// Puts the samples from the stop of the slip before up to the re-stick, which the detector
+    /// sees later, on the stick line before this slip. Not where the cable flops or was slack:
+    /// there they are off it.
     pub(crate) fn lengthen_line(&mut self, previous: &Self, stick: &Stick) {
         let was_slack = previous.slack(&stick.first_from(previous.origin)).is_some();
         let is_steady = self.rest_weight >= 1.0 && self.has_straight(stick, &self.before);
@@ -235,23 +240,23 @@ impl SlipRecord {
         }
     }
 
-    /// Is there a line, of samples that differ from it by noise alone?
+    /// Is there a line, about which the samples scatter by noise alone?
     fn has_straight(&self, stick: &Stick, line: &Line) -> bool {
         stick.is_straight() && line.count > 0 && self.wander.level <= 0.0
     }
 
-    /// The noise's part of the mean square of all residuals: only the line's contain what
-    /// the force wanders.
+    /// The noise's part of the mean square of all residuals. Only those about the line contain how
+    /// far the force wanders.
     pub(crate) fn white_share(&self) -> f32 {
         let line = self.before.count as f32;
         let part = line / (line + self.length as f32);
         1.0 - part * (1.0 - self.wander.followed().white_share())
     }
 
-    /// Is a fitted cycle the slip that the samples show? Its ends lie within half the
-    /// drop and the rise of two periods of the highest and the lowest sample, and its fall
-    /// begins and ends within two periods, and half of what it takes, of where theirs does; on a
-    /// slack cable it falls to nothing.
+    /// Is a fitted cycle the slip that the samples show? Its ends have to lie within half the drop
+    /// and what the line rises in two periods of the highest and the lowest sample. Its fall has to
+    /// begin and end within two periods, and half the fall, of where the samples' fall does; on a
+    /// slack cable the samples have to fall to zero.
     pub(crate) fn holds(&self, shape: &Shape) -> bool {
         let cycle = shape.cycle();
         let (from, to) = self.rough.edges;
@@ -266,8 +271,8 @@ impl SlipRecord {
         begins && ends && self.is_spanned(cycle, 0.5, 2.0)
     }
 
-    /// Do the ends of a cycle lie as near to the highest and the lowest sample as a part of the drop
-    /// and what the line takes the force in some periods?
+    /// Do the ends of a cycle differ from the highest and the lowest sample by less than a part of
+    /// the drop and what the line rises in some periods?
     #[inline(never)]
     pub(crate) fn is_spanned(&self, cycle: &CycleParams, part: f32, periods: f32) -> bool {
         let (peak_n, low_n) = (self.peak.force_n, self.low.force_n);
@@ -276,8 +281,8 @@ impl SlipRecord {
         is_near(cycle.static_n, peak_n) && (!cycle.is_taut() || is_near(cycle.restick_n(), low_n))
     }
 
-    /// Time from the onset to where the force of a cycle has fallen by the edge's part of the
-    /// fall, and from where it has yet to fall by it to the stop.
+    /// Time from the onset to where the fall of a cycle, as `edges` counts it, begins; and from
+    /// where it ends to the stop.
     fn lead(&self, shape: &Shape) -> f32 {
         shape.peak_time() + self.edge_angle() / shape.cycle().omega
     }

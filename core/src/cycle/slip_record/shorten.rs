@@ -4,9 +4,9 @@ use crate::cycle::slip_record::SlipRecord;
 use crate::stats::line::Line;
 
 impl SlipRecord {
-    /// Hands the samples before and after two times to the stick lines before and after the slip, to
-    /// the second if there is one: a fit looks at a line's two numbers instead of at each sample.
-    /// Gives the squares that they leave around the lines, N², which no fit has any more.
+    /// Hands the samples before one time to the stick line before the slip, those after another to
+    /// the line after it, if there is one: a fit looks at a line's two numbers instead of at each
+    /// sample. Gives the squares about the lines that no fit has any more, N².
     pub(crate) fn shorten(&mut self, after: &mut Line, (from, to): (f32, f32)) -> f32 {
         let around_n2 = self.before.residual() + after.residual();
         let place = |time: f32| (time - self.start) as usize;
