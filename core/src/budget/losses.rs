@@ -1,8 +1,9 @@
 //! What the losses of a cable do to the coefficients of an event.
 //!
-//! A cable has the same losses in every event, but the first events know no more of them than
-//! what is stated, and are told when they come. Once the test is over, what it showed holds for
-//! them as well: [`Losses::taken_off`] an event as it comes, [`Losses::put_on`] in the end.
+//! A cable has the same losses in every event. When the first events are given no more is known of
+//! them than what is stated; once the test is over, what it showed holds for the first events as
+//! well. So a replay takes the losses that an event was given with out of its standard deviations
+//! ([`Losses::taken_off`]), and puts in those of the whole test ([`Losses::put_on`]).
 
 use crate::coefficient::Coefficient;
 use crate::config::Config;
@@ -17,12 +18,12 @@ type Pair = [Option<Coefficient>; 2];
 pub struct Losses {
     /// Standard deviation of the damping ratio.
     pub(crate) damping_std: f32,
-    /// What a damping ratio of one does to `mu_s`.
+    /// Derivative of `mu_s` by the damping ratio.
     pub(crate) by_onset: f32,
 }
 
 impl Losses {
-    /// As a report has them.
+    /// The losses that a report has.
     #[must_use]
     pub fn of(config: &Config, report: &Report) -> Self {
         let Report { loading_rate_n_per_s, omega_rad_per_s, .. } = *report;
@@ -32,23 +33,23 @@ impl Losses {
         Self::new(report.damping_std, overshoot_n, normal_n)
     }
 
-    /// Of a loading rate over omega, and what a coefficient of one is in newtons.
+    /// From the loading rate over omega, N, and the force, N, of a coefficient of one.
     pub(crate) fn new(damping_std: f32, overshoot_n: f32, normal_n: f32) -> Self {
         Self { damping_std, by_onset: -2.5 * overshoot_n / normal_n }
     }
 
-    /// Changes of `mu_s` and `mu` with the damping ratio.
+    /// Derivatives of `mu_s` and `mu` by the damping ratio.
     pub(crate) fn sensitivities(&self, [mu_s, mu]: [f32; 2]) -> [f32; 2] {
         [self.by_onset, -core::f32::consts::FRAC_PI_2 * (mu_s - mu)]
     }
 
-    /// `mu_s` and `mu` of an event without them.
+    /// `mu_s` and `mu` of an event, with these losses taken out of their standard deviations.
     #[must_use]
     pub fn taken_off(&self, event: Pair) -> Pair {
         self.changed(event, -1.0)
     }
 
-    /// `mu_s` and `mu` of an event that has none yet with them.
+    /// `mu_s` and `mu` of an event, with these losses put into their standard deviations.
     #[must_use]
     pub fn put_on(&self, event: Pair) -> Pair {
         self.changed(event, 1.0)
@@ -65,7 +66,7 @@ impl Losses {
     }
 }
 
-/// Both coefficients of an event, one for the other where it is not known.
+/// Values of both coefficients, each for the other where that is not known.
 pub(crate) fn values(mu_s: Option<&Coefficient>, mu: Option<&Coefficient>) -> [f32; 2] {
     let (a, b) = (mu_s.map(|it| it.value), mu.map(|it| it.value));
     [a.or(b), b.or(a)].map(Option::unwrap_or_default)

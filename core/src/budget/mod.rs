@@ -1,8 +1,7 @@
 //! The error budget: what limits a coefficient besides the scatter of the force.
 //!
-//! `c = (F/W − sin α)/cos α`, so what is wrong with weight, slope, zero or span is wrong with
-//! every event alike, and no number of events averages it out. With `D` the damping of the
-//! cable as a part of the critical one:
+//! `c = (F/W − sin α)/cos α`, so an error of weight, slope, zero or span is the same in every
+//! event, and no number of events averages it out. With `D` the damping ratio of the cable:
 //!
 //! | input | `∂c/∂input` |
 //! |---|---|
@@ -13,14 +12,14 @@
 //! | damping `D` | `mu`: `−π/2 (mu_s − mu)`, `mu_s`: `−5/2 r/(ω W cos α)` |
 //! | winch speed | 0: it makes the stiffness only |
 //!
-//! Damping: half a turn of the ellipse loses the part `π D` of its axis, so the block rests
-//! `π D (Fs − Fp)` too early, and `(Fs + Fe)/2` lies above `Fp` by half of that. An undamped
-//! curve laid through it begins lower by `3/2 D r/ω`, `r` the loading rate (what least squares
-//! make of it where a slip has three samples or more); a dashpot in the cable bends the onset by
-//! another `D r/ω`, which drag would give back: the larger sum is taken.
+//! Damping: half a turn of the ellipse loses the part `π D` of its axis, so the block rests `π D
+//! (Fs − Fp)` too early, and `(Fs + Fe)/2` lies above `Fp` by half of that. An undamped curve that
+//! is fitted to a damped slip begins lower by `3/2 D r/ω`, `r` the loading rate (by least squares,
+//! where a slip has three samples or more). A dashpot in the cable takes another `D r/ω` off the
+//! onset, which drag would give back: the larger sum is taken.
 //!
-//! What may be the zero's drift, a weight that changed during the test, and what the events
-//! of a test share are lines of their own. The random part is the standard error.
+//! A drift of the zero, a weight that changed during the test, and what the events of a test share
+//! are lines of their own. The random part is the standard error.
 
 pub(crate) mod losses;
 
@@ -43,16 +42,16 @@ pub enum Input {
     Zero,
     /// Span of the load cell, a factor.
     Span,
-    /// Damping of the cable, a part of the critical one.
+    /// Damping ratio of the cable.
     Damping,
     /// Speed of the winch, m/s.
     Winch,
-    /// What the zero may have moved by during the test, N.
+    /// Drift of the zero during the test, N.
     ZeroDrift,
-    /// Weight over the given one where the block has changed, a factor.
+    /// Weight over the given one, a factor, where the block has changed.
     WeightChange,
-    /// What the model learns from the events, and what no event shows by itself: a part of
-    /// the coefficient.
+    /// What the model learns from the events, and what it takes for granted in all of them: a part
+    /// of the coefficient.
     Shared,
 }
 
@@ -73,7 +72,7 @@ pub struct Share {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Entry {
-    /// What it is about.
+    /// The input.
     pub input: Input,
     /// Its value, if it has one.
     pub value: Option<f32>,
@@ -83,11 +82,11 @@ pub struct Entry {
     pub shares: [Share; 2],
 }
 
-/// The inputs as they are known.
+/// The inputs, as they are known at some time of a test.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Known<'a> {
     pub(crate) config: &'a Config,
-    /// Sine and cosine of its slope.
+    /// Sine and cosine of the slope.
     pub(crate) slope: (f32, f32),
     /// Weight in use over the given one, and its relative standard deviation.
     pub(crate) weight_ratio: (f32, f32),
@@ -120,7 +119,7 @@ impl Known<'_> {
         ]
     }
 
-    /// Standard deviation of each of them, and the changes of `mu_s` and `mu` with it.
+    /// Standard deviation of each of them, and the derivatives of `mu_s` and `mu` by it.
     fn sensitivities(&self, [mu_s, mu]: [f32; 2]) -> [(f32, [f32; 2]); INPUTS - 1] {
         let Config { weight_n, winch_m_per_s, std, .. } = *self.config;
         let (ratio, ratio_std) = self.weight_ratio;
@@ -154,9 +153,9 @@ impl Known<'_> {
     }
 }
 
-/// Coefficient of a block that slides under a constant force, of the mean of that force over the
-/// weight and its standard deviation; and the combined standard deviation, without the scatter
-/// between events and without a drift of the zero.
+/// Coefficient of a block that slides under a constant force, and its combined standard deviation;
+/// from the mean of that force over the weight, and the standard deviation of that mean. The
+/// scatter between events and a drift of the zero are not in it.
 #[must_use]
 pub fn of_constant_force(config: &Config, (force_over_weight, std): (f32, f32)) -> (f32, f32) {
     let slope @ (sin, cos) = math::sin_cos(config.slope_rad);

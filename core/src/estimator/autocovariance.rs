@@ -18,7 +18,7 @@ pub struct Correlation {
     reference: f32,
     count: u32,
     sum: DoubleSingle,
-    /// The first values, and the last ones, newest first; zero before they are known.
+    /// The first values, and the last ones, newest first; zero until there are as many.
     first: [f32; LAGS],
     last: [f32; LAGS],
     /// `Σ x_i x_{i+k}` for k = 1..=LAGS.
@@ -45,7 +45,8 @@ impl Correlation {
             self.reference = value;
         }
         let x = value - self.reference;
-        // In one go: its products with the last ones, and their places.
+        // In one loop: the product with each of the last values, and that value's move to the next
+        // place.
         let mut newer = x;
         for (product, last) in self.products.iter_mut().zip(&mut self.last) {
             *product = product.plus_smaller(x * *last);
@@ -58,8 +59,8 @@ impl Correlation {
         self.count = self.count.saturating_add(1);
     }
 
-    /// Adds the products of a value, so many places after the next one, with the
-    /// values before it.
+    /// Adds the products of a value, which comes `places` after the next one, with the values so
+    /// far.
     fn pair_with_last(&mut self, x: f32, places: usize) {
         for (product, last) in self.products.iter_mut().skip(places).zip(&self.last) {
             *product += x * last;
@@ -97,7 +98,7 @@ impl Correlation {
         self.count = self.count.saturating_add(later.count);
     }
 
-    /// The first and last values of both.
+    /// Takes over the first and the last values of a later one.
     fn append_ends(&mut self, later: &Self, heads: usize, shift: DoubleSingle) {
         for (place, &x) in later.first.iter().enumerate().take(heads) {
             if let Some(slot) = self.first.get_mut(self.count as usize + place) {
@@ -107,8 +108,7 @@ impl Correlation {
         later.last.iter().take(heads).rev().for_each(|x| self.append(x + shift.rounded()));
     }
 
-    /// `Σ x_i` over the leading ones plus the same over the lagging ones of all pairs
-    /// at a lag.
+    /// `Σ (x_i + x_{i+k})` over all pairs of values `k` = `lag` apart.
     fn sums(&self, lag: usize) -> DoubleSingle {
         let ends = self.first.iter().zip(&self.last).take(lag);
         ends.fold(self.sum + self.sum, |sum, (first, last)| sum - DoubleSingle::from(first + last))
@@ -133,9 +133,9 @@ impl Correlation {
     /// errors), tapered as a quarter of the values is reached.
     ///
     /// The mean is that of the values themselves: it takes `I/n` of their variance with it, and as
-    /// much from every covariance. So `I = (1 + 2 Σ ρ_k) / (1 − 2 (K − Σ ρ_k) / n)` with the
-    /// correlations as they are seen, and the variance is `(n − 1) / (n − I)` times that of
-    /// independent values.
+    /// much from every covariance. So, with the correlations as they are seen, `I = (1 + 2 Σ ρ_k) /
+    /// (1 − 2 (K − Σ ρ_k) / n)`, and the variance is `(n − 1) / (n − I)` times that of independent
+    /// values.
     #[must_use]
     pub fn inflation(&self, mean: DoubleSingle, variance: f32) -> f32 {
         if variance <= 0.0 {
@@ -154,7 +154,7 @@ impl Correlation {
             sum += correlation;
             missing += 1.0 - correlation;
         }
-        // The lags are at most a quarter of the values.
+        // Not below a half: the lags are at most a quarter of the values.
         let inflation = (1.0 + 2.0 * sum) / (1.0 - 2.0 * missing / count);
         inflation * (count - 1.0) / (count - math::smaller(inflation, 0.5 * count))
     }

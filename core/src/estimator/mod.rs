@@ -1,23 +1,23 @@
 //! From events to a coefficient: a mean with an honest error.
 //!
-//! The events differ by their own noise, which each states, and by real variation
-//! of the friction, which has to be found out: random effects. All sums are kept to
-//! 48 bits ([`DoubleSingle`]), relative to the running mean, so a million events lose
-//! nothing, and two estimators can be merged. What one event adds is rounded to 24 bits, and so
-//! are the sums when they are asked.
+//! The events differ by their own noise, whose size each states, and by real variation of the
+//! friction, which has to be found out: random effects. All sums are kept to 48 bits
+//! ([`DoubleSingle`]), relative to the running mean, so a million events lose nothing, and two
+//! estimators can be merged. What one event adds is rounded to 24 bits, and so are the sums when
+//! they are read.
 //!
 //! With `s_i` an event's standard deviation, `τ²` the variance between events:
 //!
 //! - `τ² = max(0, S² − mean s_i²)`, `S²` the sample variance (method of moments), or, with the
 //!   weights `w_i = 1/s_i²`, `(Σ w_i (x_i − m_w)² − (n − 1)) / (Σ w_i − Σ w_i² / Σ w_i)`
 //!   (DerSimonian and Laird) if that is more: where a few events are far sharper than most, only
-//!   they show how friction scatters. Of few events with a stated prior (`Scatter`), and of one
-//!   event nothing;
+//!   they show how friction scatters. With few events a stated prior comes in (`Scatter`); one event
+//!   tells nothing of `τ²`;
 //! - mean `m = λ m_w + (1 − λ) m_1`: `m_w` weighted by `1/s_i²`, `m_1` plain,
 //!   `λ = s̄²/(s̄² + τ²)` with `s̄²` the harmonic mean of `s_i²`; either is the best
 //!   mean at its end of the scale;
-//! - errors that are common to the events stay in the mean, with their mean size ([`Common`]), and
-//!   are told apart from the random ones;
+//! - errors that are common to the events do not average out: the mean keeps their mean size
+//!   ([`Common`]), given apart from the random ones;
 //! - variance of `m` from the same weights, times `1 + 2 Σ ρ_k` with the correlations
 //!   `ρ_k` of the events in order, and degrees of freedom divided by that: two neighbours share the
 //!   stick line between them, and real friction wanders.
@@ -31,18 +31,18 @@ use crate::estimator::scatter::{FEW, Scatter};
 use crate::num::double_single::DoubleSingle;
 use crate::num::math::{self, larger};
 
-/// Parts of an event's standard deviation that others have as well.
+/// Parts of an event's standard deviation that are common to all events.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Common {
-    /// By what the events learn of the model: it weighs in the mean as the event does.
+    /// By parameters that the model learns from the events: weighted in the mean as the event is.
     pub shared: f32,
-    /// By what all take for granted where samples are few. Those that know least say it, and those
-    /// that seem to know take it for granted as well: it counts in the mean with every event alike.
+    /// By what all events take for granted where samples are few. The events that know least say
+    /// so, and those that seem to know more rest on it as well: it counts with every event alike.
     pub granted: f32,
 }
 
 impl Common {
-    /// A step of a running mean.
+    /// Moves these means by the part `share` towards an event's.
     fn follow(&mut self, event: Self, share: f32) {
         self.shared += share * (event.shared - self.shared);
         self.granted += share * (event.granted - self.granted);
@@ -66,28 +66,28 @@ pub struct Estimator {
     weighted_squares: DoubleSingle,
     weight_pairs: DoubleSingle,
     correlation: Correlation,
-    /// Plain means of the parts of the events' standard deviations that are common to them, and the
-    /// weighted mean of what they share.
+    /// Means of the common parts of the events' standard deviations: plain, and weighted for what
+    /// they share.
     common: Common,
     weighted_shared: f32,
 }
 
 impl Estimator {
-    /// Takes an event's coefficient. One without a finite value, or with a standard
-    /// deviation that is nothing (below 1e-9) or all (above 1e9), is left out.
+    /// Takes an event's coefficient. One without a finite value, or with a standard deviation below
+    /// 1e-9 or above 1e9, is left out.
     pub fn add(&mut self, event: Coefficient) {
         self.add_with_common(event, Common::default());
     }
 
-    /// The same, for an event that shares a part of its standard deviation with
-    /// others: however many there are, the mean keeps that part.
+    /// The same, for an event that has parts of its standard deviation in common with the others:
+    /// the mean keeps these parts, however many events there are.
     pub fn add_with_common(&mut self, event: Coefficient, common: Common) {
         if !(event.value.is_finite() && (1e-9..=1e9).contains(&event.std)) {
             return;
         }
         let (value, variance) = (event.value, event.std * event.std);
         self.correlation.add(value);
-        // One event moves a mean by a part of its distance: that part may be rounded, the
+        // One event moves a mean by a part of its distance from it: that step may be rounded, the
         // mean is not.
         let n = self.count as f32;
         self.count = self.count.saturating_add(1);
@@ -139,8 +139,8 @@ impl Estimator {
         self.count
     }
 
-    /// Mean, standard error and spread; `None` without events. What is systematic about it
-    /// is what the events have in common, as far as the estimator knows.
+    /// Mean, standard error and spread; `None` without events. Its systematic part is what the
+    /// events have in common, without the inputs.
     #[must_use]
     pub fn estimate(&self) -> Option<Estimate> {
         if self.count == 0 {
@@ -150,7 +150,7 @@ impl Estimator {
         let scatter =
             (self.count > 1).then(|| Scatter::of(self.count, mean, self.squares.rounded(), own));
         let seen = self.between();
-        // Of few events with the prior.
+        // With few events the prior counts.
         let between = match scatter {
             Some(scatter) if self.count <= FEW => larger(scatter.variance - own, 0.0),
             _ => seen.unwrap_or_default(),
@@ -171,7 +171,7 @@ impl Estimator {
         Some(Estimate {
             mean,
             std_error: scatter.map(|_| math::sqrt(variance)),
-            // Correlated values tell their scatter as so many fewer do.
+            // Correlated values tell their scatter as fewer independent ones do.
             freedom: scatter.map_or(0.0, |scatter| scatter.freedom / inflation),
             systematic_std: common_std,
             common_std,
@@ -187,15 +187,15 @@ impl Estimator {
         if self.count <= FEW {
             return Some(plain);
         }
-        // Σ w − Σ w² / Σ w, without a difference.
+        // Σ w − Σ w² / Σ w, without a difference of near equals.
         let pairs = 2.0 * self.weight_pairs.rounded() / self.weight.rounded();
         Some(larger((self.weighted_squares.rounded() - free) / pairs, plain))
     }
 
-    /// Factor on the variance of the mean because the events are correlated: what is
-    /// seen, once there are enough, and at least neighbours by a fifth of the share of the noise:
-    /// they share one of two stick lines. Measured as what makes the means of 400 tests scatter as
-    /// they say (`means` among the examples of the tests).
+    /// Factor on the variance of the mean because the events are correlated: by what is seen, once
+    /// there are thirty of them, but at least by neighbours that share one of their two stick
+    /// lines. Their correlation is a fifth of the noise's share of the variance: tuned, so that the
+    /// means of 400 tests scatter as they say (`means` among the examples of the tests).
     fn inflation(&self, noise_share: f32) -> f32 {
         const ENOUGH: u32 = 30;
         const NEIGHBOURS: f32 = 0.22;

@@ -1,9 +1,9 @@
 //! How much friction scatters between events, when there are only a few.
 //!
-//! With `s²` the variance of an event by its noise and `τ²` that between events, the
-//! values of `n` events have the variance `v = s² + τ²`. Two or three of them hardly tell
-//! it. What is taken to be known before: any order of magnitude of `τ` is as likely as any
-//! other, from the noise up to about 15 % of the coefficient,
+//! With `s²` the variance of an event by its noise and `τ²` that between events, the values of `n`
+//! events have the variance `v = s² + τ²`. Two or three of them hardly tell it. So a prior is
+//! stated: any order of magnitude of `τ` is as likely as any other, from the noise up to about 15 %
+//! of the coefficient,
 //!
 //! `p(τ) ∝ exp(−½ (τ / 0.15 m)²) / (τ + s)`,
 //!
@@ -16,8 +16,8 @@ use crate::num::math;
 
 /// Events up to which the prior counts.
 pub(super) const FEW: u32 = 8;
-/// Scatter beyond which it is unlikely, relative to the coefficient. Stated, not measured:
-/// with twice as much the interval of two events is a tenth wider, of three hardly.
+/// Largest likely scatter, relative to the coefficient. Stated, not measured: with twice as much
+/// the interval of two events is a tenth wider, that of three hardly.
 const LARGEST: f32 = 0.15;
 /// Values of `τ` that are tried, in equal steps of its logarithm, from a quarter of the
 /// noise to three times [`LARGEST`].
@@ -33,8 +33,8 @@ pub struct Scatter {
 }
 
 impl Scatter {
-    /// Of `count` values, two or more, with this mean and sum of squared deviations, whose
-    /// noise has this variance.
+    /// From `count` values, two or more, with this mean and sum of squared deviations; `noise` is
+    /// the variance of each by its noise.
     #[must_use]
     pub fn of(count: u32, mean: f32, squares: f32, noise: f32) -> Self {
         let free = (count.max(2) - 1) as f32;
@@ -45,8 +45,8 @@ impl Scatter {
         }
     }
 
-    /// What the values show: the noise is known, the rest has `free` degrees of freedom
-    /// (Welch and Satterthwaite).
+    /// By the values alone: the noise is known, the rest has `free` degrees of freedom (Welch and
+    /// Satterthwaite).
     #[inline(never)]
     fn seen(free: f32, squares: f32, noise: f32) -> Self {
         let between = math::larger(squares / free - noise, 0.0);
@@ -55,6 +55,7 @@ impl Scatter {
         Self { variance, freedom: free * ratio * ratio }
     }
 
+    /// With the prior: the moments of `v` over the values of `τ` that are tried.
     fn few(free: f32, mean: f32, squares: f32, noise: f32) -> Self {
         let (noise_std, largest) = (math::sqrt(noise), LARGEST * mean.abs());
         let (first, last) = (0.25 * noise_std, 3.0 * largest);
@@ -62,7 +63,7 @@ impl Scatter {
             return Self::seen(free, squares, noise);
         }
         let step = math::exp(math::ln(last / first) / f32::from(STEPS - 1));
-        // Sizes of the likelihood are told from that at the most likely variance.
+        // Likelihoods are relative to that of this variance, and near one.
         let likely = math::larger(squares / free, noise);
         let (mut sum, mut first_moment, mut second_moment) = (0.0, 0.0, 0.0);
         let mut between = first;

@@ -1,4 +1,4 @@
-//! What all samples so far say: the report, what each effect showed, and what is systematic.
+//! What all samples so far say: the report, what each effect shows, and what is systematic.
 
 use crate::budget::losses::values;
 use crate::budget::{Known, Losses};
@@ -66,7 +66,7 @@ impl Pipeline {
         })
     }
 
-    /// The means with what is systematic about them.
+    /// The means, with their systematic parts.
     fn estimates(&self, known: &Known<'_>) -> (Option<Estimate>, Option<Estimate>) {
         let (mut mu_s, mut mu) = (self.mu_s.estimate(), self.mu.estimate());
         let means = [mu_s.or(mu), mu.or(mu_s)].map(|it| it.map_or(0.0, |it| it.mean));
@@ -78,7 +78,7 @@ impl Pipeline {
         (mu_s, mu)
     }
 
-    /// What is systematic about the coefficients of an event.
+    /// Sets the systematic part of an event's coefficients.
     pub(super) fn add_systematic(
         &self,
         mu_s: Option<&mut Coefficient>,
@@ -104,15 +104,16 @@ impl Pipeline {
         }
     }
 
-    /// What the losses of the cable do to an event, as they are known now: in the systematic
-    /// part of an event when it comes are those of that moment.
+    /// What the losses of the cable do to an event, as they are known now. An event is given with
+    /// the losses of its moment in its systematic part.
     #[must_use]
     pub fn losses(&self) -> Losses {
         let damping_std = self.cycles.damping_std(self.config.std.damping);
         Losses::new(damping_std, self.cycles.overshoot_n(), self.cycles.force_n(1.0))
     }
 
-    /// `k` from `F' = k w` where the winch speed is known, else from `ω² = k / M`.
+    /// The stiffness `k`, N/m: from `F' = k w` where the winch speed is known, else from `ω² = k /
+    /// M`.
     fn stiffness(&self, rate: Option<Quantity>, omega: Option<Quantity>) -> Option<f32> {
         let mass_kg = self.cycles.weight_ratio().0 * self.config.mass_kg();
         match self.config.winch_m_per_s {
@@ -121,12 +122,12 @@ impl Pipeline {
         }
     }
 
-    /// Noise of a block, N: of the fits so far, else the detector's.
+    /// Standard deviation of a block's noise, N: by the fits so far, else the detector's.
     fn noise_n(&self) -> Option<f32> {
         self.cycles.noise_n().or(self.detector.noise_n())
     }
 
-    /// Force of the zero's drift, if it is more than the noise.
+    /// How far the zero may have moved, N, if that is more than the noise.
     fn zero_n(&self) -> Option<f32> {
         let zero_n = self.cycles.force_n(self.drift.ask(Drift::std));
         self.noise_n().filter(|&noise_n| zero_n > noise_n).map(|_| zero_n)

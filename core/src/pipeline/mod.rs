@@ -1,8 +1,8 @@
 //! The one entry point: a sample in, what is known out.
 //!
-//! A sample takes one way: received (calibrated, counted: `receive`), judged (is it a spike?),
-//! looked at by the detector, followed by the cycles; an event that comes out of that is counted
-//! (`tally`), and what all of it says is the report (`findings`).
+//! A sample takes one way: it is received (calibrated, counted: `receive`), judged (is it a
+//! spike?), looked at by the detector and followed by the cycles. An event that comes out of that
+//! is counted (`tally`), and what all events say together is the report (`findings`).
 
 mod findings;
 mod receive;
@@ -31,28 +31,28 @@ use crate::stretch::{Stretch, Stretches};
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Step {
-    /// The sample after calibration. It may still be declared a spike by the
-    /// next one, see [`Step::spike`].
+    /// The sample after calibration. The next sample may still show that it is a spike, see
+    /// [`Step::spike`].
     pub sample: ForceSample,
     /// Index of an earlier sample that is now known to be a spike.
     pub spike: Option<u64>,
     /// Rate of the force, by the paper's central difference; two samples late.
     pub rate: Option<Rate>,
-    /// What the block is doing. An onset is told by the first sample that is clearly
-    /// below the stick line; if that turns out to be a spike, for this sample only.
+    /// What the block is doing. A slip shows at the first sample that is clearly below the stick
+    /// line; if that turns out to be a spike, for this sample only.
     pub phase: Phase,
     /// A first answer on the slip that is going on or has just ended.
     pub provisional: Option<Provisional>,
     /// An event that is now complete.
     pub event: Option<Event>,
-    /// A change of the block or of its friction that the event told.
+    /// A change of the block or of its friction that an event has shown.
     pub change: Option<Change>,
     /// A stretch without events that is now complete.
     pub stretch: Option<Stretch>,
 }
 
 impl Step {
-    /// Of a sample that led to nothing.
+    /// For a sample that leads to nothing.
     #[must_use]
     pub fn of(sample: ForceSample) -> Self {
         Self {
@@ -73,16 +73,16 @@ impl Step {
 #[derive(Clone, Debug)]
 #[repr(C)]
 pub struct Pipeline {
-    /// Next index; of the first sample any.
+    /// The next index; before the first sample any index may come.
     next: u64,
     counters: Counters,
     spikes: SpikeFilter,
     decimator: Decimator,
     derivative: Central,
     calibrator: Calibrator,
-    /// Noise of a sample over that of a block.
+    /// Standard deviation of the noise of a sample over that of a block: the root of its length.
     block_root: f32,
-    /// The newest change was told by a step.
+    /// Has a step given the newest change?
     told: bool,
     stretches: Stretches,
     detector: Detector,
@@ -92,11 +92,11 @@ pub struct Pipeline {
     last_hidden: Option<u64>,
     mu_s: Estimator,
     mu: Estimator,
-    /// What the zero may have moved by.
+    /// How far the zero may have moved.
     drift: Kept<Drift, { Effect::Drift.room() }>,
     /// Largest force of the events, N.
     largest_n: f32,
-    /// Relative standard deviation of the weight by changes of the block: mean over events.
+    /// Relative standard deviation of the weight by changes of the block, a mean over the events.
     weight_std: f32,
     events: u32,
     /// The newest change.
@@ -161,7 +161,7 @@ impl Pipeline {
         step
     }
 
-    /// Takes a received sample. A step is long: it is filled where it lies.
+    /// Takes a received sample through all stages. Filled in place: a step is long.
     #[inline(never)]
     fn take(&mut self, step: &mut Step) {
         if let Some(force_n) = step.sample.force_n {
@@ -191,17 +191,17 @@ impl Pipeline {
         step.phase = self.phase(step.sample);
     }
 
-    /// Takes a good sample on.
+    /// Takes a good sample into its block.
     fn good(&mut self, good: ForcePoint, step: &mut Step) {
         if let Some(block) = self.decimator.step(good) {
             self.block(block, step);
         }
     }
 
-    /// Takes a block of good samples through the detector and on.
+    /// Takes a block of good samples through the detector and the cycles.
     fn block(&mut self, block: ForcePoint, step: &mut Step) {
         let transition = self.detect(block);
-        // Nearly always: nothing has happened, and nothing is under way.
+        // Nearly always nothing has happened, and no fit is under way.
         if transition.is_none() && self.cycles.is_idle() {
             return;
         }
@@ -219,7 +219,8 @@ impl Pipeline {
         self.detector.step(sample.index, sample.force_n, waits)
     }
 
-    /// Takes what the detector saw to the cycles: a first answer, and an event, which is long, and seldom.
+    /// Takes what the detector saw to the cycles; their first answer and their event go into the
+    /// step.
     fn follow(&mut self, transition: Option<Transition>, step: &mut Step) {
         // A fall that comes to nothing ends no constant force.
         let highest = match transition {
@@ -246,7 +247,8 @@ impl Pipeline {
         }
     }
 
-    /// What the block is doing, with a first look at a sample that may still be a spike.
+    /// What the block is doing, with a first look at a sample that may still turn out to be a
+    /// spike.
     fn phase(&self, ForceSample { index, force_n, .. }: ForceSample) -> Phase {
         match force_n.filter(|_| !self.decimator.averages()) {
             Some(force_n) if self.detector.foresees_slip(ForcePoint { index, force_n }) => {
@@ -276,7 +278,7 @@ impl Pipeline {
         step.event.or_else(|| self.last_event())
     }
 
-    /// The next event of fits that are under way or have to be made.
+    /// The next event of the fits that are under way, or have still to be made.
     fn last_event(&mut self) -> Option<Event> {
         while let Some(finished) = self.cycles.finish(&self.detector) {
             let event = self.count(finished);
@@ -287,14 +289,15 @@ impl Pipeline {
         None
     }
 
-    /// Ends what is left of a test whose events are all given, one stretch a call, until `None`.
+    /// Completes what is left of a test whose events have all been given, one stretch a call, until
+    /// `None`.
     pub fn finish_stretch(&mut self) -> Option<Stretch> {
         self.stretches.interrupt(Some(u64::MAX));
         self.stretches.close();
         self.stretches.next().map(|stretch| self.in_samples(stretch))
     }
 
-    /// A stretch of blocks, in samples.
+    /// A stretch whose times are in blocks, with times in samples.
     fn in_samples(&self, stretch: Stretch) -> Stretch {
         let [start, stop] = [stretch.start, stretch.stop].map(|it| self.decimator.moment(it));
         Stretch { start, stop, ..stretch }
@@ -302,7 +305,7 @@ impl Pipeline {
 }
 
 impl Usual {
-    /// Of samples whose noise is so many times that of a block.
+    /// For samples whose noise is `block_root` times that of a block.
     fn of(detector: &Detector, block_root: f32) -> Self {
         Self { noise_n: detector.std_n() * block_root, drop_n: detector.usual_drop_n() }
     }

@@ -3,11 +3,11 @@
 use crate::pipeline::Pipeline;
 use crate::sample::{ForceSample, RawSample, SampleFlag};
 
-/// Indices beyond this one are refused as duplicates: it takes a billion years.
+/// Indices beyond this one count as duplicates: no test gets there, in a billion years.
 const LAST_INDEX: u64 = u64::MAX / 2;
 
 impl Pipeline {
-    /// Calibrates, counts and flags.
+    /// Calibrates, counts and flags a sample.
     pub(super) fn receive(&mut self, raw: RawSample) -> ForceSample {
         let index = raw.index;
         let mut sample = ForceSample { index, force_n: None, flag: SampleFlag::Duplicate, gap: 0 };
@@ -27,7 +27,7 @@ impl Pipeline {
         sample
     }
 
-    /// How many indices are missing before one that is not the next; `None` if it was there.
+    /// Indices that are missing before one that is not the next; `None` if it was there already.
     #[cold]
     #[inline(never)]
     fn skip_to(&mut self, index: u64) -> Option<u32> {
@@ -41,7 +41,7 @@ impl Pipeline {
         Some(u32::try_from(missing).unwrap_or(u32::MAX))
     }
 
-    /// Counts a reading that is no force.
+    /// Counts a reading that is not a force.
     fn refuse(&mut self, index: u64, flag: SampleFlag) {
         if flag == SampleFlag::Saturated {
             self.counters.saturated += 1;

@@ -9,7 +9,7 @@ use crate::num::math;
 use crate::pipeline::Pipeline;
 
 impl Pipeline {
-    /// Counts an event, unless nothing slipped.
+    /// Counts an event, and gives it, unless nothing slipped.
     pub(super) fn count(&mut self, finished: Finished) -> Option<Event> {
         if let Some(reason) = finished.event.reason.filter(|reason| reason.is_no_slip()) {
             self.stretches.refuse(finished.event.onset, finished.event.stop, reason);
@@ -17,7 +17,7 @@ impl Pipeline {
         }
         self.stretches.end_before(finished.event.onset);
         let Some((onset, stop)) = self.stretches.outside(&finished.event) else {
-            // Found late, in a force that was told as it is.
+            // It was found later, within a constant force that has been given already.
             self.cycles.withdraw();
             return None;
         };
@@ -62,10 +62,10 @@ impl Pipeline {
     }
 }
 
-/// Part of an event's standard deviation that is the same in all of them. Where the slip is
-/// too short for the sampling, or hidden by a slack cable, all take the same things for
-/// granted: a third of it, so that no number of such events makes a mean sharper than that.
-/// After a rest with few samples, what other events told of rate and swing is taken for granted.
+/// Part of an event's standard deviation that is the same in all of them. Where the slip is too
+/// short for the sampling, or hidden by a slack cable, all events take the same things for granted:
+/// a third of it is common, so that no number of such events makes a mean sharper than that. After
+/// a rest with few samples an event takes for granted what others told of rate and swing.
 fn granted(quality: Quality, rest: f32) -> f32 {
     /// Samples of a rest that tells its line: two for the rate, and as many at either end that the
     /// noise may hide. With fewer, an event tells one combination of its rate and its swing.
