@@ -208,7 +208,7 @@ pub(crate) struct Stretches {
     /// The newest one that was not understood, while it may grow.
     open: Option<Stretch>,
     /// First and last moment of the newest complete one.
-    told: (SampleTime, SampleTime),
+    handed_out: (SampleTime, SampleTime),
     /// Complete ones, oldest first.
     ready: [Option<Stretch>; 3],
 }
@@ -222,7 +222,7 @@ impl Stretches {
             weight_n,
             moving: winch.then_some(true),
             open: None,
-            told: (SampleTime::ZERO, SampleTime::ZERO),
+            handed_out: (SampleTime::ZERO, SampleTime::ZERO),
             ready: [None; 3],
         }
     }
@@ -232,12 +232,12 @@ impl Stretches {
     pub(crate) fn take(&mut self, now: ForcePoint) -> bool {
         if now.index - self.steady.last.index > LONGEST_GAP {
             let steady = self.steady.end(now.index);
-            self.tell_steady(steady);
+            self.end_steady(steady);
         }
         let ends = self.steady.take(now);
         if ends {
             let steady = self.steady.end_block(LARGEST_SCATTER * self.weight_n);
-            self.tell_steady(steady);
+            self.end_steady(steady);
         }
         ends
     }
@@ -256,7 +256,7 @@ impl Stretches {
         if let Some((start, stop, means, scatters)) = steady
             && let Some(last) = last.filter(|&last| last > start)
         {
-            self.tell_steady(Some((start, stop.min(last), means, scatters)));
+            self.end_steady(Some((start, stop.min(last), means, scatters)));
         }
     }
 
@@ -284,7 +284,7 @@ impl Stretches {
     /// Onset and stop of an event without the part in the newest stretch; `None` if all of it is.
     pub(crate) fn outside(&self, event: &Event) -> Option<(SampleTime, SampleTime)> {
         let Event { onset, stop, .. } = *event;
-        let (from, to) = self.told;
+        let (from, to) = self.handed_out;
         if !(from.precedes(stop) && onset.precedes(to)) {
             Some((onset, stop))
         } else if to.precedes(stop) {
@@ -311,7 +311,7 @@ impl Stretches {
     }
 
     #[inline(never)]
-    fn tell_steady(&mut self, steady: Option<Steady>) {
+    fn end_steady(&mut self, steady: Option<Steady>) {
         let Some((start, stop, means, scatters)) = steady else { return };
         let [start, stop] = [start, stop].map(|index| SampleTime { index, fraction: 0.0 });
         if scatters {
@@ -334,13 +334,13 @@ impl Stretches {
     /// There is room: a step completes at most a constant force, the stretch that was open before
     /// it and one of an event, and gives one.
     fn push(&mut self, mut stretch: Stretch) {
-        if stretch.start.precedes(self.told.1) {
-            stretch.start = self.told.1;
+        if stretch.start.precedes(self.handed_out.1) {
+            stretch.start = self.handed_out.1;
         }
         if !stretch.start.precedes(stretch.stop) {
             return;
         }
-        self.told = (stretch.start, stretch.stop);
+        self.handed_out = (stretch.start, stretch.stop);
         if let Some(place) = self.ready.iter_mut().find(|place| place.is_none()) {
             *place = Some(stretch);
         }

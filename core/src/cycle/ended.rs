@@ -16,13 +16,13 @@ use crate::sample::{ForcePoint, SampleTime, since};
 pub(super) struct Ended {
     stick: Stick,
     by: By,
-    pub(super) stage: Stage,
+    pub(super) progress: Progress,
 }
 
 /// How far it has been followed up.
 #[derive(Clone, Copy, Debug)]
 #[allow(clippy::large_enum_variant, reason = "there is one, and no heap to put it on")]
-pub(super) enum Stage {
+pub(super) enum Progress {
     /// The fit of the event before is under way.
     Waiting,
     /// The slip that ended it is the pending one.
@@ -73,17 +73,17 @@ impl Ended {
     ) -> Self {
         let (last, rest_weight) = (detector.last().index, detector.rest_weight());
         let by = By::Slip(Slip { peak, low, last, rest_weight, hides });
-        Self { stick: *detector.ended(), by, stage: Stage::Waiting }
+        Self { stick: *detector.ended(), by, progress: Progress::Waiting }
     }
 
     /// By a gap, or the end of the test, at an index.
     pub(super) fn by_loss(stick: &Stick, index: u64) -> Self {
-        Self { stick: *stick, by: By::Loss(index), stage: Stage::Waiting }
+        Self { stick: *stick, by: By::Loss(index), progress: Progress::Waiting }
     }
 
     /// Has nothing been done about it yet?
     pub(super) fn waits(&self) -> bool {
-        matches!(self.stage, Stage::Waiting)
+        matches!(self.progress, Progress::Waiting)
     }
 
     /// Index of the highest sample before the slip, or where the loss was.
@@ -114,14 +114,14 @@ const BRIEF: u32 = 8;
 impl CycleTracker {
     /// Time that the next step takes, in those units.
     pub(super) fn takes(&self, ended: &Ended) -> usize {
-        match (&ended.stage, &self.pending) {
-            (Stage::Waiting, _) => SLIP,
-            (Stage::Gathered, Some(slip)) if !self.learnt.knows_omega() => {
+        match (&ended.progress, &self.pending) {
+            (Progress::Waiting, _) => SLIP,
+            (Progress::Gathered, Some(slip)) if !self.learnt.knows_omega() => {
                 GUESSES + slip.samples().forces_n.len()
             }
-            (Stage::Gathered, _) => GUESS,
-            (Stage::Answering(answer), Some(slip)) => answer.expected.pass(slip),
-            (Stage::Answering(_) | Stage::Answered(_), _) => {
+            (Progress::Gathered, _) => GUESS,
+            (Progress::Answering(answer), Some(slip)) => answer.expected.pass(slip),
+            (Progress::Answering(_) | Progress::Answered(_), _) => {
                 // Whether a long fall is even is asked of each of its samples.
                 let fall = self.finishing.as_ref().map_or(0.0, |fit| fit.pending.fall());
                 LINES + ANSWER + fall as usize
@@ -131,11 +131,11 @@ impl CycleTracker {
 
     /// Takes the next step; the fit of the event before is done.
     pub(super) fn follow_up(&mut self, detector: &Detector, first: &mut Option<Provisional>) {
-        match self.ended.as_ref().map(|ended| &ended.stage) {
-            Some(Stage::Waiting) => self.take_up(detector),
-            Some(Stage::Gathered) => self.begin_first(),
-            Some(Stage::Answering(_)) => self.step_first(),
-            Some(Stage::Answered(_)) => *first = self.give_lines(detector),
+        match self.ended.as_ref().map(|ended| &ended.progress) {
+            Some(Progress::Waiting) => self.take_up(detector),
+            Some(Progress::Gathered) => self.begin_first(),
+            Some(Progress::Answering(_)) => self.step_first(),
+            Some(Progress::Answered(_)) => *first = self.give_lines(detector),
             None => {}
         }
     }
@@ -162,10 +162,10 @@ impl CycleTracker {
             }
         }
         self.finishing = self.pending.as_ref().map(CycleFit::new);
-        let stage = if next.is_some() { Stage::Gathered } else { Stage::Answered(None) };
+        let progress = if next.is_some() { Progress::Gathered } else { Progress::Answered(None) };
         self.pending = next;
         if let Some(ended) = &mut self.ended {
-            ended.stage = stage;
+            ended.progress = progress;
         }
     }
 
@@ -191,7 +191,7 @@ impl CycleTracker {
     #[inline(never)]
     fn give_lines(&mut self, detector: &Detector) -> Option<Provisional> {
         let ended = self.ended.as_ref()?;
-        let Stage::Answered(first) = &ended.stage else { return None };
+        let Progress::Answered(first) = &ended.progress else { return None };
         let first = first.as_ref().filter(|fit| self.shows_slip(fit));
         if let Some(slip) = &mut self.pending {
             slip.know(first.map(|fit| *fit.cycle()));

@@ -6,7 +6,7 @@ use crate::cycle::slip_record::SlipRecord;
 use crate::effect::{Effect, Effects, Kept, Parameter};
 use crate::effects::corner::CornerEstimator;
 use crate::effects::damping::Damping;
-use crate::effects::mass_change::{Mass, Told, Verdict};
+use crate::effects::mass_change::{Evidence, Mass, Verdict};
 use crate::effects::onset::Onset;
 use crate::effects::sag::Sag;
 use crate::effects::swing::Swing;
@@ -217,7 +217,7 @@ impl Expectations {
                 .filter(positive);
             own.filter(|own| posterior.tells_swing(own.1))
         };
-        let mut told = Told {
+        let mut evidence = Evidence {
             // Little of its own is enough to judge by: an expected swing hides another one. Not on
             // a slack cable, which cannot push.
             inverse_omega: own_swing(LEAST_JUDGED).filter(|_| cycle.restick_n() > 0.0),
@@ -227,7 +227,7 @@ impl Expectations {
             strained: strained && cycle.restick_n() > 0.0,
         };
         let watches = self.effects.has(Effect::Mass);
-        let verdict = if watches { self.mass.judge(&told) } else { Verdict::Same };
+        let verdict = if watches { self.mass.judge(&evidence) } else { Verdict::Same };
         let on_trial = self.mass.is_on_trial();
         let own_rate = own(cycle.rate, rate, data.rate, LEAST_OWN).filter(positive);
         self.own_rate = own_rate;
@@ -245,8 +245,8 @@ impl Expectations {
         if let Some((value, variance)) = own_change.filter(|_| steady) {
             self.rate_change.add(value, variance);
         }
-        told.inverse_omega = own_swing(LEAST_OWN).filter(|_| !on_trial || is_clear(posterior));
-        self.mass.learn(&told).unwrap_or(verdict)
+        evidence.inverse_omega = own_swing(LEAST_OWN).filter(|_| !on_trial || is_clear(posterior));
+        self.mass.learn(&evidence).unwrap_or(verdict)
     }
 
     /// Periods before an onset in which the force lacks more than a fifth of the noise's standard

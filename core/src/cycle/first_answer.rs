@@ -2,7 +2,7 @@
 //! first answer when the block rests again.
 
 use crate::cycle::CycleTracker;
-use crate::cycle::ended::{Answer, Stage};
+use crate::cycle::ended::{Answer, Progress};
 use crate::cycle::expected::Expected;
 use crate::cycle::slip_record::SlipRecord;
 use crate::detector::Detector;
@@ -41,18 +41,20 @@ impl CycleTracker {
         let fitting = slip.guess(&data(&expected, slip, knows_omega), knows_omega);
         let is_long = slip.samples().forces_n.len() > MOST_SAMPLES;
         let left = if is_long { 0 } else { FIRST_STEPS };
-        ended.stage = Stage::Answering(Answer { expected, fitting, left });
+        ended.progress = Progress::Answering(Answer { expected, fitting, left });
     }
 
     /// One step of the fit for it.
     pub(super) fn step_first(&mut self) {
         let Some((ended, slip)) = self.ended.as_mut().zip(self.pending.as_ref()) else { return };
-        let Stage::Answering(Answer { expected, fitting, left }) = &mut ended.stage else { return };
+        let Progress::Answering(Answer { expected, fitting, left }) = &mut ended.progress else {
+            return;
+        };
         let data = data(expected, slip, self.learnt.knows_omega());
         let step = fitting.step(&data, expected.noise_n2);
         *left = left.saturating_sub(1);
         if step.is_break() || *left == 0 {
-            ended.stage = Stage::Answered(step.break_value().flatten());
+            ended.progress = Progress::Answered(step.break_value().flatten());
         }
     }
 

@@ -113,32 +113,32 @@ impl CycleTracker {
     }
 
     /// The block rests again; `last_hidden` is the newest saturated index. An event that has to be
-    /// completed for that is in `told`, see [`Self::end_line`].
+    /// completed for that is in `answers`, see [`Self::end_line`].
     pub fn restick(
         &mut self,
         detector: &Detector,
         extremes: (ForcePoint, ForcePoint),
         last_hidden: Option<u64>,
-        told: &mut Told,
+        answers: &mut Answers,
     ) {
         let stick = detector.ended();
         // Where samples wait it may lie past all that were looked at.
         let last = detector.last().index;
         let hides = last_hidden.is_some_and(|index| index + 4 >= stick.next && index <= last);
-        self.end_line(detector, Ended::by_slip(detector, extremes, hides), told);
+        self.end_line(detector, Ended::by_slip(detector, extremes, hides), answers);
     }
 
     /// A long gap: ends the pending event with the stick line that has ended.
-    pub fn lose(&mut self, detector: &Detector, told: &mut Told) {
-        self.end_line(detector, Ended::by_loss(detector.ended(), detector.lost()), told);
+    pub fn lose(&mut self, detector: &Detector, answers: &mut Answers) {
+        self.end_line(detector, Ended::by_loss(detector.ended(), detector.lost()), answers);
     }
 
     /// Takes the end of the stick line after the pending slip. If an earlier one still waits, all
     /// that is left of it is done at once: samples have waited as long as there is room, or a gap
-    /// has ended a line. The event that was being fitted then is in `told`.
-    fn end_line(&mut self, detector: &Detector, ended: Ended, told: &mut Told) {
+    /// has ended a line. The event that was being fitted then is in `answers`.
+    fn end_line(&mut self, detector: &Detector, ended: Ended, answers: &mut Answers) {
         while self.ended.is_some() {
-            self.advance(detector, told);
+            self.advance(detector, answers);
         }
         self.ended = Some(ended);
     }
@@ -156,30 +156,30 @@ impl CycleTracker {
     }
 
     /// Does as much of what is to be done as a sample has time for, and at least one step.
-    pub fn work(&mut self, detector: &Detector, told: &mut Told) {
+    pub fn work(&mut self, detector: &Detector, answers: &mut Answers) {
         let time = if detector.waiting() > LATE { MOST_TIME } else { TIME };
         let mut left = time.saturating_sub(detector.spent());
-        while told.finished.is_none() {
+        while answers.finished.is_none() {
             let takes = self.next_takes();
             if takes == 0 || (takes > left && left < TIME) {
                 break;
             }
             left = left.saturating_sub(takes);
-            self.advance(detector, told);
+            self.advance(detector, answers);
         }
     }
 
     /// One step of what is to be done. A fit for which too many samples wait looks at no more
     /// places of an onset.
     #[inline(never)]
-    fn advance(&mut self, detector: &Detector, told: &mut Told) {
+    fn advance(&mut self, detector: &Detector, answers: &mut Answers) {
         // Until the fit under way is done, what has ended has to wait.
         let waits = self.ended.as_ref().is_none_or(Ended::waits);
         let Some(fit) = self.finishing.as_mut().filter(|_| waits) else {
-            return self.follow_up(detector, &mut told.first);
+            return self.follow_up(detector, &mut answers.first);
         };
         if let ControlFlow::Break(outcome) = fit.step(&mut self.learnt, detector.waiting()) {
-            told.finished = self.end(outcome);
+            answers.finished = self.end(outcome);
         }
     }
 
@@ -195,22 +195,22 @@ impl CycleTracker {
 
     /// Ends the test: does all that is left, one event a call, until `None`.
     pub fn finish(&mut self, detector: &Detector) -> Option<Finished> {
-        let mut told = Told::default();
-        while told.finished.is_none() {
+        let mut answers = Answers::default();
+        while answers.finished.is_none() {
             if self.is_idle() {
                 self.pending.as_ref()?;
                 let end = detector.last().index + 1;
                 self.ended = Some(Ended::by_loss(detector.stick(), end));
             }
-            self.advance(detector, &mut told);
+            self.advance(detector, &mut answers);
         }
-        told.finished
+        answers.finished
     }
 }
 
 /// What a step of the work led to.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Told {
+pub struct Answers {
     /// A first answer on the last slip.
     pub first: Option<Provisional>,
     /// An event that is complete.

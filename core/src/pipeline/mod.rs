@@ -10,7 +10,7 @@ mod tally;
 
 use crate::coefficient::Site;
 use crate::config::{Config, ConfigError};
-use crate::cycle::{CycleTracker, Told};
+use crate::cycle::{Answers, CycleTracker};
 use crate::detector::{Detector, Transition};
 use crate::effect::{Effect, Kept};
 use crate::effects::level_shift::Change;
@@ -83,7 +83,7 @@ pub struct Pipeline {
     /// Standard deviation of the noise of a sample over that of a block: the root of its length.
     block_root: f32,
     /// Has a step given the newest change?
-    told: bool,
+    change_given: bool,
     stretches: Stretches,
     detector: Detector,
     cycles: CycleTracker,
@@ -143,7 +143,7 @@ impl Pipeline {
             weight_std: 0.0,
             events: 0,
             change: None,
-            told: true,
+            change_given: true,
             stretches: Stretches::new(rate_hz, config.weight_n, config.winch_m_per_s.is_some()),
             first_onset: SampleTime::ZERO,
             since_first: 0.0,
@@ -179,8 +179,8 @@ impl Pipeline {
                 }
             }
         }
-        if !self.told {
-            (step.change, self.told) = (self.change, true);
+        if !self.change_given {
+            (step.change, self.change_given) = (self.change, true);
         }
         if let Some(stretch) = self.stretches.next() {
             step.stretch = Some(self.in_samples(stretch));
@@ -232,17 +232,17 @@ impl Pipeline {
             let is_new = self.detector.is_up_to_date();
             self.stretches.interrupt(is_new.then(|| highest.index.saturating_sub(1)));
         }
-        let mut told = Told::default();
+        let mut answers = Answers::default();
         match transition {
             None | Some(Transition::Onset | Transition::Cancelled) => {}
             Some(Transition::Restick { peak, low }) => {
-                self.cycles.restick(&self.detector, (peak, low), self.last_hidden, &mut told);
+                self.cycles.restick(&self.detector, (peak, low), self.last_hidden, &mut answers);
             }
-            Some(Transition::Lost) => self.cycles.lose(&self.detector, &mut told),
+            Some(Transition::Lost) => self.cycles.lose(&self.detector, &mut answers),
         }
-        self.cycles.work(&self.detector, &mut told);
-        step.provisional = told.first;
-        if let Some(finished) = told.finished {
+        self.cycles.work(&self.detector, &mut answers);
+        step.provisional = answers.first;
+        if let Some(finished) = answers.finished {
             step.event = self.count(finished);
         }
     }

@@ -36,7 +36,7 @@ impl Pipeline {
         if let Some(change) = change {
             let onset = self.decimator.moment(change.onset);
             self.change = Some(Change { onset, ..change });
-            self.told = false;
+            self.change_given = false;
         }
         let (mu_s, mu) = alone.map_or((event.mu_s, event.mu), |(mu_s, mu)| (Some(mu_s), Some(mu)));
         let drifts = self.config.effects.has(Effect::Drift);

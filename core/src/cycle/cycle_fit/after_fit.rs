@@ -1,7 +1,7 @@
 //! What follows an event's fit, a step each: how far its samples are from it, what the next events
 //! learn from its unknowns, and what its levels tell of the force terms that it lacks.
 
-use crate::cycle::cycle_fit::{CycleFit, Measured, Outcome, Stage, Terms};
+use crate::cycle::cycle_fit::{CycleFit, FitStage, Measured, Outcome, Terms};
 use crate::cycle::expectations::{Expectations, is_clear, is_strained, own_residuals};
 use crate::cycle::slip_record::UNSURE;
 use crate::effects::corner::ask;
@@ -71,11 +71,11 @@ impl CycleFit {
         let places = OverOnset::new(fit, learnt.knows_omega(), now_n2).filter(|_| !misfit);
         if let Some(places) = places {
             self.expected = learnt.of(pending, &self.after, now_n2);
-            self.stage = Stage::Places(places);
+            self.stage = FitStage::Places(places);
             self.shorten();
         } else {
             self.measured.posterior = Posterior::at(fit, now_n2);
-            self.stage = Stage::Telling;
+            self.stage = FitStage::Learning;
         }
     }
 
@@ -95,7 +95,7 @@ impl CycleFit {
     /// The next events learn from this one.
     // Of its own: inside `step` it takes two hundred bytes of flash more.
     #[inline(never)]
-    pub(super) fn tell(&mut self, learnt: &mut Expectations) {
+    pub(super) fn learn(&mut self, learnt: &mut Expectations) {
         let (fit, noise_n2) = (&self.fit, learnt.noise_n2(&self.pending));
         let (pending, data) = (&self.pending, self.expected.data(&self.pending, &self.after));
         self.measured.noise_n2 = noise_n2;
@@ -106,9 +106,10 @@ impl CycleFit {
         let is_resolved = posterior.is_resolved();
         // The events before told the rate and not how long a slip is, so theirs were brief: this
         // one looks longer by what is missing.
-        let told = learnt.rate.mean().is_none() || learnt.mass.inverse_omega().mean().is_some();
-        if is_resolved && !told && pending.hides_length() {
-            self.stage = Stage::Failed(Reason::Hidden);
+        let length_told =
+            learnt.rate.mean().is_none() || learnt.mass.inverse_omega().mean().is_some();
+        if is_resolved && !length_told && pending.hides_length() {
+            self.stage = FitStage::Failed(Reason::Hidden);
             return;
         }
         *alone = fit.forces_alone(data.rate).filter(|_| is_resolved);
@@ -124,17 +125,18 @@ impl CycleFit {
         let shows = posterior.is_resolved() && is_clear(posterior);
         let asked =
             *verdict == Verdict::Same && self.strain == Strain::None && shows && learnt.asks();
-        self.stage = if asked { Stage::Alone(self.fit.anew()) } else { Stage::Told };
+        self.stage = if asked { FitStage::Alone(self.fit.anew()) } else { FitStage::Done };
     }
 
     /// Sets up the normal equations of the event without what was expected of it.
     pub(super) fn alone(&mut self) {
-        let Stage::Alone(pass) = &mut self.stage else { return };
+        let FitStage::Alone(pass) = &mut self.stage else { return };
         let data = self.expected.asked(&self.pending, &self.after);
         if pass.advance(&data) {
             let alone = self.fit.alone(&data, pass.normal());
-            self.stage =
-                alone.map_or(Stage::Told, |it| Stage::Asked(Terms::Widen, it, Asked::default(), 0));
+            self.stage = alone.map_or(FitStage::Done, |it| {
+                FitStage::Asked(Terms::Widen, it, Asked::default(), 0)
+            });
         }
     }
 
@@ -143,7 +145,7 @@ impl CycleFit {
     // Of its own: inside `step` it takes two hundred bytes of flash more.
     #[inline(never)]
     pub(super) fn asked(&mut self, learnt: &mut Expectations) {
-        let Stage::Asked(terms, alone, asked, next) = &mut self.stage else {
+        let FitStage::Asked(terms, alone, asked, next) = &mut self.stage else {
             return;
         };
         let data = self.expected.asked(&self.pending, &self.after);
@@ -167,7 +169,7 @@ impl CycleFit {
         if widens && learnt.asks_corner(&corner) {
             (*terms, *asked, *next) = (Terms::Corner, Asked::default(), 0);
         } else {
-            self.stage = Stage::Told;
+            self.stage = FitStage::Done;
         }
         self.measured.share(&correction);
     }

@@ -45,7 +45,7 @@ const PLACES: f32 = 2.0;
 pub(crate) struct CycleFit {
     pub(crate) pending: SlipRecord,
     pub(crate) after: Line,
-    stage: Stage,
+    stage: FitStage,
     /// What is expected of the event: the same from the fit's beginning to its end.
     expected: Expected,
     /// The fit, once there is one.
@@ -60,7 +60,7 @@ pub(crate) struct CycleFit {
 #[derive(Clone, Copy, Debug)]
 #[repr(u32)]
 #[allow(clippy::large_enum_variant, reason = "there is one, and no heap to put it on")]
-enum Stage {
+enum FitStage {
     /// Nothing done yet.
     New,
     /// Fitted with hardly any expectation.
@@ -76,13 +76,13 @@ enum Stage {
     /// Being averaged over places of the onset.
     Places(OverOnset),
     /// Its unknowns are known; the next events have still to learn from it.
-    Telling,
+    Learning,
     /// Learnt from; the normal equations without what was expected of it are being set up.
     Alone(Pass),
     /// Its levels are being asked for other force terms, from the place in the last number on.
     Asked(Terms, Alone, Asked, usize),
     /// All that it tells is known.
-    Told,
+    Done,
     /// It has no fit.
     Failed(Reason),
 }
@@ -125,7 +125,7 @@ impl CycleFit {
         Self {
             pending: *pending,
             after: Line::default(),
-            stage: Stage::New,
+            stage: FitStage::New,
             expected: Expected::default(),
             fit: Fit::default(),
             strain: Strain::None,
@@ -150,19 +150,19 @@ impl CycleFit {
     #[inline(never)]
     pub(crate) fn step(&mut self, learnt: &mut Expectations, waiting: u32) -> ControlFlow<Outcome> {
         match &self.stage {
-            Stage::New => self.start(learnt),
-            Stage::Free(_) => self.free(learnt),
-            Stage::Expected(_) => self.expected(learnt),
-            Stage::Fitted => self.judge(learnt),
-            Stage::Places(_) => self.place(waiting > NO_PLACES),
-            Stage::Telling => self.tell(learnt),
+            FitStage::New => self.start(learnt),
+            FitStage::Free(_) => self.free(learnt),
+            FitStage::Expected(_) => self.expected(learnt),
+            FitStage::Fitted => self.judge(learnt),
+            FitStage::Places(_) => self.place(waiting > NO_PLACES),
+            FitStage::Learning => self.learn(learnt),
             // Without terms to ask for never reached: then what asks for them is not in the image.
-            Stage::Alone(_) if learnt.asks() => self.alone(),
-            Stage::Asked(..) if learnt.asks() => self.asked(learnt),
-            Stage::Alone(_) | Stage::Asked(..) | Stage::Told => {
+            FitStage::Alone(_) if learnt.asks() => self.alone(),
+            FitStage::Asked(..) if learnt.asks() => self.asked(learnt),
+            FitStage::Alone(_) | FitStage::Asked(..) | FitStage::Done => {
                 return ControlFlow::Break(self.outcome());
             }
-            Stage::Failed(reason) => return ControlFlow::Break(Outcome::Failed(*reason)),
+            FitStage::Failed(reason) => return ControlFlow::Break(Outcome::Failed(*reason)),
         }
         ControlFlow::Continue(())
     }
@@ -172,41 +172,41 @@ impl CycleFit {
     pub(crate) fn next_takes(&self, knows_omega: bool) -> usize {
         let samples = self.pending.samples().forces_n.len();
         match &self.stage {
-            Stage::New if self.pending.begins_again(&self.after) => 12,
-            Stage::New if knows_omega => 18,
-            Stage::New => 52,
-            Stage::Free(_) => 34 + self.expected.pass(&self.pending),
-            Stage::Expected(_) => 4 + self.expected.pass(&self.pending),
-            Stage::Places(_) => 10 + self.expected.pass(&self.pending),
-            Stage::Fitted => 25 + 5 * (self.pending.fall() as usize).min(8),
+            FitStage::New if self.pending.begins_again(&self.after) => 12,
+            FitStage::New if knows_omega => 18,
+            FitStage::New => 52,
+            FitStage::Free(_) => 34 + self.expected.pass(&self.pending),
+            FitStage::Expected(_) => 4 + self.expected.pass(&self.pending),
+            FitStage::Places(_) => 10 + self.expected.pass(&self.pending),
+            FitStage::Fitted => 25 + 5 * (self.pending.fall() as usize).min(8),
             // With a second fit, if an oscillation is disputed.
-            Stage::Telling if self.pending.wander.is_disputed() => 34 + samples,
-            Stage::Telling => 22,
-            Stage::Alone(_) => 4 + self.expected.pass(&self.pending),
-            Stage::Asked(Terms::Widen, .., next) => {
+            FitStage::Learning if self.pending.wander.is_disputed() => 34 + samples,
+            FitStage::Learning => 22,
+            FitStage::Alone(_) => 4 + self.expected.pass(&self.pending),
+            FitStage::Asked(Terms::Widen, .., next) => {
                 12 + (samples + 2 - next).min(LEVELS_A_STEP) * 3 / 2
             }
-            Stage::Asked(Terms::Corner, .., next) => {
+            FitStage::Asked(Terms::Corner, .., next) => {
                 24 + 3 * (samples + 2 - next).min(LEVELS_A_STEP)
             }
-            Stage::Told | Stage::Failed(_) => 46,
+            FitStage::Done | FitStage::Failed(_) => 46,
         }
     }
 
     fn start(&mut self, learnt: &mut Expectations) {
         if let Some(reason) = self.pending.refused {
-            self.stage = Stage::Failed(reason);
+            self.stage = FitStage::Failed(reason);
             return;
         }
         learnt.weigh(&self.pending);
         let known = learnt.residuals.variance_n2().is_some();
         let noise_n2 = learnt.fitted_noise_n2(&self.pending);
         let fitting = self.begin(learnt, noise_n2);
-        self.stage = if known { Stage::Expected(fitting) } else { Stage::Free(fitting) };
+        self.stage = if known { FitStage::Expected(fitting) } else { FitStage::Free(fitting) };
     }
 
     fn free(&mut self, learnt: &Expectations) {
-        let Stage::Free(fitting) = &mut self.stage else { return };
+        let FitStage::Free(fitting) = &mut self.stage else { return };
         let noise_n2 = self.expected.noise_n2;
         let data = self.expected.data(&self.pending, &self.after);
         let ControlFlow::Break(fit) = fitting.step(&data, noise_n2) else {
@@ -221,7 +221,7 @@ impl CycleFit {
         }
         self.pending.expect(fit.map(|fit| *fit.cycle()));
         let noise_n2 = learnt.noise_n2(&self.pending);
-        self.stage = Stage::Expected(self.begin(learnt, noise_n2));
+        self.stage = FitStage::Expected(self.begin(learnt, noise_n2));
     }
 
     fn begin(&mut self, learnt: &Expectations, noise_n2: f32) -> Fitting {
@@ -233,7 +233,7 @@ impl CycleFit {
     }
 
     fn expected(&mut self, learnt: &mut Expectations) {
-        let Stage::Expected(fitting) = &mut self.stage else { return };
+        let FitStage::Expected(fitting) = &mut self.stage else { return };
         let pending = &self.pending;
         let data = self.expected.data(pending, &self.after);
         let ControlFlow::Break(fit) = fitting.step(&data, self.expected.noise_n2) else {
@@ -244,18 +244,18 @@ impl CycleFit {
             // Corners that are not there may be why it did not fit.
             learnt.corner = Kept::default();
             learnt.contradict();
-            self.stage = Stage::Failed(Reason::NoFit);
+            self.stage = FitStage::Failed(Reason::NoFit);
             return;
         };
         self.fit = *fit;
-        self.stage = pending.hidden.map_or(Stage::Fitted, Stage::Failed);
+        self.stage = pending.hidden.map_or(FitStage::Fitted, FitStage::Failed);
     }
 
     /// The next place; or the end, if it is `late` or slips follow each other too fast for more. An
     /// onset whose likely places were not all looked at may be anywhere, unless enough samples lie
     /// in the slip.
     fn place(&mut self, late: bool) {
-        let Stage::Places(places) = &mut self.stage else { return };
+        let FitStage::Places(places) = &mut self.stage else { return };
         let (fit, noise_n2) = (&self.fit, self.expected.noise_n2);
         let posterior = if late || f32::from(places.seen()) > PLACES * self.pending.limit {
             let mut at = Posterior::at(fit, noise_n2);
@@ -270,6 +270,6 @@ impl CycleFit {
             posterior
         };
         self.measured.posterior = self.strain.around(posterior, fit, noise_n2);
-        self.stage = Stage::Telling;
+        self.stage = FitStage::Learning;
     }
 }

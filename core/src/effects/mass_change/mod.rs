@@ -13,7 +13,7 @@
 
 mod swings;
 
-pub use crate::effects::mass_change::swings::Told;
+pub use crate::effects::mass_change::swings::Evidence;
 
 use crate::effects::mass_change::swings::{LEAST, Ratio, Swings, is_nearer};
 use crate::num::math;
@@ -107,16 +107,18 @@ impl Mass {
     }
 
     /// Judges an event. What is [`Verdict::Suspect`] outside a trial is not learnt.
-    pub fn judge(&mut self, told: &Told) -> Verdict {
+    pub fn judge(&mut self, evidence: &Evidence) -> Verdict {
         match self.state {
             State::Trial(_) => Verdict::Suspect,
-            State::Steady => self.judge_steady(told),
-            State::Suspect(kept, odd) => self.judge_suspect(told, &kept, odd),
+            State::Steady => self.judge_steady(evidence),
+            State::Suspect(kept, odd) => self.judge_suspect(evidence, &kept, odd),
         }
     }
 
-    fn judge_steady(&mut self, told: &Told) -> Verdict {
-        if self.seen < FEWEST || !(told.strained || told.is_off(self.inverse_omega.prior(1.0))) {
+    fn judge_steady(&mut self, evidence: &Evidence) -> Verdict {
+        if self.seen < FEWEST
+            || !(evidence.strained || evidence.is_off(self.inverse_omega.prior(1.0)))
+        {
             return Verdict::Same;
         }
         self.state = State::Suspect(core::mem::take(&mut self.inverse_omega), 1);
@@ -124,46 +126,47 @@ impl Mass {
     }
 
     /// The event after a suspect.
-    fn judge_suspect(&mut self, told: &Told, kept: &FadingTrend, odd: u32) -> Verdict {
+    fn judge_suspect(&mut self, evidence: &Evidence, kept: &FadingTrend, odd: u32) -> Verdict {
         let before = kept.prior(1.0);
-        let (verdict, state) =
-            if told.strained || (told.inverse_omega.is_some() && !told.is_off(before)) {
-                self.inverse_omega = *kept;
-                // One that the model cannot describe is not to be learnt from either.
-                (if told.strained { Verdict::Suspect } else { Verdict::Same }, State::Steady)
-            } else if told.explains(before, self.dynamic_n) {
-                self.start(Some(before));
-                (Verdict::Mass, State::Steady)
-            } else if odd >= if told.inverse_omega.is_some() { ODD } else { SILENT } {
-                self.start(None);
-                (Verdict::Unknown, State::Steady)
-            } else {
-                (Verdict::Suspect, State::Suspect(*kept, odd + 1))
-            };
+        let (verdict, state) = if evidence.strained
+            || (evidence.inverse_omega.is_some() && !evidence.is_off(before))
+        {
+            self.inverse_omega = *kept;
+            // One that the model cannot describe is not to be learnt from either.
+            (if evidence.strained { Verdict::Suspect } else { Verdict::Same }, State::Steady)
+        } else if evidence.explains(before, self.dynamic_n) {
+            self.start(Some(before));
+            (Verdict::Mass, State::Steady)
+        } else if odd >= if evidence.inverse_omega.is_some() { ODD } else { SILENT } {
+            self.start(None);
+            (Verdict::Unknown, State::Steady)
+        } else {
+            (Verdict::Suspect, State::Suspect(*kept, odd + 1))
+        };
         self.state = state;
         verdict
     }
 
     /// Learns from an event, and may end the trial.
-    pub fn learn(&mut self, told: &Told) -> Option<Verdict> {
+    pub fn learn(&mut self, evidence: &Evidence) -> Option<Verdict> {
         self.seen = self.seen.saturating_add(1);
-        if let Some((inverse_omega, variance)) = told.inverse_omega {
+        if let Some((inverse_omega, variance)) = evidence.inverse_omega {
             self.inverse_omega.add(inverse_omega, variance);
             if self.before.is_some() && self.since.count < MOST {
-                self.since.add((inverse_omega, variance), told.dynamic_n);
+                self.since.add((inverse_omega, variance), evidence.dynamic_n);
             }
         }
         if let State::Trial(events) = self.state {
             self.state = State::Trial(events + 1);
             let verdict = self.tried(events + 1)?;
             if verdict == Verdict::Unknown {
-                self.leave_open(told.dynamic_n, self.dynamic_n);
+                self.leave_open(evidence.dynamic_n, self.dynamic_n);
             }
             self.dynamic_n = self.since.dynamic_n_or(self.dynamic_n);
             return Some(verdict);
         }
         let share = 1.0 / self.seen.clamp(1, 8) as f32;
-        self.dynamic_n += share * (told.dynamic_n - self.dynamic_n);
+        self.dynamic_n += share * (evidence.dynamic_n - self.dynamic_n);
         None
     }
 
@@ -255,17 +258,17 @@ impl Mass {
 mod tests {
     use super::*;
 
-    fn measured(i: usize, inverse_omega: f32, noise: f32, dynamic_n: f32) -> Told {
+    fn measured(i: usize, inverse_omega: f32, noise: f32, dynamic_n: f32) -> Evidence {
         let value = inverse_omega + noise * ((i * 7 % 5) as f32 - 2.0);
         let inverse_omega = Some((value, 2.5 * noise * noise));
-        Told { inverse_omega, dynamic_n, same_cable: true, strained: false }
+        Evidence { inverse_omega, dynamic_n, same_cable: true, strained: false }
     }
 
-    fn take(mass: &mut Mass, told: &Told) -> Verdict {
+    fn take(mass: &mut Mass, evidence: &Evidence) -> Verdict {
         mass.forget();
-        let verdict = mass.judge(told);
+        let verdict = mass.judge(evidence);
         if verdict != Verdict::Suspect {
-            mass.learn(told);
+            mass.learn(evidence);
         }
         verdict
     }

@@ -10,7 +10,7 @@ pub(super) const LEAST: f32 = 0.05;
 
 /// What an event tells of the mass.
 #[derive(Clone, Copy, Debug)]
-pub struct Told {
+pub struct Evidence {
     /// Its swing and the variance of that, periods, with nothing from other events.
     pub inverse_omega: Option<(f32, f32)>,
     /// `Fp`, N.
@@ -60,7 +60,7 @@ impl Swings {
     }
 }
 
-impl Told {
+impl Evidence {
     /// Is the swing off by more than its noise, and by more than a cable may vary?
     pub(super) fn is_off(&self, expected: Prior) -> bool {
         let Some((inverse_omega, variance)) = self.inverse_omega.filter(|_| expected.weight > 0.0)
