@@ -107,13 +107,13 @@ impl<T, const ROOM: usize> Kept<T, ROOM> {
     }
 
     /// What is read from the state; the default where there is none.
-    pub(crate) fn ask<R: Default>(&self, question: impl FnOnce(&T) -> R) -> R {
-        self.get().map_or_else(R::default, question)
+    pub(crate) fn read<R: Default>(&self, function: impl FnOnce(&T) -> R) -> R {
+        self.get().map_or_else(R::default, function)
     }
 
     /// What a change of the state gives; the default where there is none.
-    pub(crate) fn tell<R: Default>(&mut self, question: impl FnOnce(&mut T) -> R) -> R {
-        self.0.first_mut().map_or_else(R::default, question)
+    pub(crate) fn update<R: Default>(&mut self, function: impl FnOnce(&mut T) -> R) -> R {
+        self.0.first_mut().map_or_else(R::default, function)
     }
 }
 
@@ -229,8 +229,8 @@ mod tests {
             *sum += 7;
             *sum
         };
-        assert_eq!((some.tell(add), none.tell(add)), (7, 0));
-        assert_eq!((some.ask(|sum| 2 * sum), none.ask(|sum| 2 * sum)), (14, 0));
+        assert_eq!((some.update(add), none.update(add)), (7, 0));
+        assert_eq!((some.read(|sum| 2 * sum), none.read(|sum| 2 * sum)), (14, 0));
         assert_eq!((some.get(), none.get()), (Some(&7), None));
         assert_eq!((size_of_val(&some), size_of_val(&none)), (4, 0));
     }

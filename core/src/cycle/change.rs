@@ -19,8 +19,8 @@ const CHANGED: u8 = 3;
 impl Expectations {
     /// Does an event leave far more than the others do? The winch paused or started, or the block
     /// hit something; after several in a row what was expected no longer holds.
-    pub(crate) fn is_misfit(&mut self, pending: &SlipRecord, squares_n2: f32, free: f32) -> bool {
-        let least_n2 = (pending.noise_n2, rounding_n2(pending.peak.force_n));
+    pub(crate) fn is_misfit(&mut self, slip: &SlipRecord, squares_n2: f32, free: f32) -> bool {
+        let least_n2 = (slip.noise_n2, rounding_n2(slip.peak.force_n));
         if !self.residuals.is_outlier(squares_n2, free, least_n2) {
             self.misfits = 0;
             return false;
@@ -83,7 +83,7 @@ impl CycleTracker {
                 let dynamic_n = posterior.cycle.dynamic_n();
                 let follows = self.site.effects.has(Effect::Level);
                 let shift = follows
-                    .then(|| self.levels.tell(|levels| levels.take(static_n, dynamic_n)))??;
+                    .then(|| self.levels.update(|levels| levels.take(static_n, dynamic_n)))??;
                 let first = (event.index.saturating_sub(shift.events_ago), event.onset);
                 let watches = self.site.effects.has(Effect::Mass);
                 let (mass, before_n) = (&mut self.learnt.mass, shift.dynamic_before_n);
@@ -100,7 +100,7 @@ impl CycleTracker {
             Verdict::SameMass => (Cause::Friction, suspect.unwrap_or(here)),
             Verdict::Unknown => (Cause::Unknown, suspect.unwrap_or(here)),
         };
-        self.levels.tell(Levels::forget);
+        self.levels.update(Levels::forget);
         let (weight_ratio, relative) = self.weight_ratio();
         let weight_ratio_std = relative * weight_ratio;
         Some(Change { event: first, onset, cause, weight_ratio, weight_ratio_std })

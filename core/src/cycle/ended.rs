@@ -123,7 +123,7 @@ impl CycleTracker {
             (Progress::Answering(answer), Some(slip)) => answer.expected.pass(slip),
             (Progress::Answering(_) | Progress::Answered(_), _) => {
                 // Whether a long fall is even is asked of each of its samples.
-                let fall = self.finishing.as_ref().map_or(0.0, |fit| fit.pending.fall());
+                let fall = self.finishing.as_ref().map_or(0.0, |fit| fit.slip.fall());
                 LINES + ANSWER + fall as usize
             }
         }
@@ -194,14 +194,14 @@ impl CycleTracker {
         let Progress::Answered(first) = &ended.progress else { return None };
         let first = first.as_ref().filter(|fit| self.shows_slip(fit));
         if let Some(slip) = &mut self.pending {
-            slip.know(first.map(|fit| *fit.cycle()));
+            slip.take_first_answer(first.map(|fit| *fit.cycle()));
         }
         if let Some(finishing) = &mut self.finishing {
             let (stick, end) = (&ended.stick, ended.end());
             let creep_periods = self.learnt.creep_periods();
             let last = self.pending.as_ref().and_then(|slip| slip.last_before(creep_periods));
             finishing.give_lines(stick, detector.window(), end, last);
-            let (slip, after) = (&mut finishing.pending, &finishing.after);
+            let (slip, after) = (&mut finishing.slip, &finishing.after);
             let periods = since(slip.origin, end) - slip.low.time;
             let rest = (after, stick.highest.force_n);
             let refused = refusal::of_fall(slip, rest, periods, self.slides, self.learnt.swing());

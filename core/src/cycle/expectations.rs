@@ -8,8 +8,8 @@ use crate::effects::corner::CornerEstimator;
 use crate::effects::damping::Damping;
 use crate::effects::mass_change::{Evidence, Mass, Verdict};
 use crate::effects::onset::Onset;
+use crate::effects::oscillation::Oscillation;
 use crate::effects::sag::Sag;
-use crate::effects::swing::Swing;
 use crate::fit::posterior::{CLEAR, Posterior};
 use crate::fit::residuals::Residuals;
 use crate::fit::slip_scatter::SlipScatter;
@@ -34,10 +34,10 @@ pub(crate) struct Expectations {
     /// Loading rate as the newest event alone tells it, and its variance.
     pub(crate) own_rate: Option<(f32, f32)>,
     pub(crate) residuals: Residuals,
-    pub(crate) slip: SlipScatter,
+    pub(crate) slip_scatter: SlipScatter,
     pub(crate) damping: Kept<Damping, { Effect::Damping.room() }>,
     pub(crate) onset: Kept<Onset, { Effect::Onset.room() }>,
-    pub(crate) swing: Kept<Swing, { Effect::Ripple.room() }>,
+    pub(crate) oscillation: Kept<Oscillation, { Effect::Ripple.room() }>,
     /// Events in a row that did not fit.
     pub(super) misfits: u8,
     /// Are the residuals those of samples with weights?
@@ -65,42 +65,41 @@ impl Expectations {
     /// Variance of the noise, as if it were white: from the fits so far, else the
     /// detector's. Never below what single precision leaves of a force.
     #[inline(never)]
-    pub(crate) fn noise_n2(&self, pending: &SlipRecord) -> f32 {
-        let noise_n2 = self.residuals.variance_n2().unwrap_or(pending.noise_n2);
-        larger(pending.white_share() * noise_n2, rounding_n2(pending.peak.force_n))
+    pub(crate) fn noise_n2(&self, slip: &SlipRecord) -> f32 {
+        let noise_n2 = self.residuals.variance_n2().unwrap_or(slip.noise_n2);
+        larger(slip.white_share() * noise_n2, rounding_n2(slip.peak.force_n))
     }
 
     /// Variance of what may be an oscillation about an event's lines, of the cable or of the cell,
     /// in units of the noise variance.
-    pub(crate) fn unsure_swing(&self, pending: &SlipRecord, noise_n2: f32) -> f32 {
-        let all_n2 = self.residuals.variance_n2().unwrap_or(pending.noise_n2);
-        pending.wander.unsure * all_n2 / noise_n2
+    pub(crate) fn unsure_oscillation(&self, slip: &SlipRecord, noise_n2: f32) -> f32 {
+        let all_n2 = self.residuals.variance_n2().unwrap_or(slip.noise_n2);
+        slip.wander.unsure * all_n2 / noise_n2
     }
 
     /// As [`Self::noise_n2`], from the fits alone. Before the first of them next to nothing, so
     /// that rough expectations hardly count.
-    pub(crate) fn fitted_noise_n2(&self, pending: &SlipRecord) -> f32 {
+    pub(crate) fn fitted_noise_n2(&self, slip: &SlipRecord) -> f32 {
         const HARDLY: f32 = 1e-3;
         match self.residuals.variance_n2() {
-            Some(_) => self.noise_n2(pending),
-            None => HARDLY * pending.noise_n2,
+            Some(_) => self.noise_n2(slip),
+            None => HARDLY * slip.noise_n2,
         }
     }
 
     /// Drops the residuals from before samples had weights, once some have: they are no measure any
     /// more.
-    pub(crate) fn weigh(&mut self, pending: &SlipRecord) {
-        if pending.rest_weight < 1.0 && !self.weighted {
+    pub(crate) fn weigh(&mut self, slip: &SlipRecord) {
+        if slip.rest_weight < 1.0 && !self.weighted {
             self.weighted = true;
             self.residuals = Residuals::new();
         }
     }
 
     /// What is expected of an event with this line after it.
-    pub(crate) fn of(&self, pending: &SlipRecord, after: &Line, noise_n2: f32) -> Expected {
-        let (rough, wander) = (pending.rough(after), pending.wander.followed());
-        let has_lines =
-            pending.before.count.min(after.count) >= LINE && pending.wander.level <= 0.0;
+    pub(crate) fn of(&self, slip: &SlipRecord, after: &Line, noise_n2: f32) -> Expected {
+        let (rough, wander) = (slip.rough(after), slip.wander.followed());
+        let has_lines = slip.before.count.min(after.count) >= LINE && slip.wander.level <= 0.0;
         let rate = expected(self.rate.prior(noise_n2), rough.rate, 0.7 * rough.rate, noise_n2);
         let known_swing = if self.knows_omega() {
             self.mass.inverse_omega().prior(noise_n2)
@@ -116,15 +115,15 @@ impl Expectations {
             rate: rate.loosened(wander.slope),
             inverse_omega,
             rate_change: self
-                .bend_prior(rough.rate, has_lines, noise_n2)
+                .rate_change_prior(rough.rate, has_lines, noise_n2)
                 .loosened(4.0 * wander.slope),
             onset: rough.onset(noise_n2),
-            corner: self.corner.ask(|corner| corner.expected(rate.mean, inverse_omega.mean)),
+            corner: self.corner.read(|corner| corner.expected(rate.mean, inverse_omega.mean)),
         }
     }
 
     /// Expected rate change: until the events tell otherwise the winch turns steadily.
-    fn bend_prior(&self, rough_rate: f32, has_lines: bool, noise_n2: f32) -> Prior {
+    fn rate_change_prior(&self, rough_rate: f32, has_lines: bool, noise_n2: f32) -> Prior {
         const STEADY: f32 = 0.003;
         // The first slip may tighten the cable, and the winch may yet have to come up to speed.
         const FIRST: f32 = 0.3;
@@ -166,12 +165,12 @@ impl Expectations {
     /// either end, that is `0.5 b/ω` about it, and half of that in `Fp`. A step at a time `t`
     /// before the onset lifts `Fs` by `b t`, one after the stop lowers `Fe` by as much, and either
     /// is in `Fp` by half. Zero where the force wanders, which may be why.
-    pub(crate) fn unsteady_n2(&self, pending: &SlipRecord, posterior: &Posterior) -> (f32, f32) {
+    pub(crate) fn unsteady_n2(&self, slip: &SlipRecord, posterior: &Posterior) -> (f32, f32) {
         // Standard deviation of `t`, periods: anywhere in the four samples that the lines stay
         // behind.
         const BESIDE: f32 = 2.3;
         let Posterior { cycle, unknowns: [.., variance], .. } = posterior;
-        if pending.wander.level > 0.0 || !cycle.is_taut() {
+        if slip.wander.level > 0.0 || !cycle.is_taut() {
             return (0.0, 0.0);
         }
         let own = cycle.rate_change - self.rate_change.prior_around_zero(1.0).mean;
@@ -203,7 +202,7 @@ impl Expectations {
             *posterior;
         self.rate.forget();
         self.rate_change.forget();
-        self.sag.tell(Sag::forget);
+        self.sag.update(Sag::forget);
         if posterior.is_resolved() {
             self.mass.forget();
         }
@@ -253,13 +252,13 @@ impl Expectations {
     /// deviation by creep.
     pub(crate) fn creep_periods(&self) -> f32 {
         const PART: f32 = 0.2;
-        if self.corner.ask(CornerEstimator::missing_n) <= 0.0 {
+        if self.corner.read(CornerEstimator::missing_n) <= 0.0 {
             return 0.0;
         }
         let known = self.rate.mean().zip(self.residuals.variance_n2());
         let creep = |(rate, noise_n2)| {
             let least_n = PART * math::sqrt(noise_n2);
-            self.corner.ask(|corner| corner.creep_n(least_n)) / rate
+            self.corner.read(|corner| corner.creep_n(least_n)) / rate
         };
         known.map_or(0.0, creep)
     }

@@ -23,13 +23,13 @@ pub(crate) struct Expected {
 impl Expected {
     /// The event's samples and lines with that.
     #[inline(never)]
-    pub(crate) fn data<'a>(&self, pending: &'a SlipRecord, after: &'a Line) -> Data<'a> {
+    pub(crate) fn data<'a>(&self, slip: &'a SlipRecord, after: &'a Line) -> Data<'a> {
         let Self { rate, inverse_omega, rate_change, onset, corner, .. } = *self;
         Data {
-            before: &pending.before,
-            samples: pending.samples(),
+            before: &slip.before,
+            samples: slip.samples(),
             after,
-            wander: pending.wander.followed(),
+            wander: slip.wander.followed(),
             rate,
             inverse_omega,
             rate_change,
@@ -41,18 +41,18 @@ impl Expected {
     /// The same, to ask the event for force terms. Where the force bends down before the onset
     /// creep may be why, which is not seen about lines that follow the bend.
     #[inline(never)]
-    pub(crate) fn asked<'a>(&self, pending: &'a SlipRecord, after: &'a Line) -> Data<'a> {
-        let mut data = self.data(pending, after);
-        if pending.wander.creeps {
+    pub(crate) fn asked<'a>(&self, slip: &'a SlipRecord, after: &'a Line) -> Data<'a> {
+        let mut data = self.data(slip, after);
+        if slip.wander.creeps {
             data.wander = ColoredNoise::NONE;
         }
         data
     }
 
     /// Time of a pass over the samples and lines, in units of 160 instructions on the board.
-    pub(crate) fn pass(&self, pending: &SlipRecord) -> usize {
-        let samples = pending.samples().forces_n.len().min(SAMPLES_A_STEP);
-        let wanders = if pending.wander.level > 0.0 { 3 } else { 0 };
+    pub(crate) fn pass(&self, slip: &SlipRecord) -> usize {
+        let samples = slip.samples().forces_n.len().min(SAMPLES_A_STEP);
+        let wanders = if slip.wander.level > 0.0 { 3 } else { 0 };
         let pass = if self.corner.is_sharp() { 12 + samples * 5 / 4 } else { 16 + samples * 5 / 2 };
         pass + wanders
     }

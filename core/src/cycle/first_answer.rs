@@ -69,7 +69,7 @@ impl CycleTracker {
         let slip = self.pending.as_ref()?;
         let noise_n2 = self.learnt.fitted_noise_n2(slip);
         fit.widen_forces(slip.wander.alike);
-        fit.widen(&Variances::UNSURE_SWING, self.learnt.unsure_swing(slip, noise_n2));
+        fit.widen(&Variances::UNSURE_OSCILLATION, self.learnt.unsure_oscillation(slip, noise_n2));
         let at = Posterior::at(&fit, noise_n2);
         let known = self.learnt.residuals.variance_n2().is_some();
         if !(at.is_resolved() && known && slip.hidden.is_none()) {

@@ -17,7 +17,7 @@ struct Belief {
     /// The slip looks like one that is made of samples of many faster slips.
     folded: bool,
     /// Loading rate and swing are those of one cable, by the speed of the winch.
-    asked_for: bool,
+    agrees_with_winch: bool,
     /// The loading rate, the drop or the rest may be nothing.
     unsure: bool,
 }
@@ -26,26 +26,25 @@ impl CycleTracker {
     /// The fit has ended: gives the event, with its times kept between the stop of the event before
     /// and the peak of the next slip.
     pub(super) fn end(&mut self, outcome: Outcome) -> Option<Finished> {
-        let CycleFit { pending, after, mut measured, .. } = self.finishing.take()?;
-        let pending = &pending;
+        let CycleFit { slip, after, mut measured, .. } = self.finishing.take()?;
+        let slip = &slip;
         let (mut finished, load) = match outcome {
             Outcome::Failed(reason) => {
                 // The rest before a slip without a fit, and the rest after it, are not one.
                 self.rested = None;
-                (self.without_coefficients(pending, reason).into(), None)
+                (self.without_coefficients(slip, reason).into(), None)
             }
             Outcome::Fitted => {
                 self.doubt_slack(&mut measured);
-                let (finished, load) = self.fitted(pending, &after, &measured);
+                let (finished, load) = self.fitted(slip, &after, &measured);
                 (finished, Some(load))
             }
         };
         let fit = load.is_some().then_some(&measured.posterior);
-        if let Some(reason) = self.refused(pending, &after, &finished.event, fit) {
-            finished = self.without_coefficients(pending, reason).into();
+        if let Some(reason) = self.refused(slip, &after, &finished.event, fit) {
+            finished = self.without_coefficients(slip, reason).into();
         }
-        let (event, limit) =
-            (&mut finished.event, SampleTime::after(pending.origin, pending.limit));
+        let (event, limit) = (&mut finished.event, SampleTime::after(slip.origin, slip.limit));
         event.onset = self.last_stop.map_or(event.onset, |it| later(it, event.onset));
         event.stop = later(event.onset, earlier(event.stop, limit));
         self.last_stop = Some(event.stop);
@@ -59,28 +58,28 @@ impl CycleTracker {
     /// The event of a fit, and the moment at which its cable begins to load again.
     fn fitted(
         &mut self,
-        pending: &SlipRecord,
+        slip: &SlipRecord,
         after: &Line,
         Measured { posterior, alone, noise_n2, verdict }: &Measured,
     ) -> (Finished, SampleTime) {
         let site = self.site();
         let shape = posterior.cycle.shape();
-        self.learn_sag(pending, posterior, &shape);
+        self.learn_sag(slip, posterior, &shape);
         let loads = shape.loads();
-        let shift = self.shift(pending, &posterior.cycle);
+        let shift = self.shift(slip, &posterior.cycle);
         let alone = alone.map(|forces| {
             let mu_s = site.coefficient(forces.static_n, noise_n2 * forces.static_variance);
             let dynamic_n = forces.dynamic_n - shift.0;
             (mu_s, site.coefficient(dynamic_n, noise_n2 * forces.dynamic_variance))
         });
-        let event = self.measured(pending, posterior, &shape, shift);
+        let event = self.measured(slip, posterior, &shape, shift);
         let mut finished = self.judged(event, alone, posterior, shift, *verdict);
-        if event.slack && !pending.shows(after, loads) {
+        if event.slack && !slip.shows(after, loads) {
             // How far the block slid on a slack cable was not seen.
             (finished.event.mu, finished.alone) = (None, None);
             finished.event.reason = finished.event.reason.or(Some(Reason::TooShort));
         }
-        (finished, SampleTime::after(pending.origin, loads))
+        (finished, SampleTime::after(slip.origin, loads))
     }
 
     /// A winch that stands while the cable hangs slack, or while the force is low, makes the slack
@@ -93,11 +92,11 @@ impl CycleTracker {
         if cycle.is_taut() {
             return;
         }
-        let off_n = self.levels.ask(|levels| levels.below_n(cycle.dynamic_n()));
+        let off_n = self.levels.read(|levels| levels.below_n(cycle.dynamic_n()));
         if off_n > 0.0 {
             let static_n = off_n * cycle.rate * cycle.inverse_omega() / cycle.half_drop_n;
             let (static_n2, dynamic_n2) = (static_n * static_n, off_n * off_n);
-            measured.take(&Correction { static_n2, dynamic_n2, ..Correction::default() });
+            measured.apply(&Correction { static_n2, dynamic_n2, ..Correction::default() });
         }
     }
 
@@ -106,22 +105,22 @@ impl CycleTracker {
     #[inline(never)]
     fn refused(
         &mut self,
-        pending: &SlipRecord,
+        slip: &SlipRecord,
         after: &Line,
         event: &Event,
         fit: Option<&Posterior>,
     ) -> Option<Reason> {
-        let limit = SampleTime::after(pending.origin, pending.limit);
+        let limit = SampleTime::after(slip.origin, slip.limit);
         let overlaps =
             limit.precedes(event.stop) || self.last_stop.is_some_and(|it| event.onset.precedes(it));
         let overlaps = (overlaps && event.reason.is_none()).then_some(Reason::NoFit);
-        let Belief { folded, asked_for, unsure } =
-            fit.map(|posterior| self.of_fit(posterior, pending.limit)).unwrap_or_default();
+        let Belief { folded, agrees_with_winch, unsure } =
+            fit.map(|posterior| self.of_fit(posterior, slip.limit)).unwrap_or_default();
         // Without any line a slack cable that loads within two samples shows no loading rate.
         let is_steep = |it: &Posterior| 2.0 * it.cycle.rate > it.cycle.static_n;
-        let has_line = pending.before.count + after.count > 0;
+        let has_line = slip.before.count + after.count > 0;
         let loads_fast = event.slack && !has_line && fit.is_some_and(is_steep);
-        let is_fast = pending.limit - pending.extremes().0 < refusal::FAST;
+        let is_fast = slip.limit - slip.extremes().0 < refusal::FAST;
         let without_rest = if is_fast || loads_fast { Reason::TooShort } else { Reason::NoRest };
         let without_rest = (loads_fast || unsure).then_some(without_rest);
         let reason = refusal::of_event(event).or(overlaps).or(without_rest);
@@ -129,7 +128,8 @@ impl CycleTracker {
         // slips in quick succession any reason is one, of slower slips that the force does not take
         // the course of a slip.
         let doubted = reason.or(event.reason).is_some_and(|it| is_fast || it.is_of_shape());
-        let doubtful = self.recurrence.is_folded(folded || doubted) && fit.is_some() && !asked_for;
+        let doubtful =
+            self.recurrence.is_folded(folded || doubted) && fit.is_some() && !agrees_with_winch;
         let why = if is_fast { Reason::Aliased } else { Reason::NoFit };
         reason.or(doubtful.then_some(why))
     }
@@ -142,18 +142,18 @@ impl CycleTracker {
         // Told by all events, not by a single one.
         let is_clear = learnt.knows_omega() && core::f32::consts::PI * swing.0 > CLEAR;
         let periods = next - cycle.onset;
-        let learnt = refusal::stiffer(&site, rate, swing);
+        let learnt = refusal::root_stiffness_ratio(&site, rate, swing);
         let folded = is_clear && refusal::is_folded(learnt, periods);
         let (rate, drop) = ((cycle.rate, unknowns[1]), (cycle.half_drop_n, unknowns[3]));
         let is_fast = periods < refusal::FAST;
-        let own = refusal::stiffer(&site, rate, (cycle.inverse_omega(), unknowns[4]));
-        let asked_for = refusal::is_asked_for(own);
+        let own = refusal::root_stiffness_ratio(&site, rate, (cycle.inverse_omega(), unknowns[4]));
+        let agrees_with_winch = refusal::agrees_with_winch(own);
         // An oscillation of the force can be fitted as slips as well, but without a sample that is
         // surely at rest, or a rest that is longer than part of a slow oscillation. Not so a slip
         // that the winch asks for.
         let least = if is_fast { 1.0 } else { refusal::SWINGS * cycle.inverse_omega() };
         let rests = (2.0 * drop.0 - least * rate.0, 4.0 * drop.1 + least * least * rate.1);
-        let shown = if asked_for { drop } else { rests };
+        let shown = if agrees_with_winch { drop } else { rests };
         // Without a load nothing slips.
         let unsure = !refusal::is_no_chance(rate) || !refusal::is_no_chance(shown);
         if !is_fast {
@@ -161,21 +161,21 @@ impl CycleTracker {
         }
         let tells = posterior.tells_swing(unknowns[4]);
         let folded = folded || (tells && refusal::is_folded(own, periods));
-        Belief { folded, asked_for, unsure: unsure || refusal::is_lame(own) }
+        Belief { folded, agrees_with_winch, unsure: unsure || refusal::is_softer(own) }
     }
 
     /// An event with its coefficients; with omega where the slip shows it.
     fn measured(
         &self,
-        pending: &SlipRecord,
+        slip: &SlipRecord,
         posterior: &Posterior,
         shape: &Shape,
         (shift_n, shift_n2): (f32, f32),
     ) -> Event {
         let cycle = &posterior.cycle;
-        let mut event = self.bare(pending, cycle, shape);
+        let mut event = self.bare(slip, cycle, shape);
         let site = self.site();
-        let (static_n2, dynamic_n2) = self.learnt.unsteady_n2(pending, posterior);
+        let (static_n2, dynamic_n2) = self.learnt.unsteady_n2(slip, posterior);
         event.mu_s = Some(site.coefficient(cycle.static_n, posterior.static_n2 + static_n2));
         event.dynamic_force_n -= shift_n;
         let dynamic_n2 = posterior.dynamic_n2 + shift_n2 + dynamic_n2;
@@ -190,10 +190,10 @@ impl CycleTracker {
     }
 
     /// Times and forces of an event, its coefficients left open.
-    fn bare(&self, pending: &SlipRecord, cycle: &CycleParams, shape: &Shape) -> Event {
+    fn bare(&self, slip: &SlipRecord, cycle: &CycleParams, shape: &Shape) -> Event {
         let hz = self.site.rate_hz;
-        let onset = SampleTime::after(pending.origin, cycle.onset);
-        let stop = SampleTime::after(pending.origin, shape.stop());
+        let onset = SampleTime::after(slip.origin, cycle.onset);
+        let stop = SampleTime::after(slip.origin, shape.stop());
         let rest = self.last_stop.map(|last| larger(onset.periods_since(last), 0.0) / hz);
         Event {
             index: self.count,
@@ -216,23 +216,23 @@ impl CycleTracker {
     }
 
     /// An event that was seen and not measured, by its highest and its lowest sample.
-    fn without_coefficients(&self, pending: &SlipRecord, reason: Reason) -> Event {
-        let (onset, stop) = pending.fall_edges();
+    fn without_coefficients(&self, slip: &SlipRecord, reason: Reason) -> Event {
+        let (onset, stop) = slip.fall_edges();
         let fall = stop - onset;
-        let drop = pending.peak.force_n - pending.low.force_n;
-        let rate = self.learnt.rate.mean().or(pending.before.slope());
+        let drop = slip.peak.force_n - slip.low.force_n;
+        let rate = self.learnt.rate.mean().or(slip.before.slope());
         let cycle = CycleParams {
             onset,
             rate: larger(rate.unwrap_or(0.0), 1e-6 * drop),
-            static_n: pending.peak.force_n,
+            static_n: slip.peak.force_n,
             half_drop_n: 0.5 * drop,
             omega: core::f32::consts::PI / larger(fall, 1.0),
             rate_change: 0.0,
         };
-        let mut event = self.bare(pending, &cycle, &cycle.shape());
-        event.stop = SampleTime::after(pending.origin, stop);
+        let mut event = self.bare(slip, &cycle, &cycle.shape());
+        event.stop = SampleTime::after(slip.origin, stop);
         event.slip_s = fall / self.site.rate_hz;
-        (event.peak_force_n, event.restick_force_n) = (pending.peak.force_n, pending.low.force_n);
+        (event.peak_force_n, event.restick_force_n) = (slip.peak.force_n, slip.low.force_n);
         event.slack = false;
         event.quality =
             if reason == Reason::Hidden { Quality::Clipped } else { Quality::Unresolved };

@@ -6,8 +6,8 @@ use crate::cycle::expectations::Expectations;
 use crate::effect::{Effect, Parameter};
 use crate::effects::damping::Damping;
 use crate::effects::onset::Onset;
+use crate::effects::oscillation::Oscillation;
 use crate::effects::sag::Sag;
-use crate::effects::swing::Swing;
 use crate::num::math;
 use crate::stats::quantity::Quantity;
 
@@ -56,17 +56,19 @@ impl CycleTracker {
     #[must_use]
     pub fn parameters(&self, effect: Effect) -> [Option<Parameter>; 2] {
         match effect {
-            Effect::Corner => self.learnt.corner.ask(|corner| corner.parameters(self.site.rate_hz)),
-            Effect::Damping => [self.learnt.damping.ask(Damping::parameter), None],
-            Effect::Onset => [self.learnt.onset.ask(Onset::parameter), None],
-            Effect::Sag => [self.learnt.sag.ask(Sag::parameter), None],
+            Effect::Corner => {
+                self.learnt.corner.read(|corner| corner.parameters(self.site.rate_hz))
+            }
+            Effect::Damping => [self.learnt.damping.read(Damping::parameter), None],
+            Effect::Onset => [self.learnt.onset.read(Onset::parameter), None],
+            Effect::Sag => [self.learnt.sag.read(Sag::parameter), None],
             Effect::Stiffening => [self.learnt.stiffening(), None],
             Effect::Mass => {
                 let (value, relative) = self.weight_ratio();
                 let ratio = Parameter { name: "weight_ratio", value, std: relative * value };
                 [(relative > 0.0).then_some(ratio), None]
             }
-            Effect::Ripple => [self.learnt.swing.ask(Swing::parameter), None],
+            Effect::Ripple => [self.learnt.oscillation.read(Oscillation::parameter), None],
             Effect::Level | Effect::Drift | Effect::Flop => [None; 2],
         }
     }

@@ -153,7 +153,7 @@ impl Recurrence {
 /// rate, N per period, and the swing, periods, each with its variance. NaN where the speed of the
 /// winch is not known: then neither limit tells anything.
 #[inline(never)]
-pub(crate) fn stiffer(site: &Site, rate: (f32, f32), swing: (f32, f32)) -> (f32, f32) {
+pub(crate) fn root_stiffness_ratio(site: &Site, rate: (f32, f32), swing: (f32, f32)) -> (f32, f32) {
     let root = swing.0 * math::sqrt(rate.0 / site.momentum);
     // Of the root the rate's relative error is halved.
     let unsure = 0.25 * rate.1 / (rate.0 * rate.0) + swing.1 / (swing.0 * swing.0);
@@ -171,14 +171,14 @@ pub(crate) fn is_folded((least, _): (f32, f32), periods: f32) -> bool {
 
 /// Is the ratio surely one, as far as weight and winch are known? Then the slips are not folded,
 /// and no oscillation of the cell.
-pub(crate) fn is_asked_for((least, most): (f32, f32)) -> bool {
+pub(crate) fn agrees_with_winch((least, most): (f32, f32)) -> bool {
     least > CLOSE.0 && most < CLOSE.1
 }
 
 /// Is the loading rate surely far too low for the swing? A winch of known speed loads the cable
 /// that the swing shows by `ω² M w`; at two thirds of that the fit has found another slip than the
 /// one in the samples, as it may with few of them.
-pub(crate) fn is_lame((_, most): (f32, f32)) -> bool {
+pub(crate) fn is_softer((_, most): (f32, f32)) -> bool {
     most * most < SOFTER
 }
 
@@ -326,7 +326,7 @@ mod tests {
             };
             let (rate, swing) = (rate_n_per_s / hz / stretched, stretched * hz / omega);
             let variance = |value: f32| std * std * value * value;
-            stiffer(&site, (rate, variance(rate)), (swing, variance(swing)))
+            root_stiffness_ratio(&site, (rate, variance(rate)), (swing, variance(swing)))
         };
         for (stretched, std, folded, asked_for) in [
             (1.0, 0.001, false, true),
@@ -341,10 +341,12 @@ mod tests {
             (29.0, 0.25, false, false),
         ] {
             let seen = limits(winch_m_per_s, stretched, std);
-            let told = (is_folded(seen, 29.0), is_asked_for(seen));
+            let told = (is_folded(seen, 29.0), agrees_with_winch(seen));
             assert_eq!(told, (folded, asked_for), "{stretched} ± {std}");
             let unknown = limits(f32::NAN, stretched, std);
-            assert!(!is_folded(unknown, 29.0) && !is_asked_for(unknown) && !is_lame(unknown));
+            assert!(
+                !is_folded(unknown, 29.0) && !agrees_with_winch(unknown) && !is_softer(unknown)
+            );
         }
     }
 }

@@ -5,8 +5,8 @@ use core::ops::Range;
 use crate::cycle::expectations::Expectations;
 use crate::cycle::slip_record::SlipRecord;
 use crate::effect::Effect;
+use crate::effects::oscillation::TwoFits;
 use crate::effects::score::Asked;
-use crate::effects::swing::Swung;
 use crate::effects::{damping, onset};
 use crate::fit::correction::Correction;
 use crate::fit::posterior::Posterior;
@@ -25,7 +25,7 @@ impl Expectations {
 
     /// Is the event to be asked for its corners? Counts it.
     pub(crate) fn asks_corner(&mut self, used: &Corner) -> bool {
-        self.effects.has(Effect::Corner) && self.corner.tell(|corner| corner.is_due(used))
+        self.effects.has(Effect::Corner) && self.corner.update(|corner| corner.is_due(used))
     }
 
     /// Learns the corners from what the event's levels told, and moves what was learnt of rate,
@@ -37,8 +37,9 @@ impl Expectations {
         asked: (&Alone, &Asked),
         noise_n2: f32,
     ) -> Correction {
-        let other_n2 = self.onset.ask(|onset| onset.largest_n2(fit.cycle().half_drop_n));
-        let effect = self.corner.tell(|corner| corner.learn(used, fit, asked, noise_n2, other_n2));
+        let other_n2 = self.onset.read(|onset| onset.largest_n2(fit.cycle().half_drop_n));
+        let effect =
+            self.corner.update(|corner| corner.learn(used, fit, asked, noise_n2, other_n2));
         let [_, rate, _, _, inverse_omega, rate_change] = effect.moved;
         self.rate.translate(rate);
         self.mass.translate(inverse_omega);
@@ -49,15 +50,15 @@ impl Expectations {
     /// Learns from an event, if it `teaches`, whether an oscillation about its lines is the cable's
     /// or the cell's; gives the correction of its forces that follows. The fit is one that does not
     /// follow the oscillation.
-    pub(crate) fn learn_swing(
+    pub(crate) fn learn_oscillation(
         &mut self,
-        pending: &SlipRecord,
+        slip: &SlipRecord,
         data: Data<'_>,
         (fit, posterior): (&Fit, &Posterior),
         noise_n2: f32,
         teaches: bool,
     ) -> Correction {
-        let wander = pending.wander;
+        let wander = slip.wander;
         let rate = data.rate.loosened(wander.slope);
         let rate_change = data.rate_change.loosened(4.0 * wander.slope);
         let local = Data { wander, rate, rate_change, ..data };
@@ -68,8 +69,8 @@ impl Expectations {
             return Correction { static_n2, dynamic_n2: 0.5 * static_n2, ..Correction::default() };
         };
         let (cycle, white_n2) = (&posterior.cycle, wander.white_share() * noise_n2);
-        let swing = cycle.inverse_omega() * cycle.inverse_omega();
-        let event = Swung {
+        let swing2 = cycle.inverse_omega() * cycle.inverse_omega();
+        let event = TwoFits {
             forces_n: [cycle.static_n, cycle.dynamic_n()],
             plain_n2: [posterior.static_n2, posterior.dynamic_n2],
             by_n: [
@@ -79,13 +80,13 @@ impl Expectations {
             followed_n2: [followed.static_variance, followed.dynamic_variance]
                 .map(|it| white_n2 * it),
             white_share: wander.white_share(),
-            turn_n2: white_n2 * wander.slope * swing,
+            turn_n2: white_n2 * wander.slope * swing2,
         };
-        self.swing.tell(|swing| {
+        self.oscillation.update(|oscillation| {
             if teaches {
-                swing.learn(&event, noise_n2);
+                oscillation.learn(&event, noise_n2);
             }
-            swing.correction(&event)
+            oscillation.correction(&event)
         })
     }
 
@@ -110,11 +111,11 @@ impl Expectations {
     pub(crate) fn learn_scores(&mut self, asked: &mut Asked, alone: &Alone, noise_n2: f32) -> f32 {
         asked.free(alone);
         if self.effects.has(Effect::Damping) {
-            self.damping.tell(|damping| damping.0.learn(&asked.score(0), noise_n2));
+            self.damping.update(|damping| damping.0.learn(&asked.score(0), noise_n2));
         }
         if !self.effects.has(Effect::Onset) {
             return 0.0;
         }
-        self.onset.tell(|onset| onset.learn(&[asked.score(1), asked.score(2)], noise_n2))
+        self.onset.update(|onset| onset.learn(&[asked.score(1), asked.score(2)], noise_n2))
     }
 }

@@ -132,18 +132,18 @@ impl Detector {
         let time = self.stick.time(sample.index);
         if let Some(innovation) = self.stick.off_n(time, sample.force_n) {
             let relative = innovation / self.stick.spread(time, variance);
-            self.noise.add(relative);
+            self.noise.add_innovation(relative);
             if relative.abs() > OFF_LINE * self.line_std_n {
                 return self.strike(sample.index, relative);
             }
             if self.effects.has(Effect::Ripple) {
-                self.ripple.tell(|ripple| ripple.add(relative, weight));
+                self.ripple.update(|ripple| ripple.add(relative, weight));
             }
         }
         if self.stick.strikes > 0 {
             // Next to samples that were left out this one may be off the line as well: it says
             // nothing of the ripple.
-            self.ripple.tell(Ripple::interrupt);
+            self.ripple.update(Ripple::interrupt);
             self.stick.strikes = 0;
         }
         self.stick.take(time, sample.force_n, weight);
@@ -208,7 +208,7 @@ impl Detector {
         let most = if stick.is_straight() { PROFILE } else { PROFILE / 2 };
         let forces_n = window.between(origin, next.min(origin + most as u64));
         self.spent += forces_n.iter().map(|part| part.len() * 2 / 3).sum::<usize>();
-        let flops = self.profile.tell(|profile| {
+        let flops = self.profile.update(|profile| {
             let was_flat = profile.is_flat();
             if look != Look::Learn {
                 profile.begin(stick.is_straight().then(|| stick.line_from(origin)), forces_n);
@@ -219,7 +219,7 @@ impl Detector {
             was_flat && !profile.is_flat()
         });
         if flops {
-            // What the innovations told had the swing in it.
+            // What the innovations told had its oscillation in them.
             self.forget_ripple();
         }
     }

@@ -167,7 +167,7 @@ impl Detector {
     pub fn step(&mut self, index: u64, force_n: f32, waits: bool) -> Option<Transition> {
         self.spent = 0;
         let in_a_row = self.window.push(index, force_n);
-        self.noise.see(force_n, in_a_row && !self.lies_at_zero());
+        self.noise.add_sample(force_n, in_a_row && !self.lies_at_zero());
         let (line_std_n, std_n) = self.noise.std_n(force_n);
         self.line_std_n = line_std_n;
         if self.usual_drop_n > 0.0 {
@@ -286,7 +286,7 @@ impl Detector {
         self.phase = Phase::Stick;
         self.ended = self.stick;
         self.look_for_flop(Look::Both, 0..SHORT, false);
-        self.ripple.tell(|ripple| {
+        self.ripple.update(|ripple| {
             ripple.interrupt();
             ripple.settle();
         });

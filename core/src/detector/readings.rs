@@ -85,7 +85,7 @@ impl Detector {
     #[must_use]
     pub fn shows(&self, effect: Effect) -> bool {
         match effect {
-            Effect::Flop => self.profile.ask(|profile| !profile.is_flat()),
+            Effect::Flop => self.profile.read(|profile| !profile.is_flat()),
             Effect::Ripple => {
                 let ColoredNoise { level, alike, .. } = self.wander();
                 level + alike > 0.0
@@ -104,7 +104,7 @@ impl Detector {
     /// Takes the noise, N, by the residuals of all events so far, the newest of which is `believed`
     /// if it has coefficients.
     pub fn fitted_noise(&mut self, noise_n: f32, believed: bool) {
-        self.noise.fitted(noise_n, believed);
+        self.noise.add_fit(noise_n, believed);
     }
 
     /// Keeps the samples of so many periods before an onset, which creep bends, out of the line.

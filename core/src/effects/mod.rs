@@ -5,9 +5,9 @@ pub(crate) mod damping;
 pub mod level_shift;
 pub mod mass_change;
 pub(crate) mod onset;
+pub(crate) mod oscillation;
 pub(crate) mod sag;
 pub(crate) mod score;
-pub(crate) mod swing;
 pub(crate) mod zero_drift;
 
 #[cfg(test)]

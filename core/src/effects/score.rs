@@ -113,7 +113,7 @@ pub(crate) struct ScoreSum {
     score: f32,
     /// Σ of the events' squared scores, each less what the events before let expect and over its
     /// variance: 1 an event after the first, if there is nothing but noise.
-    surprise: f32,
+    chi_square: f32,
 }
 
 impl ScoreSum {
@@ -132,7 +132,7 @@ impl ScoreSum {
         fade(&mut self.count, 1.0);
         fade(&mut self.score, score);
         fade(&mut self.information, information);
-        fade(&mut self.surprise, square);
+        fade(&mut self.chi_square, square);
     }
 
     /// The amplitude.
@@ -143,7 +143,7 @@ impl ScoreSum {
 
     /// Its variance, larger where the scores scatter by more than the noise.
     pub(crate) fn variance(&self) -> f32 {
-        larger(self.surprise / (self.count - 1.0), 1.0) / self.information
+        larger(self.chi_square / (self.count - 1.0), 1.0) / self.information
     }
 
     /// Do enough events tell it?

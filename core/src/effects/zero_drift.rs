@@ -59,7 +59,7 @@ pub(crate) struct Drift {
     before: [Values; 2],
     /// Second differences of `mu` and of the drop: Σ of their squares, less what the stated
     /// variances make of them, in variances of an event; and how many there are.
-    bends: [f32; 2],
+    second_differences: [f32; 2],
     count: f32,
     /// In units of the coefficients, over the events: mean of the moves since the test began, and
     /// square of the largest one of a fading past.
@@ -93,8 +93,8 @@ impl Drift {
         if taken <= 0.0 {
             return;
         }
-        self.bend(event, taken);
-        let [of_mu, of_drop] = self.bends.map(|sum| self.scatter(sum));
+        self.add_second_difference(event, taken);
+        let [of_mu, of_drop] = self.second_differences.map(|sum| self.scatter(sum));
         let [.., stated_of_drop] = event;
         let least = LEAST_SHARE * (of_drop + stated_of_drop);
         let scatter = [math::larger(of_mu, least), of_drop];
@@ -117,17 +117,17 @@ impl Drift {
     }
 
     /// Takes the second differences that end with an event.
-    fn bend(&mut self, event: Values, taken: f32) {
+    fn add_second_difference(&mut self, event: Values, taken: f32) {
         let [last, older] = self.before;
         self.before = [event, last];
         if taken < 3.0 {
             return;
         }
         self.count = FADE * self.count + 1.0;
-        for (i, sum) in self.bends.iter_mut().enumerate() {
-            let bend = event[i] - 2.0 * last[i] + older[i];
+        for (i, sum) in self.second_differences.iter_mut().enumerate() {
+            let difference = event[i] - 2.0 * last[i] + older[i];
             let stated = event[i + 2] + 4.0 * last[i + 2] + older[i + 2];
-            *sum = FADE * *sum + (bend * bend - stated) / 6.0;
+            *sum = FADE * *sum + (difference * difference - stated) / 6.0;
         }
     }
 

@@ -51,7 +51,7 @@ pub struct Variances {
 impl Variances {
     /// An oscillation of variance 1 about both lines: `Fs` and `Fe` are each off by it, `Fp` by
     /// half of both.
-    pub(crate) const UNSURE_SWING: Self =
+    pub(crate) const UNSURE_OSCILLATION: Self =
         Self { unknowns: [0.0, 0.0, 1.0, 0.5, 0.0, 0.0], forces: (1.0, 0.5) };
 
     /// Adds an error of this variance, which moves the unknowns by `moved`, and the forces as
@@ -93,12 +93,12 @@ impl Forces {
     }
 
     /// Applies what became known after the fit; `noise_n2` is the unit of the variances, N².
-    pub(crate) fn take(&mut self, effect: &Correction, noise_n2: f32) {
-        let (static_n, dynamic_n) = forces_by(&effect.moved);
+    pub(crate) fn apply(&mut self, correction: &Correction, noise_n2: f32) {
+        let (static_n, dynamic_n) = forces_by(&correction.moved);
         self.static_n += static_n;
         self.dynamic_n += dynamic_n;
-        self.static_variance += effect.static_n2 / noise_n2;
-        self.dynamic_variance += effect.dynamic_n2 / noise_n2;
+        self.static_variance += correction.static_n2 / noise_n2;
+        self.dynamic_variance += correction.dynamic_n2 / noise_n2;
     }
 }
 

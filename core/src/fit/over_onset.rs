@@ -177,8 +177,8 @@ impl Sums {
         // Likelihoods above one: the best fit was not quite the best.
         let weight = if weight.is_finite() { smaller(weight, 1e3) } else { 0.0 };
         self.weight += weight;
-        let [onset, rate, static_n2, half_drop_n2, swing, bend] = one.unknowns;
-        let variances = [one.dynamic_n2, onset, rate, static_n2, half_drop_n2, swing, bend];
+        let [onset, rate, static_n2, half_drop_n2, swing, rate_change] = one.unknowns;
+        let variances = [one.dynamic_n2, onset, rate, static_n2, half_drop_n2, swing, rate_change];
         let (values, bests) = (values(&one.cycle), values(best.cycle()));
         for (i, moment) in self.moments.iter_mut().enumerate() {
             let difference = values[i] - bests[i];

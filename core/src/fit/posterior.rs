@@ -54,18 +54,18 @@ impl Posterior {
     }
 
     /// Counts the variances of a correction as the same in every event.
-    pub(crate) fn share(&mut self, effect: &Correction) {
-        self.common_n2.0 += effect.static_n2;
-        self.common_n2.1 += effect.dynamic_n2;
+    pub(crate) fn share(&mut self, correction: &Correction) {
+        self.common_n2.0 += correction.static_n2;
+        self.common_n2.1 += correction.dynamic_n2;
     }
 
     /// Applies what became known after the fit.
     #[inline(never)]
-    pub(crate) fn take(&mut self, effect: &Correction) {
+    pub(crate) fn apply(&mut self, correction: &Correction) {
         let Correction {
             moved: [onset, rate, static_n, half_drop_n, inverse_omega, rate_change],
             ..
-        } = effect;
+        } = correction;
         let c = &mut self.cycle;
         c.onset += onset;
         c.rate += rate;
@@ -73,8 +73,8 @@ impl Posterior {
         c.half_drop_n += half_drop_n;
         c.omega = 1.0 / (c.inverse_omega() + inverse_omega);
         c.rate_change += rate_change;
-        self.static_n2 += effect.static_n2;
-        self.dynamic_n2 += effect.dynamic_n2;
+        self.static_n2 += correction.static_n2;
+        self.dynamic_n2 += correction.dynamic_n2;
     }
 
     /// The slip may have begun anywhere within a period before and after, and have any length that

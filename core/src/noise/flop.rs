@@ -1,6 +1,6 @@
 //! How much more the first samples after a re-stick scatter than later ones.
 //!
-//! After a slip the cable flops: the force swings while the block rests, and the swing
+//! After a slip the cable flops: the force swings while the block rests, and the oscillation
 //! dies away. What a straight line through a stick leaves has the variance
 //! `sigma² (1 + excess e^(−decay age))`. `sigma²` is that of the second halves of the
 //! sticks; excess and decay come from two moments of the first halves, the sum of `r² − sigma²` and
@@ -201,14 +201,14 @@ mod tests {
     use super::*;
     use crate::tests::Random;
 
-    /// After sticks of white noise and a swing that dies away.
+    /// After sticks of white noise and an oscillation that dies away.
     fn seen(amplitude_n: f32, decay: f32, length: usize, sticks: u32) -> FlopProfile {
         let (mut profile, mut random) = (FlopProfile::default(), Random(1));
         for _ in 0..sticks {
             let forces_n: [f32; 192] = core::array::from_fn(|i| {
                 let age = i as f32;
-                let swing = (-decay * age).exp() * (1.3 * age + 3.0).sin();
-                let force_n = 200.0 + 22.0 * age + amplitude_n * swing + random.normal();
+                let oscillation = (-decay * age).exp() * (1.3 * age + 3.0).sin();
+                let force_n = 200.0 + 22.0 * age + amplitude_n * oscillation + random.normal();
                 if i % 11 == 5 { f32::NAN } else { force_n }
             });
             let forces_n = [forces_n.get(..length).unwrap(), &[]];
@@ -227,7 +227,7 @@ mod tests {
     }
 
     #[test]
-    fn a_dying_swing_counts_for_little_at_first_and_in_full_at_last() {
+    fn a_dying_oscillation_counts_for_little_at_first_and_in_full_at_last() {
         for (amplitude_n, decay, length) in [(8.0, 0.2, 26), (30.0, 0.1, 100), (20.0, 0.05, 192)] {
             let profile = seen(amplitude_n, decay, length, 30);
             for age in [0.0, 4.0, 8.0, 12.0] {

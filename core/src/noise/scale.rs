@@ -13,7 +13,7 @@
 //! the second differences leave, the line was bent before the noise was known, by a cable that was
 //! tightened, held, and pulled: then the second differences tell the noise.
 
-use crate::noise::swing::Swing;
+use crate::noise::oscillation::Oscillation;
 use crate::noise::time_asymmetry::TimeAsymmetry;
 use crate::num::math::{self, larger, smaller};
 use crate::stats::quantile::Quantile;
@@ -41,10 +41,10 @@ pub struct Noise {
     /// Their upper quartile, until the first fit: of the coarse steps of a converter the median
     /// tells little.
     upper: Quantile,
-    arrow: TimeAsymmetry,
+    time_asymmetry: TimeAsymmetry,
     /// Median of the second differences' sizes.
-    second: Quantile,
-    swing: Swing,
+    second_difference: Quantile,
+    oscillation: Oscillation,
     /// The samples before the newest, newest last.
     row: [f32; 3],
 }
@@ -92,15 +92,15 @@ impl Noise {
             filled: 0,
             innovation: Quantile::new(0.5),
             upper: Quantile::new(0.75),
-            arrow: TimeAsymmetry::new(),
-            second: Quantile::new(0.5),
-            swing: Swing::new(),
+            time_asymmetry: TimeAsymmetry::new(),
+            second_difference: Quantile::new(0.5),
+            oscillation: Oscillation::new(),
             row: [0.0; 3],
         }
     }
 
     /// Takes an innovation, already divided by its own spread relative to a sample.
-    pub fn add(&mut self, innovation_n: f32) {
+    pub fn add_innovation(&mut self, innovation_n: f32) {
         self.innovation.add(innovation_n.abs());
         if self.fits == 0 {
             self.upper.add(innovation_n.abs());
@@ -109,13 +109,13 @@ impl Noise {
 
     /// Takes the noise, N, by the residuals of all events so far, the newest of which is `believed`
     /// if it has coefficients.
-    pub fn fitted(&mut self, noise_n: f32, believed: bool) {
+    pub fn add_fit(&mut self, noise_n: f32, believed: bool) {
         self.fitted_n = BEYOND_FITS * noise_n;
         self.fits = (self.fits + if believed { BELIEVED } else { 1 }).min(TRUSTED);
     }
 
     /// Takes a sample; `in_a_row` if it follows the one before without a gap.
-    pub fn see(&mut self, force_n: f32, in_a_row: bool) {
+    pub fn add_sample(&mut self, force_n: f32, in_a_row: bool) {
         let step_n = (force_n - self.newest_n).abs();
         if in_a_row && step_n < self.resolution_n {
             self.resolve(step_n);
@@ -144,14 +144,14 @@ impl Noise {
         self.filled = if in_a_row { (self.filled + 1).min(5) } else { 1 };
         self.repeats |= in_a_row && (e - d).abs() <= 0.0;
         if self.filled >= 2 {
-            self.arrow.add(e - d);
+            self.time_asymmetry.add(e - d);
         }
         if self.filled >= 3 {
             let second = (c - 2.0 * d + e).abs();
-            self.second.add(second);
+            self.second_difference.add(second);
         }
         if self.filled >= 5 {
-            self.swing.add(a - 2.0 * (b - c + d) + e, b - 2.0 * c + d);
+            self.oscillation.add(a - 2.0 * (b - c + d) + e, b - 2.0 * c + d);
         }
     }
 
@@ -185,16 +185,18 @@ impl Noise {
     /// Standard deviation of the samples, N, by what needs no line, for innovations of `line_n`;
     /// infinite where nothing tells it.
     fn without_line_n(&self, line_n: f32) -> f32 {
-        let (Some(swing_n2), Some(second_n)) = (self.swing.noise_n2(), self.second.value()) else {
+        let (Some(oscillation_n2), Some(second_n)) =
+            (self.oscillation.noise_n2(), self.second_difference.value())
+        else {
             return f32::INFINITY;
         };
         let second_n = second_n * STD_PER_SECOND;
         // Coarse steps make many differences zero: then the noise may be as large as a step.
         let repeats = self.repeats && self.hidden_n > 0.0;
         let step_n = if repeats { self.resolution_n } else { 0.0 };
-        let mut std_n = self.arrow.slip_n().map_or(f32::INFINITY, |slip_n| SLIP * slip_n);
-        if self.swing.leaves_little(swing_n2) {
-            std_n = smaller(std_n, math::rough_sqrt(swing_n2));
+        let mut std_n = self.time_asymmetry.slip_n().map_or(f32::INFINITY, |slip_n| SLIP * slip_n);
+        if self.oscillation.leaves_little(oscillation_n2) {
+            std_n = smaller(std_n, math::rough_sqrt(oscillation_n2));
         }
         let bent_n = CAUTION * (second_n + step_n);
         if line_n < f32::INFINITY && bent_n < BENT * line_n {
@@ -230,16 +232,16 @@ mod tests {
     #[test]
     fn settles_on_the_standard_deviation_whatever_its_size() {
         for std in [1e-4, 2.0, 300.0] {
-            let line = settled(|noise, x| noise.add(std * x));
+            let line = settled(|noise, x| noise.add_innovation(std * x));
             assert!((line / std - 1.0).abs() < 0.1, "{line} {std}");
         }
     }
 
     #[test]
-    fn white_noise_is_neither_a_saw_nor_a_swing() {
+    fn white_noise_is_neither_a_saw_nor_an_oscillation() {
         let (mut noise, mut random) = (Noise::new(), Random(5));
         for i in 0..20_000 {
-            noise.see(random.normal(), true);
+            noise.add_sample(random.normal(), true);
             assert!(noise.without_line_n(f32::INFINITY).is_infinite(), "{i}");
         }
     }
@@ -248,10 +250,10 @@ mod tests {
     fn a_force_that_never_rests_still_bounds_the_noise() {
         let (mut noise, mut random) = (Noise::new(), Random(3));
         for i in 0..400 {
-            let swing_n = 400.0 * (1.1 * i as f32).sin();
-            noise.see(swing_n + 2.0 * random.normal(), true);
-            // A line through it sees the swing as noise.
-            noise.add(swing_n);
+            let oscillation_n = 400.0 * (1.1 * i as f32).sin();
+            noise.add_sample(oscillation_n + 2.0 * random.normal(), true);
+            // A line through it sees the oscillation as noise.
+            noise.add_innovation(oscillation_n);
         }
         assert!(noise.std_n(0.0).1 < 90.0, "{:?}", noise.std_n(0.0));
     }
@@ -259,8 +261,9 @@ mod tests {
     #[test]
     fn a_wild_start_and_later_outliers_do_not_stay() {
         let (mut noise, mut random) = (Noise::new(), Random(9));
-        noise.add(1e4);
-        (0..300).for_each(|i| noise.add(if i % 20 == 0 { 500.0 } else { random.normal() }));
+        noise.add_innovation(1e4);
+        (0..300)
+            .for_each(|i| noise.add_innovation(if i % 20 == 0 { 500.0 } else { random.normal() }));
         let std = noise.std_n(0.0).1;
         assert!((0.6..1.6).contains(&std), "{std}");
     }
@@ -268,9 +271,9 @@ mod tests {
     #[test]
     fn coarse_steps_set_a_floor() {
         let mut noise = Noise::new();
-        (0..50).for_each(|_| noise.add(0.0));
-        noise.see(0.0, false);
-        noise.see(5.0, true);
+        (0..50).for_each(|_| noise.add_innovation(0.0));
+        noise.add_sample(0.0, false);
+        noise.add_sample(5.0, true);
         assert!(noise.std_n(0.0).1 >= 1.5);
     }
 }

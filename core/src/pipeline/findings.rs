@@ -18,7 +18,7 @@ impl Pipeline {
         let (loading_rate, omega) = self.cycles.shared();
         let known = Known {
             weight_ratio: (self.cycles.weight_ratio().0, self.weight_std),
-            drift_n: self.cycles.force_n(self.drift.ask(Drift::mean_std)),
+            drift_n: self.cycles.force_n(self.drift.read(Drift::mean_std)),
             ..self.known()
         };
         let (mu_s, mu) = self.estimates(&known);
@@ -99,7 +99,7 @@ impl Pipeline {
             slope: self.cycles.slope(),
             weight_ratio: self.cycles.weight_ratio(),
             zero_n: self.config.std.zero_n(self.largest_n),
-            drift_n: self.cycles.force_n(self.drift.ask(Drift::std)),
+            drift_n: self.cycles.force_n(self.drift.read(Drift::std)),
             losses: self.losses(),
         }
     }
@@ -129,7 +129,7 @@ impl Pipeline {
 
     /// How far the zero may have moved, N, if that is more than the noise.
     fn zero_n(&self) -> Option<f32> {
-        let zero_n = self.cycles.force_n(self.drift.ask(Drift::std));
+        let zero_n = self.cycles.force_n(self.drift.read(Drift::std));
         self.noise_n().filter(|&noise_n| zero_n > noise_n).map(|_| zero_n)
     }
 

@@ -41,7 +41,7 @@ impl Pipeline {
         let (mu_s, mu) = alone.map_or((event.mu_s, event.mu), |(mu_s, mu)| (Some(mu_s), Some(mu)));
         let drifts = self.config.effects.has(Effect::Drift);
         if let Some((mu_s, mu)) = event.mu_s.zip(event.mu).filter(|_| drifts) {
-            self.drift.tell(|drift| drift.take(mu_s, mu));
+            self.drift.update(|drift| drift.take(mu_s, mu));
         }
         let rate_hz = self.config.rate_hz / self.decimator.factor();
         let rest = event.stick_s.map_or(f32::MAX, |rest_s| rest_s * rate_hz);

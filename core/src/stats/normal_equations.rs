@@ -100,8 +100,8 @@ impl Normal {
         self.cost += weight * residual * residual;
         (0..FIRST).for_each(|unknown| self.add_row(residual, gradient, weight, unknown));
         // Before the slip the force depends on the first ones alone.
-        let [.., drop, swing, bend] = gradient;
-        if *drop != 0.0 || *swing != 0.0 || *bend != 0.0 {
+        let [.., drop, swing, rate_change] = gradient;
+        if *drop != 0.0 || *swing != 0.0 || *rate_change != 0.0 {
             (FIRST..UNKNOWNS).for_each(|unknown| self.add_row(residual, gradient, weight, unknown));
         }
     }

@@ -27,40 +27,40 @@ impl CycleFit {
     // Of its own: inside `step` it takes two hundred bytes of flash more.
     #[inline(never)]
     pub(super) fn judge(&mut self, learnt: &mut Expectations) {
-        let (fit, pending, noise_n2) = (&mut self.fit, &self.pending, self.expected.noise_n2);
-        let data = self.expected.data(pending, &self.after);
+        let (fit, slip, noise_n2) = (&mut self.fit, &self.slip, self.expected.noise_n2);
+        let data = self.expected.data(slip, &self.after);
         let (squares_n2, free) = own_residuals(&data, fit);
         // Not counting the residuals of the line after it, which fits whatever the slip does.
         let (line_n2, points) = (self.after.residual(), larger(self.after.weight - 2.0, 0.0));
         let around_n2 = squares_n2 - line_n2;
-        let misfit = learnt.is_misfit(pending, around_n2, free - points);
+        let misfit = learnt.is_misfit(slip, around_n2, free - points);
         let counts = free >= 1.0 && !misfit;
         let own_n2 = squares_n2 / larger(free, 1.0);
-        let quieter_n2 = pending.quieter_n2(&self.after);
-        let step_n2 = pending.step_n2(smaller(own_n2, quieter_n2));
+        let quieter_n2 = slip.quieter_n2(&self.after);
+        let step_n2 = slip.step_n2(smaller(own_n2, quieter_n2));
         if free >= 1.0 {
-            learnt.residuals.add(free * larger(own_n2, step_n2), free, pending.noise_n2);
+            learnt.residuals.add(free * larger(own_n2, step_n2), free, slip.noise_n2);
         }
-        let now_n2 = learnt.noise_n2(pending);
+        let now_n2 = learnt.noise_n2(slip);
         fit.scale(excess_ratio(around_n2, free - points, now_n2));
-        fit.widen_forces(pending.wander.alike);
+        fit.widen_forces(slip.wander.alike);
         if counts {
             // While the noise is not known the lines tell it.
-            let (lines_n2, lines) = pending.line_residuals(&self.after);
+            let (lines_n2, lines) = slip.line_residuals(&self.after);
             let line_n2 = lines_n2 / larger(lines, 1.0);
             let quiet_n2 = larger(noise_n2, line_n2);
             // Where a converter's steps leave less about one line than they should, all samples of
             // that are off alike, as far as the noise (what all residuals have beyond the steps)
             // does not smear them.
             let hidden_n2 = larger(2.0 * step_n2 - now_n2 - quieter_n2, 0.0);
-            fit.widen(&Variances::UNSURE_SWING, hidden_n2 / now_n2);
-            let (slip, wider) = data.slip_scatter(fit, quiet_n2);
+            fit.widen(&Variances::UNSURE_OSCILLATION, hidden_n2 / now_n2);
+            let (scatter, wider) = data.slip_scatter(fit, quiet_n2);
             // A force that wanders does so in the slip as well.
-            if pending.wander.level <= 0.0 {
-                learnt.slip.learn(&slip);
+            if slip.wander.level <= 0.0 {
+                learnt.slip_scatter.learn(&scatter);
             }
-            fit.widen(&wider, learnt.slip.excess());
-            fit.widen(&Variances::UNSURE_SWING, learnt.unsure_swing(pending, now_n2));
+            fit.widen(&wider, learnt.slip_scatter.excess());
+            fit.widen(&Variances::UNSURE_OSCILLATION, learnt.unsure_oscillation(slip, now_n2));
         }
         let strained = is_strained(&data, around_n2, now_n2);
         self.strain = match (misfit, strained) {
@@ -70,7 +70,7 @@ impl CycleFit {
         };
         let places = OverOnset::new(fit, learnt.knows_omega(), now_n2).filter(|_| !misfit);
         if let Some(places) = places {
-            self.expected = learnt.of(pending, &self.after, now_n2);
+            self.expected = learnt.of(slip, &self.after, now_n2);
             self.stage = FitStage::Places(places);
             self.shorten();
         } else {
@@ -84,10 +84,10 @@ impl CycleFit {
     /// fit.
     fn shorten(&mut self) {
         const FAR: f32 = 1.0 + UNSURE;
-        let (fit, pending) = (&mut self.fit, &mut self.pending);
-        if self.expected.corner.is_sharp() && fit.cycle().is_taut() && pending.wander.level <= 0.0 {
+        let (fit, slip) = (&mut self.fit, &mut self.slip);
+        if self.expected.corner.is_sharp() && fit.cycle().is_taut() && slip.wander.level <= 0.0 {
             let (onset, stop) = (fit.cycle().onset, fit.shape.stop());
-            let left_n2 = pending.shorten(&mut self.after, (onset - FAR, stop + FAR));
+            let left_n2 = slip.shorten(&mut self.after, (onset - FAR, stop + FAR));
             fit.leave(left_n2);
         }
     }
@@ -96,11 +96,11 @@ impl CycleFit {
     // Of its own: inside `step` it takes two hundred bytes of flash more.
     #[inline(never)]
     pub(super) fn learn(&mut self, learnt: &mut Expectations) {
-        let (fit, noise_n2) = (&self.fit, learnt.noise_n2(&self.pending));
-        let (pending, data) = (&self.pending, self.expected.data(&self.pending, &self.after));
+        let (fit, noise_n2) = (&self.fit, learnt.noise_n2(&self.slip));
+        let (slip, data) = (&self.slip, self.expected.data(&self.slip, &self.after));
         self.measured.noise_n2 = noise_n2;
         let Measured { posterior, alone, verdict, .. } = &mut self.measured;
-        if pending.wander.level + pending.wander.alike <= 0.0 {
+        if slip.wander.level + slip.wander.alike <= 0.0 {
             posterior.common_n2 = fit.wider_n2(noise_n2);
         }
         let is_resolved = posterior.is_resolved();
@@ -108,17 +108,18 @@ impl CycleFit {
         // one looks longer by what is missing.
         let length_told =
             learnt.rate.mean().is_none() || learnt.mass.inverse_omega().mean().is_some();
-        if is_resolved && !length_told && pending.hides_length() {
+        if is_resolved && !length_told && slip.hides_length() {
             self.stage = FitStage::Failed(Reason::Hidden);
             return;
         }
         *alone = fit.forces_alone(data.rate).filter(|_| is_resolved);
         let strained = is_resolved && self.strain != Strain::None;
         *verdict = learnt.learn(&data, posterior, noise_n2, strained);
-        if pending.wander.is_disputed() {
+        if slip.wander.is_disputed() {
             let teaches = *verdict == Verdict::Same && is_resolved && !strained;
-            let correction = learnt.learn_swing(pending, data, (fit, posterior), noise_n2, teaches);
-            self.measured.take(&correction);
+            let correction =
+                learnt.learn_oscillation(slip, data, (fit, posterior), noise_n2, teaches);
+            self.measured.apply(&correction);
         }
         let Measured { posterior, verdict, .. } = &self.measured;
         // A slip of two samples shows nothing of its corners.
@@ -131,7 +132,7 @@ impl CycleFit {
     /// Sets up the normal equations of the event without what was expected of it.
     pub(super) fn alone(&mut self) {
         let FitStage::Alone(pass) = &mut self.stage else { return };
-        let data = self.expected.asked(&self.pending, &self.after);
+        let data = self.expected.asked(&self.slip, &self.after);
         if pass.advance(&data) {
             let alone = self.fit.alone(&data, pass.normal());
             self.stage = alone.map_or(FitStage::Done, |it| {
@@ -148,7 +149,7 @@ impl CycleFit {
         let FitStage::Asked(terms, alone, asked, next) = &mut self.stage else {
             return;
         };
-        let data = self.expected.asked(&self.pending, &self.after);
+        let data = self.expected.asked(&self.slip, &self.after);
         let levels = *next..*next + LEVELS_A_STEP;
         match terms {
             Terms::Widen => learnt.ask_scores(asked, (&data, levels), &self.fit.shape),
@@ -181,7 +182,7 @@ impl CycleFit {
         let Measured { posterior, verdict, .. } = &self.measured;
         let fits = match self.strain {
             Strain::None => true,
-            Strain::Strained => self.pending.is_spanned(&posterior.cycle, SPANNED, 1.0),
+            Strain::Strained => self.slip.is_spanned(&posterior.cycle, SPANNED, 1.0),
             Strain::Misfit => *verdict == Verdict::Suspect,
         };
         if fits { Outcome::Fitted } else { Outcome::Failed(Reason::NoFit) }
@@ -191,16 +192,16 @@ impl CycleFit {
 impl Measured {
     /// Applies what became known after the fit, whose variances are the same in every event.
     fn share(&mut self, correction: &Correction) {
-        self.take(correction);
+        self.apply(correction);
         self.posterior.share(correction);
     }
 
     /// Applies what became known after the fit.
     #[inline(never)]
-    pub(crate) fn take(&mut self, correction: &Correction) {
-        self.posterior.take(correction);
+    pub(crate) fn apply(&mut self, correction: &Correction) {
+        self.posterior.apply(correction);
         if let Some(forces) = &mut self.alone {
-            forces.take(correction, self.noise_n2);
+            forces.apply(correction, self.noise_n2);
         }
     }
 }

@@ -43,7 +43,7 @@ const PLACES: f32 = 2.0;
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub(crate) struct CycleFit {
-    pub(crate) pending: SlipRecord,
+    pub(crate) slip: SlipRecord,
     pub(crate) after: Line,
     stage: FitStage,
     /// What is expected of the event: the same from the fit's beginning to its end.
@@ -121,9 +121,9 @@ impl CycleFit {
     /// Of a slip whose line after it is not known yet.
     // Made where it is kept.
     #[inline(always)]
-    pub(crate) fn new(pending: &SlipRecord) -> Self {
+    pub(crate) fn new(slip: &SlipRecord) -> Self {
         Self {
-            pending: *pending,
+            slip: *slip,
             after: Line::default(),
             stage: FitStage::New,
             expected: Expected::default(),
@@ -142,8 +142,8 @@ impl CycleFit {
         next_peak: u64,
         last: Option<u64>,
     ) {
-        self.pending.end_before(stick, window, next_peak, last);
-        self.after = self.pending.line_after(stick, window, last);
+        self.slip.end_before(stick, window, next_peak, last);
+        self.after = self.slip.line_after(stick, window, last);
     }
 
     /// One step: an iteration of the fit, or what comes after it. `waiting` samples wait for it.
@@ -170,19 +170,19 @@ impl CycleFit {
     /// Time that the next step takes, in units of 160 instructions on the board. Without the swing
     /// from earlier events several guesses may have to be compared.
     pub(crate) fn next_takes(&self, knows_omega: bool) -> usize {
-        let samples = self.pending.samples().forces_n.len();
+        let samples = self.slip.samples().forces_n.len();
         match &self.stage {
-            FitStage::New if self.pending.begins_again(&self.after) => 12,
+            FitStage::New if self.slip.begins_again(&self.after) => 12,
             FitStage::New if knows_omega => 18,
             FitStage::New => 52,
-            FitStage::Free(_) => 34 + self.expected.pass(&self.pending),
-            FitStage::Expected(_) => 4 + self.expected.pass(&self.pending),
-            FitStage::Places(_) => 10 + self.expected.pass(&self.pending),
-            FitStage::Fitted => 25 + 5 * (self.pending.fall() as usize).min(8),
+            FitStage::Free(_) => 34 + self.expected.pass(&self.slip),
+            FitStage::Expected(_) => 4 + self.expected.pass(&self.slip),
+            FitStage::Places(_) => 10 + self.expected.pass(&self.slip),
+            FitStage::Fitted => 25 + 5 * (self.slip.fall() as usize).min(8),
             // With a second fit, if an oscillation is disputed.
-            FitStage::Learning if self.pending.wander.is_disputed() => 34 + samples,
+            FitStage::Learning if self.slip.wander.is_disputed() => 34 + samples,
             FitStage::Learning => 22,
-            FitStage::Alone(_) => 4 + self.expected.pass(&self.pending),
+            FitStage::Alone(_) => 4 + self.expected.pass(&self.slip),
             FitStage::Asked(Terms::Widen, .., next) => {
                 12 + (samples + 2 - next).min(LEVELS_A_STEP) * 3 / 2
             }
@@ -194,13 +194,13 @@ impl CycleFit {
     }
 
     fn start(&mut self, learnt: &mut Expectations) {
-        if let Some(reason) = self.pending.refused {
+        if let Some(reason) = self.slip.refused {
             self.stage = FitStage::Failed(reason);
             return;
         }
-        learnt.weigh(&self.pending);
+        learnt.weigh(&self.slip);
         let known = learnt.residuals.variance_n2().is_some();
-        let noise_n2 = learnt.fitted_noise_n2(&self.pending);
+        let noise_n2 = learnt.fitted_noise_n2(&self.slip);
         let fitting = self.begin(learnt, noise_n2);
         self.stage = if known { FitStage::Expected(fitting) } else { FitStage::Free(fitting) };
     }
@@ -208,38 +208,38 @@ impl CycleFit {
     fn free(&mut self, learnt: &Expectations) {
         let FitStage::Free(fitting) = &mut self.stage else { return };
         let noise_n2 = self.expected.noise_n2;
-        let data = self.expected.data(&self.pending, &self.after);
+        let data = self.expected.data(&self.slip, &self.after);
         let ControlFlow::Break(fit) = fitting.step(&data, noise_n2) else {
             return;
         };
         if let Some(fit) = fit {
             let (squares_n2, free) = own_residuals(&data, &fit);
             if free >= 1.0 {
-                let own_n2 = larger(self.pending.least_n2(squares_n2 / free), noise_n2);
-                self.pending.noise_n2 = smaller(self.pending.noise_n2, own_n2);
+                let own_n2 = larger(self.slip.least_n2(squares_n2 / free), noise_n2);
+                self.slip.noise_n2 = smaller(self.slip.noise_n2, own_n2);
             }
         }
-        self.pending.expect(fit.map(|fit| *fit.cycle()));
-        let noise_n2 = learnt.noise_n2(&self.pending);
+        self.slip.begin_from(fit.map(|fit| *fit.cycle()));
+        let noise_n2 = learnt.noise_n2(&self.slip);
         self.stage = FitStage::Expected(self.begin(learnt, noise_n2));
     }
 
     fn begin(&mut self, learnt: &Expectations, noise_n2: f32) -> Fitting {
-        self.expected = learnt.of(&self.pending, &self.after, noise_n2);
-        self.pending.begin_again(&self.after).unwrap_or_else(|| {
-            let data = self.expected.data(&self.pending, &self.after);
-            self.pending.guess(&data, learnt.knows_omega())
+        self.expected = learnt.of(&self.slip, &self.after, noise_n2);
+        self.slip.begin_again(&self.after).unwrap_or_else(|| {
+            let data = self.expected.data(&self.slip, &self.after);
+            self.slip.guess(&data, learnt.knows_omega())
         })
     }
 
     fn expected(&mut self, learnt: &mut Expectations) {
         let FitStage::Expected(fitting) = &mut self.stage else { return };
-        let pending = &self.pending;
-        let data = self.expected.data(pending, &self.after);
+        let slip = &self.slip;
+        let data = self.expected.data(slip, &self.after);
         let ControlFlow::Break(fit) = fitting.step(&data, self.expected.noise_n2) else {
             return;
         };
-        let holds = |fit: &&Fit| fit.converged && pending.holds(&fit.shape);
+        let holds = |fit: &&Fit| fit.converged && slip.holds(&fit.shape);
         let Some(fit) = fit.as_ref().filter(holds) else {
             // Corners that are not there may be why it did not fit.
             learnt.corner = Kept::default();
@@ -248,7 +248,7 @@ impl CycleFit {
             return;
         };
         self.fit = *fit;
-        self.stage = pending.hidden.map_or(FitStage::Fitted, FitStage::Failed);
+        self.stage = slip.hidden.map_or(FitStage::Fitted, FitStage::Failed);
     }
 
     /// The next place; or the end, if it is `late` or slips follow each other too fast for more. An
@@ -257,14 +257,14 @@ impl CycleFit {
     fn place(&mut self, late: bool) {
         let FitStage::Places(places) = &mut self.stage else { return };
         let (fit, noise_n2) = (&self.fit, self.expected.noise_n2);
-        let posterior = if late || f32::from(places.seen()) > PLACES * self.pending.limit {
+        let posterior = if late || f32::from(places.seen()) > PLACES * self.slip.limit {
             let mut at = Posterior::at(fit, noise_n2);
-            if self.pending.fall() < TELLING {
+            if self.slip.fall() < TELLING {
                 at.begin_anywhere();
             }
             at
         } else {
-            let data = self.expected.data(&self.pending, &self.after);
+            let data = self.expected.data(&self.slip, &self.after);
             let step = places.step(&data, fit, noise_n2);
             let ControlFlow::Break(posterior) = step else { return };
             posterior

@@ -87,7 +87,7 @@ impl SlipRecord {
         let rough = Rough::new(stick, window, (peak, low), noise_n);
         let [peak, low] = [peak, low]
             .map(|ForcePoint { index, force_n }| Extreme { time: since(first, index), force_n });
-        let mut pending = Self {
+        let mut record = Self {
             origin: first,
             before: stick.line_from(first),
             forces_n: [0.0; CORE],
@@ -107,25 +107,25 @@ impl SlipRecord {
             limit: f32::MAX,
             refused: None,
         };
-        pending.take(window, start, last);
-        pending.rough.middle = pending.crossing();
-        pending.rough.edges = pending.edges();
-        let missing = pending.length - pending.samples().good().count();
-        let too_long = (pending.length == CORE).then_some(Reason::TooLong);
-        pending.hidden = if hides || missing > 3 { Some(Reason::Hidden) } else { too_long };
-        pending
+        record.take(window, start, last);
+        record.rough.middle = record.crossing();
+        record.rough.edges = record.edges();
+        let missing = record.length - record.samples().good().count();
+        let too_long = (record.length == CORE).then_some(Reason::TooLong);
+        record.hidden = if hides || missing > 3 { Some(Reason::Hidden) } else { too_long };
+        record
     }
 
     /// Takes the cycle of the first answer, if there is one.
-    pub(crate) fn know(&mut self, cycle: Option<CycleParams>) {
-        self.expect(cycle);
+    pub(crate) fn take_first_answer(&mut self, cycle: Option<CycleParams>) {
+        self.begin_from(cycle);
         if self.rest_weight < 1.0 && cycle.is_some() {
             self.rest_from = self.slip.1 - UNSURE;
         }
     }
 
     /// Takes the cycle from which the last fit begins, if there is one.
-    pub(crate) fn expect(&mut self, cycle: Option<CycleParams>) {
+    pub(crate) fn begin_from(&mut self, cycle: Option<CycleParams>) {
         let slip = |cycle: CycleParams| (cycle.onset, cycle.shape().stop());
         (self.early, self.slip) = (cycle, cycle.map_or_else(|| self.extremes(), slip));
     }

@@ -11,7 +11,7 @@ mod score;
 
 use crate::effect::Parameter;
 pub(crate) use crate::effects::corner::score::ask;
-use crate::effects::corner::score::{Score, numbers_of, with_zeros};
+use crate::effects::corner::score::{CornerScore, numbers_of, with_zeros};
 use crate::effects::score::Asked;
 use crate::fit::correction::Correction;
 use crate::fit::{Alone, DYNAMIC, Fit, STATIC};
@@ -144,7 +144,7 @@ impl CornerEstimator {
         noise_n2: f32,
         other_n2: f32,
     ) -> Correction {
-        let score = Score::of(used, fit, alone, *asked);
+        let score = CornerScore::of(used, fit, alone, *asked);
         let effect = score.as_ref().and_then(|score| self.take(score, noise_n2));
         let mut effect = effect.unwrap_or_default();
         let Corner { smoothing, missing_n, range_n } = self.corner;
@@ -182,7 +182,7 @@ impl CornerEstimator {
         self.possible.iter().zip(by).fold(0.0, |sum, (v, by)| sum + v * by * by)
     }
 
-    fn take(&mut self, score: &Score, noise_n2: f32) -> Option<Correction> {
+    fn take(&mut self, score: &CornerScore, noise_n2: f32) -> Option<Correction> {
         if score.is_lost() {
             let [static_n2, dynamic_n2] =
                 [STATIC, DYNAMIC].map(|force| self.possible_n2(score.by(&force)));
@@ -192,8 +192,8 @@ impl CornerEstimator {
             self.begin(&score.corner);
         }
         let used = self.numbers(&score.corner);
-        let told = score.told(&used);
-        self.add(score, &told, &used, noise_n2);
+        let sharp = score.of_sharp(&used);
+        self.add(score, &sharp, &used, noise_n2);
         let information = Symmetric::of_first(&self.information);
         let free = information.factor(0.0)?;
         let best = numbers_of(&free, &self.right);
@@ -202,7 +202,7 @@ impl CornerEstimator {
         for k in 0..2 {
             // The event's distance from what was expected before it, times that from what is most
             // likely with it: on average the variance of the noise.
-            let squared = (told[k] - before[k]) * (told[k] - after[k]);
+            let squared = (sharp[k] - before[k]) * (sharp[k] - after[k]);
             self.chi_square += 0.5 * squared / (score.asked.normal.matrix[[k, k]] * noise_n2);
         }
         self.best = best;
@@ -221,12 +221,12 @@ impl CornerEstimator {
     }
 
     /// Adds what an event tells.
-    fn add(&mut self, score: &Score, told: &Numbers, used: &Numbers, noise_n2: f32) {
+    fn add(&mut self, score: &CornerScore, sharp: &Numbers, used: &Numbers, noise_n2: f32) {
         self.count = FADE * self.count + 1.0;
         let fade = |sum: &mut f32, by: f32| *sum = FADE * *sum + by / noise_n2;
-        let told_of = score.asked.normal.matrix.entries();
-        self.information.iter_mut().zip(told_of).for_each(|(sum, by)| fade(sum, *by));
-        self.right.iter_mut().zip(told).for_each(|(sum, by)| fade(sum, *by));
+        let of_event = score.asked.normal.matrix.entries();
+        self.information.iter_mut().zip(of_event).for_each(|(sum, by)| fade(sum, *by));
+        self.right.iter_mut().zip(sharp).for_each(|(sum, by)| fade(sum, *by));
         // While nothing tells the range it stays what it was thought to be.
         self.information[place(2, 2)] += (1.0 - FADE) * RANGE_KNOWN;
         self.right[2] += (1.0 - FADE) * RANGE_KNOWN * used[2];
@@ -274,7 +274,7 @@ impl CornerEstimator {
 
     /// Goes from the numbers that were used to those that count now, no farther than first order
     /// holds. Gives by how much the event's own unknowns move.
-    fn limited(&mut self, score: &Score, used: &Numbers) -> Gradient {
+    fn limited(&mut self, score: &CornerScore, used: &Numbers) -> Gradient {
         let mut steps = self.numbers(&self.corner);
         steps.iter_mut().zip(used).for_each(|(step, used)| *step -= used);
         let mut moved = score.moved(&steps);

@@ -12,7 +12,7 @@ use crate::stats::normal_equations::{Factor, Gradient, dot};
 const LEAST_OWN: f32 = 1e-3;
 
 /// What an event tells of the corners by itself.
-pub(super) struct Score {
+pub(super) struct CornerScore {
     /// The corners that it was fitted with, and its swing.
     pub(super) corner: Corner,
     pub(super) inverse_omega: f32,
@@ -31,7 +31,7 @@ pub(crate) fn ask(asked: &mut Asked, data: &Data<'_>, fit: &Fit, places: Range<u
     }
 }
 
-impl Score {
+impl CornerScore {
     /// Frees the unknowns, when all levels have been asked. `None` where the terms are no numbers.
     pub(super) fn of(corner: Corner, fit: &Fit, alone: &Alone, mut asked: Asked) -> Option<Self> {
         let inverse_omega = fit.cycle().inverse_omega();
@@ -62,10 +62,10 @@ impl Score {
     }
 
     /// The score as if the fit had used sharp corners.
-    pub(super) fn told(&self, used: &Numbers) -> Numbers {
-        let mut told = self.times(used);
-        told.iter_mut().zip(self.asked.normal.right).for_each(|(told, right)| *told += right);
-        told
+    pub(super) fn of_sharp(&self, used: &Numbers) -> Numbers {
+        let mut score = self.times(used);
+        score.iter_mut().zip(self.asked.normal.right).for_each(|(score, right)| *score += right);
+        score
     }
 
     /// The information times the numbers.

@@ -111,13 +111,13 @@ impl Ripple {
         rest.count += weight;
         rest.sum += innovation;
         rest.squares += innovation * innovation;
-        rest.steps += step * step;
-        rest.bends += second_difference * second_difference;
+        rest.first_differences += step * step;
+        rest.second_differences += second_difference * second_difference;
         rest.products[0] += innovation * last;
         rest.products[1] += innovation * before;
         let far_step = innovation - far;
         if !far_step.is_nan() {
-            rest.far_steps += far_step * far_step;
+            rest.far_differences += far_step * far_step;
             rest.far_count += weight;
         }
         if rest.count >= REST {
@@ -175,7 +175,7 @@ mod tests {
     use super::*;
     use crate::tests::Random;
 
-    /// White noise of variance 1/12 and a swing.
+    /// White noise of variance 1/12 and an oscillation.
     fn seen(amplitude: f32, period: f32, samples: u32) -> ColoredNoise {
         let (mut ripple, mut random) = (Ripple::default(), Random(1));
         for i in 0..samples {
@@ -195,9 +195,9 @@ mod tests {
     }
 
     #[test]
-    fn a_swing_is_told_from_the_noise() {
+    fn an_oscillation_is_told_from_the_noise() {
         for period in [12.0, 20.0] {
-            // Variances of the swing and of its slope over that of the noise.
+            // Variances of the oscillation and of its slope over that of the noise.
             let step = core::f32::consts::TAU / period;
             let (level, slope) = (0.5 * 12.0, 0.5 * 12.0 * step * step);
             let wander = seen(1.0, period, 4000);
@@ -212,7 +212,7 @@ mod tests {
     }
 
     #[test]
-    fn a_swing_of_a_few_samples_is_not_followed_but_seen() {
+    fn an_oscillation_of_a_few_samples_is_not_followed_but_seen() {
         // Variances 1/2 and 1/12.
         let share = 6.0 / 7.0;
         for period in [2.5, 3.3, 4.0, 4.5, 5.5] {

@@ -57,12 +57,12 @@ pub(super) struct Sums {
     pub(super) sum: f32,
     /// Σ of their squares, and of the squares of their first and of their second differences.
     pub(super) squares: f32,
-    pub(super) steps: f32,
-    pub(super) bends: f32,
+    pub(super) first_differences: f32,
+    pub(super) second_differences: f32,
     /// Of the products of neighbours, and of those two apart.
     pub(super) products: [f32; 2],
     /// Sum and number of the squares of the differences [`FAR`] samples apart.
-    pub(super) far_steps: f32,
+    pub(super) far_differences: f32,
     pub(super) far_count: f32,
 }
 
@@ -73,31 +73,31 @@ impl Sums {
         fade(&mut self.count, rest.count);
         fade(&mut self.sum, rest.sum);
         fade(&mut self.squares, rest.squares);
-        fade(&mut self.steps, rest.steps);
-        fade(&mut self.bends, rest.bends);
+        fade(&mut self.first_differences, rest.first_differences);
+        fade(&mut self.second_differences, rest.second_differences);
         self.products.iter_mut().zip(rest.products).for_each(|(sum, by)| fade(sum, by));
-        fade(&mut self.far_steps, rest.far_steps);
+        fade(&mut self.far_differences, rest.far_differences);
         fade(&mut self.far_count, rest.far_count);
     }
 
     /// What they show; nothing unless it is clear.
     #[inline(never)]
     pub(super) fn wander(&self) -> ColoredNoise {
-        let swing_n2 = self.swing_n2();
-        let part = swing_n2 / self.squares;
+        let oscillation_n2 = self.oscillation_n2();
+        let part = oscillation_n2 / self.squares;
         let errors = part * part * self.count;
         // NaN where there are no squares.
         if self.count < FEWEST || errors.is_nan() {
             return ColoredNoise::NONE;
         }
         let limit = larger(BENT * self.count, NO_CHANCE);
-        let is_red = self.is_red(swing_n2);
+        let is_red = self.is_red(oscillation_n2);
         let bends = self.sum * self.sum > limit * self.squares;
         let likely_red = surely(errors, LIKELY_RED * LIKELY_RED);
         // Innovations that alternate are no bend.
         if self.products[0] > 0.0 && (bends || (is_red && self.count < TELLS_BEND)) {
             let bent = self.followed(UNSURE_BEND * part * likely_red, true);
-            // A slow swing bends whole rests, creep their last samples.
+            // A slow oscillation bends whole rests, creep their last samples.
             let is_brief = self.products[1] < RED.1 * self.products[0];
             return ColoredNoise { creeps: bends && self.sum < 0.0 && is_brief, ..bent };
         }
@@ -110,11 +110,11 @@ impl Sums {
     /// What an oscillation or a bend is that can be followed; of another one what it leaves
     /// `unsure`.
     fn followed(&self, unsure: f32, bends: bool) -> ColoredNoise {
-        let white = self.bends / 6.0;
+        let white = self.second_differences / 6.0;
         let slow = self.squares - white;
         let limit = 2.0 * SIGNIFICANT * white;
         let sure = slow * slow * self.count > limit * limit;
-        let (level, step) = (slow / white, self.steps / white - 2.0);
+        let (level, step) = (slow / white, self.first_differences / white - 2.0);
         // False for a noise of zero as well.
         if !(slow > 0.0 && sure && step < FASTEST * level) {
             return ColoredNoise { unsure, ..ColoredNoise::NONE };
@@ -124,7 +124,7 @@ impl Sums {
         let bends = bends || step < QUICK * level;
         // A slow bend's slope is lost in the noise of single steps.
         let sure = !bends || step * step * self.count > 4.0 * SIGNIFICANT * SIGNIFICANT;
-        let far = (self.far_steps_n2() / white - 2.0) / (FAR * FAR) as f32;
+        let far = (self.far_differences_n2() / white - 2.0) / (FAR * FAR) as f32;
         let slope = larger(larger(far, if sure { step } else { 0.0 }), 0.0);
         ColoredNoise { level, slope, unsure, bends, ..ColoredNoise::NONE }
     }
@@ -134,16 +134,17 @@ impl Sums {
     /// `γ₂/γ₁` from sample to sample `γ₁ (γ₂/γ₁)³`. The one that is nearer to what is seen counts,
     /// with a standard error of room for noise where samples are few. Noise that alternates is told
     /// likewise.
-    fn is_red(&self, swing_n2: f32) -> bool {
+    fn is_red(&self, oscillation_n2: f32) -> bool {
         let [first, second] = self.products;
-        let seen = self.squares - 0.5 * self.far_steps_n2();
+        let seen = self.squares - 0.5 * self.far_differences_n2();
         let ratio = second / first;
-        let cos2 = (first / swing_n2) * (first / swing_n2);
-        let swing = swing_n2 * (1.0 - 8.0 * cos2 * (1.0 - cos2));
+        let cos2 = (first / oscillation_n2) * (first / oscillation_n2);
+        let oscillation = oscillation_n2 * (1.0 - 8.0 * cos2 * (1.0 - cos2));
         let red = first * ratio * ratio * ratio;
         let unsure = self.unsure();
-        let is_nearer =
-            swing < 0.0 && (first > 0.0 || red > swing) && 2.0 * (seen + unsure) > swing + red;
+        let is_nearer = oscillation < 0.0
+            && (first > 0.0 || red > oscillation)
+            && 2.0 * (seen + unsure) > oscillation + red;
         second + unsure > RED.0 * first.abs()
             && (is_nearer || self.falls_evenly(ratio, seen - red, unsure))
     }
@@ -163,8 +164,8 @@ impl Sums {
     }
 
     /// Σ of the squared differences [`FAR`] samples apart, scaled to the number of all samples.
-    fn far_steps_n2(&self) -> f32 {
-        self.far_steps * self.count / self.far_count
+    fn far_differences_n2(&self) -> f32 {
+        self.far_differences * self.count / self.far_count
     }
 
     /// Variance of the mean of samples whose correlation falls by the factor `r = γ₂/γ₁`, over that
@@ -183,7 +184,7 @@ impl Sums {
     ///
     /// White noise and an oscillation of the variance `A` have the autocovariances `γ₁ = A c` and
     /// `γ₂ = A (2 c² − 1)`, `c = cos ω`, so `4 c = γ₂/γ₁ ± √((γ₂/γ₁)² + 8)`, with the sign of `γ₁`.
-    fn swing_n2(&self) -> f32 {
+    fn oscillation_n2(&self) -> f32 {
         let [first, second] = self.products;
         let root = math::sqrt(second * second + 8.0 * first * first);
         if second < 0.0 {

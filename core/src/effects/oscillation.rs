@@ -43,7 +43,7 @@ const LEFT: f32 = 0.5;
 
 /// Whose the oscillation is.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Swing {
+pub(crate) struct Oscillation {
     sum: ScoreSum,
     /// `Fs` and `Fp` by the lines, N, and by how much following the force moves them, N: means of
     /// late.
@@ -52,7 +52,7 @@ pub(crate) struct Swing {
 
 /// An event by two fits, one with the lines as they are, one that follows the force.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Swung {
+pub(crate) struct TwoFits {
     /// `Fs` and `Fp` by the lines, N, and their variances if all noise about the lines were white,
     /// N².
     pub(crate) forces_n: [f32; 2],
@@ -66,19 +66,19 @@ pub(crate) struct Swung {
     pub(crate) turn_n2: f32,
 }
 
-impl Swing {
+impl Oscillation {
     /// Takes what an event tells.
-    pub(crate) fn learn(&mut self, event: &Swung, noise_n2: f32) {
+    pub(crate) fn learn(&mut self, event: &TwoFits, noise_n2: f32) {
         let [forces_n, by_n] = self.usual.get_or_insert([event.forces_n, event.by_n]);
         let mut score = Score::default();
         for ((usual_n, force_n), (usual_by_n, by_n)) in
             forces_n.iter_mut().zip(event.forces_n).zip(by_n.iter_mut().zip(event.by_n))
         {
-            let (off_n, swing_n) = (force_n - *usual_n, by_n - *usual_by_n);
-            score.score -= off_n * swing_n;
-            score.information += swing_n * swing_n;
+            let (off_n, moved_n) = (force_n - *usual_n, by_n - *usual_by_n);
+            score.score -= off_n * moved_n;
+            score.information += moved_n * moved_n;
             *usual_n += GAIN * off_n;
-            *usual_by_n += GAIN * swing_n;
+            *usual_by_n += GAIN * moved_n;
         }
         self.sum.learn(&score, noise_n2);
     }
@@ -92,14 +92,14 @@ impl Swing {
     }
 
     /// By how much the forces of an event move, and how much less sure they are.
-    pub(crate) fn correction(&self, event: &Swung) -> Correction {
+    pub(crate) fn correction(&self, event: &TwoFits) -> Correction {
         let (share, variance) = self.share();
         let wider_n2 = |i: usize| {
             let plain_n2 = event.plain_n2[i];
             let lines_n2 = (LEFT + (1.0 - LEFT) * event.white_share) * plain_n2;
-            let swing_n2 = (variance + MISSED * share) * event.by_n[i] * event.by_n[i];
+            let moved_n2 = (variance + MISSED * share) * event.by_n[i] * event.by_n[i];
             let followed_n2 = larger(event.followed_n2[i] - lines_n2, 0.0);
-            swing_n2 + share * followed_n2 + lines_n2 - plain_n2
+            moved_n2 + share * followed_n2 + lines_n2 - plain_n2
         };
         let [static_n, dynamic_n] = event.by_n.map(|by_n| share * by_n);
         let turns = TURN * smaller(SURELY * share * share, 1.0) + TURN_UNSURE * variance;
@@ -125,12 +125,12 @@ mod tests {
 
     const NOISE_N2: f32 = 4.0;
 
-    /// An event with a swing of some newtons at the onset and at the stop, of which so much is the
+    /// An event with an oscillation of some newtons at the onset and at the stop, of which so much is the
     /// cable's; friction scatters.
-    fn event(random: &mut Random, swing_n: f32, share: f32) -> Swung {
-        let by_n = [0.0; 2].map(|_: f32| swing_n * random.normal());
+    fn event(random: &mut Random, moved_n: f32, share: f32) -> TwoFits {
+        let by_n = [0.0; 2].map(|_: f32| moved_n * random.normal());
         let friction_n = [780.0, 490.0].map(|n| n + 8.0 * random.normal());
-        Swung {
+        TwoFits {
             forces_n: core::array::from_fn(|i| friction_n[i] - share * by_n[i]),
             plain_n2: [1.0; 2],
             by_n,
@@ -141,18 +141,18 @@ mod tests {
     }
 
     #[test]
-    fn the_scatter_of_the_friction_tells_whose_a_swing_is() {
+    fn the_scatter_of_the_friction_tells_whose_an_oscillation_is() {
         for share in [0.0, 0.5, 1.0] {
-            let (mut swing, mut random) = (Swing::default(), Random(3));
-            assert_eq!(swing.parameter(), None);
+            let (mut oscillation, mut random) = (Oscillation::default(), Random(3));
+            assert_eq!(oscillation.parameter(), None);
             for _ in 0..400 {
-                swing.learn(&event(&mut random, 10.0, share), NOISE_N2);
+                oscillation.learn(&event(&mut random, 10.0, share), NOISE_N2);
             }
-            let found = swing.parameter().unwrap();
+            let found = oscillation.parameter().unwrap();
             assert!((found.value - share).abs() < 3.0 * found.std && found.std < 0.05, "{found:?}");
             let event = event(&mut random, 10.0, share);
             let Correction { moved: [_, _, static_n, half_drop_n, ..], .. } =
-                swing.correction(&event);
+                oscillation.correction(&event);
             assert!((static_n - share * event.by_n[0]).abs() < 0.15 * event.by_n[0].abs());
             let dynamic_n = static_n - half_drop_n;
             assert!((dynamic_n - share * event.by_n[1]).abs() < 0.15 * event.by_n[1].abs());
@@ -162,27 +162,28 @@ mod tests {
     /// Before anything is told an event is as unsure as either answer leaves it off.
     #[test]
     fn what_is_not_told_is_unsure() {
-        let (swing, mut random) = (Swing::default(), Random(3));
+        let (oscillation, mut random) = (Oscillation::default(), Random(3));
         let event = event(&mut random, 10.0, 1.0);
-        let Correction { moved: [_, _, static_n, ..], static_n2, .. } = swing.correction(&event);
+        let Correction { moved: [_, _, static_n, ..], static_n2, .. } =
+            oscillation.correction(&event);
         let std_n = math::sqrt(event.plain_n2[0] + static_n2);
         for off_n in [static_n, static_n - event.by_n[0]] {
             assert!(off_n.abs() < 1.5 * std_n, "{off_n} {std_n}");
         }
     }
 
-    /// A change of the block is one foul event, and the swing's share is still told.
+    /// A change of the block is one foul event, and the oscillation's share is still told.
     #[test]
     fn one_foul_event_in_twenty_does_no_harm() {
-        let (mut swing, mut random) = (Swing::default(), Random(5));
+        let (mut oscillation, mut random) = (Oscillation::default(), Random(5));
         for i in 0..400 {
             let mut event = event(&mut random, 10.0, 1.0);
             if i % 20 == 7 {
                 event.forces_n[0] += 40.0;
             }
-            swing.learn(&event, NOISE_N2);
+            oscillation.learn(&event, NOISE_N2);
         }
-        let found = swing.parameter().unwrap();
+        let found = oscillation.parameter().unwrap();
         assert!((found.value - 1.0).abs() < 3.0 * found.std && found.value > 0.7, "{found:?}");
     }
 }

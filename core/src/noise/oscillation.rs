@@ -21,7 +21,7 @@ const ROUNDING: f32 = 4e-6;
 
 /// Running sums over the second differences of late.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Swing {
+pub(crate) struct Oscillation {
     /// Σ u'²: of the one in the middle.
     middle_n2: f32,
     /// Σ (u + u'') u'.
@@ -31,7 +31,7 @@ pub(crate) struct Swing {
     count: f32,
 }
 
-impl Swing {
+impl Oscillation {
     pub(crate) const fn new() -> Self {
         Self { middle_n2: 0.0, product_n2: 0.0, outer_n2: 0.0, count: 0.0 }
     }
@@ -66,10 +66,10 @@ mod tests {
     use crate::num::math;
     use crate::tests::Random;
 
-    /// Mean over the past of late: noise of two, and a swing with an amplitude of so many newtons
+    /// Mean over the past of late: noise of two, and an oscillation with an amplitude of so many newtons
     /// and so many samples long.
     fn seen(amplitude_n: f32, samples: f32) -> f32 {
-        let (mut swing, mut random) = (Swing::new(), Random(3));
+        let (mut oscillation, mut random) = (Oscillation::new(), Random(3));
         let mut last = [0.0; 5];
         let mut mean_n2 = 0.0;
         for i in 0..1500_u16 {
@@ -78,16 +78,16 @@ mod tests {
             last[4] = amplitude_n * math::sin_cos(turn % core::f32::consts::TAU).0
                 + 2.0 * random.normal();
             let [a, b, c, d, e] = last;
-            swing.add(a - 2.0 * (b - c + d) + e, b - 2.0 * c + d);
+            oscillation.add(a - 2.0 * (b - c + d) + e, b - 2.0 * c + d);
             if i >= 500 {
-                mean_n2 += swing.noise_n2().unwrap() / 1000.0;
+                mean_n2 += oscillation.noise_n2().unwrap() / 1000.0;
             }
         }
         math::sqrt(mean_n2)
     }
 
     #[test]
-    fn the_noise_is_left_whatever_the_swing() {
+    fn the_noise_is_left_whatever_the_oscillation() {
         for (amplitude_n, samples) in
             [(0.0, 1.0), (300.0, 3.3), (300.0, 4.03), (900.0, 6.1), (900.0, 20.0)]
         {
@@ -98,10 +98,10 @@ mod tests {
 
     #[test]
     fn few_samples_and_a_force_that_stands_still_tell_nothing() {
-        let mut swing = Swing::new();
-        (0..20_u8).for_each(|i| swing.add(f32::from(i % 3), f32::from(i % 2)));
-        assert!(swing.noise_n2().is_none());
-        let mut still = Swing::new();
+        let mut oscillation = Oscillation::new();
+        (0..20_u8).for_each(|i| oscillation.add(f32::from(i % 3), f32::from(i % 2)));
+        assert!(oscillation.noise_n2().is_none());
+        let mut still = Oscillation::new();
         (0..200).for_each(|_| still.add(0.0, 0.0));
         assert!(still.noise_n2().is_none());
     }
