@@ -49,7 +49,7 @@ pub(crate) struct Expectations {
 /// Least part of a fitted precision that has to be the event's own for that to be learnt: a smaller
 /// part is a difference that the fit's last step may have left unsettled.
 const LEAST_OWN: f32 = 0.01;
-/// The same to judge the mass, where another block differs by far.
+/// As [`LEAST_OWN`], to judge the mass, where another block differs by far.
 const LEAST_JUDGED: f32 = 0.003;
 /// Standard deviations within which the first event's rates before and after it are the same.
 const LASTS: f32 = 3.0;
@@ -144,7 +144,7 @@ impl Expectations {
         // Part of the rate: no cable becomes stiffer by more in a slip.
         const MOST: f32 = 0.1;
         let part = self.rate_change.prior_around_zero(1.0).mean / cycle.rate;
-        // Also not for a rate of zero.
+        // False for a rate of zero as well.
         if part.abs() < MOST { cycle.half_drop_n * part / 6.0 } else { 0.0 }
     }
 

@@ -38,8 +38,8 @@ impl Expected {
         }
     }
 
-    /// The same, to ask the event for force terms. Where the force bends down before the onset
-    /// creep may be why, which is not seen about lines that follow the bend.
+    /// The event's samples and lines, to ask them for force terms. Where the force bends down
+    /// before the onset creep may be why, which is not seen about lines that follow the bend.
     #[inline(never)]
     pub(crate) fn asked<'a>(&self, slip: &'a SlipRecord, after: &'a Line) -> Data<'a> {
         let mut data = self.data(slip, after);

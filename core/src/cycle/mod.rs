@@ -42,12 +42,12 @@ use crate::sample::{ForcePoint, SampleTime};
 pub struct Finished {
     /// The best that is known of it.
     pub event: Event,
-    /// `mu_s` and `mu` without what other events told of the loading rate: for means
-    /// over events, whose errors must not be the same in all of them.
+    /// `mu_s` and `mu` without what other events told of the loading rate, for means over events:
+    /// what they told would be the same error in all of them.
     pub alone: Option<(Coefficient, Coefficient)>,
     /// Part of their standard deviations that is common to all events.
     pub common: (f32, f32),
-    /// A change that this event told.
+    /// A change that this event showed.
     pub change: Option<Change>,
 }
 
@@ -63,9 +63,9 @@ impl From<Event> for Finished {
 pub struct CycleTracker {
     site: Site,
     learnt: Expectations,
-    /// The last slip.
+    /// The last slip, whose second stick line still grows.
     pending: Option<SlipRecord>,
-    /// The one before it.
+    /// The slip before it, being fitted.
     finishing: Option<CycleFit>,
     /// What has ended the stick line after `pending`, until the next slip's first answer is there.
     ended: Option<Ended>,
@@ -79,7 +79,7 @@ pub struct CycleTracker {
     /// sag.
     rested: Option<(SampleTime, f32)>,
     count: u32,
-    /// A slip was seen to take time: the block slides, and no hand lets go.
+    /// A slip was seen to take time: the block slides, and it is no hand that lets the cable go.
     slides: bool,
     recurrence: Recurrence,
 }
@@ -107,7 +107,7 @@ impl CycleTracker {
         }
     }
 
-    /// The last event is none: it takes no number.
+    /// Takes the number of the last event back: it was none.
     pub fn withdraw(&mut self) {
         self.count = self.count.saturating_sub(1);
     }
@@ -217,8 +217,8 @@ pub struct Answers {
     pub finished: Option<Finished>,
 }
 
-/// Time of a sample, in units of 160 instructions on the board: with what the detector takes at rest,
-/// less than 12 000.
+/// Time of a sample, in units of 160 instructions on the board, as the emulator counts them
+/// (`docs/firmware.md`): with what the detector takes at rest, less than 12 000.
 const TIME: usize = 62;
 /// Samples that wait beyond which there is more of it.
 const LATE: u32 = 128;

@@ -132,7 +132,7 @@ impl Default for Recurrence {
 }
 
 impl Recurrence {
-    /// Does the next slip, so many periods later, follow too fast for the sampling?
+    /// Takes the periods to the next slip: does it follow too fast for the sampling?
     pub(super) fn is_aliased(&mut self, periods: f32) -> bool {
         // Tuned: slips every four samples stay above the limit less this.
         const UNSURE: f32 = 0.05;

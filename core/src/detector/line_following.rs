@@ -219,7 +219,7 @@ impl Detector {
             was_flat && !profile.is_flat()
         });
         if flops {
-            // What the innovations told had its oscillation in them.
+            // The innovations so far had the cable's oscillation in them.
             self.forget_ripple();
         }
     }

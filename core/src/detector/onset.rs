@@ -10,7 +10,7 @@ use crate::sample::{ForcePoint, Phase, near};
 /// normal noise one in 5e8, and the noise is known to about 10 %.
 pub(super) const OFF_LINE: f32 = 6.0;
 /// Least drop of the first slip, standard deviations of the noise: more than later, since no
-/// usual drop stands beside it yet. Tuned: with 6 noise whose neighbours are alike by .9 is taken for
+/// usual drop stands beside it yet. Tuned: with 6 noise with a correlation of .9 is taken for
 /// slips more than twice as often, with 8 one scene in 350 of `--example plane` has no event for it.
 const FIRST_DROP: f32 = 8.0;
 /// Least drop of a slip when the usual drop is known, or when there is no line.
@@ -35,7 +35,7 @@ impl Detector {
     pub(super) fn slips(&self, now: ForcePoint) -> bool {
         let std = self.std_n;
         let drop = self.stick.highest.force_n - now.force_n;
-        // No slip drops by less: most samples are told at once.
+        // No slip drops by less: for most samples that decides.
         drop >= LEAST_DROP * std && drop > 0.0 && self.leaves_line(now, drop, std)
     }
 
@@ -52,7 +52,7 @@ impl Detector {
         let (stick, usual) = (&self.stick, self.usual_drop_n);
         let has_line = stick.line.count >= LINE_POINTS;
         if usual <= 0.0 {
-            // A record may begin in the middle of a slip: that one is not told.
+            // A record may begin in the middle of a slip: that slip is not looked for.
             return match self.line_fits() {
                 true if has_line => FIRST_DROP * std,
                 false if stick.highest.index > stick.origin => LEAST_DROP * std,

@@ -21,9 +21,10 @@ const NEAR: f32 = 0.4;
 /// for noise.
 const SURE: f32 = 0.7;
 
-/// So many samples at zero in a row are no turning point.
+/// Samples at zero in a row beyond which they are no turning point.
 const LONG: u32 = 5;
-/// After so many it is the level of something else, which a knock or a converter's overflow hid.
+/// Samples at zero beyond which that is the level of something else, which a knock or a converter's
+/// overflow hid.
 const LONGEST: u32 = 1024;
 /// Most periods that the line starts before the rise is seen: where the line before was flat its rate
 /// tells nothing.

@@ -139,7 +139,7 @@ pub struct Levels {
 /// Where the levels changed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shift {
-    /// The first event after it was so many events ago.
+    /// Number of events since the first one of the new level.
     pub events_ago: u32,
     /// `Fp` before, N.
     pub dynamic_before_n: f32,

@@ -88,7 +88,7 @@ impl Onset {
 /// Square of an amplitude, as far as it is significantly more than zero.
 fn possible(sum: &ScoreSum) -> f32 {
     let square = sum.value() * sum.value();
-    // Also not before the first event.
+    // Zero before the first event as well, where the variance is infinite.
     square * surely(square, POSSIBLE * POSSIBLE * sum.variance())
 }
 

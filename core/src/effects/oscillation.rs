@@ -32,9 +32,9 @@ const MISSED: f32 = 0.55;
 const TURN: f32 = 2.5;
 /// It counts fully from the share of `√(1/3)` on.
 const SURELY: f32 = 3.0;
-/// The same over the variance of the share: a share that came out as zero by chance is not sure.
-/// Tuned: with .3 events of `cogging_2_5` are eight standard deviations off, with .4 hum is given
-/// twice too wide.
+/// Variance of `Fp` over `(b/ω)²` times the variance of the share: a share that came out as zero by
+/// chance is not sure. Tuned: with .3 events of `cogging_2_5` are eight standard deviations off,
+/// with .4 hum is given twice too wide.
 const TURN_UNSURE: f32 = 0.38;
 /// What a line leaves of an oscillation in its variance, over what it would leave of white noise of
 /// the same variance. Tuned: of an oscillation of eight samples in rests of twenty a fifth is left,

@@ -79,8 +79,8 @@ impl Estimator {
         self.add_with_common(event, Common::default());
     }
 
-    /// The same, for an event that has parts of its standard deviation in common with the others:
-    /// the mean keeps these parts, however many events there are.
+    /// As [`Self::add`], for an event that has parts of its standard deviation in common with the
+    /// others: the mean keeps these parts, however many events there are.
     pub fn add_with_common(&mut self, event: Coefficient, common: Common) {
         if !(event.value.is_finite() && (1e-9..=1e9).contains(&event.std)) {
             return;

@@ -13,8 +13,8 @@ const MOST_STEPS: u8 = 24;
 /// Part of the noise variance that decides: the fit has settled when the next step, which is still
 /// taken, would gain less, or leave less by its nonlinearity.
 const SETTLED: f32 = 1e-2;
-/// The same when the iterations are used up: a sample may sit right on an end of
-/// the slip, where the sum of squares has a kink.
+/// As [`SETTLED`], when the iterations are used up: a sample may sit right on an end of the slip,
+/// where the sum of squares has a kink.
 const NEARLY_SETTLED: f32 = 0.05;
 /// Damping after the first refused step.
 const DAMPING: f32 = 1e-3;

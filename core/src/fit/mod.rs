@@ -140,7 +140,7 @@ impl Fit {
         self.widen(&Variances { unknowns: self.variances, forces }, ratio - 1.0);
     }
 
-    /// Adds so many times their own variances to those of `Fs`, `d` and `Fp`: noise with correlated
+    /// Adds `times` their own variances to those of `Fs`, `d` and `Fp`: noise with correlated
     /// neighbours makes them less sure. What the events share is not told any better or worse.
     pub(crate) fn widen_forces(&mut self, times: f32) {
         let Forces { static_variance, dynamic_variance, .. } = self.forces;
@@ -150,8 +150,7 @@ impl Fit {
         self.widen(&Variances { unknowns, forces }, times);
     }
 
-    /// Adds so many times what is given to the variances: what the event is unsure of beyond the
-    /// noise.
+    /// Adds `times` the given variances: what the event is unsure of beyond the noise.
     pub(crate) fn widen(&mut self, wider: &Variances, times: f32) {
         if times == 0.0 {
             return;

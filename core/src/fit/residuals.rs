@@ -18,9 +18,9 @@ pub struct Residuals {
 
 /// Degrees of freedom after which old events fade.
 const MEMORY: f32 = 8000.0;
-/// An event with so many times the median event's residuals is left out.
+/// An event whose residuals are so many times those of the median event is left out.
 const LIMIT: f32 = 6.0;
-/// An event with so many times the usual residuals does not fit.
+/// An event whose residuals are so many times the usual ones does not fit.
 const MISFIT: f32 = 50.0;
 
 /// What the first events may leave in each degree of freedom, times the rough noise variance.

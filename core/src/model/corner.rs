@@ -120,8 +120,8 @@ impl Rounded<'_> {
     }
 }
 
-/// Part of `κ F''` that a mean over `τ` shows when `F''` jumped up from zero so many `τ/2` before:
-/// 0 up to −1, and 1 from 1 on.
+/// Part of `κ F''` that a mean over `τ` shows, at a time, in units of `τ/2`, since `F''` jumped up
+/// from zero: 0 up to −1, and 1 from 1 on.
 fn seen(halves: f32) -> f32 {
     let z = halves.clamp(-1.0, 1.0);
     let inside = larger(z, 0.0);

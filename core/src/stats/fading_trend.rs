@@ -178,7 +178,7 @@ impl FadingTrend {
         Prior { mean, weight: noise_n2 / (self.between + variance) }
     }
 
-    /// Moves all that was measured so far by as much.
+    /// Adds `by` to all values that were measured so far.
     pub fn translate(&mut self, by: f32) {
         self.line.level_n += by;
         self.now.0 += by;

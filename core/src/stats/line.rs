@@ -89,7 +89,7 @@ impl Line {
         self.residual_n2 *= factor;
     }
 
-    /// Moves the origin of time forward by so many periods.
+    /// Moves the origin of time forward by `periods`: all times become less.
     pub fn shift(&mut self, periods: f32) {
         self.time -= periods;
     }

@@ -29,7 +29,7 @@ impl Symmetric {
         self.0.get(place(row, 0)..=place(row, row)).unwrap_or_default()
     }
 
-    /// The same, to be changed.
+    /// A row up to the diagonal, to be changed.
     fn row_mut(&mut self, row: usize) -> &mut [f32] {
         self.0.get_mut(place(row, 0)..=place(row, row)).unwrap_or_default()
     }

@@ -135,8 +135,8 @@ impl SlipRecord {
         self.mean_n2(self.line_residuals(after), BRIEF)
     }
 
-    /// The same about the quieter one of the two lines that are not too brief; both rise at the
-    /// same rate.
+    /// As [`Self::line_noise_n2`], about the quieter one of the two lines that are not too brief;
+    /// both rise at the same rate.
     pub(crate) fn quieter_n2(&self, after: &Line) -> f32 {
         // Tuned: with one degree of freedom the few samples of a brief line lie on it by chance.
         const BRIEF: f32 = 3.0;

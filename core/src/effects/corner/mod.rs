@@ -48,7 +48,7 @@ pub(crate) struct CornerEstimator {
 
 /// Events that are asked first, without any sign of a round corner.
 const FIRST: u32 = 12;
-/// Then one of so many is.
+/// Of those after them one in so many is asked.
 const SELDOM: u32 = 4;
 /// Part that is left of the past with every event that is asked.
 const FADE: f32 = 1.0 - 1.0 / 40.0;
@@ -165,8 +165,8 @@ impl CornerEstimator {
         Correction::default()
     }
 
-    /// Begins with an event's corners, before any told something: only the range is thought to be
-    /// known.
+    /// Begins with the corners that the first event was fitted with: only the range is thought to
+    /// be known.
     fn begin(&mut self, corner: &Corner) {
         (self.corner, self.unit_n) = (*corner, corner.range_n);
         self.best = self.numbers(corner);
@@ -206,7 +206,7 @@ impl CornerEstimator {
             self.chi_square += 0.5 * squared / (score.asked.normal.matrix[[k, k]] * noise_n2);
         }
         self.best = best;
-        // The scores scatter by more than the noise: so much less is known.
+        // The scores scatter by more than the noise: the numbers are less sure by as much.
         let excess = math::larger(self.chi_square / math::larger(self.count - 1.0, 1.0), 1.0);
         let factor = self.decide(information, &free, excess, &used)?;
         let moved = self.limited(score, &used);

@@ -24,13 +24,13 @@ use crate::stats::prior::Prior;
 /// one event, since a trial is only begun where the forces have changed as well.
 const FAR_MEAN: f32 = 4.0;
 
-/// Events that must have told their swing before.
+/// Events since the last change before which no swing is judged.
 const FEWEST: u32 = 5;
 /// Events whose swings make the ratio; later ones may have another cable length.
 const MOST: u32 = 16;
 /// Suspects in a row without a mass that explains them: something else has changed.
 const ODD: u32 = 3;
-/// The same for events that do not tell their swing.
+/// The same number for events that do not tell their swing.
 const SILENT: u32 = 8;
 
 /// What an event says of the mass.
@@ -89,7 +89,7 @@ impl Mass {
         if let State::Suspect(kept, _) = &self.state { kept } else { &self.inverse_omega }
     }
 
-    /// Moves all swings that were learnt since the last change by as much, periods.
+    /// Adds `by`, periods, to all swings that were learnt since the last change.
     pub fn translate(&mut self, by: f32) {
         self.inverse_omega.translate(by);
     }
@@ -201,7 +201,7 @@ impl Mass {
         self.weight().value
     }
 
-    /// The same with its relative standard deviation.
+    /// The weight over the given one, and its relative standard deviation.
     #[must_use]
     pub fn weight_ratio_and_std(&self) -> (f32, f32) {
         let Ratio { value, variance } = self.weight();

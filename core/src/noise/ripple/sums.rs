@@ -34,7 +34,7 @@ const FEWEST: f32 = 24.0;
 /// All rests are bent alike where the square of the mean innovation is more than this part of their
 /// mean square. Cables that sag have .14 to .43, oscillations, hum and correlated noise less than .015.
 const BENT: f32 = 1.0 / 50.0;
-/// And more than so many of the variances that white noise gives that mean.
+/// And the square of that mean is more than so many times the variance that white noise gives it.
 const NO_CHANCE: f32 = 2.0;
 /// Samples before which a bend cannot be told from correlated noise: what looks like that may be a
 /// bend.
