@@ -1,8 +1,9 @@
 //! How an event ends: with its coefficients, or with the reason why there are none.
 
 use crate::cycle::cycle_fit::{CycleFit, Measured, Outcome};
+use crate::cycle::refusal::{self, FAST, RootStiffnessRatio};
 use crate::cycle::slip_record::SlipRecord;
-use crate::cycle::{CycleTracker, Finished, refusal};
+use crate::cycle::{CycleTracker, Finished};
 use crate::event::{Event, Quality, Reason};
 use crate::fit::correction::Correction;
 use crate::fit::posterior::{CLEAR, Posterior};
@@ -10,6 +11,10 @@ use crate::model::{CycleParams, Shape};
 use crate::num::math::larger;
 use crate::sample::SampleTime;
 use crate::stats::line::Line;
+
+/// Least rest between slow slips, swings. An oscillation of the force, which rises as it falls, is
+/// fitted by slips with rests of half a swing to one, whatever its period.
+const SWINGS: f32 = 1.4;
 
 /// What speaks for and against a fit.
 #[derive(Clone, Copy, Debug, Default)]
@@ -120,7 +125,7 @@ impl CycleTracker {
         let is_steep = |it: &Posterior| 2.0 * it.cycle.rate > it.cycle.static_n;
         let has_line = slip.before.count + after.count > 0;
         let loads_fast = event.slack && !has_line && fit.is_some_and(is_steep);
-        let is_fast = slip.limit - slip.extremes().0 < refusal::FAST;
+        let is_fast = slip.limit - slip.extremes().0 < FAST;
         let without_rest = if is_fast || loads_fast { Reason::TooShort } else { Reason::NoRest };
         let without_rest = (loads_fast || unsure).then_some(without_rest);
         let reason = refusal::of_event(event).or(overlaps).or(without_rest);
@@ -142,16 +147,16 @@ impl CycleTracker {
         // Told by all events, not by a single one.
         let is_clear = learnt.knows_omega() && core::f32::consts::PI * swing.0 > CLEAR;
         let periods = next - cycle.onset;
-        let learnt = refusal::root_stiffness_ratio(&site, rate, swing);
-        let folded = is_clear && refusal::is_folded(learnt, periods);
+        let learnt = RootStiffnessRatio::new(&site, rate, swing);
+        let folded = is_clear && learnt.is_folded(periods);
         let (rate, drop) = ((cycle.rate, unknowns[1]), (cycle.half_drop_n, unknowns[3]));
-        let is_fast = periods < refusal::FAST;
-        let own = refusal::root_stiffness_ratio(&site, rate, (cycle.inverse_omega(), unknowns[4]));
-        let agrees_with_winch = refusal::agrees_with_winch(own);
+        let is_fast = periods < FAST;
+        let own = RootStiffnessRatio::new(&site, rate, (cycle.inverse_omega(), unknowns[4]));
+        let agrees_with_winch = own.is_one();
         // An oscillation of the force can be fitted as slips as well, but without a sample that is
         // surely at rest, or a rest that is longer than part of a slow oscillation. Not so a slip
         // that the winch asks for.
-        let least = if is_fast { 1.0 } else { refusal::SWINGS * cycle.inverse_omega() };
+        let least = if is_fast { 1.0 } else { SWINGS * cycle.inverse_omega() };
         let rests = (2.0 * drop.0 - least * rate.0, 4.0 * drop.1 + least * least * rate.1);
         let shown = if agrees_with_winch { drop } else { rests };
         // Without a load nothing slips.
@@ -160,8 +165,8 @@ impl CycleTracker {
             return Belief { folded, unsure, ..Belief::default() };
         }
         let tells = posterior.tells_swing(unknowns[4]);
-        let folded = folded || (tells && refusal::is_folded(own, periods));
-        Belief { folded, agrees_with_winch, unsure: unsure || refusal::is_softer(own) }
+        let folded = folded || (tells && own.is_folded(periods));
+        Belief { folded, agrees_with_winch, unsure: unsure || own.is_low() }
     }
 
     /// An event with its coefficients; with omega where the slip shows it.

@@ -1,0 +1,102 @@
+//! The cable's stiffness by the winch, over that by the slips: where they are not the same, a fit has
+//! found another slip than the one that was pulled.
+
+use crate::coefficient::Site;
+use crate::cycle::refusal::recurrence::FEWEST_PERIODS;
+use crate::num::math::{self, larger};
+
+/// Ratio of the stiffness by the winch to that by the slip that no error of weight, winch or model
+/// makes: of the scenes that can be read none comes to 1.2.
+const STIFFER: f32 = 2.0;
+/// Such a ratio the other way: weight and winch speed are known better than to a half.
+const SOFTER: f32 = 2.0 / 3.0;
+/// The root of that ratio is one within these limits: the ratio within about 20 %.
+const CLOSE: (f32, f32) = (0.9, 1.11);
+/// Standard errors by which it has to be beyond a limit, where the true ratio is far beyond. Tuned:
+/// at four, seven times as many events of `aliased_fast` and `aliased_stiff` are believed.
+const LIKELY: f32 = 2.0;
+
+/// Limits of the root of the ratio of two stiffnesses, `k = F'/w` over `k = ω² M`. NaN where the speed
+/// of the winch is not known: then neither limit tells anything.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct RootStiffnessRatio {
+    least: f32,
+    most: f32,
+}
+
+impl RootStiffnessRatio {
+    /// From the loading rate, N per period, and the swing, periods, each with its variance.
+    #[inline(never)]
+    pub(crate) fn new(site: &Site, rate: (f32, f32), swing: (f32, f32)) -> Self {
+        let root = swing.0 * math::sqrt(rate.0 / site.momentum);
+        // Of the root the rate's relative error is halved.
+        let unsure = 0.25 * rate.1 / (rate.0 * rate.0) + swing.1 / (swing.0 * swing.0);
+        let by = LIKELY * root * math::sqrt(unsure);
+        Self { least: root - by, most: root + by }
+    }
+
+    /// Does the winch show a stiff cable, and the slips a soft one? Then the slips that are seen are
+    /// made of single samples of many: with time stretched by a factor, `k = F'/w` falls by it and
+    /// `k = ω² M` by its square, and the true slips follow each other that much faster. `periods`
+    /// is the time to the next slip.
+    pub(crate) fn is_folded(self, periods: f32) -> bool {
+        self.least > 0.0 && self.least * self.least > larger(STIFFER, periods / FEWEST_PERIODS)
+    }
+
+    /// Is the ratio surely one, as far as weight and winch are known? Then the slips are not folded,
+    /// and no oscillation of the cell.
+    pub(crate) fn is_one(self) -> bool {
+        self.least > CLOSE.0 && self.most < CLOSE.1
+    }
+
+    /// Is the loading rate surely far too low for the swing? A winch of known speed loads the cable
+    /// that the swing shows by `ω² M w`; at two thirds of that the fit has found another slip than
+    /// the one in the samples, as it may with few of them.
+    pub(crate) fn is_low(self) -> bool {
+        self.most * self.most < SOFTER
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::effect::Effects;
+
+    /// DFF8-13: `k w` of 360 N/s, a swing of a 19th of a second.
+    #[test]
+    fn time_that_is_stretched_is_seen_if_the_winch_is_known() {
+        let (hz, rate_n_per_s, omega) = (16.0, 360.0, 18.93_f32);
+        let mass_kg = 630.0 / 9.806_65;
+        let winch_m_per_s = rate_n_per_s / (omega * omega * mass_kg);
+        let limits = |winch_m_per_s: f32, stretched: f32, std: f32| {
+            let site = Site {
+                weight_n: 630.0,
+                momentum: mass_kg * winch_m_per_s * hz,
+                slope: (0.0, 1.0),
+                rate_hz: hz,
+                effects: Effects::NONE,
+            };
+            let (rate, swing) = (rate_n_per_s / hz / stretched, stretched * hz / omega);
+            let variance = |value: f32| std * std * value * value;
+            RootStiffnessRatio::new(&site, (rate, variance(rate)), (swing, variance(swing)))
+        };
+        for (stretched, std, folded, is_one) in [
+            (1.0, 0.001, false, true),
+            (1.0, 0.04, false, true),
+            (1.0, 0.06, false, false),
+            (2.5, 0.001, false, false),
+            (7.0, 0.001, false, false),
+            (7.5, 0.001, true, false),
+            (7.5, 0.01, false, false),
+            (29.0, 0.1, true, false),
+            (29.0, 0.2, true, false),
+            (29.0, 0.25, false, false),
+        ] {
+            let seen = limits(winch_m_per_s, stretched, std);
+            let got = (seen.is_folded(29.0), seen.is_one());
+            assert_eq!(got, (folded, is_one), "{stretched} ± {std}");
+            let unknown = limits(f32::NAN, stretched, std);
+            assert!(!unknown.is_folded(29.0) && !unknown.is_one() && !unknown.is_low());
+        }
+    }
+}
