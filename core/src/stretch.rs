@@ -17,7 +17,7 @@ const LEAST_BLOCK: f32 = 16.0;
 const BLOCKS: (u32, u32) = (8, 128);
 /// Standard deviations beyond which a difference or a slope is no chance.
 const SURE: f32 = 4.0;
-/// Standard deviations by which a stretch that is not given rises: it may be a slow stick line.
+/// Standard deviations of a rise with which a stretch is not given: it may be a slow stick line.
 const UNLIKELY: f32 = 3.0;
 /// Block means that differ by less than this part of the force are equal.
 const SAME: f32 = 0.01;

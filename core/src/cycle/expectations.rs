@@ -53,6 +53,8 @@ const LEAST_OWN: f32 = 0.01;
 const LEAST_JUDGED: f32 = 0.003;
 /// Standard deviations within which the first event's rates before and after it are the same.
 const LASTS: f32 = 3.0;
+/// Standard deviation of a rough loading rate, parts of it: it is known to within a factor of two.
+const ROUGH: f32 = 0.7;
 /// Fewest samples of lines that tell the first event's two rates.
 const LINE: u32 = 8;
 
@@ -100,7 +102,7 @@ impl Expectations {
     pub(crate) fn of(&self, slip: &SlipRecord, after: &Line, noise_n2: f32) -> Expected {
         let (rough, wander) = (slip.rough(after), slip.wander.followed());
         let has_lines = slip.before.count.min(after.count) >= LINE && slip.wander.level <= 0.0;
-        let rate = expected(self.rate.prior(noise_n2), rough.rate, 0.7 * rough.rate, noise_n2);
+        let rate = expected(self.rate.prior(noise_n2), rough.rate, ROUGH * rough.rate, noise_n2);
         let known_swing = if self.knows_omega() {
             self.mass.inverse_omega().prior(noise_n2)
         } else {
@@ -166,8 +168,8 @@ impl Expectations {
     /// before the onset lifts `Fs` by `b t`, one after the stop lowers `Fe` by as much, and either
     /// is in `Fp` by half. Zero where the force wanders, which may be why.
     pub(crate) fn unsteady_n2(&self, slip: &SlipRecord, posterior: &Posterior) -> (f32, f32) {
-        // Standard deviation of `t`, periods: anywhere in the four samples that the lines stay
-        // behind.
+        // Root mean square of `t`, periods: anywhere in the four samples that the lines stay behind,
+        // `4/√3`.
         const BESIDE: f32 = 2.3;
         let Posterior { cycle, unknowns: [.., variance], .. } = posterior;
         if slip.wander.level > 0.0 || !cycle.is_taut() {

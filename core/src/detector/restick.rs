@@ -5,11 +5,17 @@ use crate::detector::Detector;
 use crate::num::math::{self, larger, smaller};
 use crate::sample::{ForcePoint, near};
 
-/// Rise that ends a slip at once, parts of its drop. Tuned: a lower one lets noise and flop end
-/// long slips early, a higher one waits for the half of a slip's length.
+/// Rise that ends a slip at once, standard deviations of the noise.
+const SURE_RISE: f32 = 4.0;
+/// Part of the drop that is enough where the noise is larger than that.
+const MOST_RISE: f32 = 0.5;
+/// Least part of the drop by which it has to rise. Tuned: a lower one lets noise and flop end long slips
+/// early, a higher one waits for the half of a slip's length.
 const CLEAR_RISE: f32 = 0.12;
 /// A slip is too young to end before this part both of the usual fall and of the usual drop.
 const EARLY: f32 = 0.5;
+/// Standard deviations of the noise by which samples differ that are all at zero.
+const AS_LOW: f32 = 3.0;
 /// A slip leaves the force lower by at least this part of its drop; a spike does not. Tuned: a
 /// slip that is cut short by flop needs a low one, two spikes in a row a high one.
 const LEAST_SHIFT: f32 = 0.4;
@@ -31,7 +37,8 @@ impl Detector {
             return false;
         }
         let rise = now.force_n - self.lowest.force_n;
-        let rises = rise > larger(smaller(4.0 * self.std_n, 0.5 * drop), CLEAR_RISE * drop);
+        let rises =
+            rise > larger(smaller(SURE_RISE * self.std_n, MOST_RISE * drop), CLEAR_RISE * drop);
         rises || now.index - self.lowest.index >= fall.div_ceil(2).max(2)
     }
 
@@ -58,7 +65,7 @@ impl Detector {
     /// The first sample after the peak that is as low as the lowest one, but for noise:
     /// on a slack cable all are at zero.
     pub(super) fn first_low(&self, peak: u64) -> ForcePoint {
-        let limit_n = self.lowest.force_n + 3.0 * self.std_n;
+        let limit_n = self.lowest.force_n + AS_LOW * self.std_n;
         let sample = |index| Some(ForcePoint { index, force_n: self.window.get(index)? });
         let low = (peak + 1..self.lowest.index).filter_map(sample).find(|s| s.force_n < limit_n);
         low.unwrap_or(self.lowest)

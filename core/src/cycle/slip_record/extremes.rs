@@ -74,6 +74,7 @@ impl Rough {
         let sin = smaller(rate * turn, 1.0);
         let phase = math::atan2(sin, math::rough_sqrt(1.0 - sin * sin));
         let longer = 1.0 + core::f32::consts::FRAC_2_PI * phase;
+        // A tenth of the drop and three standard deviations of the noise, three tenths at most.
         let edge_part = math::smaller(0.1 + 3.0 * noise_n / drop_n, 0.3);
         let (slide, slide_std) = (slide * longer, slide_std * longer);
         let rise = phase * fall / PI;
