@@ -1,8 +1,8 @@
 //! What one event's fit is made from: lines, samples, expectations.
 
 use crate::effect::{Effect, Effects};
-use crate::fit::slip_scatter::{SlipResiduals, steepness};
-use crate::fit::{Fit, Variances};
+use crate::fit::slip_scatter::{OwnSwing, SlipResiduals, steepness};
+use crate::fit::{Fit, SWING, Variances};
 use crate::model::corner::{Corner, Rounded};
 use crate::model::{CycleParams, Shape};
 use crate::noise::ripple::ColoredNoise;
@@ -138,12 +138,16 @@ impl Data<'_> {
     /// of the swing has it too and does not help. For the forces, therefore, `A` is the one without
     /// that expectation.
     #[must_use]
-    pub fn slip_scatter(&self, fit: &Fit, noise_n2: f32) -> (SlipResiduals, Variances) {
+    pub fn slip_scatter(
+        &self,
+        fit: &Fit,
+        noise_n2: f32,
+    ) -> (SlipResiduals, Option<OwnSwing>, Variances) {
         const MOST: usize = 8;
         let (mut slip, mut wider) = (SlipResiduals::default(), Variances::default());
-        let Some(factor) = fit.normal.factor(0.0) else { return (slip, wider) };
-        let apart = fit.without_swing(self.inverse_omega);
-        let apart = apart.as_ref().map_or(&factor, |alone| &alone.factor);
+        let Some(factor) = fit.normal.factor(0.0) else { return (slip, None, wider) };
+        let alone = fit.without_swing(self.inverse_omega);
+        let apart = alone.as_ref().map_or(&factor, |alone| &alone.factor);
         let (from, to) = self.samples.slip;
         // At least 1, also for a slip whose ends are NaN.
         let stride = ((1.0 + (to - from) / MOST as f32) as usize).max(1);
@@ -151,7 +155,7 @@ impl Data<'_> {
         let model = self.model(&fit.shape);
         // Of each so far: its steepness, and by how much its error moves the unknowns.
         let mut others = [(0.0, Gradient::default()); MOST];
-        let mut place = 0;
+        let (mut place, mut swing_by_scatter) = (0, 0.0);
         for (number, (time, measured_n)) in inside.enumerate() {
             if !number.is_multiple_of(stride) || place >= MOST {
                 continue;
@@ -169,9 +173,17 @@ impl Data<'_> {
                 *own = (steepness, moved);
             }
             place += 1;
-            wider.add(&moved, &apart.solve(&weighted), steepness * stride as f32);
+            let moved_apart = apart.solve(&weighted);
+            let weight = steepness * stride as f32;
+            swing_by_scatter += weight * moved_apart[4] * moved_apart[4];
+            wider.add(&moved, &moved_apart, weight);
         }
-        (slip, wider)
+        let swing = alone.as_ref().map(|alone| OwnSwing {
+            value: fit.cycle().inverse_omega() + apart.solve(&alone.right)[4],
+            variance: noise_n2 * apart.spread(&SWING, 4),
+            by_scatter: noise_n2 * swing_by_scatter,
+        });
+        (slip, swing, wider)
     }
 
     /// Adds the lines and the expectations to the normal equations at a trial cycle.

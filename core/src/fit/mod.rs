@@ -108,6 +108,7 @@ pub(crate) const STATIC: Gradient = [0.0, 0.0, 1.0, 0.0, 0.0, 0.0];
 pub(crate) const DYNAMIC: Gradient = [0.0, 0.0, 1.0, -1.0, 0.0, 0.0];
 /// The first unknown that either has.
 const FIRST: usize = 2;
+pub(crate) const SWING: Gradient = [0.0, 0.0, 0.0, 0.0, 1.0, 0.0];
 
 /// By how much `Fs` and `Fp` move when the unknowns do.
 fn forces_by([_, _, static_n, half_drop_n, ..]: &Gradient) -> (f32, f32) {
