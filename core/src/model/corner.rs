@@ -49,7 +49,7 @@ impl Corner {
     /// The corners of a cycle: what all its times share, computed once.
     #[must_use]
     pub fn at<'a>(&self, shape: &'a Shape) -> Rounded<'a> {
-        // Half of τ = √(24 κ); without any averaging that of a usual converter.
+        // Half of τ = √(24 κ), and no less than that of a usual converter.
         const LEAST: f32 = 0.3;
         let half = larger(math::sqrt(6.0 * self.smoothing), LEAST);
         // Most events do not creep.
