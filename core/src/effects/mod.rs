@@ -24,8 +24,8 @@ mod synthetic {
 
     pub(super) const NOISE_N: f32 = 2.0;
 
-    /// Gives so many events, their onsets spread over a period, with sharp corners expected:
-    /// `force_n` is the force of a cycle at a time.
+    /// Gives `count` events, their onsets spread over a period, with sharp corners expected;
+    /// `force_n` is the force, N, of a cycle at a time.
     pub(super) fn events(
         count: u16,
         force_n: impl Fn(&CycleParams, f32) -> f32,

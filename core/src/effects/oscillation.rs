@@ -125,8 +125,8 @@ mod tests {
 
     const NOISE_N2: f32 = 4.0;
 
-    /// An event with an oscillation of some newtons at the onset and at the stop, of which so much is the
-    /// cable's; friction scatters.
+    /// An event with an oscillation of some newtons at the onset and at the stop, of which the part
+    /// `share` is the cable's; friction scatters.
     fn event(random: &mut Random, moved_n: f32, share: f32) -> TwoFits {
         let by_n = [0.0; 2].map(|_: f32| moved_n * random.normal());
         let friction_n = [780.0, 490.0].map(|n| n + 8.0 * random.normal());
@@ -159,7 +159,7 @@ mod tests {
         }
     }
 
-    /// Before anything is told an event is as unsure as either answer leaves it off.
+    /// Before the events tell anything an event is as unsure as it is off by either answer.
     #[test]
     fn what_is_not_told_is_unsure() {
         let (oscillation, mut random) = (Oscillation::default(), Random(3));

@@ -184,8 +184,8 @@ mod tests {
         3.464 * (random.even() - 0.5)
     }
 
-    /// After events whose coefficients `(mu_s, mu)` have moved by so much, each with its
-    /// noise and a scatter of its own, relative to the coefficients.
+    /// After events whose coefficients `(mu_s, mu)` have moved as `moved` says, each with its noise
+    /// and with a scatter of its own, relative to the coefficients.
     fn after(events: u32, scatter: f32, moved: impl Fn(f32) -> (f32, f32)) -> Drift {
         let (mut drift, mut random) = (Drift::default(), Random(1));
         for i in 0..events {

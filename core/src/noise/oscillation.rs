@@ -66,8 +66,8 @@ mod tests {
     use crate::num::math;
     use crate::tests::Random;
 
-    /// Mean over the past of late: noise of two, and an oscillation with an amplitude of so many newtons
-    /// and so many samples long.
+    /// Standard deviation of the noise, N, as it is seen, a mean: of noise of 2 N and an oscillation with
+    /// this amplitude and this period in samples.
     fn seen(amplitude_n: f32, samples: f32) -> f32 {
         let (mut oscillation, mut random) = (Oscillation::new(), Random(3));
         let mut last = [0.0; 5];

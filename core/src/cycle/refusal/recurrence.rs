@@ -50,7 +50,7 @@ impl Recurrence {
 mod tests {
     use super::*;
 
-    /// Slips every so many samples, seen at whole ones.
+    /// How many of 200 slips count as aliased, `samples` samples apart and seen at whole ones.
     fn aliased_of(samples: f32) -> usize {
         let mut recurrence = Recurrence::default();
         let peak = |i: u16| libm::roundf(samples * f32::from(i));
