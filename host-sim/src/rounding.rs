@@ -17,6 +17,13 @@ pub fn counted(count: impl Into<u64>, thing: &str) -> String {
     if count == 1 { format!("1 {thing}") } else { format!("{count} {thing}s") }
 }
 
+/// A number with six decimals at most and no idle zeros.
+#[must_use]
+pub fn significant(value: f64) -> String {
+    let text = format!("{value:.6}");
+    text.trim_end_matches('0').trim_end_matches('.').to_string()
+}
+
 /// Decimals that show two digits of an uncertainty.
 #[must_use]
 pub fn digits(std: f64) -> usize {

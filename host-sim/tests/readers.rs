@@ -295,3 +295,28 @@ proptest! {
         never_panics(format!("t,force_n\n{rows}").as_bytes(), &LogOptions::default());
     }
 }
+
+/// A rate that a logger is set to is hardly ever the one it keeps.
+#[test]
+fn a_rate_that_is_only_called_so_gives_way_to_the_one_of_the_stamps() {
+    let log_of = |head: &str, rate_hz: f64, late_s: f64| {
+        let stamp = |i: u32| f64::from(i) / rate_hz + if i < 900 { 0.0 } else { late_s };
+        let rows = (0..1920).map(|i| format!("{:.4},{}\n", stamp(i), i % 40));
+        format!("{head}time_s,force_n\n{}", rows.collect::<String>())
+    };
+    for own_hz in [16.005, 16.1] {
+        let (log, samples) = read(&log_of("# rate_hz: 16\n", own_hz, 0.0));
+        assert!((log.rate_hz() - own_hz).abs() < 1e-4 && consecutive(&samples), "{own_hz}");
+        let said =
+            format!("come {own_hz:.4} times a second, and are taken so, not as '# rate_hz: 16'");
+        assert!(log.warnings()[0].contains(&said), "{:?}", log.warnings());
+        let given = LogOptions { rate_hz: Some(16.0), ..LogOptions::default() };
+        let refused = open(log_of("", own_hz, 0.0).as_bytes(), &given).unwrap_err();
+        assert!(refused.contains("--rate-hz says 16") && refused.contains("leave --rate-hz out"));
+    }
+    let (log, samples) = read(&log_of("# rate_hz: 16\n", 16.0, 0.0));
+    assert!(log.rate_hz() == 16.0 && consecutive(&samples) && log.warnings().is_empty());
+    // A clock that was set on the way tells no other rate.
+    let (log, _) = read(&log_of("# rate_hz: 16\n", 16.0, 0.53));
+    assert_eq!(log.rate_hz(), 16.0);
+}

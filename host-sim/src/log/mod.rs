@@ -19,7 +19,7 @@ use floe_core::RawSample;
 
 use crate::card;
 use crate::error::InputError;
-use crate::rounding::counted;
+use crate::rounding::{counted, significant};
 
 pub mod above;
 pub mod cells;
@@ -61,7 +61,7 @@ use metadata::Metadata;
 pub use number::{Decimal, STANDARD_GRAVITY, Unit};
 use open::{begin, no_floe, peek, recognise, refuse_binary, utf8};
 pub use options::LogOptions;
-use rate::{agrees_with_stamps, keeps_up};
+use rate::{keeps_up, of_stamps};
 use rows::{LastLine, Row, Rows};
 use start::Start;
 
@@ -274,7 +274,7 @@ impl Log {
             )
         });
         let said = self.rows.metadata.notes.iter().cloned();
-        let (misfits, rate_hz) = (self.clock.misfits(), self.rate_hz());
+        let (misfits, rate_hz) = (self.clock.misfits(), significant(self.rate_hz()));
         let misfits = (misfits > 0)
             .then(|| format!("{misfits} time stamps do not fit {rate_hz} samples per second"));
         let uneven = self.clock.is_uneven().then(|| {
@@ -287,7 +287,7 @@ impl Log {
         found
             .chain(misfits)
             .chain(uneven)
-            .chain(self.held.warning(rate_hz))
+            .chain(self.held.warning(self.rate_hz()))
             .chain(self.told.iter().cloned())
             .collect()
     }
@@ -307,13 +307,18 @@ impl Log {
         if head.is_empty() {
             return Err(no_samples(&rows));
         }
-        let rate_hz = options.rate_hz.or(rows.metadata.rate_hz);
+        let mut rate_hz = options.rate_hz.or(rows.metadata.rate_hz);
         if let Some(wrong) = rate_hz.filter(|rate| !timing::RATES_HZ.contains(rate)) {
             return Err(InputError::new(format!("a rate of {wrong} Hz is not within 1 to 2000")));
         }
         match options.rate_hz {
             Some(given) => recognised.notes.extend(keeps_up(given, &head, &rows)?),
-            None => agrees_with_stamps(&head, &rows)?,
+            None => {
+                if let Some((own_hz, note)) = of_stamps(&head, &rows)? {
+                    rate_hz = Some(own_hz);
+                    recognised.notes.push(note);
+                }
+            }
         }
         let timing = rows.layout().timing(&head, rate_hz)?;
         let origin_s = if rows.layout().time.is_calendar() { timing.start_s } else { 0.0 };

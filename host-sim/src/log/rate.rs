@@ -2,20 +2,30 @@
 
 use crate::error::InputError;
 
+use super::clock::Clock;
 use super::rows::{Row, Rows};
+use super::timing::{Timing, median};
 
 /// Rows that show a rate.
 const ENOUGH: usize = 32;
+/// Rates within this share of each other may be one clock's, as it is called and as it runs.
+const NEAR: f64 = 0.02;
 
-/// Refuses a given rate with which many samples would be taken for duplicates. Gives what to
+/// Refuses a given rate with which samples would be taken for duplicates or gaps. Gives what to
 /// say of one with which many would be missing.
 ///
 /// # Errors
-/// It is far below the rate of the stamps.
+/// It is far below the rate of the stamps, or near it and not the one that they keep.
 pub fn keeps_up(given: f64, head: &[Row], rows: &Rows) -> Result<Option<String>, InputError> {
     const SURELY: f64 = 1.5;
     let Ok(found) = rows.layout().timing(head, None) else { return Ok(None) };
     let found_hz = found.rate_hz;
+    if keeps_its_own(&found, given, head, rows)? {
+        return Err(InputError::new(format!(
+            "--rate-hz says {given}, and the samples come {found_hz:.4} times a second: in time some \
+             would be lost, or taken for missing; leave --rate-hz out"
+        )));
+    }
     if found.shared.is_some() || head.len() < ENOUGH || found_hz < SURELY * given {
         let is_less = found.shared.is_none() && head.len() >= ENOUGH && SURELY * found_hz < given;
         return Ok(is_less.then(|| {
@@ -31,20 +41,69 @@ pub fn keeps_up(given: f64, head: &[Row], rows: &Rows) -> Result<Option<String>,
     )))
 }
 
-/// Refuses a rate in the log's metadata that its stamps contradict.
+/// Whether stamps keep a rate of their own beside a near one: with that many lie off their
+/// samples, with their own fewer than half of these, and they keep it all the time. A clock that
+/// is set on the way does not.
+fn keeps_its_own(
+    found: &Timing,
+    near_hz: f64,
+    head: &[Row],
+    rows: &Rows,
+) -> Result<bool, InputError> {
+    /// One row in so many off is where a drift begins to cost samples, not a stamp that came late;
+    /// tuned: more rows let smaller drifts pass.
+    const MANY: usize = 20;
+    let is_near = (found.rate_hz / near_hz - 1.0).abs() < NEAR;
+    if !is_near || found.shared.is_some() || head.len() < ENOUGH {
+        return Ok(false);
+    }
+    let closer = |hz: f64| (hz - found.rate_hz).abs() < 0.5 * (near_hz - found.rate_hz).abs();
+    if !usual_hz(head).is_some_and(closer) {
+        return Ok(false);
+    }
+    let off = misfits(rows.layout().timing(head, Some(near_hz))?, head);
+    Ok(off > (head.len() / MANY) as u64 && off > 2 * misfits(*found, head))
+}
+
+/// The rate over so many rows at a time, the middle one of all: no jump of the clock is in it.
+fn usual_hz(head: &[Row]) -> Option<f64> {
+    const ROWS: usize = 64;
+    let later = head.iter().skip(ROWS);
+    let spans_s = later.zip(head).map(|(last, first)| last.time_s - first.time_s);
+    median(spans_s.collect()).map(|span_s| ROWS as f64 / span_s)
+}
+
+/// Stamps that are not where their sample should be.
+fn misfits(timing: Timing, head: &[Row]) -> u64 {
+    let mut clock = Clock::new(timing);
+    for row in head {
+        clock.place(row.time_s, row.records, std::iter::empty());
+    }
+    clock.misfits()
+}
+
+/// Refuses a rate in the log's metadata that its stamps contradict. Where it is only what the
+/// rate is called, gives the one that the stamps keep, and what to say of it.
 ///
 /// # Errors
 /// Names both lines.
-pub fn agrees_with_stamps(head: &[Row], rows: &Rows) -> Result<(), InputError> {
-    const NEAR: f64 = 0.02;
+pub fn of_stamps(head: &[Row], rows: &Rows) -> Result<Option<(f64, String)>, InputError> {
     let metadata = &rows.metadata;
     let (Some(said), Some(line)) = (metadata.rate_hz, metadata.line("rate_hz")) else {
-        return Ok(());
+        return Ok(None);
     };
-    let Ok(found) = rows.layout().timing(head, None) else { return Ok(()) };
+    let Ok(found) = rows.layout().timing(head, None) else { return Ok(None) };
+    if keeps_its_own(&found, said, head, rows)? {
+        let note = format!(
+            "the samples come {:.4} times a second, and are taken so, not as '# rate_hz: {said}' in \
+             line {line} says",
+            found.rate_hz
+        );
+        return Ok(Some((found.rate_hz, note)));
+    }
     let near = (found.rate_hz / said - 1.0).abs() < NEAR;
     if near || found.shared.is_some() || head.len() < ENOUGH {
-        return Ok(());
+        return Ok(None);
     }
     let (first, found) = (head.first().map_or(0, |row| row.line), found.rate_hz);
     Err(InputError::new(format!(

@@ -11,7 +11,9 @@ use super::result::{
 };
 use super::stretches::Stretches;
 use crate::error::printable_line;
-use crate::rounding::{self, LEAST, counted, decimals, digits, own_digits, part_of, plus_minus};
+use crate::rounding::{
+    self, LEAST, counted, decimals, digits, own_digits, part_of, plus_minus, significant,
+};
 
 /// Events, then the result with its uncertainty, then what to know about it.
 ///
@@ -101,19 +103,14 @@ fn header(out: &mut String, result: &ReplayResult, force: usize) -> std::fmt::Re
     let weight = cell(Some(test.weight_n), force);
     match test.mass_kg {
         Some(mass_kg) => {
-            writeln!(out, "test   {id}under the ice: normal force {weight} N, mass {mass_kg} kg\n")
+            let mass = cell(Some(mass_kg), decimals(mass_kg));
+            writeln!(out, "test   {id}under the ice: normal force {weight} N, mass {mass} kg\n")
         }
         None => {
             let slope_deg = test.slope_rad.to_degrees();
             writeln!(out, "test   {id}weight {weight} N, slope {slope_deg:.2}°\n")
         }
     }
-}
-
-/// A number with up to seven digits and no idle zeros.
-fn significant(value: f64) -> String {
-    let text = format!("{value:.6}");
-    text.trim_end_matches('0').trim_end_matches('.').to_string()
 }
 
 fn titles(out: &mut String) -> std::fmt::Result {
