@@ -224,3 +224,69 @@ fn samples_that_cannot_be_used_are_said() {
         assert!(json.contains(&why), "{json}");
     }
 }
+
+/// Two claims about one test: the caller's counts, and both are said.
+#[test]
+fn what_is_given_against_the_log_is_said() {
+    let dir = directory("given");
+    let path = dir.join("counts.csv");
+    let path = path.to_str().unwrap();
+    let rows = fs::read_to_string("logs/dff8-13.csv").unwrap();
+    let counts = |row: &str| {
+        let (time_s, force_n) = row.split_once(',')?;
+        Some(format!("{time_s},{:.0}\n", 800.0 * force_n.parse::<f64>().ok()? + 8000.0))
+    };
+    let rows: String = rows.lines().filter_map(counts).collect();
+    let said = |head: &str, arguments: &[&str]| {
+        let head = head.replace("; ", "\n");
+        fs::write(path, format!("{head}\ntime_s,counts\n{rows}")).unwrap();
+        json_with_warnings(&floe(&[&["replay", path, "--json"], arguments].concat()))
+    };
+    let calibrated = "# tare_counts: 8000; # counts_per_n: 800; # weight_n: 630";
+    assert_eq!(said(calibrated, &["--weight-n", "630", "--counts-per-n", "800"]), "[]");
+    for (option, number, expected) in [
+        (
+            "--counts-per-n",
+            "400.5",
+            "span 400.5 counts/N as given, not the '# counts_per_n: 800' of line 2",
+        ),
+        ("--tare-counts", "7", "tare 7 counts as given, not the '# tare_counts: 8000' of line 1"),
+        ("--mass-kg", "70", "weight 686.5 N as given, not the '# weight_n: 630' of line 3"),
+    ] {
+        let asked = said(calibrated, &[option, number]);
+        assert!(asked.contains(expected), "{option}: {asked}");
+    }
+    let more = format!("{calibrated}; # slope_deg: 3; # range_n: 5000; # winch_m_per_s: 0.0157");
+    let asked =
+        said(&more, &["--slope-deg", "0", "--range-n", "4000", "--winch-m-per-s", "0.0156"]);
+    for expected in [
+        "slope 0.00° as given, not the '# slope_deg: 3' of line 4",
+        "range 4000 N as given, not the '# range_n: 5000' of line 5",
+        "winch at 0.0156 m/s as given, not the '# winch_m_per_s: 0.0157' of line 6",
+    ] {
+        assert!(asked.contains(expected), "{asked}");
+    }
+    let massive = "# tare_counts: 8000; # counts_per_n: 800; # mass_kg: 70";
+    let asked = said(massive, &["--weight-n", "630"]);
+    assert!(
+        asked.contains("weight 630.0 N as given, not the '# mass_kg: 70' of line 3"),
+        "{asked}"
+    );
+    // The weight of a block under the ice is not what presses it.
+    let below = ["--normal-n", "600", "--mass-kg", "64.242"];
+    assert_eq!(said(calibrated, &below), "[]");
+    let asked = said(&format!("{massive}; # normal_n: 500"), &below);
+    assert!(asked.contains("normal force 600.0 N as given, not the '# normal_n: 500' of line 4"));
+    assert!(asked.contains("mass 64.2 kg as given, not the '# mass_kg: 70' of line 3"), "{asked}");
+}
+
+/// A line that was meant to say the weight is named where the weight is missing.
+#[test]
+fn a_weight_that_is_not_read_is_named() {
+    let path = directory("meant").join("pull.csv");
+    let path = path.to_str().unwrap();
+    fs::write(path, "# weight_n=630\ntime_s,force_n\n0,1\n0.0625,2\n").unwrap();
+    let missing =
+        "weight is not known: line 1: 'weight_n=630' is not read: write '# weight_n: 630'";
+    assert_refused(&floe(&["replay", path]), &[missing]);
+}

@@ -2,6 +2,7 @@
 
 use floe_core::{Config, Counters, Report};
 
+use super::given;
 use super::quantities::Quantities;
 use crate::log::Log;
 use crate::rounding::plus_minus;
@@ -12,21 +13,16 @@ const FRICTION: std::ops::RangeInclusive<f32> = 0.004..=20.0;
 const FAST: f64 = 16.0;
 /// Stiffnesses that differ less may be those of a cable that sags and flops, which `sag_flop` shows.
 const OTHER_STIFFNESS: f64 = 0.07;
-/// Weights within this share of each other are the same.
-const SAME: f64 = 0.005;
-
 /// One sentence each.
 #[must_use]
 pub fn doubts(log: &Log, config: &Config, report: &Report) -> Vec<String> {
     let doubts = [
-        no_force(config, report),
-        other_weight(log, config),
-        other_winch(log, config),
         no_friction(log, config, report),
         alias(log, config, report),
         other_stiffness(config, report),
     ];
-    doubts.into_iter().flatten().collect()
+    let doubts = doubts.into_iter().flatten();
+    no_force(config, report).into_iter().chain(given::instead(log, config)).chain(doubts).collect()
 }
 
 /// Whether a record has samples and none of them is a force.
@@ -44,27 +40,6 @@ fn no_force(config: &Config, report: &Report) -> Option<String> {
              of the cell's range{}",
             range.unwrap_or_default()
         )
-    })
-}
-
-/// The caller's weight is not the log's.
-fn other_weight(log: &Log, config: &Config) -> Option<String> {
-    let metadata = log.metadata();
-    let said = metadata.weight_n.filter(|_| metadata.normal_n.is_none())?;
-    let given = f64::from(config.weight_n);
-    let line = metadata.line("weight_n")?;
-    ((given / said - 1.0).abs() > SAME).then(|| {
-        format!("weight {given:.1} N as given, not the '# weight_n: {said}' of line {line}")
-    })
-}
-
-/// The caller's speed of the winch is not the log's.
-fn other_winch(log: &Log, config: &Config) -> Option<String> {
-    let said = log.metadata().winch_m_per_s?;
-    let given = f64::from(config.winch_m_per_s?);
-    let line = log.metadata().line("winch_m_per_s")?;
-    ((given / said - 1.0).abs() > SAME).then(|| {
-        format!("winch at {given} m/s as given, not the '# winch_m_per_s: {said}' of line {line}")
     })
 }
 

@@ -9,6 +9,7 @@ pub mod batches;
 pub mod budget;
 pub mod doubts;
 pub mod events;
+pub mod given;
 pub mod known;
 pub mod quantities;
 pub mod rails;

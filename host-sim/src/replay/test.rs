@@ -175,11 +175,20 @@ fn pressed(log: &Log, options: &TestOptions, slope_deg: f64) -> Result<Pressed, 
     let of_mass = mass_kg.map(|mass| mass * STANDARD_GRAVITY);
     match options.weight_n.or(of_mass).or(said.weight_n) {
         Some(force_n) => Ok(Pressed { force_n, mass_kg: None }),
-        None => refuse(
-            "the block's weight is not known: give --weight-n W or --mass-kg M, \
-             or put '# weight_n: W' into the log",
-        ),
+        None => Err(no_weight(&said.notes)),
     }
+}
+
+/// The block's weight is not known; a line of the log that was meant to say it is named.
+fn no_weight(notes: &[String]) -> InputError {
+    let meant =
+        notes.iter().find(|note| note.contains("'# weight_n:") || note.contains("'# mass_kg:"));
+    InputError::new(match meant {
+        Some(note) => format!("the block's weight is not known: {note}"),
+        None => "the block's weight is not known: give --weight-n W or --mass-kg M, \
+                 or put '# weight_n: W' into the log"
+            .to_string(),
+    })
 }
 
 impl TestOptions {
@@ -218,6 +227,12 @@ pub fn calibration(log: &Log, options: &TestOptions) -> Result<Calibration, Inpu
     let (Some(tare_counts), Some(span)) = (tare, span) else {
         return Err(InputError::new(missing));
     };
+    if !span.is_finite() || span == 0.0 {
+        return Err(InputError::new(format!(
+            "counts_per_n is {span}: --counts-per-n, or '# counts_per_n:' in the log, must be a number \
+             that is not zero"
+        )));
+    }
     calibration.tare_counts = tare_counts;
     calibration.counts_per_n = span as f32;
     Ok(calibration)
