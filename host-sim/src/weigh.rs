@@ -6,6 +6,7 @@ use serde::Serialize;
 
 use crate::error::InputError;
 use crate::log::Log;
+use crate::rounding::significant;
 
 pub mod record;
 mod resolution;
@@ -16,6 +17,10 @@ pub const SCHEMA: &str = "floe-weigh/1";
 
 /// Longest record whose readings tell their step, s.
 const LONGEST_S: f64 = 64.0;
+
+/// Fewest samples a second that show a swing: two for each period of the fastest that is looked
+/// for, 1.6 Hz in the force.
+const SLOWEST_HZ: f64 = 3.2;
 
 /// A load is one when it is so many standard deviations from zero.
 const SURE: f64 = 5.0;
@@ -48,8 +53,16 @@ pub struct Weight {
 /// Weighs what hangs in a log.
 ///
 /// # Errors
-/// The log cannot be read, or the load does not rest at its end, or the readings never change.
+/// The log cannot be read, or is too slow to show a swing, or the load does not rest at its end, or
+/// the readings never change.
 pub fn weigh(log: &mut Log, calibrator: &Calibrator) -> Result<Weight, InputError> {
+    if log.rate_hz() < SLOWEST_HZ {
+        return Err(InputError::new(format!(
+            "{} samples a second do not show whether the block swings, which adds to its weight: \
+             record {SLOWEST_HZ} or more",
+            significant(log.rate_hz())
+        )));
+    }
     let (readings, left_out) = read(log, calibrator)?;
     let mut weighing = Weighing::new(log.rate_hz() as f32);
     readings.iter().for_each(|&force_n| weighing.add(force_n));

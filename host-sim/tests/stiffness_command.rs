@@ -52,11 +52,20 @@ fn a_pull_that_counts_twice_is_said() {
 }
 
 #[test]
+fn what_is_assumed_about_the_log_is_said() {
+    let dir = directory("stiffness/assumed");
+    fs::write(dir.join("a.csv"), pull(80.0).replace("force_n", "Load")).unwrap();
+    let said = text(&floe(&dir, &["a.csv"]).stderr);
+    assert_eq!(said, "floe: warning: a.csv: column 'Load' has no unit: taken as N\n");
+}
+
+#[test]
 fn what_is_wrong_is_named() {
     let dir = directory("stiffness/wrong");
     fs::write(dir.join("a.csv"), pull(80.0)).unwrap();
     for (options, why) in [
         (["--winch-m-per-s", "0"], "speed 0: must be a number above zero"),
+        (["--winch-m-per-s", "-0.1"], "speed -0.1: must be a number above zero"),
         (["--winch-std-m-per-s", "-1"], "speed ± -1: must be a number not below zero"),
         (["--cable-length-std-m", "nan"], "length ± NaN: must be a number not below zero"),
         (["--extension", "-"], "only --json goes to standard output"),

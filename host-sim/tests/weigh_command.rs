@@ -127,3 +127,43 @@ fn what_is_no_weighing_is_refused_in_one_line() {
         assert!(said.contains(words) && said.lines().count() == 1, "{said}");
     }
 }
+
+/// What is assumed about the log changes the weight by a thousand, or doubles it.
+#[test]
+fn what_is_assumed_is_said() {
+    let path = file("assumed.csv").display().to_string();
+    let said = |arguments: &[&str]| {
+        let output = floe(&[&["weigh", &path], arguments].concat());
+        String::from_utf8(output.stderr).expect("text")
+    };
+    std::fs::write(&path, counts("time_s,Load", 0.01)).expect("kept");
+    assert!(said(&[]).contains("column 'Load' has no unit: taken as N"), "{}", said(&[]));
+    let calibrated = "# tare_counts: 0\n# counts_per_n: 1000\ntime_s,counts";
+    std::fs::write(&path, counts(calibrated, 1.0)).expect("kept");
+    assert_eq!(said(&[]), "");
+    let other = said(&["--counts-per-n", "2000"]);
+    assert!(other.contains("not the '# counts_per_n: 1000' of line 2"), "{other}");
+    let none = said(&["--counts-per-n", "0"]);
+    assert!(none.contains("counts_per_n is 0") && none.lines().count() == 1, "{none}");
+}
+
+/// About 630 000, that times `scale`.
+fn counts(head: &str, scale: f64) -> String {
+    let noise = |i: u32| i.wrapping_mul(2_654_435_761) >> 24;
+    let row =
+        |i: u32| format!("{},{}\n", f64::from(i) / 16.0, f64::from(630_000 + noise(i)) * scale);
+    format!("{head}\n{}", (0..640).map(row).collect::<String>())
+}
+
+/// At a sample a second a swing of 2 s, whose force swings in 1 s, looks like none.
+#[test]
+fn a_log_too_slow_for_a_swing_is_refused() {
+    let path = file("slow.csv");
+    let row = |t: u32| format!("{t},{}\n", swinging(f64::from(t)) + f64::from(t % 3));
+    let rows: String = (0..100).map(row).collect();
+    std::fs::write(&path, format!("time_s,force_n\n{rows}")).expect("kept");
+    let output = floe(&["weigh", path.to_str().expect("a path")]);
+    let said = String::from_utf8(output.stderr).expect("text");
+    assert_eq!(output.status.code(), Some(2), "{said}");
+    assert!(said.contains("1 samples a second do not show whether the block swings"), "{said}");
+}

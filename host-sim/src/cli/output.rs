@@ -62,6 +62,13 @@ pub fn say(line: &str) {
     tell(&format!("floe: {}", printable_line(line)));
 }
 
+/// Says what is doubtful about a log on standard error.
+pub fn warn(path: &str, warnings: &[String]) {
+    for warning in warnings {
+        say(&format!("warning: {path}: {warning}"));
+    }
+}
+
 /// Puts a line on standard error; if nobody can read it there, there is nobody to tell.
 pub fn tell(line: &str) {
     let _ = writeln!(io::stderr(), "{line}");

@@ -238,9 +238,7 @@ fn finish(
         output::stream(path, |out| events_csv(result, out))?;
     }
     if !args.quiet {
-        for warning in &result.log.warnings {
-            output::say(&format!("warning: {}: {warning}", result.log.path));
-        }
+        output::warn(&result.log.path, &result.log.warnings);
     }
     args.json.print_by(result, |out| {
         if args.quiet {

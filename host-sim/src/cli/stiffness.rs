@@ -8,7 +8,7 @@ use serde::Serialize;
 
 use crate::error::{InputError, printable_line};
 use crate::log::{Log, LogOptions};
-use crate::rounding::plus_minus;
+use crate::rounding::{counted, plus_minus};
 use crate::stiffness::{Measured, Pull, Stiffness, Together, stiffness, straight_part, together};
 
 use super::input::open;
@@ -30,14 +30,14 @@ pub struct Args {
     #[arg(value_name = "LOG")]
     logs: Vec<String>,
     /// Take-up speed of the winch, m/s [default: as the log says]
-    #[arg(long, value_name = "W")]
+    #[arg(long, value_name = "W", allow_negative_numbers = true)]
     winch_m_per_s: Option<f64>,
     /// Its standard deviation, m/s
     #[arg(long, value_name = "S", default_value_t = 0.0, allow_negative_numbers = true)]
     winch_std_m_per_s: f64,
     /// Free length of the cable, m, for AE; one for all logs or one for each
     /// [default: as the log says]
-    #[arg(long, value_name = "L", value_delimiter = ',')]
+    #[arg(long, value_name = "L", value_delimiter = ',', allow_negative_numbers = true)]
     cable_length_m: Vec<f64>,
     /// Its standard deviation, m
     #[arg(long, value_name = "S", default_value_t = 0.0, allow_negative_numbers = true)]
@@ -99,8 +99,9 @@ pub fn run(args: &Args) -> Result<(), InputError> {
     let inputs: Vec<&Path> = paths.iter().map(Path::new).collect();
     let older = output::check(&outputs, &inputs)?;
     if args.cable_length_m.len() > 1 && args.cable_length_m.len() != paths.len() {
-        let (lengths, logs) = (args.cable_length_m.len(), paths.len());
-        let why = format!("{lengths} lengths of the cable for {logs} logs: give one, or one each");
+        let logs = counted(paths.len() as u64, "log");
+        let lengths = args.cable_length_m.len();
+        let why = format!("{lengths} lengths of the cable for {logs}: give one, or one each");
         return Err(InputError::new(why));
     }
     let mut found = Vec::new();
@@ -167,6 +168,7 @@ fn measure(path: &str, args: &Args, number: usize) -> Result<Found, InputError> 
     let none = "no rise of the force to put a line through: is this a pull against a post?";
     let pull = pull(args, number, &log)?;
     let stiffness = stiffness(&samples, &pull).ok_or_else(|| InputError::new(none))?;
+    output::warn(path, &log.warnings());
     Ok(Found { path: path.to_string(), pull, stiffness, samples })
 }
 

@@ -7,6 +7,7 @@ use floe_core::signal::calibrate::Calibrator;
 
 use crate::error::InputError;
 use crate::log::{Log, LogOptions};
+use crate::replay::given;
 use crate::replay::test::{TestOptions, calibration};
 use crate::rounding::plus_minus;
 use crate::weigh::record::sentence;
@@ -52,20 +53,23 @@ pub fn run(args: &Args) -> Result<(), InputError> {
     let (path, json) = args.json.with_log(args.log.as_deref())?;
     let outputs: Vec<&Path> = json.file().into_iter().collect();
     let older = output::check(&outputs, &[Path::new(&path)])?;
-    let weight = measure(&path, args).map_err(|error| error.within(&path))?;
+    let (weight, warnings) = measure(&path, args).map_err(|error| error.within(&path))?;
+    output::warn(&path, &warnings);
     json.print(&weight, || text(&weight))?;
     older.tell();
     Ok(())
 }
 
-fn measure(path: &str, args: &Args) -> Result<Weight, InputError> {
+/// The weight, and what was assumed about the log.
+fn measure(path: &str, args: &Args) -> Result<(Weight, Vec<String>), InputError> {
     let mut log = Log::from_reader(open(path, false)?, &args.log_options)?;
     let (tare_counts, counts_per_n) = (args.tare_counts, args.counts_per_n);
     let given = TestOptions { tare_counts, counts_per_n, ..TestOptions::default() };
     let calibration = calibration(&log, &given)?;
     let range_n = log.metadata().range_n.map(|range_n| range_n as f32);
     let config = Config { calibration, range_n, ..Config::default() };
-    weigh(&mut log, &Calibrator::new(&config))
+    let weight = weigh(&mut log, &Calibrator::new(&config))?;
+    Ok((weight, [log.warnings(), given::calibration(&log, &calibration)].concat()))
 }
 
 fn text(weight: &Weight) -> String {
