@@ -1,6 +1,5 @@
 //! Axes with ticks, and what is drawn between them.
 
-use super::number::fixed;
 use super::scale::{Scale, Steps, Ticks, ticks};
 use super::svg::{Path, coordinate, escape, rectangle, text};
 
@@ -72,7 +71,9 @@ pub(super) struct Plot {
     above: String,
 }
 
+/// Room for the labels of the vertical axis, of so many digits.
 const LEFT: f64 = 54.0;
+const LEFT_DIGITS: usize = 5;
 const RIGHT: f64 = 14.0;
 const TOP: f64 = 30.0;
 const BOTTOM: f64 = 44.0;
@@ -83,18 +84,19 @@ impl Plot {
     /// Axes, ticks and labels, nothing else yet.
     pub fn new(spec: &Spec<'_>) -> Self {
         let (width, height) = spec.size;
-        let x = Scale { domain: spec.x.domain, range: (LEFT, width - RIGHT) };
         let y = Scale { domain: spec.y.domain, range: (height - BOTTOM, TOP) };
+        let up = ticks(y.domain, (y.range.0 - y.range.1) / 38.0, spec.y.steps);
+        let left = LEFT + DIGIT * up.longest().saturating_sub(LEFT_DIGITS) as f64;
+        let x = Scale { domain: spec.x.domain, range: (left, width - RIGHT) };
         let mut plot =
             Self { x, y, head: open(spec, &x, &y), inside: String::new(), above: String::new() };
-        plot.grid(spec);
+        plot.grid(spec, &up);
         plot
     }
 
-    fn grid(&mut self, spec: &Spec<'_>) {
+    fn grid(&mut self, spec: &Spec<'_>, up: &Ticks) {
         let (x, y) = (self.x, self.y);
         let across = ticks(x.domain, (x.range.1 - x.range.0) / 68.0, spec.x.steps);
-        let up = ticks(y.domain, (y.range.0 - y.range.1) / 38.0, spec.y.steps);
         let mut lines = Path::default();
         across.values.iter().for_each(|&v| lines.bar(x.at(v), y.range.0, y.range.1));
         for &value in &up.values {
@@ -106,7 +108,7 @@ impl Plot {
         self.head.push_str(&labels(&across, "mid", |v, width| {
             (x.at(v).min(spec.size.0 - width / 2.0), foot)
         }));
-        self.head.push_str(&labels(&up, "end", |v, _| (x.range.0 - 7.0, y.at(v) + 4.5)));
+        self.head.push_str(&labels(up, "end", |v, _| (x.range.0 - 7.0, y.at(v) + 4.5)));
         let middle = (x.range.0 + x.range.1) / 2.0;
         self.head.push_str(&text("axis mid", (middle, foot + 20.0), &spec.x.label));
         self.head.push_str(&text("axis", (4.0, 16.0), &spec.y.label));
@@ -194,9 +196,40 @@ fn readout(scale: &Scale, axis: &Axis) -> String {
 /// Labels of ticks; `place` is given the value and about the width of its label.
 fn labels(ticks: &Ticks, class: &str, place: impl Fn(f64, f64) -> (f64, f64)) -> String {
     let label = |&v: &f64| {
-        let label = fixed(v / ticks.unit, ticks.decimals);
+        let label = ticks.label(v);
         let width = DIGIT * label.chars().count() as f64;
         text(class, place(v, width), &label)
     };
     ticks.values.iter().map(label).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// `500.0002` that is cut off on the left reads `0.0002`.
+    #[test]
+    fn the_longest_label_is_on_the_paper() {
+        let left = |domain| {
+            let axis = |domain| Axis {
+                domain,
+                steps: Steps::Decimal,
+                label: String::new(),
+                readout: ("F", String::new()),
+            };
+            let spec = Spec {
+                id: "p",
+                layout: Layout::Narrow,
+                size: (360.0, 230.0),
+                title: "",
+                description: "",
+                x: axis((0.0, 1.0)),
+                y: axis(domain),
+            };
+            Plot::new(&spec).x.range.0
+        };
+        assert!((left((0.0, 800.0)) - LEFT).abs() < 1e-9);
+        let longest = DIGIT * "500.0002".len() as f64;
+        assert!(left((499.9997, 500.0003)) > longest);
+    }
 }

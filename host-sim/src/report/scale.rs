@@ -1,5 +1,7 @@
 //! From values to places on paper.
 
+use super::number::fixed;
+
 /// A straight map from values to coordinates.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Scale {
@@ -92,6 +94,18 @@ pub(super) struct Ticks {
     pub unit: f64,
     /// Decimals their labels need.
     pub decimals: usize,
+}
+
+impl Ticks {
+    /// What stands at one of them.
+    pub fn label(&self, value: f64) -> String {
+        fixed(value / self.unit, self.decimals)
+    }
+
+    /// Signs of the longest label.
+    pub fn longest(&self) -> usize {
+        self.values.iter().map(|&value| self.label(value).chars().count()).max().unwrap_or(0)
+    }
 }
 
 /// At most about `wanted` round values from `low` to `high`.

@@ -63,9 +63,11 @@ impl Path {
         let _ = write!(self.d, "V{}", coordinate(y1));
     }
 
-    /// Closes the outline.
+    /// Closes the outline, if there is one.
     pub fn close(&mut self) {
-        self.d.push('Z');
+        if !self.d.is_empty() {
+            self.d.push('Z');
+        }
     }
 
     /// A line through points; one that is not finite breaks it.
@@ -161,6 +163,8 @@ mod tests {
     fn a_gap_breaks_the_line() {
         let points = [(0.0, 0.0), (1.04, 2.0), (2.0, f64::NAN), (3.0, 1.0), (4.0, -0.01)];
         assert_eq!(Path::line(points).d, "M0 0L1 2M3 1L4 0");
-        assert_eq!(Path::line([]).element("x"), "");
+        let mut none = Path::line([]);
+        none.close();
+        assert_eq!(none.element("x"), "");
     }
 }
