@@ -129,6 +129,9 @@ fn what_is_assumed_and_what_is_there_twice_is_said() {
     let json: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
     assert_eq!(json["records"][0]["warnings"].as_array().map(Vec::len), Some(1));
     assert_eq!(json["records"][1]["warnings"].as_array().map(Vec::len), Some(0));
+    fs::write(folder.join("b.csv"), log).unwrap();
+    let error = String::from_utf8(floe(&folder, &["campaign", "."]).stderr).unwrap();
+    assert!(error.contains("a.csv and ./b.csv give the same numbers"), "{error}");
     fs::remove_dir_all(folder).unwrap();
 }
 

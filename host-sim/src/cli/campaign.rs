@@ -140,7 +140,7 @@ pub fn run(args: &Args) -> Result<(), InputError> {
         output::say(&format!("left out: {problem}"));
     }
     if let Source::Logs(logs) = &source {
-        tell_notes(&logs.notes, &tests);
+        tell_notes(logs, &tests);
     }
     let summary = Summary { left_out, ..Summary::new(&tests, events, seed) };
     write(args, &summary, &tests)?;
@@ -166,17 +166,18 @@ fn refuse_other_table(args: &Args) -> Result<(), InputError> {
 }
 
 /// What was not read, what was assumed about the logs, and which give the same numbers.
-fn tell_notes(found: &[String], tests: &[TestRecord]) {
+fn tell_notes(logs: &Logs, tests: &[TestRecord]) {
     const MOST: usize = 20;
     let said = tests
         .iter()
         .flat_map(|test| test.warnings.iter().map(|it| format!("{}: {it}", test.test_id)));
-    let mut notes: Vec<String> = found.iter().cloned().chain(said).collect();
+    let mut notes: Vec<String> = logs.notes.iter().cloned().chain(said).collect();
     for (later, test) in tests.iter().enumerate() {
         if let Some(first) = tests.iter().take(later).find(|it| it.is_same_as(test)) {
-            let (first, id) = (&first.test_id, &test.test_id);
+            let alike = first.test_id == test.test_id;
+            let [first, second] = [first, test].map(|it| name_of(it, logs, alike));
             notes.push(format!(
-                "{first} and {id} give the same numbers, force by force: is a log there twice?"
+                "{first} and {second} give the same numbers, force by force: is a log there twice?"
             ));
         }
     }
@@ -189,6 +190,12 @@ fn tell_notes(found: &[String], tests: &[TestRecord]) {
             notes.len() - MOST
         ));
     }
+}
+
+/// The name of a test, or of its log where two tests are called alike.
+fn name_of(test: &TestRecord, logs: &Logs, alike: bool) -> String {
+    let entry = logs.entries.get(test.test as usize).filter(|_| alike);
+    entry.map_or_else(|| test.test_id.clone(), |entry| entry.path.display().to_string())
 }
 
 /// Evaluates every test in order; the events go to the Parquet table if there is
