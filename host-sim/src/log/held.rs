@@ -37,10 +37,13 @@ impl Held {
     /// Samples after which the force changes, where nearly all runs are as long: a coarse converter
     /// changes faster the faster the force does.
     fn samples(&self) -> Option<usize> {
-        const SHORTEST: usize = 3;
+        const SHORTEST: usize = 2;
         let all = self.runs.iter().sum::<u64>();
         let (usual, _) = self.runs.iter().enumerate().max_by_key(|(_, runs)| **runs)?;
-        let near = self.runs.get(usual.saturating_sub(1)..=usual + 1)?.iter().sum::<u64>();
+        // Beside two samples one is no longer held, and three are half as many again.
+        let beside = usize::from(usual > SHORTEST);
+        let near =
+            self.runs.get(usual.saturating_sub(beside)..=usual + beside)?.iter().sum::<u64>();
         (usual >= SHORTEST && all >= ENOUGH && near * 10 >= all * 9).then_some(usual)
     }
 
@@ -70,7 +73,10 @@ mod tests {
     #[test]
     fn a_display_that_holds_is_told_from_a_coarse_converter() {
         assert_eq!(samples((0..900_u16).map(|i| f32::from(i / 10))), Some(10));
+        assert_eq!(samples((0..900_u16).map(|i| f32::from(i / 2))), Some(2));
         assert_eq!(samples((0..900_u16).map(f32::from)), None);
+        // One step in a sample or two.
+        assert_eq!(samples((0..900_u16).map(|i| f32::from(i * 10 / 16))), None);
         // Up slowly in steps of four samples, down at once.
         let saw = |i: u16| if i % 100 < 80 { (i % 100) / 4 } else { 100 - i % 100 };
         assert_eq!(samples((0..9000).map(|i| f32::from(saw(i)))), None);
