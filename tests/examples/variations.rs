@@ -36,7 +36,7 @@ fn scatter(scene: &mut Scene, fraction: f64) {
 }
 
 /// A class and what its scene says otherwise: another strength, place or time of its trouble.
-const STRENGTHS: [(&str, &str, &str); 74] = [
+const STRENGTHS: [(&str, &str, &str); 75] = [
     ("tightened_held", "[[1.2, 0.0], [21.2, 1.0]]", "[[2.0, 0.0], [22.0, 1.0]]"),
     ("tightened_held", "[[1.2, 0.0], [21.2, 1.0]]", "[[0.8, 0.0], [60.8, 1.0]]"),
     ("tightened_held", "[[1.2, 0.0], [21.2, 1.0]]", "[[1.2, 0.0], [6.2, 1.0]]"),
