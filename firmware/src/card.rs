@@ -16,7 +16,8 @@ use crate::store::{CardState, Store, StoreError};
 /// Name of the file.
 const FILE: &str = "FLOE.LOG";
 
-/// A card that is not there is looked for at every so many calls.
+/// A card that is not there, or that nothing was written to meanwhile, is looked at after so
+/// many calls: it may have been put in, taken out or exchanged.
 const CALLS: u32 = 16;
 
 /// The card.
@@ -74,18 +75,26 @@ impl<D: BlockDevice> CardLog<D> {
         Self { step: sectors, ..self }
     }
 
-    fn ensure_open(&mut self) -> bool {
-        if self.open.is_none() {
-            match self.try_open() {
-                Ok(open) => {
-                    self.open = Some(open);
-                    self.next = self.find_end();
-                    self.say_made();
-                }
-                Err(state) => self.state = state,
-            }
+    fn ensure_open(&mut self) {
+        if self.open.is_some() {
+            return;
         }
-        self.open.is_some()
+        match self.try_open() {
+            Ok(open) => {
+                self.open = Some(open);
+                match self.find_end() {
+                    Some(end) => {
+                        self.next = end;
+                        self.see_state();
+                    }
+                    None => {
+                        self.give_up();
+                        self.state = CardState::Unreadable;
+                    }
+                }
+            }
+            Err(state) => self.state = state,
+        }
     }
 
     fn try_open(&mut self) -> Result<Open, CardState> {
@@ -109,16 +118,35 @@ impl<D: BlockDevice> CardLog<D> {
     fn open_file(&mut self, root: RawDirectory) -> Result<RawFile, Error<D>> {
         let mode = Mode::ReadWriteCreateOrAppend;
         let file = self.volumes.open_file_in_dir(root, FILE, mode)?;
-        self.made = self.volumes.file_length(file)? / SECTOR_LEN as u32;
-        if self.made < self.sectors {
-            // Making it was cut short, or has not begun.
-            self.lengthen(file)?;
+        // Making it was cut short, or has not begun.
+        match self.measure(file).and_then(|()| self.lengthen(file)) {
+            Ok(()) => Ok(file),
+            Err(error) => {
+                // Its directory and tables may be broken: nothing more is written to them.
+                self.volumes.device(|media| media.shut());
+                let _ = self.volumes.close_file(file);
+                Err(error)
+            }
         }
-        Ok(file)
     }
 
-    /// Makes the file a step longer.
+    /// How long the file is. Whether there is room for the rest is asked first: to look for it
+    /// in the whole table of a large card that is full takes longer than the watchdog waits.
+    fn measure(&mut self, file: RawFile) -> Result<(), Error<D>> {
+        self.made = self.volumes.file_length(file)? / SECTOR_LEN as u32;
+        let missing = self.sectors.saturating_sub(self.made);
+        let free = self.volumes.device(|media| media.free_blocks());
+        if free.is_some_and(|free| free < missing) {
+            return Err(embedded_sdmmc::Error::NotEnoughSpace);
+        }
+        Ok(())
+    }
+
+    /// Makes the file a step longer, if it is not whole.
     fn lengthen(&mut self, file: RawFile) -> Result<(), Error<D>> {
+        if self.made >= self.sectors {
+            return Ok(());
+        }
         let end = self.made.saturating_add(self.step).min(self.sectors);
         self.volumes.file_seek_from_start(file, self.made * SECTOR_LEN as u32)?;
         for _ in self.made..end {
@@ -129,36 +157,48 @@ impl<D: BlockDevice> CardLog<D> {
         Ok(())
     }
 
-    fn say_made(&mut self) {
+    fn see_state(&mut self) {
         self.state = if self.made < self.sectors {
             let percent = self.made / (self.sectors / 100).max(1);
             CardState::Making(percent.min(99) as u8)
+        } else if self.next >= self.made {
+            CardState::Full
         } else {
             CardState::Ready
         };
     }
 
-    /// The card is gone, or does not do what it should.
+    /// The card is gone, or does not do what it should. Another may be there already: what is
+    /// written when the file is closed belongs to the directory of the one before.
     fn give_up(&mut self) {
+        self.volumes.device(|media| media.shut());
         self.close();
         self.state = CardState::NoCard;
         self.calls = 0;
     }
 
     /// First sector that was never written. Sectors are written in order, so
-    /// halving finds it; a damaged one in the middle still counts as written.
-    fn find_end(&mut self) -> u32 {
+    /// halving finds it; a damaged one in the middle still counts as written. `None`: one that
+    /// tells cannot be read; taken for empty, the tests behind it would be written over.
+    fn find_end(&mut self) -> Option<u32> {
         let (mut low, mut high) = (0, self.made);
         while low < high {
             let middle = low + (high - low) / 2;
-            let used = [middle, middle + 1].iter().any(|&sector| self.is_used(sector));
+            let used = match self.is_used(middle) {
+                Some(true) => true,
+                here => self.is_used(middle + 1)? || here?,
+            };
             if used { low = middle + 1 } else { high = middle }
         }
-        low
+        Some(low)
     }
 
-    fn is_used(&mut self, sector: u32) -> bool {
-        self.read(sector).is_some_and(|bytes| bytes.iter().any(|&byte| byte != 0))
+    /// `None`: it cannot be read.
+    fn is_used(&mut self, sector: u32) -> Option<bool> {
+        if sector >= self.made {
+            return Some(false);
+        }
+        self.read(sector).map(|bytes| bytes.iter().any(|&byte| byte != 0))
     }
 
     fn read(&mut self, sector: u32) -> Option<Sector> {
@@ -187,18 +227,21 @@ impl<D: BlockDevice> Store for CardLog<D> {
     }
 
     fn tend(&mut self) -> CardState {
-        if self.open.is_none() {
-            self.calls += 1;
-            if self.calls >= CALLS {
-                self.calls = 0;
-                self.ensure_open();
-            }
-        } else if self.made < self.sectors {
-            let file = self.open.as_ref().map(|open| open.file);
-            match file.map(|file| self.lengthen(file)) {
-                Some(Ok(())) => self.say_made(),
-                _ => self.give_up(),
-            }
+        self.calls += 1;
+        let is_due = self.calls >= CALLS;
+        if is_due {
+            self.calls = 0;
+        }
+        match self.open.as_ref().map(|open| open.file) {
+            Some(file) if self.made < self.sectors => match self.lengthen(file) {
+                Ok(()) => self.see_state(),
+                Err(_) => self.give_up(),
+            },
+            _ if !is_due => {}
+            None if self.state != CardState::NoRoom => self.ensure_open(),
+            // Nothing is written to it: is it still there?
+            _ if self.volumes.device(|media| media.look()).is_err() => self.give_up(),
+            _ => {}
         }
         self.state
     }
@@ -221,6 +264,8 @@ impl<D: BlockDevice> Store for CardLog<D> {
             return Err(StoreError::Write);
         }
         self.next += 1;
+        self.calls = 0;
+        self.see_state();
         Ok(())
     }
 }

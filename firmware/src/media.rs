@@ -12,18 +12,38 @@ const PARTITION_AT: usize = 446;
 /// FAT12 ends where FAT16 begins.
 const FEWEST_CLUSTERS: u32 = 4085;
 
+/// Marks of the sector in which FAT32 keeps count of its free clusters, and where the count is.
+const COUNT_MARK: u32 = 0x6141_7272;
+const COUNT_MARK_AT: usize = 484;
+const COUNT_AT: usize = 488;
+
 /// A card; one without a partition table looks as if it had one.
 #[derive(Debug)]
 pub struct Media<D> {
     device: D,
     /// Blocks of the file system that begins at block 0, or 0.
     whole: Cell<u32>,
+    /// Free blocks by the file system's own count, if it keeps one.
+    free: Cell<Option<u32>>,
+    /// Nothing is written any more until the card has been looked at again.
+    is_shut: Cell<bool>,
 }
 
 impl<D: BlockDevice> Media<D> {
     /// Nothing is known of the card yet.
     pub const fn new(device: D) -> Self {
-        Self { device, whole: Cell::new(0) }
+        Self { device, whole: Cell::new(0), free: Cell::new(None), is_shut: Cell::new(false) }
+    }
+
+    /// From now on it may be another card: what is written goes nowhere until it has been
+    /// looked at.
+    pub fn shut(&self) {
+        self.is_shut.set(true);
+    }
+
+    /// Free blocks by the file system's own count; `None` where it keeps none.
+    pub fn free_blocks(&self) -> Option<u32> {
+        self.free.get()
     }
 
     /// Looks at the card, in case it is another one now.
@@ -32,10 +52,11 @@ impl<D: BlockDevice> Media<D> {
     /// Why no log can be kept on it.
     pub fn look(&self) -> Result<(), CardState> {
         self.whole.set(0);
+        self.is_shut.set(false);
         let blocks = self.device.num_blocks().map_err(|_| CardState::NoCard)?;
         let first = self.block(0)?;
         if is_file_system(&first) {
-            judge(&first)?;
+            self.judge(&first, 0)?;
             self.whole.set(blocks.0);
             return Ok(());
         }
@@ -43,10 +64,26 @@ impl<D: BlockDevice> Media<D> {
             Some([0 | 0x80, _, _, _, kind, _, _, _, a, b, c, d, ..])
                 if is_signed(&first) && *kind != 0 =>
             {
-                judge(&self.block(u32::from_le_bytes([*a, *b, *c, *d]))?)
+                let start = u32::from_le_bytes([*a, *b, *c, *d]);
+                self.judge(&self.block(start)?, start)
             }
             _ => Err(CardState::NotFat),
         }
+    }
+
+    /// Whether a file system's first block is one of FAT16 or FAT32, and how much is free.
+    fn judge(&self, first: &[u8; 512], start: u32) -> Result<(), CardState> {
+        judge(first)?;
+        self.free.set(self.count_free(first, start));
+        Ok(())
+    }
+
+    fn count_free(&self, first: &[u8; 512], start: u32) -> Option<u32> {
+        // FAT16, whose tables are so short that their length is in 16 bits, keeps no count.
+        let is_fat32 = word(first, 22) == 0;
+        let place = Some(start.saturating_add(word(first, 48))).filter(|_| is_fat32)?;
+        let clusters = free_clusters(&self.block(place).ok()?)?;
+        Some(clusters.saturating_mul(first[13].into()))
     }
 
     fn block(&self, number: u32) -> Result<[u8; 512], CardState> {
@@ -77,8 +114,7 @@ fn judge(block: &[u8; 512]) -> Result<(), CardState> {
     if is_exfat(block) {
         return Err(CardState::ExFat);
     }
-    let word = |at: usize| u32::from(u16::from_le_bytes([block[at], block[at + 1]]));
-    let long = |at: usize| word(at) | word(at + 2) << 16;
+    let (word, long) = (|at| word(block, at), |at| long(block, at));
     let either = |short: u32, long: u32| if short == 0 { long } else { short };
     let per_cluster = u32::from(block[13]);
     if word(11) != 512 || per_cluster == 0 || !is_signed(block) {
@@ -89,6 +125,21 @@ fn judge(block: &[u8; 512]) -> Result<(), CardState> {
     let before = word(14).saturating_add(tables).saturating_add(word(17) / 16);
     let clusters = either(word(19), long(32)).saturating_sub(before) / per_cluster;
     if clusters < FEWEST_CLUSTERS { Err(CardState::Fat12) } else { Ok(()) }
+}
+
+/// Of the sector that has the count, if it is one and the count is known.
+fn free_clusters(block: &[u8; 512]) -> Option<u32> {
+    const UNKNOWN: u32 = u32::MAX;
+    let is_count = is_signed(block) && long(block, COUNT_MARK_AT) == COUNT_MARK;
+    Some(long(block, COUNT_AT)).filter(|&count| is_count && count != UNKNOWN)
+}
+
+fn word(block: &[u8; 512], at: usize) -> u32 {
+    u32::from(u16::from_le_bytes([block[at], block[at + 1]]))
+}
+
+fn long(block: &[u8; 512], at: usize) -> u32 {
+    word(block, at) | word(block, at + 2) << 16
 }
 
 /// A table with one partition, which begins behind it.
@@ -124,6 +175,9 @@ impl<D: BlockDevice> BlockDevice for Media<D> {
     }
 
     fn write(&self, blocks: &[Block], start: BlockIdx) -> Result<(), D::Error> {
+        if self.is_shut.get() {
+            return Ok(());
+        }
         match (self.whole.get(), start.0.checked_sub(1)) {
             (0, _) => self.device.write(blocks, start),
             (_, Some(before)) => self.device.write(blocks, BlockIdx(before)),
@@ -180,6 +234,46 @@ mod tests {
         block[54..62].copy_from_slice(b"FAT16   ");
         block[510..].copy_from_slice(&[0x55, 0xAA]);
         block
+    }
+
+    /// FAT32 with so many free clusters of four blocks by its own count, in its second block.
+    fn counted(free: u32) -> [[u8; 512]; 2] {
+        let (mut first, mut count) = (fat(90_000, 0, 4), [0; 512]);
+        first[36..40].copy_from_slice(&200_u32.to_le_bytes());
+        first[48] = 1;
+        count[..4].copy_from_slice(b"RRaA");
+        count[484..488].copy_from_slice(b"rrAa");
+        count[488..492].copy_from_slice(&free.to_le_bytes());
+        count[510..].copy_from_slice(&[0x55, 0xAA]);
+        [first, count]
+    }
+
+    #[test]
+    fn what_is_free_is_the_file_systems_own_count() {
+        let free = |[first, second]: [[u8; 512]; 2]| {
+            let media = Media::new(Disk(RefCell::new(vec![first, second])));
+            assert_eq!(media.look(), Ok(()));
+            media.free_blocks()
+        };
+        assert_eq!(free(counted(0)), Some(0));
+        assert_eq!(free(counted(1000)), Some(4000));
+        assert_eq!(free(counted(u32::MAX)), None, "not known");
+        assert_eq!(free([counted(7)[0], [0; 512]]), None, "another sector");
+        assert_eq!(free([fat(9000, 40, 1), counted(7)[1]]), None, "FAT16");
+    }
+
+    #[test]
+    fn what_is_written_to_a_shut_card_goes_nowhere() {
+        let media = Media::new(Disk(RefCell::new(vec![fat(9000, 40, 1), [7; 512]])));
+        media.look().unwrap();
+        let before = media.device.0.borrow().clone();
+        let block = [Block::new()];
+        media.shut();
+        media.write(&block, BlockIdx(2)).unwrap();
+        assert_eq!(*media.device.0.borrow(), before);
+        media.look().unwrap();
+        media.write(&block, BlockIdx(2)).unwrap();
+        assert_eq!(media.device.0.borrow()[1], [0; 512]);
     }
 
     fn look(first: [u8; 512], second: [u8; 512]) -> Result<(), CardState> {

@@ -33,6 +33,8 @@ pub enum CardState {
     NoRoom,
     /// The log's file is being made longer; so many percent are there.
     Making(u8),
+    /// The log's file is whole, and written to its end.
+    Full,
     /// The log's file is whole.
     Ready,
 }
@@ -49,6 +51,7 @@ impl CardState {
             Self::NotFat => "no file system on the card: format it as FAT32",
             Self::NoRoom => "no room for FLOE.LOG (96 MiB)",
             Self::Making(_) => "card found; its log file grows",
+            Self::Full => "FLOE.LOG is full: put in another card",
             Self::Ready => "card ready",
         }
     }

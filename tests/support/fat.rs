@@ -1,6 +1,7 @@
 //! A memory card with a FAT16 file system, whose power can be cut at any byte.
 
 use std::cell::{Cell, RefCell};
+use std::ops::Range;
 use std::rc::Rc;
 
 use embedded_sdmmc::{Block, BlockCount, BlockDevice, BlockIdx};
@@ -11,6 +12,33 @@ pub const START: u32 = 8;
 const SECTORS: u16 = 8400;
 const FAT_SECTORS: u16 = 33;
 const ROOT_ENTRIES: u16 = 512;
+
+const TABLE: usize = START as usize + 1;
+const ROOT: usize = TABLE + 2 * FAT_SECTORS as usize;
+/// Where files are, in sectors.
+pub const FILES: Range<u32> = (ROOT as u32 + ROOT_ENTRIES as u32 / 16)..(START + SECTORS as u32);
+
+/// A card with somebody's picture of one sector, the first file on it.
+#[must_use]
+pub fn with_picture() -> Vec<u8> {
+    let mut card = formatted();
+    let mut put = |at: usize, bytes: &[u8]| card[at..at + bytes.len()].copy_from_slice(bytes);
+    put(ROOT * SECTOR, b"PICTURE JPG\x20");
+    // Its first cluster, and its length.
+    put(ROOT * SECTOR + 26, &[2, 0, 0, 2, 0, 0]);
+    for table in 0..2 {
+        put((TABLE + table * usize::from(FAT_SECTORS)) * SECTOR + 4, &[0xFF, 0xFF]);
+    }
+    put(FILES.start as usize * SECTOR, &[0xA5; SECTOR]);
+    card
+}
+
+/// The entry of that picture, and the picture.
+#[must_use]
+pub fn picture(card: &[u8]) -> [&[u8]; 2] {
+    let [entry, content] = [ROOT * SECTOR, FILES.start as usize * SECTOR];
+    [&card[entry..entry + 32], &card[content..content + SECTOR]]
+}
 
 /// An empty card: partition table and file system.
 #[must_use]
@@ -44,7 +72,7 @@ pub fn formatted() -> Vec<u8> {
     put(boot, 43, b"NO NAME    FAT16   ");
     put(boot, 510, &[0x55, 0xAA]);
     for table in 0..2 {
-        let sector = boot + 1 + table * usize::from(FAT_SECTORS);
+        let sector = TABLE + table * usize::from(FAT_SECTORS);
         put(sector, 0, &[0xF8, 0xFF, 0xFF, 0xFF]);
     }
     card
@@ -73,15 +101,17 @@ pub struct SimCard {
     bytes: Rc<RefCell<Vec<u8>>>,
     written: Rc<Cell<u64>>,
     cut: Rc<Cell<Option<(u64, Rest)>>>,
+    is_new: Rc<Cell<bool>>,
+    is_unreadable: Rc<Cell<bool>>,
 }
 
-/// The power is gone.
+/// The power is gone, or the card does not answer.
 #[derive(Clone, Copy, Debug)]
 pub struct Dead;
 
 impl core::fmt::Display for Dead {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        f.write_str("the power is gone")
+        f.write_str("the card does not answer")
     }
 }
 
@@ -91,8 +121,25 @@ impl SimCard {
     /// A card with that content.
     #[must_use]
     pub fn new(bytes: Vec<u8>) -> Self {
-        let (written, cut) = (Rc::new(Cell::new(0)), Rc::new(Cell::new(None)));
-        Self { bytes: Rc::new(RefCell::new(bytes)), written, cut }
+        let (written, cut) = (Rc::default(), Rc::default());
+        let (is_new, is_unreadable) = (Rc::default(), Rc::default());
+        Self { bytes: Rc::new(RefCell::new(bytes)), written, cut, is_new, is_unreadable }
+    }
+
+    /// Takes the card out and puts another in, with that content: it does not answer the first
+    /// time, as it has not been got ready. What was on the one before.
+    pub fn exchange(&self, bytes: Vec<u8>) -> Vec<u8> {
+        self.is_new.set(true);
+        self.bytes.replace(bytes)
+    }
+
+    /// From now on its files can be read, or not.
+    pub fn set_readable(&self, is_readable: bool) {
+        self.is_unreadable.set(!is_readable);
+    }
+
+    fn answer(&self) -> Result<(), Dead> {
+        if self.is_dead() || self.is_new.replace(false) { Err(Dead) } else { Ok(()) }
     }
 
     /// The power fails when so many more bytes have been written.
@@ -151,7 +198,8 @@ impl BlockDevice for SimCard {
     type Error = Dead;
 
     fn read(&self, blocks: &mut [Block], start: BlockIdx) -> Result<(), Dead> {
-        if self.is_dead() {
+        self.answer()?;
+        if self.is_unreadable.get() && FILES.contains(&start.0) {
             return Err(Dead);
         }
         let bytes = self.bytes.borrow();
@@ -164,15 +212,14 @@ impl BlockDevice for SimCard {
 
     fn write(&self, blocks: &[Block], start: BlockIdx) -> Result<(), Dead> {
         for (block, index) in blocks.iter().zip(start.0 as usize..) {
-            if self.is_dead() {
-                return Err(Dead);
-            }
+            self.answer()?;
             self.write_block(block, index * SECTOR)?;
         }
         Ok(())
     }
 
     fn num_blocks(&self) -> Result<BlockCount, Dead> {
+        self.answer()?;
         Ok(BlockCount((self.bytes.borrow().len() / SECTOR) as u32))
     }
 }

@@ -1,6 +1,6 @@
 //! The card in its slot: it comes and goes, its last test may go on.
 
-use super::App;
+use super::{App, Job};
 use crate::line::Line;
 use crate::log;
 use crate::store::{CardState, Store};
@@ -42,7 +42,8 @@ impl<P: Read + ReadReady + Write, S: Store> App<'_, P, S> {
             | CardState::ExFat
             | CardState::Fat12
             | CardState::NotFat
-            | CardState::NoRoom => self.console.tell(&Line::Trouble(state.words())),
+            | CardState::NoRoom
+            | CardState::Full => self.console.tell(&Line::Trouble(state.words())),
         }
     }
 
@@ -65,6 +66,10 @@ impl<P: Read + ReadReady + Write, S: Store> App<'_, P, S> {
         self.part = last.part;
         if self.is_set {
             return false;
+        }
+        // What is being measured has been computed with other settings.
+        if !matches!(self.job, Job::Idle) {
+            self.abort();
         }
         self.left_ms = last.last_ms();
         self.settings = last.settings;

@@ -58,7 +58,7 @@ impl<P: Read + ReadReady + Write, S: Store> App<'_, P, S> {
         self.say_settings();
     }
 
-    fn abort(&mut self) {
+    pub(super) fn abort(&mut self) {
         if !self.testing() {
             self.shared.want(crate::adc::Input::Bridge);
             self.job = Job::Idle;

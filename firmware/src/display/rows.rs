@@ -143,6 +143,7 @@ fn health(row: &mut Row, view: &View) {
         }
         CardState::Ready if health.store_failures == 0 => "card ok",
         CardState::Ready => "card was away",
+        CardState::Full => "CARD FULL",
         CardState::NoCard => "NO CARD",
         CardState::Unreadable
         | CardState::ExFat
@@ -235,6 +236,8 @@ mod tests {
         assert_eq!(row(about, &view).as_str(), "about -11.234 -11.234");
         assert!(row(force, &view).len() <= 10, "twice as large: 10 letters a row");
         assert_eq!(row(super::health, &view).as_str(), "NO CARD lost 9999999");
+        let full = View { card: CardState::Full, ..view };
+        assert_eq!(row(super::health, &full).as_str(), "CARD FULL lost 9999999");
         let swing = Some(Swing { period_s: 3.45, amplitude_rad: 0.2, excess: 12.0 });
         let load = Ok(Load { value: 3299.99, std: 0.12, swing });
         let mut rows: [Row; 4] = Default::default();

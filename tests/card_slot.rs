@@ -1,0 +1,140 @@
+//! Cards that come, go, are exchanged, full or cannot be read for a moment, through the real file
+//! system code: nothing on any of them is written over, and what the board says is so.
+
+use std::io::Cursor;
+
+use floe::card;
+use floe_firmware::card::CardLog;
+use floe_firmware::store::CardState;
+use floe_tests::board::with_board;
+use floe_tests::fat::{Rest, SimCard, formatted, picture, with_picture};
+use floe_tests::records::stick_slip;
+
+/// 512 KiB: eight minutes.
+const LOG_SECTORS: u32 = 1024;
+const BEGIN: &[u8] = b"set weight 630\nset span 5000\nlive off\nstart\n";
+/// Samples of a test; a card is looked at once in 16.
+const TICKS: u32 = 401;
+const LATEST: u32 = 33;
+
+/// How many samples each test on a card has.
+fn lengths(content: Vec<u8>) -> Vec<usize> {
+    let tests = card::tests(Cursor::new(content)).map(|(tests, _)| tests).unwrap_or_default();
+    tests.iter().map(|test| test.samples.len()).collect()
+}
+
+/// Switches a logger on for one test: what it says.
+fn one_test(card: &SimCard, log_sectors: u32) -> String {
+    with_board(CardLog::new(card.clone(), log_sectors), &stick_slip(TICKS), |board| {
+        board.type_in(BEGIN);
+        (0..TICKS).for_each(|_| board.tick());
+        board.type_in(b"stop\n");
+        board.said()
+    })
+}
+
+/// Exchanged between two tests, the second of which begins at once.
+#[test]
+fn an_exchanged_card_keeps_what_is_on_it() {
+    let card = SimCard::new(formatted());
+    let (first, said) =
+        with_board(CardLog::new(card.clone(), LOG_SECTORS), &stick_slip(TICKS), |board| {
+            board.type_in(BEGIN);
+            (0..TICKS).for_each(|_| board.tick());
+            board.type_in(b"stop\n");
+            let first = card.exchange(with_picture());
+            board.type_in(b"start\n");
+            (0..TICKS).for_each(|_| board.tick());
+            board.type_in(b"stop\n");
+            (first, board.said())
+        });
+    let second = card.content();
+    assert_eq!(picture(&second), picture(&with_picture()), "somebody's picture");
+    assert_eq!(lengths(first), [400]);
+    let kept = lengths(second);
+    assert!(matches!(kept[..], [samples] if samples >= (TICKS - LATEST) as usize), "{kept:?}");
+    assert!(said.contains("nothing is kept") && said.contains("card ready"), "{said}");
+}
+
+#[test]
+fn a_card_that_is_taken_out_between_tests_is_missed() {
+    let card = SimCard::new(formatted());
+    with_board(CardLog::new(card.clone(), LOG_SECTORS), &[0], |board| {
+        board.tick();
+        assert_eq!(board.view().card, CardState::Ready);
+        card.cut_after(0, Rest::Old);
+        (0..LATEST).for_each(|_| board.tick());
+        assert_eq!(board.view().card, CardState::NoCard);
+        card.revive();
+        (0..LATEST).for_each(|_| board.tick());
+        assert_eq!(board.view().card, CardState::Ready);
+    });
+}
+
+/// Its settings are taken; what was being measured had been computed with others.
+#[test]
+fn a_card_that_is_put_in_ends_what_is_being_measured() {
+    let card = SimCard::new(formatted());
+    one_test(&card, LOG_SECTORS);
+    card.cut_after(0, Rest::Old);
+    with_board(CardLog::new(card.clone(), LOG_SECTORS), &stick_slip(TICKS), |board| {
+        board.type_in(b"weigh\n");
+        (0..TICKS / 2).for_each(|_| board.tick());
+        assert!(board.view().weighed.is_some());
+        card.revive();
+        (0..LATEST).for_each(|_| board.tick());
+        assert!(board.view().weighed.is_none());
+        board.type_in(b"accept\n");
+        let said = board.said();
+        assert!(said.contains("aborted") && said.contains("nothing to accept"), "{said}");
+    });
+}
+
+/// Contacts that bounce while the end of the log is looked for.
+#[test]
+fn tests_that_cannot_be_read_for_a_moment_are_not_written_over() {
+    let card = SimCard::new(formatted());
+    one_test(&card, LOG_SECTORS);
+    with_board(CardLog::new(card.clone(), LOG_SECTORS), &stick_slip(TICKS), |board| {
+        (0..LATEST).for_each(|_| board.tick());
+        assert_eq!(board.view().card, CardState::Ready);
+        card.exchange(card.content());
+        card.set_readable(false);
+        (0..LATEST).for_each(|_| board.tick());
+        assert_eq!(board.view().card, CardState::Unreadable);
+        card.set_readable(true);
+        (0..LATEST).for_each(|_| board.tick());
+        board.type_in(BEGIN);
+        (0..TICKS).for_each(|_| board.tick());
+        board.type_in(b"stop\n");
+    });
+    assert_eq!(lengths(card.content()), [400, 401]);
+}
+
+#[test]
+fn a_full_log_is_said_and_another_card_taken() {
+    let card = SimCard::new(formatted());
+    with_board(CardLog::new(card.clone(), 32), &stick_slip(TICKS), |board| {
+        board.type_in(BEGIN);
+        (0..TICKS).for_each(|_| board.tick());
+        let said = board.said();
+        assert!(said.contains("FLOE.LOG is full"), "{said}");
+        assert_eq!(board.view().card, CardState::Full);
+        let full = card.exchange(formatted());
+        assert!(lengths(full).iter().sum::<usize>() > 200);
+        (0..TICKS / 4).for_each(|_| board.tick());
+        assert_eq!(board.view().card, CardState::Ready);
+        board.type_in(b"stop\n");
+    });
+    assert!(lengths(card.content()).iter().sum::<usize>() > 50);
+}
+
+/// Asked again and again: it is never said to have no file system, which would be formatted.
+#[test]
+fn a_card_without_room_is_named_as_that() {
+    let card = SimCard::new(with_picture());
+    let said = one_test(&card, 9000);
+    assert!(said.contains("no room for FLOE.LOG"), "{said}");
+    assert!(!said.contains("format it"), "{said}");
+    assert_eq!(picture(&card.content()), picture(&with_picture()));
+}
