@@ -2,13 +2,15 @@
 
 use heapless::String;
 
+use crate::line::LINE_LEN;
 use crate::record::{Part, Record, SECTOR_SAMPLES, TEXT_LEN};
 use crate::sample::Sample;
 use crate::settings::Settings;
 use crate::store::{CardState, Store, StoreError};
 
-/// Room for lines that wait for a sector: two events and some words.
+/// Room for lines that wait for a sector: two events and some words, or any line.
 const WAITING_LEN: usize = 1024;
+const _: () = assert!(LINE_LEN < WAITING_LEN);
 
 /// Fills sectors and hands them on.
 #[derive(Debug)]
@@ -17,7 +19,6 @@ const WAITING_LEN: usize = 1024;
 pub struct Journal<S> {
     sectors: u32,
     failures: u32,
-    lines_lost: u32,
     record: Record,
     waiting: String<WAITING_LEN>,
     store: S,
@@ -28,7 +29,7 @@ impl<S: Store> Journal<S> {
     pub fn new(store: S, clock_hz: u32) -> Self {
         let record = Record { clock_hz, ..Record::default() };
         let waiting = String::new();
-        Self { store, record, waiting, sectors: 0, failures: 0, lines_lost: 0 }
+        Self { store, record, waiting, sectors: 0, failures: 0 }
     }
 
     /// Goes on as the card left off, between tests.
@@ -60,13 +61,14 @@ impl<S: Store> Journal<S> {
         if self.record.samples.len() < SECTOR_SAMPLES { Ok(()) } else { self.flush() }
     }
 
-    /// Adds a line for the next sectors that have room.
+    /// Adds a line for the next sectors that have room. Where too much waits already, that is
+    /// written first.
     pub fn line(&mut self, text: &str) {
-        let room = WAITING_LEN - self.waiting.len();
-        if room <= text.len() {
-            self.lines_lost = self.lines_lost.saturating_add(1);
-            return;
+        if WAITING_LEN - self.waiting.len() <= text.len() {
+            // What cannot be written is counted.
+            let _ = self.flush();
         }
+        // Cannot fail: there is room for any line.
         let _ = self.waiting.push_str(text);
         let _ = self.waiting.push('\n');
     }
@@ -199,10 +201,26 @@ mod tests {
             said += &line(length);
             said.push('\n');
         }
-        let sectors = &journal.store().0;
-        let kept = sectors.iter().map(|sector| Record::decode(sector).unwrap().text);
-        let kept: Vec<_> = kept.collect();
-        assert_eq!(kept.iter().map(|text| text.as_str()).collect::<std::string::String>(), said);
-        assert_eq!(journal.lines_lost, 0);
+        assert_eq!(kept(&journal), said);
+    }
+
+    /// At the end of a test comes more than waits for a sector otherwise.
+    #[test]
+    fn nothing_is_lost_however_much_is_said_at_once() {
+        let mut journal = Journal::new(Sectors::default(), 1_000_000);
+        let mut said = std::string::String::new();
+        for letter in ["a", "b", "c", "d", "e", "f"] {
+            let line = letter.repeat(300);
+            journal.line(&line);
+            said += &line;
+            said.push('\n');
+        }
+        journal.end().unwrap();
+        assert_eq!(kept(&journal), said);
+    }
+
+    fn kept(journal: &Journal<Sectors>) -> std::string::String {
+        let sectors = journal.store().0.iter();
+        sectors.map(|sector| Record::decode(sector).unwrap().text.to_string()).collect()
     }
 }
