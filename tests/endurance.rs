@@ -1,12 +1,20 @@
 //! The application for as long as one likes, and everything typed at it.
 
 use std::cell::RefCell;
+use std::collections::VecDeque;
+use std::convert::Infallible;
 use std::rc::Rc;
 
+use embedded_io::{ErrorType, Read, ReadReady, Write};
+use floe_core::Counts;
+use floe_firmware::adc::{AdcFault, BridgeAdc};
+use floe_firmware::app::App;
 use floe_firmware::line::Line;
 use floe_firmware::record::{Record, Sector};
+use floe_firmware::sample::{SampleQueue, Shared};
+use floe_firmware::sampler::{Sampler, Tick};
 use floe_firmware::settings::Settings;
-use floe_firmware::store::{Store, StoreError};
+use floe_firmware::store::{NoStore, Store, StoreError};
 use floe_tests::board::{Board, lines, with_board};
 use floe_tests::fuzz::Dice;
 use floe_tests::records::stick_slip;
@@ -128,7 +136,90 @@ fn noise_on_the_console_changes_no_test() {
         let health = board.view().health;
         assert_eq!((health.samples as usize, health.overruns), (ticks, 0));
     });
+    assert_eq!(store.0.borrow().gaps, 0);
     println!("{bytes} random bytes: no sample lost, nothing set");
+}
+
+struct Still;
+
+impl BridgeAdc for Still {
+    fn tick(&mut self) -> Result<Option<Counts>, AdcFault> {
+        Ok(Some(Counts(0)))
+    }
+}
+
+/// A wire from the board's own line back to it: all that is said is typed. The tick goes on
+/// meanwhile.
+#[derive(Clone)]
+struct Echo<'q>(Rc<RefCell<Wire<'q>>>);
+
+struct Wire<'q> {
+    sampler: Sampler<'q, Still>,
+    typed: VecDeque<u8>,
+    said: u32,
+}
+
+impl Wire<'_> {
+    /// Characters in a sampling period at 115 200 baud.
+    const A_PERIOD: u32 = 720;
+    /// Characters after which it is cut: 20 s.
+    const MOST: u32 = 320 * Self::A_PERIOD;
+    /// What the NUCLEO's line holds.
+    const ROOM: usize = 128;
+
+    fn say(&mut self, byte: u8) {
+        self.said += 1;
+        if self.said.is_multiple_of(Self::A_PERIOD) {
+            self.sampler.tick(self.said);
+        }
+        if self.said < Self::MOST && self.typed.len() < Self::ROOM {
+            self.typed.push_back(byte);
+        }
+    }
+}
+
+impl ErrorType for Echo<'_> {
+    type Error = Infallible;
+}
+
+impl ReadReady for Echo<'_> {
+    fn read_ready(&mut self) -> Result<bool, Infallible> {
+        Ok(!self.0.borrow().typed.is_empty())
+    }
+}
+
+impl Read for Echo<'_> {
+    fn read(&mut self, buffer: &mut [u8]) -> Result<usize, Infallible> {
+        let typed = self.0.borrow_mut().typed.pop_front();
+        Ok(buffer.iter_mut().zip(typed).map(|(slot, byte)| *slot = byte).count())
+    }
+}
+
+impl Write for Echo<'_> {
+    fn write(&mut self, bytes: &[u8]) -> Result<usize, Infallible> {
+        bytes.iter().for_each(|&byte| self.0.borrow_mut().say(byte));
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> Result<(), Infallible> {
+        Ok(())
+    }
+}
+
+/// Each answer is typed again and answered again.
+#[test]
+fn a_board_that_hears_itself_loses_no_sample() {
+    let (shared, mut queue, mut pipeline) = (Shared::new(), SampleQueue::new(), None);
+    let (producer, consumer) = queue.split();
+    let sampler = Sampler::new(Still, producer, &shared);
+    let wire = Rc::new(RefCell::new(Wire { sampler, typed: VecDeque::new(), said: 0 }));
+    let port = Echo(wire.clone());
+    let mut app = App::new(consumer, &shared, &mut pipeline, port, NoStore, 1_000_000);
+    app.power_up(None);
+    while wire.borrow().said < Wire::MOST {
+        app.turn();
+    }
+    assert_eq!((shared.overruns(), shared.deepest()), (0, 1));
 }
 
 /// A well-formed line that may set anything.

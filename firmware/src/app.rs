@@ -140,7 +140,11 @@ impl<'q, P: Read + ReadReady + Write, S: Store> App<'q, P, S> {
             self.take(sample);
             samples += 1;
         }
-        while let Some(typed) = self.console.poll() {
+        // No line while a sample waits: a port that talks without a pause (one that repeats
+        // what it hears, say) must not keep the samples from being taken.
+        while !self.has_samples()
+            && let Some(typed) = self.console.poll()
+        {
             self.obey(&typed);
         }
         samples
