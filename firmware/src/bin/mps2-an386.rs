@@ -11,6 +11,7 @@ mod target {
     use floe_firmware::app::App;
     use floe_firmware::board::mps2::files::{AdcLine, CardFile, ConsoleFiles};
     use floe_firmware::board::mps2::{self, CLOCK_HZ, Delay};
+    use floe_firmware::board::sleep_unless;
     use floe_firmware::card::CardLog;
     use floe_firmware::sample::{SampleQueue, Shared};
     use floe_firmware::sampler::Sampler;
@@ -36,7 +37,7 @@ mod target {
             if app.turn() > 0 {
                 app.tend();
             }
-            mps2::sleep_unless(|| app.has_samples());
+            sleep_unless(|| app.has_samples());
         }
     }
 

@@ -15,6 +15,7 @@ mod target {
     use floe_firmware::board::nucleo::clock::{self, CLOCK_HZ, Delay};
     use floe_firmware::board::nucleo::console::Console;
     use floe_firmware::board::nucleo::{Board, Watchdog, crash};
+    use floe_firmware::board::sleep_unless;
     use floe_firmware::card::CardLog;
     use floe_firmware::display::Picture;
     use floe_firmware::sample::{SampleQueue, Shared};
@@ -92,7 +93,7 @@ mod target {
                     samples = 0;
                 }
             }
-            clock::sleep_unless(|| app.has_samples());
+            sleep_unless(|| app.has_samples());
         }
     }
 

@@ -10,3 +10,16 @@ pub mod stack;
 pub mod mps2;
 #[cfg(feature = "nucleo-l476")]
 pub mod nucleo;
+
+/// Sleeps until an interrupt unless `busy` says that there is work. The question
+/// is asked with interrupts off, so no wake-up is lost: a pending interrupt ends
+/// the sleep even then.
+#[cfg(any(feature = "mps2-an386", feature = "nucleo-l476"))]
+pub fn sleep_unless(busy: impl FnOnce() -> bool) {
+    cortex_m::interrupt::disable();
+    if !busy() {
+        cortex_m::asm::wfi();
+    }
+    // SAFETY: they were on before.
+    unsafe { cortex_m::interrupt::enable() };
+}

@@ -4,6 +4,7 @@
 use floe_core::Pipeline;
 use floe_firmware::app::App;
 use floe_firmware::board::mps2::{self, CLOCK_HZ};
+use floe_firmware::board::sleep_unless;
 use floe_firmware::sample::{QUEUE_DEPTH, SampleQueue, Shared};
 use floe_firmware::sampler::Sampler;
 use static_cell::StaticCell;
@@ -70,7 +71,7 @@ fn counters(app: &Logger) -> (u64, u32) {
 /// The main loop runs for so many ticks, and ends with an empty queue.
 fn work(app: &mut Logger, ticks: u32) {
     for _ in 0..ticks {
-        mps2::sleep_unless(|| app.has_samples());
+        sleep_unless(|| app.has_samples());
         app.turn();
     }
 }

@@ -3,6 +3,7 @@
 use core::sync::atomic::{AtomicU32, Ordering};
 
 use floe_firmware::board::mps2::{self, CLOCK_HZ};
+use floe_firmware::board::sleep_unless;
 use floe_firmware::sampler::Tick;
 use static_cell::StaticCell;
 
@@ -34,7 +35,7 @@ fn start() {
 pub fn tick_is_exact() {
     start();
     while TICKS.load(Ordering::Relaxed) < 1000 {
-        mps2::sleep_unless(|| false);
+        sleep_unless(|| false);
     }
     let worst = WORST.load(Ordering::Relaxed);
     semihosting::println!("1000 ticks of 1562500: {worst} off at worst");
@@ -49,7 +50,7 @@ pub fn no_wake_up_is_lost() {
     start();
     let mut seen = 0;
     for round in 0..ROUNDS {
-        mps2::sleep_unless(|| TICKS.load(Ordering::Relaxed) > seen);
+        sleep_unless(|| TICKS.load(Ordering::Relaxed) > seen);
         let ticks = TICKS.load(Ordering::Relaxed);
         assert!(ticks > seen, "woken without a tick in round {round}");
         assert!(ticks - seen <= 2, "slept through {} ticks in round {round}", ticks - seen - 1);

@@ -107,18 +107,6 @@ pub fn start_tick(tick: &'static mut (dyn Tick + Send)) {
     unsafe { NVIC::unmask(Line::TIMER0) };
 }
 
-/// Sleeps until an interrupt unless `busy` says that there is work. The question
-/// is asked with interrupts off, so no wake-up is lost: a pending interrupt ends
-/// the sleep even then.
-pub fn sleep_unless(busy: impl FnOnce() -> bool) {
-    cortex_m::interrupt::disable();
-    if !busy() {
-        cortex_m::asm::wfi();
-    }
-    // SAFETY: they were on before.
-    unsafe { cortex_m::interrupt::enable() };
-}
-
 /// Waits by the clock.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Delay;

@@ -151,19 +151,9 @@ fn LPTIM1() {
 /// Microseconds since the last tick.
 #[must_use]
 pub fn since_tick() -> u32 {
-    clock().wrapping_sub(LAST_TICK.load(Ordering::Relaxed))
-}
-
-/// Sleeps until an interrupt unless `busy` says that there is work. The question
-/// is asked with interrupts off, so no wake-up is lost: a pending interrupt ends
-/// the sleep even then.
-pub fn sleep_unless(busy: impl FnOnce() -> bool) {
-    cortex_m::interrupt::disable();
-    if !busy() {
-        cortex_m::asm::wfi();
-    }
-    // SAFETY: they were on before.
-    unsafe { cortex_m::interrupt::enable() };
+    // First the tick: one that comes meanwhile would be later than the clock was.
+    let tick = LAST_TICK.load(Ordering::Relaxed);
+    clock().wrapping_sub(tick)
 }
 
 /// Waits by the clock.
