@@ -24,7 +24,9 @@ struct Outcome {
     said: String,
 }
 
-/// Every test of the workspace, then the examples in its documentation.
+/// Every test of the workspace, then the examples in its documentation. Those of the firmware's
+/// card and display are among them: `floe-tests` asks for these features, and in one build of
+/// the workspace a package has every feature that anybody asks for.
 ///
 /// # Errors
 /// They do not build, or one fails: all the others are run first.

@@ -54,12 +54,6 @@ fn host(tally: &mut Tally) {
     tally.step("Python examples", python::check);
     tally.step("reports in a browser", browser::check);
     tally.step("host tests", host_tests::run);
-    tally.step("display", || {
-        // Nothing else on a PC has the feature.
-        let mut display = cargo();
-        display.args(["test", "--package", "floe-firmware", "--features", "display", "--lib"]);
-        shell::run(display.arg("display"))
-    });
 }
 
 fn firmware(tally: &mut Tally, forced: Option<Route>) {
