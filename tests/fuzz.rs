@@ -143,9 +143,8 @@ fn card() {
         }
         if let Ok((tests, _)) = card::tests(Cursor::new(log.clone())) {
             for test in &tests {
-                assert!(
-                    test.stem.bytes().all(|b| b.is_ascii_alphanumeric() || b"-_.".contains(&b))
-                );
+                let is_plain = |b: u8| b.is_ascii_alphanumeric() || b"-_.".contains(&b);
+                assert!(test.stem.bytes().all(is_plain));
                 let _ = (card::csv(test), card::toa5(test), test.missing());
             }
         }
@@ -158,8 +157,7 @@ fn sector() {
     let log = log_of_a_card();
     run("sector", |dice| {
         let at = dice.below(log.len() / SECTOR_LEN) * SECTOR_LEN;
-        let mut sector = [0; SECTOR_LEN];
-        sector.copy_from_slice(&log[at..at + SECTOR_LEN]);
+        let mut sector: [u8; SECTOR_LEN] = log[at..at + SECTOR_LEN].try_into().expect("a sector");
         for _ in 0..dice.below(20) {
             sector[dice.below(SECTOR_LEN)] = dice.bits() as u8;
         }
@@ -180,6 +178,7 @@ fn console() {
         "start test",
         "set tare -5",
     ];
+    seeds.iter().for_each(|seed| assert!(Command::parse(seed).is_ok(), "{seed}"));
     run("console", |dice| {
         let mut text = dice.pick(&seeds).as_bytes().to_vec();
         dice.damage(&mut text, WORDS);
@@ -199,19 +198,21 @@ fn live_line() {
         "R,640,0,0,0,0,33,1.24,0.001,0.001,33,0.78,0.001,0.001,33,2,361,18.9,23000,1.78,,0.1",
         "H,640,0,1,0,0,0.0625,0.0001,80,0",
         "M,bridge,32,0,12345.5,11.5,20",
+        "G,40,630.02,0.05,2.01,0.0873,1.2,",
+        "F,,3,0.5,60,0.25,0.4,0.0037,",
         "K,16,-31.25,3.7",
         "Y,16,1803982500123",
         "W,16,moving",
         "N,a note",
     ];
     let crc = crc::Crc::<u16>::new(&crc::CRC_16_XMODEM);
+    let whole = |text: &str| format!("{text}*{:04X}", crc.checksum(text.as_bytes()));
+    seeds.iter().for_each(|seed| assert!(Line::parse(&whole(seed)).is_ok(), "{seed}"));
     run("live line", |dice| {
         let mut text = dice.pick(&seeds).as_bytes().to_vec();
         dice.damage(&mut text, WORDS);
-        let mut text = String::from_utf8_lossy(&text).into_owned();
-        if dice.below(8) > 0 {
-            text += &format!("*{:04X}", crc.checksum(text.as_bytes()));
-        }
+        let text = String::from_utf8_lossy(&text);
+        let text = if dice.below(8) > 0 { whole(&text) } else { text.into_owned() };
         if let Ok(line) = Line::parse(&text) {
             let _ = line.to_text();
         }
@@ -222,8 +223,7 @@ fn live_line() {
 fn scene() {
     let names = ["dff8-13.toml", "hard/slack.toml", "hard/breaking.toml", "hard/all.toml"];
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../host-sim/scenes/");
-    let read = |name| std::fs::read(format!("{folder}{name}")).expect("a bundled scene");
-    let seeds = names.map(read);
+    let seeds = names.map(|name| std::fs::read(format!("{folder}{name}")).expect("a scene"));
     run("scene", |dice| {
         let mut text = dice.pick(&seeds).clone();
         dice.damage(&mut text, WORDS);
