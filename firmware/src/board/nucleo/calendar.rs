@@ -6,6 +6,7 @@
 
 use embassy_stm32::pac::{PWR, RTC};
 
+use super::clock;
 use crate::wall_clock::Moment;
 
 /// In the first backup register, when the two behind it have been written.
@@ -33,8 +34,10 @@ pub fn set(unix_ms: u64) {
     }
 }
 
-/// What the calendar has counted, ms since 1970.
+/// What the calendar has counted, ms since 1970, if it runs.
 fn counted_ms() -> Option<u64> {
+    // Without the crystal it stands still, and its registers are never brought up to date.
+    clock::calendar_runs().then_some(())?;
     unlock();
     // The registers that are read are copies, brought up to date every two periods of its
     // clock; after a reset they are not yet.

@@ -14,11 +14,14 @@ pub(super) fn no_crystal(bench: &Bench<'_>) -> Result<Row> {
         typed(7.0, "set weight 630"),
         typed(7.1, "set span 5000"),
         typed(7.2, "start"),
+        // The board's calendar stands still.
+        typed(8.0, "clock 2027-03-02T10:15:00Z"),
         typed(27.0, "stop"),
     ];
     let setup = Setup { crystal_start_s: None, ..bench.setup(28.0, script) };
     let played = bench.play_well(&setup)?;
     let noticed = said(&played, "the crystal does not run")?;
+    said(&played, "clock 2027-03-02T10:15:0")?;
     let events = events(&played);
     expect(events >= 5, format!("{events} events"))?;
     let noticed = format!("after {noticed:.1} s, and in every test");
