@@ -34,9 +34,12 @@ pub fn die(reason: &dyn Show) -> ! {
     cortex_m::peripheral::SCB::sys_reset()
 }
 
-/// Leaves word of a fault: of its place, or that the stack has run over. `frame` is what the
-/// processor has put on the stack, or would have if there had been room.
-pub extern "C" fn fault(frame: *const ExceptionFrame) -> ! {
+/// Leaves word of a fault: of its place, or that the stack has run over.
+///
+/// # Safety
+/// `frame` is where the stack ended when the fault came: what the processor has put there, or
+/// would have if there had been room.
+pub unsafe extern "C" fn fault(frame: *const ExceptionFrame) -> ! {
     if !stack::has_room_below(frame.cast()) {
         die(&"the stack ran over");
     }
