@@ -15,7 +15,7 @@ use floe_tests::parallel;
 type Variation = (&'static str, fn(&mut Scene));
 
 /// The last three make another recurrence: an alias may be none any more.
-const VARIATIONS: [Variation; 10] = [
+const VARIATIONS: [Variation; 9] = [
     ("8 Hz", |scene| scene.rate_hz = 8.0),
     ("32 Hz", |scene| scene.rate_hz = 32.0),
     ("noise of .5 N", |scene| scene.measurement.white_n = 0.5),
