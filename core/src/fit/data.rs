@@ -2,7 +2,7 @@
 
 use crate::effect::{Effect, Effects};
 use crate::fit::slip_scatter::{OwnSwing, SlipResiduals, steepness};
-use crate::fit::{Fit, SWING, Variances};
+use crate::fit::{Fit, Variances};
 use crate::model::corner::{Corner, Rounded};
 use crate::model::{CycleParams, Shape};
 use crate::noise::ripple::ColoredNoise;
@@ -138,14 +138,10 @@ impl Data<'_> {
     /// of the swing has it too and does not help. For the forces, therefore, `A` is the one without
     /// that expectation.
     #[must_use]
-    pub fn slip_scatter(
-        &self,
-        fit: &Fit,
-        noise_n2: f32,
-    ) -> (SlipResiduals, Option<OwnSwing>, Variances) {
+    pub fn slip_scatter(&self, fit: &Fit, noise_n2: f32) -> (SlipResiduals, Variances) {
         const MOST: usize = 8;
         let (mut slip, mut wider) = (SlipResiduals::default(), Variances::default());
-        let Some(factor) = fit.normal.factor(0.0) else { return (slip, None, wider) };
+        let Some(factor) = fit.normal.factor(0.0) else { return (slip, wider) };
         let alone = fit.without_swing(self.inverse_omega);
         let apart = alone.as_ref().map_or(&factor, |alone| &alone.factor);
         let (from, to) = self.samples.slip;
@@ -178,12 +174,17 @@ impl Data<'_> {
             swing_by_scatter += weight * moved_apart[4] * moved_apart[4];
             wider.add(&moved, &moved_apart, weight);
         }
-        let swing = alone.as_ref().map(|alone| OwnSwing {
-            value: fit.cycle().inverse_omega() + apart.solve(&alone.right)[4],
-            variance: noise_n2 * apart.spread(&SWING, 4),
-            by_scatter: noise_n2 * swing_by_scatter,
-        });
-        (slip, swing, wider)
+        // What the swings scatter is learnt with them.
+        wider.unknowns[4] = 0.0;
+        if let Some(alone) = &alone {
+            let variance = apart.variance(4);
+            slip.swing = OwnSwing {
+                value: fit.cycle().inverse_omega() + variance * alone.right[4],
+                variance: noise_n2 * variance,
+                by_scatter: swing_by_scatter / variance,
+            };
+        }
+        (slip, wider)
     }
 
     /// Adds the lines and the expectations to the normal equations at a trial cycle.

@@ -108,7 +108,6 @@ pub(crate) const STATIC: Gradient = [0.0, 0.0, 1.0, 0.0, 0.0, 0.0];
 pub(crate) const DYNAMIC: Gradient = [0.0, 0.0, 1.0, -1.0, 0.0, 0.0];
 /// The first unknown that either has.
 const FIRST: usize = 2;
-pub(crate) const SWING: Gradient = [0.0, 0.0, 0.0, 0.0, 1.0, 0.0];
 
 /// By how much `Fs` and `Fp` move when the unknowns do.
 fn forces_by([_, _, static_n, half_drop_n, ..]: &Gradient) -> (f32, f32) {
@@ -189,7 +188,7 @@ impl Fit {
         let mut cycle = *self.cycle();
         cycle.static_n += by_static;
         cycle.half_drop_n += by_drop;
-        Forces::new(&cycle, information.spread(&STATIC, FIRST), information)
+        Forces::new(&cycle, information.variance(FIRST), information)
     }
 
     /// Normal equations at the fit, set up anew.

@@ -32,6 +32,8 @@ pub struct SlipResiduals {
     squares: f32,
     free: f32,
     shown: f32,
+    /// The swing of the slip alone.
+    pub swing: OwnSwing,
 }
 
 impl SlipResiduals {
@@ -44,14 +46,15 @@ impl SlipResiduals {
     }
 
     /// Takes how far the swing of this slip and the mean of those before are apart.
-    fn add_swings(&mut self, swing: &OwnSwing, before: &OwnSwing) {
+    fn add_swings(&mut self, before: &OwnSwing) {
         // Part of the differences, each of which shares slips with the next, that is independent.
         const INDEPENDENT: f32 = 2.0 / 3.0;
+        let swing = self.swing;
         let off = swing.value - before.value;
         let part = INDEPENDENT / (swing.variance + before.variance);
         self.squares += part * off * off;
         self.free += INDEPENDENT;
-        self.shown += part * (swing.by_scatter + before.by_scatter);
+        self.shown += INDEPENDENT * swing.by_scatter;
     }
 
     /// Takes two samples: the product of their steepnesses, and the part of either's error that
@@ -61,14 +64,14 @@ impl SlipResiduals {
     }
 }
 
-/// The swing as the samples of one slip alone tell it, periods.
-#[derive(Clone, Copy, Debug)]
+/// The swing as the samples of one slip alone tell it, periods; all zero where they tell none.
+#[derive(Clone, Copy, Debug, Default)]
 pub struct OwnSwing {
     /// `1/ω`.
     pub value: f32,
     /// Its variance by the noise.
     pub variance: f32,
-    /// What a scatter of `λ` = 1 adds to that.
+    /// What a scatter of `λ` = 1 adds to that, over it.
     pub by_scatter: f32,
 }
 
@@ -76,21 +79,6 @@ impl OwnSwing {
     /// Is it a number with a variance?
     fn is_told(&self) -> bool {
         self.variance > 0.0 && (self.value + self.variance + self.by_scatter).is_finite()
-    }
-
-    /// The mean with that of the next slip, by their weights; what came before counts for less.
-    fn averaged(&self, next: &Self) -> Self {
-        // Tuned: with half of it a cable that gets shorter is taken for a scatter, with a quarter slips of
-        // two samples under jitter are surer than they should be.
-        const FADE: f32 = 0.4;
-        let part = self.variance / (self.variance + FADE * next.variance);
-        let left = 1.0 - part;
-        let square = |next: f32, before: f32| part * part * next + left * left * before;
-        Self {
-            value: self.value + part * (next.value - self.value),
-            variance: square(next.variance, self.variance),
-            by_scatter: square(next.by_scatter, self.by_scatter),
-        }
     }
 }
 
@@ -101,7 +89,7 @@ pub struct SlipScatter {
     /// Mean of `Σ g R² g` over `Σ g f`.
     shown: f32,
     /// Mean of the last slips.
-    swing: Option<OwnSwing>,
+    swing: OwnSwing,
 }
 
 impl SlipScatter {
@@ -120,20 +108,28 @@ impl SlipScatter {
         if more > limit { few * more * surely(more, limit) / self.shown } else { 0.0 }
     }
 
-    /// Takes a slip, and its swing if the slip alone tells one.
-    pub fn learn(&mut self, mut slip: SlipResiduals, swing: Option<OwnSwing>) {
+    /// Takes a slip.
+    pub fn learn(&mut self, mut slip: SlipResiduals) {
         // Fewest degrees of freedom of a slip that tell anything, and largest ratio that is
         // believed of the first slips.
         const LEAST: f32 = 0.2;
         const LARGEST: f32 = 1e4;
-        let swing = swing.filter(OwnSwing::is_told);
-        if let (Some(swing), Some(before)) = (&swing, &self.swing) {
-            slip.add_swings(swing, before);
+        // What the swings before the last one count for. Tuned: with half of it a cable that gets
+        // shorter is taken for a scatter, with a quarter slips of two samples under jitter are surer
+        // than they should be.
+        const FADE: f32 = 0.4;
+        if slip.swing.is_told() {
+            // The first one is all.
+            let mut part = 1.0;
+            let (before, next) = (&mut self.swing, slip.swing);
+            if before.variance > 0.0 {
+                slip.add_swings(before);
+                part = before.variance / (before.variance + FADE * next.variance);
+            }
+            before.value += part * (next.value - before.value);
+            before.variance =
+                part * part * next.variance + (1.0 - part) * (1.0 - part) * before.variance;
         }
-        self.swing = match (swing, self.swing) {
-            (Some(swing), Some(before)) => Some(before.averaged(&swing)),
-            (swing, before) => swing.or(before),
-        };
         if slip.squares.is_finite() && slip.free > LEAST {
             self.pooled.add(slip.squares, slip.free, LARGEST);
             let part = slip.free / larger(self.pooled.free(), slip.free);
@@ -160,8 +156,8 @@ mod tests {
     fn the_excess_of_equal_slips_is_found_and_none_is_none() {
         let (mut none, mut some) = (SlipScatter::default(), SlipScatter::default());
         for _ in 0..200 {
-            none.learn(slip(1.0), None);
-            some.learn(slip(1.0 + 8.0), None);
+            none.learn(slip(1.0));
+            some.learn(slip(1.0 + 8.0));
         }
         assert_eq!(none.excess().to_bits(), 0.0_f32.to_bits());
         // A flat excess of 8, and of each error half is left in its own residual: 8 over
@@ -175,8 +171,8 @@ mod tests {
         for _ in 0..1000 {
             // A scatter of 16 adds half as much as it is to the variance of the swing.
             let value = math::sqrt(2.0 + 16.0) * random.normal();
-            let swing = OwnSwing { value, variance: 2.0, by_scatter: 1.0 };
-            scatter.learn(SlipResiduals::default(), Some(swing));
+            let swing = OwnSwing { value, variance: 2.0, by_scatter: 0.5 };
+            scatter.learn(SlipResiduals { swing, ..SlipResiduals::default() });
         }
         assert!((14.0..18.0).contains(&scatter.excess()), "{}", scatter.excess());
     }
@@ -185,7 +181,7 @@ mod tests {
     fn one_foul_slip_in_four_does_no_harm() {
         let mut scatter = SlipScatter::default();
         for event in 0..200 {
-            scatter.learn(slip(if event % 4 == 3 { 1e6 } else { 1.0 }), None);
+            scatter.learn(slip(if event % 4 == 3 { 1e6 } else { 1.0 }));
         }
         assert_eq!(scatter.excess().to_bits(), 0.0_f32.to_bits());
     }
@@ -193,11 +189,11 @@ mod tests {
     #[test]
     fn no_information_is_no_excess() {
         let mut scatter = SlipScatter::default();
-        scatter.learn(SlipResiduals::default(), None);
-        scatter.learn(SlipResiduals { squares: f32::NAN, free: 1.0, shown: 1.0 }, None);
+        scatter.learn(SlipResiduals::default());
+        scatter.learn(SlipResiduals { squares: f32::NAN, free: 1.0, ..Default::default() });
         for value in [f32::NAN, 1.0, f32::INFINITY, 1.0] {
             let swing = OwnSwing { value, variance: 1.0, by_scatter: 1.0 };
-            scatter.learn(SlipResiduals::default(), Some(swing));
+            scatter.learn(SlipResiduals { swing, ..SlipResiduals::default() });
         }
         assert_eq!(scatter.excess().to_bits(), 0.0_f32.to_bits());
     }

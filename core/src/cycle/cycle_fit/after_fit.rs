@@ -54,10 +54,10 @@ impl CycleFit {
             // does not smear them.
             let hidden_n2 = larger(2.0 * step_n2 - now_n2 - quieter_n2, 0.0);
             fit.widen(&Variances::UNSURE_OSCILLATION, hidden_n2 / now_n2);
-            let (scatter, swing, wider) = data.slip_scatter(fit, quiet_n2);
+            let (scatter, wider) = data.slip_scatter(fit, quiet_n2);
             // A force that wanders does so in the slip as well.
             if slip.wander.level <= 0.0 {
-                learnt.slip_scatter.learn(scatter, swing.filter(|_| fit.cycle().is_taut()));
+                learnt.slip_scatter.learn(scatter);
             }
             fit.widen(&wider, learnt.slip_scatter.excess());
             fit.widen(&Variances::UNSURE_OSCILLATION, learnt.unsure_oscillation(slip, now_n2));
