@@ -2,9 +2,10 @@
 //! to be far less than was thought, the whole window is looked at again, a few samples a step; and
 //! slips that follow each other faster than they are fitted wait in the window.
 
+use crate::detector::onset::FARTHEST;
 use crate::detector::{Detector, Transition};
 use crate::num::math::larger;
-use crate::sample::{ForcePoint, Phase};
+use crate::sample::{ForcePoint, Phase, near};
 use crate::signal::window::WINDOW;
 
 /// Samples looked at in a step, while catching up.
@@ -71,6 +72,18 @@ impl Detector {
             self.phase = Phase::Unknown;
         } else {
             self.judged_with_n = larger(self.judged_with_n, std);
+            self.forget_first();
+        }
+    }
+
+    /// A record may begin with its highest sample, in the middle of a slip. Where the block rests too
+    /// briefly for a line no slip is told before a higher one, so that one is forgotten in the end, as
+    /// the force rises.
+    fn forget_first(&mut self) {
+        let (highest, last) = (self.stick.highest.index, self.last);
+        let is_first = highest == self.stick.origin && near(highest, last.index) > FARTHEST;
+        if is_first && !self.line_fits() && self.window.get(last.index - 1) < Some(last.force_n) {
+            self.stick.highest = last;
         }
     }
 }

@@ -101,9 +101,6 @@ impl Detector {
         let falls = high_n.zip(low_n).is_some_and(|(high, low)| high - low > OFF_LINE * self.std_n);
         if falls {
             self.stick.next = low + 2;
-            // Nor is its highest sample that of a rest.
-            self.stick.highest = ForcePoint { index: low, force_n: f32::NEG_INFINITY };
-            self.look_back(low, newest);
         }
         falls
     }

@@ -25,7 +25,7 @@ const LEAST_PART_BRIEF: f32 = 0.35;
 /// flop for slips.
 const LEAST_PART_LOW: f32 = 0.5;
 /// Most samples of a slip before it is seen.
-const FARTHEST: i32 = 32;
+pub(super) const FARTHEST: i32 = 32;
 /// A larger fall in one sample, usual drops, is not taken for a slip beforehand: it is more
 /// likely a spike. Only the phase that is shown depends on it.
 const LARGEST_DROP: f32 = 1.1;

@@ -138,7 +138,12 @@ impl Data<'_> {
     /// of the swing has it too and does not help. For the forces, therefore, `A` is the one without
     /// that expectation.
     #[must_use]
-    pub fn slip_scatter(&self, fit: &Fit, noise_n2: f32) -> (SlipResiduals, Variances) {
+    pub fn slip_scatter(
+        &self,
+        fit: &Fit,
+        knows_swing: bool,
+        noise_n2: f32,
+    ) -> (SlipResiduals, Variances) {
         const MOST: usize = 8;
         let (mut slip, mut wider) = (SlipResiduals::default(), Variances::default());
         let Some(factor) = fit.normal.factor(0.0) else { return (slip, wider) };
@@ -176,7 +181,8 @@ impl Data<'_> {
         }
         // What the swings scatter is learnt with them.
         wider.unknowns[4] = 0.0;
-        if let Some(alone) = &alone {
+        // Before the slips tell a swing, it may have any size.
+        if let Some(alone) = alone.as_ref().filter(|_| knows_swing) {
             let variance = apart.variance(4);
             slip.swing = OwnSwing {
                 value: fit.cycle().inverse_omega() + variance * alone.right[4],

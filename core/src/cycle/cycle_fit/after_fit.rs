@@ -54,7 +54,8 @@ impl CycleFit {
             // does not smear them.
             let hidden_n2 = larger(2.0 * step_n2 - now_n2 - quieter_n2, 0.0);
             fit.widen(&Variances::UNSURE_OSCILLATION, hidden_n2 / now_n2);
-            let (scatter, wider) = data.slip_scatter(fit, quiet_n2);
+            let knows_swing = learnt.knows_omega();
+            let (scatter, wider) = data.slip_scatter(fit, knows_swing, quiet_n2);
             // A force that wanders does so in the slip as well.
             if slip.wander.level <= 0.0 {
                 learnt.slip_scatter.learn(scatter);
