@@ -130,7 +130,7 @@ fn judge(block: &[u8; 512]) -> Result<(), CardState> {
 /// Of the sector that has the count, if it is one and the count is known.
 fn free_clusters(block: &[u8; 512]) -> Option<u32> {
     const UNKNOWN: u32 = u32::MAX;
-    let is_count = is_signed(block) && long(block, COUNT_MARK_AT) == COUNT_MARK;
+    let is_count = long(block, COUNT_MARK_AT) == COUNT_MARK;
     Some(long(block, COUNT_AT)).filter(|&count| is_count && count != UNKNOWN)
 }
 

@@ -77,13 +77,12 @@ impl Detector {
     }
 
     /// A record may begin with its highest sample, in the middle of a slip. Where the block rests too
-    /// briefly for a line no slip is told before a higher one, so that one is forgotten in the end, as
-    /// the force rises.
+    /// briefly for a line no slip is told before a higher one, so that one is forgotten in the end.
     fn forget_first(&mut self) {
-        let (highest, last) = (self.stick.highest.index, self.last);
-        let is_first = highest == self.stick.origin && near(highest, last.index) > FARTHEST;
-        if is_first && !self.line_fits() && self.window.get(last.index - 1) < Some(last.force_n) {
-            self.stick.highest = last;
+        let highest = self.stick.highest.index;
+        let is_first = highest == self.stick.origin && near(highest, self.last.index) > FARTHEST;
+        if is_first && !self.line_fits() {
+            self.stick.highest = self.last;
         }
     }
 }
