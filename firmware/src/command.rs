@@ -163,7 +163,7 @@ impl Command {
             "clock" if rest.is_empty() => Ok(Self::Clock(None)),
             "clock" => match Moment::parse(rest) {
                 Some(moment) => Ok(Self::Clock(Some(moment))),
-                None => Err("clock 2027-03-02T10:15:00Z (UTC, years 2000 to 2099)"),
+                None => Err("clock 2027-03-02T10:15:00Z (UTC, 2000 to 2099)"),
             },
             "" | "help" | "?" => rest_is(Self::Help),
             _ => Err("unknown command; help lists them"),
@@ -219,9 +219,7 @@ fn effects(text: &str) -> Result<Effects, &'static str> {
     match text {
         "auto" => Ok(Effects::COMPILED),
         "none" => Ok(Effects::NONE),
-        names => {
-            named(names).ok_or("auto, none, or names like sag,flop of effects in this program")
-        }
+        names => named(names).ok_or("auto, none, or names like sag,flop"),
     }
 }
 

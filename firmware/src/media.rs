@@ -81,7 +81,7 @@ impl<D: BlockDevice> Media<D> {
     fn count_free(&self, first: &[u8; 512], start: u32) -> Option<u32> {
         // FAT16, whose tables are so short that their length is in 16 bits, keeps no count.
         let is_fat32 = word(first, 22) == 0;
-        let place = Some(start.saturating_add(word(first, 48))).filter(|_| is_fat32)?;
+        let place = Some(start.wrapping_add(word(first, 48))).filter(|_| is_fat32)?;
         let clusters = free_clusters(&self.block(place).ok()?)?;
         Some(clusters.saturating_mul(first[13].into()))
     }
@@ -134,10 +134,12 @@ fn free_clusters(block: &[u8; 512]) -> Option<u32> {
     Some(long(block, COUNT_AT)).filter(|&count| is_count && count != UNKNOWN)
 }
 
+#[inline(always)]
 fn word(block: &[u8; 512], at: usize) -> u32 {
     u32::from(u16::from_le_bytes([block[at], block[at + 1]]))
 }
 
+#[inline(always)]
 fn long(block: &[u8; 512], at: usize) -> u32 {
     word(block, at) | word(block, at + 2) << 16
 }

@@ -2,7 +2,7 @@
 
 use crate::effect::{Effect, Effects};
 use crate::fit::slip_scatter::{OwnSwing, SlipResiduals, steepness};
-use crate::fit::{Fit, Variances};
+use crate::fit::{Fit, SWING, Variances};
 use crate::model::corner::{Corner, Rounded};
 use crate::model::{CycleParams, Shape};
 use crate::noise::ripple::ColoredNoise;
@@ -183,7 +183,7 @@ impl Data<'_> {
         wider.unknowns[4] = 0.0;
         // Before the slips tell a swing, it may have any size.
         if let Some(alone) = alone.as_ref().filter(|_| knows_swing) {
-            let variance = apart.variance(4);
+            let variance = apart.spread(&SWING, 4);
             slip.swing = OwnSwing {
                 value: fit.cycle().inverse_omega() + variance * alone.right[4],
                 variance: noise_n2 * variance,

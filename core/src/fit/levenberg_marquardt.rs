@@ -176,7 +176,7 @@ impl Fitting {
         Some(Fit {
             shape: self.cycle.shape(),
             normal: self.normal,
-            forces: Forces::new(&self.cycle, variances[2], information),
+            forces: Forces::new(&self.cycle, information),
             variances,
             wider: (0.0, 0.0),
             converged,

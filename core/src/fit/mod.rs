@@ -80,9 +80,10 @@ pub struct Forces {
 }
 
 impl Forces {
-    /// Of a cycle, with the variance of `Fs` and the factor of its information matrix.
-    fn new(cycle: &CycleParams, static_variance: f32, information: &Factor) -> Self {
+    /// Of a cycle, with the factor of its information matrix.
+    fn new(cycle: &CycleParams, information: &Factor) -> Self {
         let (static_n, dynamic_n) = (cycle.static_n, cycle.dynamic_n());
+        let static_variance = information.spread(&STATIC, FIRST);
         let dynamic_variance = information.spread(&DYNAMIC, FIRST);
         Self { static_n, dynamic_n, static_variance, dynamic_variance }
     }
@@ -108,6 +109,8 @@ pub(crate) const STATIC: Gradient = [0.0, 0.0, 1.0, 0.0, 0.0, 0.0];
 pub(crate) const DYNAMIC: Gradient = [0.0, 0.0, 1.0, -1.0, 0.0, 0.0];
 /// The first unknown that either has.
 const FIRST: usize = 2;
+/// The swing alone.
+pub(crate) const SWING: Gradient = [0.0, 0.0, 0.0, 0.0, 1.0, 0.0];
 
 /// By how much `Fs` and `Fp` move when the unknowns do.
 fn forces_by([_, _, static_n, half_drop_n, ..]: &Gradient) -> (f32, f32) {
@@ -188,7 +191,7 @@ impl Fit {
         let mut cycle = *self.cycle();
         cycle.static_n += by_static;
         cycle.half_drop_n += by_drop;
-        Forces::new(&cycle, information.variance(FIRST), information)
+        Forces::new(&cycle, information)
     }
 
     /// Normal equations at the fit, set up anew.

@@ -37,7 +37,7 @@ impl<P: Read + ReadReady + Write, S: Store> App<'_, P, S> {
             Task::Calibrate(_) => "the known weight",
             Task::Weigh => "the block",
         };
-        let how = " at rest: 8 s at least, 40 s is better; then accept, or abort";
+        let how = " at rest: 8 s or more, best 40; then accept or abort";
         self.info(&text((hint, what, how)));
         Ok(())
     }

@@ -41,7 +41,7 @@ impl CycleFit {
         if free >= 1.0 {
             learnt.residuals.add(free * larger(own_n2, step_n2), free, slip.noise_n2);
         }
-        let now_n2 = learnt.noise_n2(slip);
+        let (now_n2, knows_swing) = (learnt.noise_n2(slip), learnt.knows_omega());
         fit.scale(excess_ratio(around_n2, free - points, now_n2));
         fit.widen_forces(slip.wander.alike);
         if counts {
@@ -54,7 +54,6 @@ impl CycleFit {
             // does not smear them.
             let hidden_n2 = larger(2.0 * step_n2 - now_n2 - quieter_n2, 0.0);
             fit.widen(&Variances::UNSURE_OSCILLATION, hidden_n2 / now_n2);
-            let knows_swing = learnt.knows_omega();
             let (scatter, wider) = data.slip_scatter(fit, knows_swing, quiet_n2);
             // A force that wanders does so in the slip as well.
             if slip.wander.level <= 0.0 {
@@ -69,7 +68,7 @@ impl CycleFit {
             (_, true) => Strain::Strained,
             _ => Strain::None,
         };
-        let places = OverOnset::new(fit, learnt.knows_omega(), now_n2).filter(|_| !misfit);
+        let places = OverOnset::new(fit, knows_swing, now_n2).filter(|_| !misfit);
         if let Some(places) = places {
             self.expected = learnt.of(slip, &self.after, now_n2);
             self.stage = FitStage::Places(places);

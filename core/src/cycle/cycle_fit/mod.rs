@@ -178,7 +178,7 @@ impl CycleFit {
             FitStage::Free(_) => 34 + self.expected.pass(&self.slip),
             FitStage::Expected(_) => 4 + self.expected.pass(&self.slip),
             FitStage::Places(_) => 10 + self.expected.pass(&self.slip),
-            FitStage::Fitted => 25 + 5 * (self.slip.fall() as usize).min(8),
+            FitStage::Fitted => 27 + 5 * (self.slip.fall() as usize).min(8),
             // With a second fit, if an oscillation is disputed.
             FitStage::Learning if self.slip.wander.is_disputed() => 34 + samples,
             FitStage::Learning => 22,
