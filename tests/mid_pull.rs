@@ -85,3 +85,20 @@ fn a_part_of_six_slips_is_read() {
 fn a_part_of_fifteen_slips_is_read() {
     parts_are_read(15.5, 0.95);
 }
+
+/// The first sample is the highest of all, and the block rests for four samples: no later one rises
+/// above it.
+#[test]
+fn a_first_sample_that_falls_hides_no_slip() {
+    let stiff = Scene { stiffness_n_per_m: 138e3, duration_s: 60.0, ..scenes()[0].clone() };
+    for seed in 1..=6 {
+        let simulation = simulate(&stiff, seed).expect("a scene");
+        let samples = simulation.samples.iter().map(|sample| sample.force_n);
+        let forces_n: Vec<f64> = [1051.0, 0.0].into_iter().chain(samples).collect();
+        let config = Config { weight_n: stiff.weight_n as f32, ..Config::default() };
+        let found = feed::replay(&config, feed::in_a_row(&forces_n)).events.len();
+        let there = simulation.events.len();
+        println!("seed {seed}: {found} of {there}");
+        assert!(found * 10 > there * 9, "seed {seed}: {found} of {there}");
+    }
+}

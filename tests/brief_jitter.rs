@@ -1,0 +1,53 @@
+//! Time stamps that jitter, with slips of about two samples: they leave hardly a residual, and only
+//! their swings, which differ from slip to slip, tell that the samples in them are off.
+//!
+//! `cargo test -p floe-tests --test brief_jitter -- --nocapture` prints the figures.
+
+use floe::sim::Scene;
+use floe_core::Coefficient;
+use floe_tests::scenes::stored;
+use floe_tests::score::run;
+
+const SEEDS: u64 = 6;
+
+/// Errors of `mu_s`, combined standard deviations, and the median of these: on a cable so many times as
+/// stiff as that of the base scene, whose stamps have the jitter of another scene, or none.
+fn off(stiffer: f64, jitter: &str) -> (Vec<f64>, f64) {
+    let scene = stored(&format!("honesty/{jitter}"));
+    let stiffness_n_per_m = stiffer * scene.stiffness_n_per_m;
+    let scene = Scene { stiffness_n_per_m, ..scene };
+    let (mut off, mut stds) = (Vec::new(), Vec::new());
+    for seed in 1..=SEEDS {
+        let tried = run(&scene, seed);
+        for &(truth, found) in &tried.pairs {
+            let Some(mu_s): Option<Coefficient> = tried.found[found].mu_s else { continue };
+            let std = f64::from(mu_s.combined_std());
+            off.push((f64::from(mu_s.value) - tried.truths[truth].mu_s) / std);
+            stds.push(std);
+        }
+    }
+    stds.sort_by(f64::total_cmp);
+    (off, stds[stds.len() / 2])
+}
+
+#[test]
+fn swings_that_differ_tell_a_jitter() {
+    for stiffer in [1.5, 2.0] {
+        for jitter in ["jitter_2", "jitter_10"] {
+            let (off, std) = off(stiffer, jitter);
+            let share = |most: f64| {
+                off.iter().filter(|it| it.abs() < most).count() as f64 / off.len() as f64
+            };
+            let (inside, near) = (share(1.96), share(5.0));
+            println!(
+                "k x {stiffer}, {jitter}: {} events, {inside:.3} in 95 %, {near:.4} within five, ± {std:.5}",
+                off.len()
+            );
+            // .70 and .94 at least before the swings told it.
+            assert!(inside > 0.85 && near > 0.98, "k x {stiffer}, {jitter}: {inside} {near}");
+        }
+        let (steady, jitters) = (off(stiffer, "base").1, off(stiffer, "jitter_2").1);
+        println!("k x {stiffer}: ± {steady:.5} without, ± {jitters:.5} with 2 ms");
+        assert!(jitters > 1.2 * steady, "k x {stiffer}: {steady} {jitters}");
+    }
+}
