@@ -176,16 +176,16 @@ impl Data<'_> {
             place += 1;
             let moved_apart = apart.solve(&weighted);
             let weight = steepness * stride as f32;
-            swing_by_scatter += weight * moved_apart[4] * moved_apart[4];
+            swing_by_scatter += weight * moved_apart[SWING] * moved_apart[SWING];
             wider.add(&moved, &moved_apart, weight);
         }
         // What the swings scatter is learnt with them.
-        wider.unknowns[4] = 0.0;
+        wider.unknowns[SWING] = 0.0;
         // Before the slips tell a swing, it may have any size.
         if let Some(alone) = alone.as_ref().filter(|_| knows_swing) {
-            let variance = apart.spread(&SWING, 4);
+            let variance = apart.variance(SWING);
             slip.swing = OwnSwing {
-                value: fit.cycle().inverse_omega() + variance * alone.right[4],
+                value: fit.cycle().inverse_omega() + variance * alone.right[SWING],
                 variance: noise_n2 * variance,
                 by_scatter: swing_by_scatter / variance,
             };

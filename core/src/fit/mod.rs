@@ -109,8 +109,8 @@ pub(crate) const STATIC: Gradient = [0.0, 0.0, 1.0, 0.0, 0.0, 0.0];
 pub(crate) const DYNAMIC: Gradient = [0.0, 0.0, 1.0, -1.0, 0.0, 0.0];
 /// The first unknown that either has.
 const FIRST: usize = 2;
-/// The swing alone.
-pub(crate) const SWING: Gradient = [0.0, 0.0, 0.0, 0.0, 1.0, 0.0];
+/// The place of the swing among the unknowns.
+pub(crate) const SWING: usize = 4;
 
 /// By how much `Fs` and `Fp` move when the unknowns do.
 fn forces_by([_, _, static_n, half_drop_n, ..]: &Gradient) -> (f32, f32) {
@@ -205,7 +205,7 @@ impl Fit {
     /// Its normal equations without what is expected of the swing.
     pub(crate) fn without_swing(&self, swing: Prior) -> Option<Alone> {
         let value = self.cycle().inverse_omega();
-        without(&self.normal, Gradient::default(), [(4, (swing, value))])
+        without(&self.normal, Gradient::default(), [(SWING, (swing, value))])
     }
 
     /// The forces a Gauss-Newton step further, by data with other lines or other expectations.

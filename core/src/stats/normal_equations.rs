@@ -200,11 +200,15 @@ impl Factor {
     /// weight one.
     #[must_use]
     pub fn variances(&self) -> Gradient {
-        core::array::from_fn(|unknown| {
-            let mut unit = Gradient::default();
-            unit[unknown] = 1.0;
-            self.spread(&unit, unknown)
-        })
+        core::array::from_fn(|unknown| self.variance(unknown))
+    }
+
+    /// The one of an unknown.
+    #[inline(always)]
+    pub(crate) fn variance(&self, unknown: usize) -> f32 {
+        let mut unit = Gradient::default();
+        unit[unknown] = 1.0;
+        self.spread(&unit, unknown)
     }
 
     /// `uᵀ A⁻¹ u`, the variance of a known combination of unknowns, whose entries before the place

@@ -72,23 +72,23 @@ pub fn calibration(log: &Log, calibration: &Calibration) -> Vec<String> {
 }
 
 /// What presses the block, and what it weighs.
-fn block(log: &Log, config: &Config) -> [Used; 3] {
+fn block(log: &Log, config: &Config) -> Vec<Used> {
     let said = log.metadata();
     let used = Some(config.weight_n);
     let normal =
         Used { key: "normal_n", said: said.normal_n, what: "normal force", used, ..WEIGHT };
-    let weight = Used { said: said.weight_n, used, ..WEIGHT };
-    match config.mass_kg {
+    if config.mass_kg.is_some() {
         // Under the ice the weight presses nothing.
-        Some(_) => {
-            let mass =
-                Used { what: "mass", used: config.mass_kg, unit: " kg", ..of_mass(1.0, log) };
-            [normal, mass, WEIGHT]
-        }
-        None if said.normal_n.is_some() => [normal, WEIGHT, WEIGHT],
-        None if said.weight_n.is_some() => [weight, WEIGHT, WEIGHT],
-        None => [Used { used, ..of_mass(STANDARD_GRAVITY, log) }, WEIGHT, WEIGHT],
+        let mass = Used { what: "mass", used: config.mass_kg, unit: " kg", ..of_mass(1.0, log) };
+        return vec![normal, mass];
     }
+    vec![if said.normal_n.is_some() {
+        normal
+    } else if said.weight_n.is_some() {
+        Used { said: said.weight_n, used, ..WEIGHT }
+    } else {
+        Used { used, ..of_mass(STANDARD_GRAVITY, log) }
+    }]
 }
 
 /// A mass that the log says, times `factor`.
