@@ -4,13 +4,12 @@
 //! `cargo test -p floe-tests --test brief_jitter -- --nocapture` prints the figures.
 
 use floe::sim::Scene;
-use floe_core::Coefficient;
 use floe_tests::scenes::stored;
-use floe_tests::score::run;
+use floe_tests::score::{self, quantile, run};
 
 const SEEDS: u64 = 6;
 
-/// Errors of `mu_s`, combined standard deviations, and the median of these: on a cable so many times as
+/// Errors of `mu_s`, combined standard deviations, and the median of these deviations: on a cable so many times as
 /// stiff as that of the base scene, whose stamps have the jitter of another scene, or none.
 fn off(stiffer: f64, jitter: &str) -> (Vec<f64>, f64) {
     let scene = stored(&format!("honesty/{jitter}"));
@@ -20,14 +19,12 @@ fn off(stiffer: f64, jitter: &str) -> (Vec<f64>, f64) {
     for seed in 1..=SEEDS {
         let tried = run(&scene, seed);
         for &(truth, found) in &tried.pairs {
-            let Some(mu_s): Option<Coefficient> = tried.found[found].mu_s else { continue };
-            let std = f64::from(mu_s.combined_std());
-            off.push((f64::from(mu_s.value) - tried.truths[truth].mu_s) / std);
-            stds.push(std);
+            let Some(mu_s) = tried.found[found].mu_s else { continue };
+            off.push(score::off(&mu_s, tried.truths[truth].mu_s));
+            stds.push(f64::from(mu_s.combined_std()));
         }
     }
-    stds.sort_by(f64::total_cmp);
-    (off, stds[stds.len() / 2])
+    (off, quantile(stds.into_iter(), 0.5))
 }
 
 #[test]

@@ -5,9 +5,9 @@
 
 use floe::sim::Scene;
 use floe::sim::terms::WinchProfile;
-use floe_core::{Coefficient, Event};
+use floe_core::Event;
 use floe_tests::scenes::stored;
-use floe_tests::score::{Tried, run};
+use floe_tests::score::{self, Tried, run};
 
 const SEEDS: u64 = 12;
 
@@ -24,9 +24,7 @@ fn changed(seed: u64, factor: f64, after_s: f64) -> Scene {
 fn off(tried: &Tried) -> Option<[f64; 2]> {
     let &(truth, found) = tried.pairs.iter().find(|(truth, _)| *truth == 0)?;
     let (truth, Event { mu_s, mu, .. }) = (&tried.truths[truth], tried.found[found]);
-    let off =
-        |it: Coefficient, truth: f64| (f64::from(it.value) - truth) / f64::from(it.combined_std());
-    Some([off(mu_s?, truth.mu_s), off(mu?, truth.mu)])
+    Some([score::off(&mu_s?, truth.mu_s), score::off(&mu?, truth.mu)])
 }
 
 #[test]

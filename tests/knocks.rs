@@ -6,6 +6,7 @@ use floe::sim::{Measurement, Scene, TrueEvent, simulate};
 use floe_core::{Config, Event};
 use floe_tests::feed;
 use floe_tests::normal::Normal;
+use floe_tests::score;
 
 const HZ: f64 = 16.0;
 const DURATION_S: f64 = 240.0;
@@ -28,7 +29,7 @@ fn missed(truths: &[TrueEvent], found: &[Event], from_s: f64) -> usize {
         let event = found.iter().find(|it| (onset_s(it) - truth.onset_s).abs() < 2.0 / HZ);
         event.and_then(|event| event.mu_s.zip(event.mu)).is_some_and(|(mu_s, mu)| {
             [(mu_s, truth.mu_s), (mu, truth.mu)].iter().all(|(got, truth)| {
-                let off = (f64::from(got.value) - truth) / f64::from(got.combined_std());
+                let off = score::off(got, *truth);
                 off.abs() < 5.0
             })
         })

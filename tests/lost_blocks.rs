@@ -3,6 +3,7 @@
 use floe::sim::{Scene, TrueEvent, simulate};
 use floe_core::Config;
 use floe_tests::feed;
+use floe_tests::score;
 
 const HZ: f64 = 16.0;
 /// Samples of the rest after a slip, up to the gap, and those of the gap.
@@ -37,7 +38,7 @@ fn a_slip_right_before_a_gap_is_read() {
             let Some((mu_s, mu)) = values else { continue };
             read += 1;
             for (got, truth) in [(mu_s, truth.mu_s), (mu, truth.mu)] {
-                let off = (f64::from(got.value) - truth) / f64::from(got.combined_std());
+                let off = score::off(&got, truth);
                 assert!(off.abs() < 5.0, "{seed} {truth} {got:?}");
             }
         }

@@ -137,7 +137,7 @@ impl Errors {
         let Some(got) = got else { return };
         let error = f64::from(got.value) - truth;
         self.relative.push(error / truth);
-        self.stated.push(error / f64::from(got.combined_std()));
+        self.stated.push(off(&got, truth));
         self.stds.push(f64::from(got.std) / truth);
         self.bounds.extend(bound.map(|bound| error / bound));
     }
@@ -184,6 +184,12 @@ impl Errors {
     pub fn over_bound(&self) -> Option<f64> {
         (!self.bounds.is_empty()).then(|| rms(&self.bounds))
     }
+}
+
+/// How far a coefficient is from its truth, in its combined standard deviations.
+#[must_use]
+pub fn off(got: &Coefficient, truth: f64) -> f64 {
+    (f64::from(got.value) - truth) / f64::from(got.combined_std())
 }
 
 /// Value that a share of the values does not exceed; zero of nothing.
