@@ -20,6 +20,9 @@ const FILE: &str = "FLOE.LOG";
 /// many calls: it may have been put in, taken out or exchanged.
 const CALLS: u32 = 16;
 
+/// Handles are counted from here; any number will do.
+const FIRST_HANDLE: u32 = 0;
+
 /// The card.
 #[expect(missing_debug_implementations, reason = "the volume manager has none")]
 pub struct CardLog<D: BlockDevice> {
@@ -31,8 +34,11 @@ pub struct CardLog<D: BlockDevice> {
     step: u32,
     next: u32,
     calls: u32,
-    volumes: VolumeManager<Media<D>, NoClock>,
+    volumes: Volumes<D>,
 }
+
+/// One directory, one file and one volume are open at a time.
+type Volumes<D> = VolumeManager<Media<D>, NoClock, 1, 1, 1>;
 
 struct Open {
     volume: RawVolume,
@@ -64,7 +70,7 @@ impl<D: BlockDevice> CardLog<D> {
     /// its last record is asked for, and again when something is to be written.
     #[inline]
     pub fn new(device: D, sectors: u32) -> Self {
-        let volumes = VolumeManager::new(Media::new(device), NoClock);
+        let volumes = Volumes::new_with_limits(Media::new(device), NoClock, FIRST_HANDLE);
         let (open, state) = (None, CardState::NoCard);
         Self { volumes, open, state, sectors, made: 0, step: sectors, next: 0, calls: 0 }
     }

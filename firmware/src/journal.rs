@@ -27,9 +27,15 @@ pub struct Journal<S> {
 impl<S: Store> Journal<S> {
     /// Goes on behind what is on the card.
     pub fn new(store: S, clock_hz: u32) -> Self {
-        let record = Record { clock_hz, ..Record::default() };
-        let waiting = String::new();
-        Self { store, record, waiting, sectors: 0, failures: 0 }
+        let mut new = Self {
+            store,
+            record: Record::default(),
+            waiting: String::new(),
+            sectors: 0,
+            failures: 0,
+        };
+        new.record.clock_hz = clock_hz;
+        new
     }
 
     /// Goes on as the card left off, between tests.
