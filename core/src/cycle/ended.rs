@@ -146,12 +146,21 @@ impl CycleTracker {
     #[inline(never)]
     fn take_up(&mut self, detector: &Detector) {
         let Some(Ended { stick, by, .. }) = &self.ended else { return };
-        let mut next = None;
-        if let By::Slip(slip) = by {
-            next = Some(SlipRecord::new(detector, stick, self.start(stick), slip));
+        let start = self.start(stick);
+        // Not by `map`, so that it is made where it is kept.
+        self.finishing = None;
+        if let Some(before) = &self.pending {
+            self.finishing = Some(CycleFit::new(before));
         }
-        if let Some(next) = &mut next
-            && let Some(before) = &mut self.pending
+        match by {
+            By::Slip(slip) => {
+                let next = self.pending.insert(SlipRecord::new(detector, stick, start, slip));
+                next.gather(detector.window(), start, slip);
+            }
+            By::Loss(_) => self.pending = None,
+        }
+        if let (Some(next), Some(CycleFit { slip: before, .. })) =
+            (&mut self.pending, &mut self.finishing)
         {
             if self.count >= FLOP_SEEN || next.before.count < BRIEF {
                 next.lengthen_line(before, stick);
@@ -161,11 +170,9 @@ impl CycleTracker {
                 before.refused = next.refused;
             }
         }
-        self.finishing = self.pending.as_ref().map(CycleFit::new);
-        let progress = if next.is_some() { Progress::Gathered } else { Progress::Answered(None) };
-        self.pending = next;
+        let is_slip = self.pending.is_some();
         if let Some(ended) = &mut self.ended {
-            ended.progress = progress;
+            ended.progress = if is_slip { Progress::Gathered } else { Progress::Answered(None) };
         }
     }
 

@@ -75,19 +75,21 @@ pub(crate) struct SlipRecord {
 }
 
 impl SlipRecord {
-    /// Gathers the samples from `start` up to the last one that the detector had looked at.
+    /// Of a slip whose samples have yet to be gathered from the index `start` on.
+    // Made where it is kept.
+    #[inline(always)]
     pub(crate) fn new(
         detector: &Detector,
         stick: &Stick,
         start: u64,
-        &Slip { peak, low, last, rest_weight, hides }: &Slip,
+        &Slip { peak, low, rest_weight, .. }: &Slip,
     ) -> Self {
         let (first, window) = (stick.next, detector.window());
         let noise_n = detector.noise_n().unwrap_or(1.0);
         let rough = Rough::new(stick, window, (peak, low), noise_n);
         let [peak, low] = [peak, low]
             .map(|ForcePoint { index, force_n }| Extreme { time: since(first, index), force_n });
-        let mut record = Self {
+        Self {
             origin: first,
             before: stick.line_from(first),
             forces_n: [0.0; CORE],
@@ -106,14 +108,17 @@ impl SlipRecord {
             slip: (peak.time, low.time),
             limit: f32::MAX,
             refused: None,
-        };
-        record.take(window, start, last);
-        record.rough.middle = record.crossing();
-        record.rough.edges = record.edges();
-        let missing = record.length - record.samples().good().count();
-        let too_long = (record.length == CORE).then_some(Reason::TooLong);
-        record.hidden = if hides || missing > 3 { Some(Reason::Hidden) } else { too_long };
-        record
+        }
+    }
+
+    /// Gathers its samples up to the last one that the detector had looked at.
+    pub(crate) fn gather(&mut self, window: &Window, start: u64, slip: &Slip) {
+        self.take(window, start, slip.last);
+        self.rough.middle = self.crossing();
+        self.rough.edges = self.edges();
+        let missing = self.length - self.samples().good().count();
+        let too_long = (self.length == CORE).then_some(Reason::TooLong);
+        self.hidden = if slip.hides || missing > 3 { Some(Reason::Hidden) } else { too_long };
     }
 
     /// Takes the cycle of the first answer, if there is one.
