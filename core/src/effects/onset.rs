@@ -53,22 +53,23 @@ impl Onset {
     /// Takes what an event tells of the terms; gives a variance of `Fs`, N²: that by terms which
     /// are possible, and by terms which are not told yet.
     pub(crate) fn learn(&mut self, event: &[Score; 2], noise_n2: f32) -> f32 {
-        let (mut possible_n2, untold) = (0.0, self.untold());
+        let mut possible_n2 = 0.0;
         let tells = event.iter().any(|term| term.information > 0.0);
+        let left = self.left();
         self.asked += if tells { 1.0 } else { UNTELLING };
         for (sum, event) in self.terms.iter_mut().zip(event) {
             sum.learn(event, noise_n2);
             let [_, _, by_n, ..] = event.response;
-            possible_n2 += (COURSE * possible(sum) + untold) * by_n * by_n;
+            possible_n2 += mean_square(sum, left) * by_n * by_n;
         }
         possible_n2
     }
 
-    /// Variance of an amplitude that is left of [`UNTOLD`]: all of it with the first event, none
-    /// from the fourth on.
-    fn untold(&self) -> f32 {
+    /// Part that the events leave of what is not told: all of it with the first one, none from the
+    /// fourth on.
+    fn left(&self) -> f32 {
         const TELLING: f32 = 2.5;
-        UNTOLD * UNTOLD * larger(1.0 - self.asked / TELLING, 0.0)
+        larger(1.0 - self.asked / TELLING, 0.0)
     }
 
     /// Square of the first term's largest force, N², for half a drop, as far as it is possible.
@@ -92,12 +93,42 @@ fn possible(sum: &ScoreSum) -> f32 {
     square * surely(square, POSSIBLE * POSSIBLE * sum.variance())
 }
 
+/// Mean square of an amplitude: what the events tell if it is possible, or, with a part of
+/// [`UNTOLD`], that and what they tell together.
+#[inline(never)]
+fn mean_square(sum: &ScoreSum, left: f32) -> f32 {
+    const PRIOR: f32 = UNTOLD * UNTOLD;
+    let told = PRIOR / (PRIOR + sum.variance());
+    let value = told * sum.value();
+    let untold = PRIOR * (1.0 - told) + value * value;
+    larger(COURSE * possible(sum), left * untold)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::effects::score::Asked;
     use crate::effects::synthetic::{self, NOISE_N};
     use crate::model::CycleParams;
+
+    /// The first event's own samples narrow what a term may be, and widen it where they show one;
+    /// a slip that tells nothing leaves the prior.
+    #[test]
+    fn the_first_event_tells_what_its_samples_show() {
+        let square = |amplitude: f32, std: f32| {
+            let mut sum = ScoreSum::default();
+            let information = 1.0 / (std * std);
+            let score = amplitude * information;
+            sum.learn(&Score { score, information, ..Score::default() }, 1.0);
+            mean_square(&sum, 1.0)
+        };
+        let prior = UNTOLD * UNTOLD;
+        assert!((mean_square(&ScoreSum::default(), 1.0) - prior).abs() < 1e-6);
+        assert!((square(0.0, UNTOLD) - 0.5 * prior).abs() < 1e-6);
+        assert!((square(UNTOLD, UNTOLD) - 0.75 * prior).abs() < 1e-6);
+        assert!(square(0.0, 0.1 * UNTOLD) < 0.02 * prior);
+        assert!((square(UNTOLD, 0.01 * UNTOLD) - COURSE * prior).abs() < 0.01 * prior);
+    }
 
     /// A term in the samples is found with its size, and `Fs` is the less sure for it; without any
     /// nothing is, and from the fourth event on `Fs` is as sure as it was.
