@@ -8,8 +8,8 @@
 //! What is found is never taken off, since friction that varies along the slip looks much the same.
 //! It widens the stated prior, by `D̂²` in the variance, however little is sure of it. With `D ~
 //! N(0, s²)` the events are most likely under `s² = D̂² − var D̂`; but a `D̂` that came out low by
-//! chance must not hide losses, and few events tell them to no more than a few percent, which is as
-//! much as they may be. Losses that are stated to be known exactly, with 0, stay so.
+//! chance must not hide losses, so it counts as a little more ([`LOW`]). Losses that are stated to
+//! be known exactly, with 0, stay so.
 
 use crate::config::InputStd;
 use crate::effect::Parameter;
@@ -17,6 +17,12 @@ use crate::effects::score::ScoreSum;
 use crate::model::{CycleParams, Shape};
 use crate::num::math;
 use crate::stats::normal_equations::Gradient;
+
+/// Part of the stated standard deviation by which a damping ratio may have come out low by chance: few
+/// events tell it to less than that. Tuned: without it losses of two to three stated standard
+/// deviations are covered in three of four records of two minutes; a cable without any is given 12 %
+/// more than what is stated with it, 41 % with all of it.
+const LOW: f32 = 0.5;
 
 /// The damping ratio, a term's amplitude, as the events tell it.
 #[derive(Clone, Copy, Debug, Default)]
@@ -45,10 +51,10 @@ pub(crate) fn term_n(shape: &Shape) -> impl Fn(f32, &Gradient) -> f32 {
 impl Damping {
     /// The stated standard deviation, widened by what the events show, from the third one on.
     pub(crate) fn std(&self, stated: f32) -> f32 {
-        let value = self.0.value();
-        if !self.0.counts() || value <= 0.0 || stated <= 0.0 {
+        if !self.0.counts() || stated <= 0.0 {
             return stated;
         }
+        let value = math::larger(self.0.value() + LOW * stated, 0.0);
         math::smaller(math::hypotenuse(stated, value), InputStd::MOST_DAMPING)
     }
 
@@ -62,7 +68,7 @@ impl Damping {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::effects::score::Asked;
+    use crate::effects::score::{Asked, Score};
     use crate::effects::synthetic::{self, NOISE_N};
 
     /// Force at a time since the onset of a slip with losses in the air, brute force.
@@ -112,6 +118,30 @@ mod tests {
                 (value - ratio).abs() < 0.1 * ratio + 3.0 * std && std < 0.012,
                 "{ratio}: {value} {std}"
             );
+        }
+    }
+    /// What is stated is never narrowed, what is found widens it, and a little more than that; what
+    /// is stated to be exact stays so.
+    #[test]
+    fn what_is_found_widens_what_is_stated() {
+        let stated = 0.005;
+        let std = |found: f32, events: u8| {
+            let mut damping = Damping::default();
+            let information = 1.0;
+            let event = Score { score: found * information, information, ..Score::default() };
+            (0..events).for_each(|_| damping.0.learn(&event, 1.0));
+            (damping.std(stated), damping.std(0.0))
+        };
+        for (found, events, expected) in [
+            (0.04, 2, stated),
+            (-0.01, 9, stated),
+            (0.0, 9, math::hypotenuse(stated, 0.0025)),
+            (0.04, 9, math::hypotenuse(stated, 0.0425)),
+            (0.9, 9, InputStd::MOST_DAMPING),
+        ] {
+            let (widened, exact) = std(found, events);
+            assert!((widened - expected).abs() < 1e-6, "{found}, {events}: {widened}");
+            assert!(exact.abs() < 1e-9, "{exact}");
         }
     }
 }
