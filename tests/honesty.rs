@@ -138,10 +138,13 @@ fn missed(checks: &[Check], list: &Path) -> String {
         format!("| {row} | {what} | {value:.3} | {miss:.3} | {why} |\n")
     };
     let lines: String = checks.iter().filter(|c| c.miss > 0.0).map(line).collect();
-    format!(
-        "\n## What misses its aim\n\n| class | figure | is | from the aim | why |\n\
-         |---|---|---:|---:|---|\n{lines}"
-    )
+    let lines = match lines.as_str() {
+        "" => "Nothing.\n".to_owned(),
+        lines => format!(
+            "| class | figure | is | from the aim | why |\n|---|---|---:|---:|---|\n{lines}"
+        ),
+    };
+    format!("\n## What misses its aim\n\n{lines}")
 }
 
 #[test]
