@@ -18,7 +18,7 @@ const STYLE: &str = include_str!("style.css");
 const SCRIPT: &str = include_str!("script.js");
 const TREND_STYLE: &str = ".trend { stroke: var(--tone); stroke-width: 2; }\n\
     .rist { stroke: var(--ink); stroke-width: 1.5; stroke-dasharray: 5 4; }\n\
-    main td:last-child, main th:last-child { text-align: right; min-width: 0; }\n";
+    main td:last-child, main th:last-child { text-align: right; white-space: nowrap; min-width: 0; }\n";
 
 /// Points of a plot are drawn up to this many.
 const MOST_POINTS: usize = 2000;

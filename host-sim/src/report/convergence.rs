@@ -12,6 +12,8 @@ use super::svg::Path;
 const MOST_EVENTS: usize = 2500;
 /// Events up to which each has its error bar.
 const MOST_BARS: usize = 800;
+/// What stands for one event alone reaches so far to both sides, in events.
+const BESIDE: f64 = 0.3;
 /// Values up to which none is left outside the axis.
 const ALL_INSIDE: usize = 100;
 
@@ -81,7 +83,7 @@ impl Panel {
     ) -> Self {
         if let [only] = course[..] {
             let beside = |step| Running { event: only.event + step, ..only };
-            course = vec![beside(-0.3), beside(0.3)];
+            course = vec![beside(-BESIDE), beside(BESIDE)];
         }
         let domain = domain(&values, course.last());
         Self { kind, subscript, values, course, domain }
@@ -125,7 +127,10 @@ impl Panel {
     fn band(&self, plot: &Plot, ends: impl Fn(&Running) -> Option<[f64; 2]>) -> Path {
         let (low, high) = self.domain;
         let known = self.course.iter().filter_map(|r| Some((r.event, ends(r)?)));
-        let known: Vec<_> = known.collect();
+        let mut known: Vec<_> = known.collect();
+        if let [(event, ends)] = known[..] {
+            known = vec![(event - BESIDE, ends), (event + BESIDE, ends)];
+        }
         let edge = |(event, ends): &(f64, [f64; 2]), i: usize| {
             plot.at((*event, ends.get(i).copied().unwrap_or(low).clamp(low, high)))
         };
@@ -219,5 +224,18 @@ mod tests {
         let one = figure(&log);
         assert_eq!((one.keys.len(), many.keys.len()), (2, 4));
         assert!(!one.caption.contains("bands") && many.caption.contains("bands"));
+    }
+
+    #[test]
+    fn the_first_band_has_a_width() {
+        let band = Some((0.01, [1.2, 1.3]));
+        let course = [(0.0, None), (1.0, band)];
+        let course = course.map(|(event, band)| Running { event, mean: 1.25, band });
+        let values = [0.0, 1.0].map(|event| Measured { event, value: 1.25, std: 0.002 });
+        let panel = Panel::new("static", "s", values.to_vec(), course.to_vec());
+        let plot = Plot::new(&panel.spec(Layout::Wide));
+        let outline = panel.band(&plot, |r| r.band.map(|(_, ci95)| ci95)).element("band");
+        let left = super::super::svg::coordinate(plot.at((1.0 - BESIDE, 1.2)).0);
+        assert!(outline.contains(&format!("L{left} ")), "{outline}");
     }
 }

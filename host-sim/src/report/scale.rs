@@ -19,6 +19,11 @@ impl Scale {
     }
 }
 
+/// Width at which the labels of [`MOST_DECIMALS`] still differ, with a hundred of them and more.
+const NARROWEST: f64 = 1e-6;
+/// Decimals of a label at most.
+const MOST_DECIMALS: i32 = 9;
+
 /// An interval that holds all values, with `margin` (a fraction of its width)
 /// at both ends; never empty.
 pub(super) fn extent(values: impl IntoIterator<Item = f64>, margin: f64) -> (f64, f64) {
@@ -28,7 +33,8 @@ pub(super) fn extent(values: impl IntoIterator<Item = f64>, margin: f64) -> (f64
     if low > high {
         return (0.0, 1.0);
     }
-    let least = 1e-9_f64.max(low.abs().max(high.abs()) * 1e-6);
+    let size = low.abs().max(high.abs());
+    let least = if size > 0.0 { NARROWEST.max(1e-6 * size) } else { 1.0 };
     let width = (high - low).max(least);
     let centre = (low + high) / 2.0;
     let half = width * (0.5 + margin);
@@ -121,7 +127,7 @@ pub(super) fn ticks((low, high): (f64, f64), wanted: f64, steps: Steps) -> Ticks
         let scaled = step * 10_f64.powi(*decimals);
         scaled > 0.5 && (scaled - scaled.round()).abs() < 1e-6
     };
-    let decimals = (0..9).find(whole).unwrap_or(9) as usize;
+    let decimals = (0..MOST_DECIMALS).find(whole).unwrap_or(MOST_DECIMALS) as usize;
     Ticks { values, unit, decimals }
 }
 
@@ -189,5 +195,15 @@ mod tests {
         let (low, high) = extent([5.0, f64::NAN], 0.1);
         assert!(low < 5.0 && 5.0 < high);
         assert_eq!(extent([0.0, 10.0], 0.1), (-1.0, 11.0));
+    }
+
+    #[test]
+    fn labels_of_what_stays_the_same_differ() {
+        for value in [0.0, 1e-12, 1e-3, 250.0] {
+            let ticks = ticks(extent([value, value], 0.1), 8.0, Steps::Decimal);
+            let mut labels: Vec<String> = ticks.values.iter().map(|&v| ticks.label(v)).collect();
+            labels.dedup();
+            assert_eq!(labels.len(), ticks.values.len(), "{value}: {labels:?}");
+        }
     }
 }
