@@ -32,7 +32,7 @@ normal_n, slope_deg, winch_m_per_s, cable_length_m, snow_mm, range_n, rate_hz, t
 counts_per_n, test_id, and how well they are known (weight_std_n, slope_std_deg, zero_std_n,
 span_std_percent, damping_std, winch_std_m_per_s, weight_from, zero_before_n, zero_after_n), before or
 among the first 4096 samples.
-Readings of -6999, 6999, -99999, NaN, infinity or nothing are bad samples: counted, not used (in counts
+Readings of -6999, 6999, -9999, -99999, NaN, infinity or nothing are bad samples: counted, not used (in counts
 only the last three).")]
 pub struct Args {
     /// The log: a file, or - for standard input

@@ -66,6 +66,7 @@ pub fn layout(head: &[u8], options: &LogOptions) -> Result<Layout, InputError> {
         record: None,
         array_id: Some(id),
         resolution_s: Some(if seconds { RESOLUTION_S } else { 60.0 }),
+        seconds_unsaid: false,
     })
 }
 

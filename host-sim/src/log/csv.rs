@@ -36,7 +36,7 @@ pub fn layout(
     let (unit, mut notes) = columns.force_unit(force, options)?;
     let decimal = columns.decimal(force, time, options)?;
     if options.column.is_none() {
-        notes.extend(columns.only_force(force));
+        notes.extend(columns.only_force(force)?);
         notes.extend(columns.other_forces(force, unit, decimal)?);
     }
     if let (Some(time), None) = (time, &options.time_column) {
@@ -65,6 +65,7 @@ pub fn layout(
         record: None,
         array_id: None,
         resolution_s: None,
+        seconds_unsaid: columns.seconds_unsaid(time, options),
     };
     Ok((layout, notes))
 }

@@ -11,19 +11,23 @@ const ENOUGH: u64 = 40;
 #[derive(Clone, Debug)]
 pub struct Held {
     last: Option<Reading>,
+    index: Option<u64>,
     length: usize,
     runs: [u64; LONGEST],
 }
 
 impl Default for Held {
     fn default() -> Self {
-        Self { last: None, length: 0, runs: [0; LONGEST] }
+        Self { last: None, index: None, length: 0, runs: [0; LONGEST] }
     }
 }
 
 impl Held {
-    /// The next reading.
-    pub fn push(&mut self, reading: Reading) {
+    /// The next reading; a row that is there twice, and has the index of the one before, is none.
+    pub fn push(&mut self, index: u64, reading: Reading) {
+        if self.index.replace(index) == Some(index) {
+            return;
+        }
         if self.last == Some(reading) {
             self.length += 1;
             return;
@@ -66,7 +70,11 @@ mod tests {
 
     fn samples(forces: impl Iterator<Item = f32>) -> Option<usize> {
         let mut held = Held::default();
-        forces.for_each(|force| held.push(Reading::Force(Newtons(force))));
+        let readings = (0..).zip(forces.map(|force| Reading::Force(Newtons(force))));
+        readings.for_each(|(index, reading)| {
+            held.push(index, reading);
+            held.push(index, reading);
+        });
         held.samples()
     }
 

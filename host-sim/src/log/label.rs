@@ -108,6 +108,18 @@ impl Label {
         !self.is_force() && self.holds_force() && self.words().any(|word| !FORCE.contains(&word))
     }
 
+    /// Whether a factor is in the name: `Force x 10`, `Force*10`, `10^3 force`.
+    #[must_use]
+    pub fn holds_factor(&self) -> bool {
+        let factor = |(at, mark): (usize, &str)| {
+            let (before, behind) = self.quantity.split_at_checked(at).unwrap_or_default();
+            let behind = behind.strip_prefix(mark).unwrap_or_default().trim_start();
+            let is_word = mark != "x" || !before.ends_with(char::is_alphanumeric);
+            is_word && behind.starts_with(|first: char| first.is_ascii_digit())
+        };
+        self.quantity.match_indices(['x', '×', '*', '/', '^']).any(factor)
+    }
+
     fn words(&self) -> impl Iterator<Item = &str> {
         let words = self.quantity.split(|letter: char| !letter.is_alphanumeric());
         words.filter(|word| !word.is_empty())
@@ -204,6 +216,23 @@ mod tests {
         for (name, quantity, unit) in table {
             let unit = Some(unit.to_string()).filter(|unit| !unit.is_empty());
             assert_eq!(Label::new(name), Label { quantity: quantity.to_string(), unit }, "{name}");
+        }
+    }
+
+    #[test]
+    fn factors() {
+        for name in [
+            "Force x 10 N",
+            "Force*10 (N)",
+            "Force x10 [N]",
+            "load ×1000",
+            "10^3 force",
+            "Force/10",
+        ] {
+            assert!(Label::new(name).holds_factor(), "{name}");
+        }
+        for name in ["force_n", "Force max (N)", "Load cell 1", "box1 force", "Force x (N)"] {
+            assert!(!Label::new(name).holds_factor(), "{name}");
         }
     }
 

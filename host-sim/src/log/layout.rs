@@ -4,6 +4,7 @@ use crate::error::{InputError, excerpt};
 use crate::rounding::counted;
 
 use super::cells::Cells;
+use super::label::Label;
 use super::number::{
     Decimal, Unit, finite, is_grouped, is_thousand, number, reading, reading_of, thousand,
 };
@@ -40,6 +41,8 @@ pub struct Layout {
     pub array_id: Option<u32>,
     /// Step of the stamps if the format has coarse ones, s.
     pub resolution_s: Option<f64>,
+    /// Nothing says the unit of the time, which is taken as seconds.
+    pub seconds_unsaid: bool,
 }
 
 /// How a row tells its time.
@@ -172,7 +175,10 @@ impl Layout {
     fn no_force(&self, cell: &[u8]) -> InputError {
         let kind = if self.unit == Unit::Counts { "whole number of counts" } else { "number" };
         let (place, held) = (self.force + 1, excerpt(cell));
-        let remedy = if number(cell, Decimal::Any).is_some() && self.unit != Unit::Counts {
+        let remedy = if Label::new(text(cell)).holds_force() {
+            "names again: take it out if the same columns go on below, else cut the log there"
+                .to_string()
+        } else if number(cell, Decimal::Any).is_some() && self.unit != Unit::Counts {
             "the rows before have another decimal mark: write all with the same".to_string()
         } else if is_grouped(cell) {
             "write it without marks between the thousands".to_string()
@@ -205,6 +211,11 @@ impl Layout {
     }
 }
 
+/// Whether it is text without a digit: `Mean:`, `Channels`.
+fn is_words(cell: &str) -> bool {
+    cell.starts_with(char::is_alphabetic) && !cell.bytes().any(|byte| byte.is_ascii_digit())
+}
+
 /// Whether letters end it that are a zone by its name.
 fn ends_with_zone(stamp: &str) -> bool {
     let word = stamp.rsplit(' ').next().unwrap_or_default();
@@ -227,6 +238,7 @@ pub fn is_empty(line: &[u8], separator: u8) -> bool {
 fn no_time(cell: &[u8]) -> InputError {
     let colons = cell.iter().filter(|&&byte| byte == b':').count();
     let remedy = match (colons, text(cell).contains([' ', 'T', '-'])) {
+        _ if is_words(text(cell)) => "if a footer or another log begins there, cut the log there",
         _ if colons > 0 && ends_with_zone(text(cell)) => {
             "write its zone as an offset, such as +01:00"
         }

@@ -3,6 +3,7 @@
 use crate::error::{InputError, excerpt};
 use crate::replay::known::{KnownMetadata, WeightFrom};
 
+use super::number::finite;
 use super::sense;
 
 /// The keys that are known; every other comment is skipped.
@@ -138,8 +139,13 @@ impl Metadata {
 
     /// Notes what was meant to say what a known key says.
     fn look_at(&mut self, text: &str, number: u64) {
-        const MEANT: [(&str, &str); 3] =
-            [("weight", "weight_n: 630"), ("mass", "mass_kg: 64.2"), ("slope", "slope_deg: 1.5")];
+        const MEANT: [(&str, &str); 5] = [
+            ("weight", "weight_n: 630"),
+            ("mass", "mass_kg: 64.2"),
+            ("slope", "slope_deg: 1.5"),
+            ("winch", "winch_m_per_s: 0.0157"),
+            ("zero", "zero_before_n: 1.2"),
+        ];
         let cut = |marks: &[char]| text.split_once(marks);
         let (key, value) =
             cut(&[':', '=', ',', ';', '\t']).or_else(|| cut(&[' '])).unwrap_or((text, ""));
@@ -148,9 +154,11 @@ impl Metadata {
             return;
         }
         let meant = MEANT.iter().find(|(start, _)| key.starts_with(start));
+        let is_key = self.field(&key).is_some();
         let write = match meant {
+            _ if is_key && finite(value.as_bytes()).is_some() => format!("{key}: {value}"),
             Some((_, write)) => (*write).to_string(),
-            None if self.field(&key).is_some() => format!("{key}: {value}"),
+            None if is_key => format!("{key}: {value}"),
             None => return,
         };
         let said = excerpt(text.as_bytes());
@@ -268,7 +276,13 @@ mod tests {
     #[test]
     fn what_was_meant_for_a_key_is_noted() {
         let mut metadata = Metadata::default();
-        let lines = ["# weight_kn: 0.63", "# weight_n=630", "# Mass: 64 kg", "# weighed: twice"];
+        let lines = [
+            "# weight_kn: 0.63",
+            "# weight_n=630",
+            "# Mass: 64 kg",
+            "# zero_n: 3.5",
+            "# weighed: twice",
+        ];
         for (number, line) in (1..).zip(lines) {
             metadata.take(line.as_bytes(), number).unwrap();
         }
@@ -276,7 +290,11 @@ mod tests {
             metadata.notes[0],
             "line 1: 'weight_kn: 0.63' is not read: write '# weight_n: 630'"
         );
-        assert_eq!(metadata.notes.len(), 3);
+        assert_eq!(
+            metadata.notes[3],
+            "line 4: 'zero_n: 3.5' is not read: write '# zero_before_n: 1.2'"
+        );
+        assert_eq!(metadata.notes.len(), 4);
         metadata.take(b"% weight_n: 630", 9).unwrap();
         metadata.take(b"\"# slope_deg: 5\",;", 10).unwrap();
         assert_eq!((metadata.weight_n, metadata.slope_deg), (Some(630.0), Some(5.0)));

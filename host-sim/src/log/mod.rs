@@ -8,8 +8,8 @@
 //! What differs between the formats is only where a row keeps its stamp and its
 //! force ([`layout::Layout`]); each format's module finds that out.
 //!
-//! A reading that a logger marks as bad (-6999, 6999, -99999, NaN, infinite or
-//! empty) is a sample without a force, counted as rejected. Anything else that
+//! A reading that a logger marks as bad (-6999, 6999, -9999, -99999, NaN, infinite
+//! or empty) is a sample without a force, counted as rejected. Anything else that
 //! is not a number, and any time that is not one, is an error with its line.
 
 use std::collections::VecDeque;
@@ -188,7 +188,7 @@ impl Log {
         if let Some(interval_s) = self.clock.other_interval_s().filter(|_| !self.rate_is_given) {
             return Err(self.other_interval(row.line, interval_s));
         }
-        self.held.push(row.reading);
+        self.held.push(index, row.reading);
         let raw = RawSample { index, reading: row.reading };
         Ok(Some(Sample { raw, time_s: time_s - self.origin_s }))
     }

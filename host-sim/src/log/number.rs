@@ -4,8 +4,9 @@ use floe_core::{Counts, Fault, Newtons, Reading};
 
 use crate::error::InputError;
 
-/// Values that Campbell loggers write for a measurement that failed.
-pub const SENTINELS: [f64; 3] = [-6999.0, 6999.0, -99999.0];
+/// Values that stand for a measurement that failed: those of Campbell loggers, and the -9999 of
+/// archives of weather and climate.
+pub const SENTINELS: [f64; 4] = [-6999.0, 6999.0, -99999.0, -9999.0];
 
 /// Standard gravity, m/s²: turns a mass into a weight and kgf into N.
 pub use floe_core::units::STANDARD_GRAVITY_M_PER_S2 as STANDARD_GRAVITY;
@@ -148,9 +149,9 @@ pub fn reading(cell: &[u8], unit: Unit, decimal: Decimal) -> Option<Reading> {
 /// Whether a cell says that there is no number, as spreadsheets and statistics write it.
 #[cold]
 fn is_missing(cell: &[u8]) -> bool {
-    const WORDS: [&str; 13] = [
-        "NA", "N/A", "#N/A", "null", "None", "#DIV/0!", "#NUM!", "#VALUE!", "#REF!", "#NAME?",
-        "-1.#IND", "1.#QNAN", "1.#INF",
+    const WORDS: [&str; 14] = [
+        "NA", "<NA>", "N/A", "#N/A", "null", "None", "#DIV/0!", "#NUM!", "#VALUE!", "#REF!",
+        "#NAME?", "-1.#IND", "1.#QNAN", "1.#INF",
     ];
     WORDS.iter().any(|word| cell.eq_ignore_ascii_case(word.as_bytes()))
 }
@@ -249,7 +250,8 @@ mod tests {
     #[test]
     fn markers_are_bad_samples_and_text_is_an_error() {
         let bad = [
-            "-6999", "6999", "-99999", "-6999.0", "NAN", "nan", "", "inf", "-INF", "1e999", "1e39",
+            "-6999", "6999", "-99999", "-9999", "-6999.0", "NAN", "nan", "", "inf", "-INF",
+            "1e999", "1e39",
         ]
         .into_iter()
         .chain(["N/A", "#n/a", "NULL", "#DIV/0!", "-1.#IND"]);

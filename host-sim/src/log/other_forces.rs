@@ -45,13 +45,21 @@ impl Columns<'_> {
     }
 
     /// Says that the only column of force is read where its name says more: `force_std_n`.
-    #[must_use]
-    pub fn only_force(&self, force: usize) -> Option<String> {
-        let label = self.labels().get(force)?;
-        label.says_more_than_force().then(|| {
-            let name = self.name(force);
+    ///
+    /// # Errors
+    /// What it says is a factor: `Force x 10 N`.
+    pub fn only_force(&self, force: usize) -> Result<Option<String>, InputError> {
+        let Some(label) = self.labels().get(force) else { return Ok(None) };
+        let name = self.name(force);
+        if label.holds_factor() {
+            return Err(InputError::new(format!(
+                "the name of column '{name}' holds a factor: write the forces themselves, or give \
+                 --column NAME to read them as they stand"
+            )));
+        }
+        Ok(label.says_more_than_force().then(|| {
             format!("'{name}' is the only column of force, and is read: --column takes another")
-        })
+        }))
     }
 
     /// How many rows say the same in both columns.

@@ -220,6 +220,9 @@ impl Rows {
             let line = self.last_line;
             return Err(if ahead { runs_ahead(seconds, line) } else { goes_back(seconds) });
         }
+        if self.layout.seconds_unsaid && leaves_out_40(self.last_time_s, row.time_s) {
+            return Err(time_of_day(self.last_time_s, row.time_s));
+        }
         self.before_s = self.last_time_s;
         (self.last_time_s, self.last_line) = (row.time_s, row.line);
         if let (Some(last), Some(record)) = (self.last_record, record) {
@@ -234,6 +237,26 @@ impl Rows {
         let undated = matches!(self.layout.time, TimeCells::DateAndClock { date: None, .. });
         undated && self.last_time_s - time_s > 0.5 * DAY_S
     }
+}
+
+/// Whether the time goes on as a time of day written as a number does behind 59 seconds, and behind
+/// 59 minutes: 12:59:59.9 and 13:00:00.0 as 125959.9 and 130000.0.
+fn leaves_out_40(before_s: f64, after_s: f64) -> bool {
+    // The longest period of a sample, s.
+    const LONGEST_S: f64 = 1.0;
+    let step_s = after_s - before_s;
+    let left_out = |seconds: f64| (0.0..=LONGEST_S).contains(&(step_s - seconds));
+    (left_out(40.0) || left_out(4040.0))
+        && (60.0 - LONGEST_S..60.0).contains(&before_s.rem_euclid(100.0))
+        && after_s.rem_euclid(100.0) < LONGEST_S
+}
+
+#[cold]
+fn time_of_day(before_s: f64, after_s: f64) -> InputError {
+    InputError::new(format!(
+        "time goes from {before_s:.3} on to {after_s:.3}, as a time of day without colons does: write \
+         12:59:59.9 for 125959.9, or give --time-unit s if it is in seconds"
+    ))
 }
 
 /// The time goes on from the row before the last: the last one may be ahead.

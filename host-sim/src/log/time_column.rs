@@ -5,6 +5,7 @@ use crate::error::InputError;
 use super::LogOptions;
 use super::columns::Columns;
 use super::csv::{agreed_time, find, there_are};
+use super::header::{Kind, kind};
 use super::label::Label;
 use super::layout::TimeCells;
 use super::number::{Decimal, number};
@@ -185,6 +186,17 @@ impl Columns<'_> {
         self.cells(column).filter_map(|cell| number(cell.as_bytes(), decimal)).collect()
     }
 
+    /// Whether a column may tell the time, as far as the first rows show: no text, nor numbers that
+    /// stand still, fall or count the rows.
+    fn runs_on(&self, column: usize) -> bool {
+        let values = self.values(column, Decimal::Any);
+        let (first, last) = (values.first(), values.last());
+        let goes_on = values.windows(2).all(|w| w.first() <= w.last()) && first < last;
+        let mut cells = self.cells(column).filter(|cell| !cell.is_empty()).peekable();
+        let are_values = cells.peek().is_none() || cells.all(|cell| kind(cell) == Kind::Value);
+        are_values && (values.is_empty() || goes_on) && !self.numbers_rows(column, Decimal::Any)
+    }
+
     /// Whether a column may number the rows, as far as the first ones show.
     fn numbers_rows(&self, column: usize, decimal: Decimal) -> bool {
         let values = self.values(column, decimal);
@@ -208,14 +220,20 @@ impl Columns<'_> {
         }
     }
 
+    /// Whether nothing says the unit of a time that is taken as seconds.
+    #[must_use]
+    pub fn seconds_unsaid(&self, time: TimeCells, options: &LogOptions) -> bool {
+        let TimeCells::Number { cell, unit: TimeUnit::Second } = time else { return false };
+        options.time_unit.is_none() && self.stated(cell).next().is_none()
+    }
+
     /// Says that a time in whole numbers has no unit.
     #[must_use]
     pub fn assumed_seconds(&self, time: TimeCells, options: &LogOptions) -> Option<String> {
-        let TimeCells::Number { cell, unit: TimeUnit::Second } = time else { return None };
-        let said = options.time_unit.is_some() || self.stated(cell).next().is_some();
+        let TimeCells::Number { cell, .. } = time else { return None };
         let is_whole = |value: &f64| value.fract().abs() < 1e-9;
         let values = self.values(cell, Decimal::Any);
-        (!said && !values.is_empty() && values.iter().all(is_whole))
+        (self.seconds_unsaid(time, options) && !values.is_empty() && values.iter().all(is_whole))
             .then(|| format!("the times of column {} have no unit: taken as s", self.said(cell)))
     }
 
@@ -229,8 +247,10 @@ impl Columns<'_> {
         }
         let known = "no time column (time_s, t_s, t or time): give";
         let rate = "--rate-hz R for rows without a time";
-        let may_be_time =
-            |&place: &usize| place != force && !self.numbers_rows(place, Decimal::Any);
+        let may_be_time = |&place: &usize| {
+            let is_named = self.names.get(place).is_some_and(|name| !name.is_empty());
+            place != force && is_named && self.runs_on(place)
+        };
         let mut others = (0..self.names.len()).filter(may_be_time);
         let Some(other) = others.next().and_then(|place| self.names.get(place)) else {
             return InputError::new(format!("{known} {rate}; {}", there_are(&self.names)));

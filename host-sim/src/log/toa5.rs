@@ -55,6 +55,7 @@ pub fn layout(names: &[u8], units: &[u8], options: &LogOptions) -> Result<Layout
         record: find(&names, "RECORD", "--column")?,
         array_id: None,
         resolution_s: None,
+        seconds_unsaid: false,
     })
 }
 

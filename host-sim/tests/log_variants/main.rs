@@ -113,6 +113,7 @@ fn forms() -> Vec<Form> {
         misread::metadata(),
         misread::numbers(),
         misread::lines(),
+        misread::ends(),
     ]
     .into_iter()
     .flatten()

@@ -110,6 +110,56 @@ pub fn numbers() -> Vec<Form> {
     ]
 }
 
+/// Factors, times of day without colons, what follows the last row.
+pub fn ends() -> Vec<Form> {
+    let times = |name: &str, minute: u32, from_s: f64| {
+        table(&format!("{name},force_n\n"), move |t, f| {
+            let t = t + from_s;
+            let minutes = (t / 60.0).floor();
+            let hhmm =
+                1200 + minute + minutes as u32 + if minute > 58 && minutes > 0.0 { 40 } else { 0 };
+            format!("{:.4},{f}", f64::from(hhmm) * 100.0 + t - 60.0 * minutes)
+        })
+    };
+    let behind = |line: &str| plain() + line;
+    vec![
+        form(
+            "125959.9, the hour behind it",
+            times("time", 59, 55.0),
+            Refused(&["line 82: time goes from 125959.938 on to 130000.000", "--time-unit s"]),
+        ),
+        form(
+            "121059.9, the minute behind it",
+            times("time", 10, 55.0),
+            Refused(&["line 82", "as a time of day without colons does: write 12:59:59.9"]),
+        ),
+        form("such steps in seconds, said", times("time_s", 10, 55.0), Noted("")),
+        form(
+            "Force x 10 N",
+            table("time_s,Force x 10 N\n", |t, f| format!("{t},{}", f / 10.0)),
+            Refused(&["'Force x 10 N' holds a factor: write the forces themselves"]),
+        ),
+        form(
+            "two channels of numbers without a time",
+            table("Sample,Force (N),Temp (C)\n", |t, f| format!("{},{f},-12.1", 16.0 * t)),
+            Refused(&["t or time): give --rate-hz R for rows without a time; there are"]),
+        ),
+        form(
+            "LabVIEW, a second header",
+            behind("\nChannels,2\nSamples,200\n"),
+            Refused(&["line 203", "'Channels'; if a footer or another log begins there, cut"]),
+        ),
+        form("a footer", behind("Mean:,312.5\n"), Refused(&["line 202", "if a footer"])),
+        form(
+            "every row twice",
+            table("time_s,force_n\n", |t, f| format!("{t},{f}\n{t},{f}")),
+            Noted(""),
+        ),
+        form("<NA>", plain().replacen(",100\n", ",<NA>\n", 1), Noted("")),
+        form("-9999", plain().replacen(",100\n", ",-9999\n", 1), Noted("")),
+    ]
+}
+
 /// Metadata that is not in a line `# key: value` of its own.
 pub fn metadata() -> Vec<Form> {
     let said = |line: &str| format!("{line}\n{}", plain());

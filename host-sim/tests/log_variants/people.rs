@@ -183,7 +183,7 @@ pub fn wholes() -> Vec<Form> {
         form(
             "the header again",
             plain().replacen("\n5,", "\ntime_s,force_n\n5,", 1),
-            Refused(&["line 82", "'force_n', not a number", "take it out"]),
+            Refused(&["line 82", "'force_n', not a number", "take it out", "else cut the log"]),
         ),
         form(
             "a comma, then semicolons",
