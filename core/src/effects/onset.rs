@@ -6,7 +6,8 @@
 //! the part `x` of the slip, close to `sin² πx`, and the same times `1 − 2 x`, which has different
 //! signs in the two halves. The cause is not known, so nothing is shifted: `Fs`, which the line and
 //! the beginning of the slip tell together, is as unsure as the terms would move it. The first
-//! three events hardly tell the terms: there `UNTOLD` says how large they may be.
+//! three events hardly tell the terms: there a prior, `UNTOLD`, and their samples together say how
+//! large they may be.
 
 use crate::effect::Parameter;
 use crate::effects::score::{Score, ScoreSum};
