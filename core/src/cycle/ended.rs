@@ -152,13 +152,17 @@ impl CycleTracker {
         if let Some(before) = &self.pending {
             self.finishing = Some(CycleFit::new(before));
         }
-        match by {
+        let progress = match by {
             By::Slip(slip) => {
                 let next = self.pending.insert(SlipRecord::new(detector, stick, start, slip));
-                next.gather(detector.window(), start, slip);
+                next.gather(detector.window(), slip);
+                Progress::Gathered
             }
-            By::Loss(_) => self.pending = None,
-        }
+            By::Loss(_) => {
+                self.pending = None;
+                Progress::Answered(None)
+            }
+        };
         if let (Some(next), Some(CycleFit { slip: before, .. })) =
             (&mut self.pending, &mut self.finishing)
         {
@@ -170,9 +174,8 @@ impl CycleTracker {
                 before.refused = next.refused;
             }
         }
-        let is_slip = self.pending.is_some();
         if let Some(ended) = &mut self.ended {
-            ended.progress = if is_slip { Progress::Gathered } else { Progress::Answered(None) };
+            ended.progress = progress;
         }
     }
 

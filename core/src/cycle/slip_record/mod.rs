@@ -112,8 +112,8 @@ impl SlipRecord {
     }
 
     /// Gathers its samples up to the last one that the detector had looked at.
-    pub(crate) fn gather(&mut self, window: &Window, start: u64, slip: &Slip) {
-        self.take(window, start, slip.last);
+    pub(crate) fn gather(&mut self, window: &Window, slip: &Slip) {
+        self.take(window, slip.last);
         self.rough.middle = self.crossing();
         self.rough.edges = self.edges();
         let missing = self.length - self.samples().good().count();
@@ -135,9 +135,11 @@ impl SlipRecord {
         (self.early, self.slip) = (cycle, cycle.map_or_else(|| self.extremes(), slip));
     }
 
-    /// Appends the samples `from` (right after those that were taken) to `to`, as many as there is
-    /// room for.
-    fn take(&mut self, window: &Window, from: u64, to: u64) {
+    /// Appends the samples right after those that were taken, up to the index `to`, as many as there
+    /// is room for.
+    fn take(&mut self, window: &Window, to: u64) {
+        let start = self.origin.saturating_add_signed((self.start as i32).into());
+        let from = start + self.length as u64;
         let room = self.forces_n.get_mut(self.length..).unwrap_or_default();
         for (entry, index) in room.iter_mut().zip(from..to + 1) {
             *entry = window.get_near(index).unwrap_or(f32::NAN);
@@ -186,9 +188,7 @@ impl SlipRecord {
         last: Option<u64>,
     ) {
         if stick.first_from(stick.origin).count == 0 {
-            let start = self.origin.saturating_add_signed((self.start as i32).into());
-            let next = start + self.length as u64;
-            self.take(window, next, next_peak.saturating_sub(1));
+            self.take(window, next_peak.saturating_sub(1));
         }
         self.limit = since(self.origin, next_peak);
         let peak_time = self.early.map_or(self.rough.rise, |cycle| cycle.peak_time());
