@@ -27,6 +27,7 @@ pub struct Journal<S> {
 impl<S: Store> Journal<S> {
     /// Goes on behind what is on the card.
     pub fn new(store: S, clock_hz: u32) -> Self {
+        // The record is made where it stays: it is large.
         let mut new = Self {
             store,
             record: Record::default(),

@@ -19,9 +19,9 @@ use crate::num::math;
 use crate::stats::normal_equations::Gradient;
 
 /// Part of the stated standard deviation by which a damping ratio above zero may have come out low by
-/// chance, up to twice what was found: few events tell it to less than that. Tuned: without it losses of
-/// two to three stated standard deviations are covered in three of four records of two minutes, with 1 a
-/// cable without any is given a tenth more.
+/// chance, up to twice what was found: few events tell it to less than that. Tuned: without it drag of
+/// 30 N s/m, two and a half of the usual stated standard deviations, is covered by .70 of the intervals
+/// of `mu` of two-minute records, with it by .92; with 1 that is the same, and they are a ninth wider.
 const LOW: f32 = 0.5;
 
 /// The damping ratio, a term's amplitude, as the events tell it.
@@ -121,6 +121,7 @@ mod tests {
             );
         }
     }
+
     /// What is stated is never narrowed, what is found widens it, and a little more than that; what
     /// is stated to be exact stays so.
     #[test]
@@ -128,8 +129,7 @@ mod tests {
         let stated = 0.005;
         let std = |found: f32, events: u8| {
             let mut damping = Damping::default();
-            let information = 1.0;
-            let event = Score { score: found * information, information, ..Score::default() };
+            let event = Score { score: found, information: 1.0, ..Score::default() };
             (0..events).for_each(|_| damping.0.learn(&event, 1.0));
             (damping.std(stated), damping.std(0.0))
         };
