@@ -156,10 +156,11 @@ impl Metadata {
         let meant = MEANT.iter().find(|(start, _)| key.starts_with(start));
         let is_key = self.field(&key).is_some();
         let write = match meant {
-            _ if is_key && finite(value.as_bytes()).is_some() => format!("{key}: {value}"),
-            Some((_, write)) => (*write).to_string(),
-            None if is_key => format!("{key}: {value}"),
-            None => return,
+            Some((_, write)) if !is_key || finite(value.as_bytes()).is_none() => {
+                (*write).to_string()
+            }
+            _ if is_key => format!("{key}: {value}"),
+            _ => return,
         };
         let said = excerpt(text.as_bytes());
         self.notes.push(format!("line {number}: {said} is not read: write '# {write}'"));

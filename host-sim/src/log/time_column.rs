@@ -192,8 +192,8 @@ impl Columns<'_> {
         let values = self.values(column, Decimal::Any);
         let (first, last) = (values.first(), values.last());
         let goes_on = values.windows(2).all(|w| w.first() <= w.last()) && first < last;
-        let mut cells = self.cells(column).filter(|cell| !cell.is_empty()).peekable();
-        let are_values = cells.peek().is_none() || cells.all(|cell| kind(cell) == Kind::Value);
+        let mut cells = self.cells(column).filter(|cell| !cell.is_empty());
+        let are_values = cells.all(|cell| kind(cell) == Kind::Value);
         are_values && (values.is_empty() || goes_on) && !self.numbers_rows(column, Decimal::Any)
     }
 

@@ -82,8 +82,7 @@ impl Panel {
         mut course: Vec<Running>,
     ) -> Self {
         if let [only] = course[..] {
-            let beside = |step| Running { event: only.event + step, ..only };
-            course = vec![beside(-BESIDE), beside(BESIDE)];
+            course = beside(only.event).map(|event| Running { event, ..only }).to_vec();
         }
         let domain = domain(&values, course.last());
         Self { kind, subscript, values, course, domain }
@@ -129,7 +128,7 @@ impl Panel {
         let known = self.course.iter().filter_map(|r| Some((r.event, ends(r)?)));
         let mut known: Vec<_> = known.collect();
         if let [(event, ends)] = known[..] {
-            known = vec![(event - BESIDE, ends), (event + BESIDE, ends)];
+            known = beside(event).map(|event| (event, ends)).to_vec();
         }
         let edge = |(event, ends): &(f64, [f64; 2]), i: usize| {
             plot.at((*event, ends.get(i).copied().unwrap_or(low).clamp(low, high)))
@@ -174,6 +173,11 @@ impl Panel {
             },
         }
     }
+}
+
+/// Both ends of what stands for one event alone, in events.
+fn beside(event: f64) -> [f64; 2] {
+    [event - BESIDE, event + BESIDE]
 }
 
 /// The values with their errors and the result; the strays of many are left out where they
