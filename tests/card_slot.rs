@@ -129,6 +129,42 @@ fn a_full_log_is_said_and_another_card_taken() {
     assert!(lengths(card.content()).iter().sum::<usize>() > 50);
 }
 
+/// The words of a logger that is switched on with this card.
+fn at_power_up(card: &SimCard, log_sectors: u32) -> String {
+    with_board(CardLog::new(card.clone(), log_sectors), &[0], |board| {
+        (0..LATEST).for_each(|_| board.tick());
+        board.said()
+    })
+}
+
+#[test]
+fn a_test_that_ended_while_the_card_was_away_does_not_go_on() {
+    let card = SimCard::new(formatted());
+    with_board(CardLog::new(card.clone(), LOG_SECTORS), &stick_slip(TICKS), |board| {
+        board.type_in(BEGIN);
+        (0..TICKS / 2).for_each(|_| board.tick());
+        card.cut_after(0, Rest::Old);
+        board.type_in(b"stop\n");
+        (0..LATEST).for_each(|_| board.tick());
+        card.revive();
+        (0..LATEST).for_each(|_| board.tick());
+        assert_eq!(board.view().card, CardState::Ready);
+    });
+    let said = at_power_up(&card, LOG_SECTORS);
+    assert!(!said.contains("the test goes on"), "{said}");
+    let kept = lengths(card.content());
+    assert!(matches!(kept[..], [samples] if samples >= (TICKS / 2 - LATEST) as usize), "{kept:?}");
+}
+
+#[test]
+fn a_test_that_has_filled_the_log_does_not_go_on() {
+    const SECTORS: u32 = 32;
+    let card = SimCard::new(formatted());
+    one_test(&card, SECTORS);
+    let said = at_power_up(&card, SECTORS);
+    assert!(said.contains("FLOE.LOG is full") && !said.contains("the test goes on"), "{said}");
+}
+
 /// Asked again and again: it is never said to have no file system, which would be formatted.
 #[test]
 fn a_card_without_room_is_named_as_that() {

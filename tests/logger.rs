@@ -8,6 +8,7 @@ use floe::chip::{LoadCell, Schedule, Trouble};
 use floe::log::{Log, LogOptions};
 use floe_core::{Config, Counts, Event, Pipeline, RawSample, Reading};
 use floe_firmware::line::{Line, LineError};
+use floe_firmware::notebook::WeightFrom;
 use floe_firmware::record::SECTOR_LEN;
 use floe_tests::records::stick_slip;
 use floe_tests::scripted::{Card, Session, run};
@@ -143,13 +144,57 @@ fn mistakes_are_told() {
     let script: Vec<(u64, &str)> = script.iter().map(|(tick, text)| (*tick, &**text)).collect();
     let board = run(cell(&[0]), Schedule::default(), &Card::default(), &script);
     for words in [
-        "set weight N first",
+        "set weight N, above 0",
         "no test is running",
         "nothing to accept",
         "unknown command",
         "too long",
     ] {
         assert!(board.says(words), "{words} not in {}", board.screen);
+    }
+}
+
+/// Each of these was taken, and the sectors of the next test could not be read.
+#[test]
+fn no_standard_deviation_is_below_zero_whether_the_core_is_told_it_or_not() {
+    let script = [
+        (0, "set weight-std -1\n"),
+        (1, "set winch-std -0.001\n"),
+        (2, "set weight-from same_cell\nset span-std -5\n"),
+        (3, BEGIN),
+        (200, "stop\n"),
+    ];
+    let card = Card::default();
+    let board = run(cell(&stick_slip(220)), Schedule::default(), &card, &script);
+    assert_eq!(board.screen.matches("not below zero").count(), 3, "{}", board.screen);
+    let (tests, found) = card::tests(Cursor::new(card.bytes.borrow().clone())).expect("readable");
+    assert_eq!((tests.len(), found.damaged), (1, 0));
+}
+
+/// The weight was in codes of that span.
+#[test]
+fn another_span_does_not_cancel_in_a_weight() {
+    let script =
+        [(0, "set weight 300\nset weight-from same_cell\n"), (1, "set span 4500\nstatus\n")];
+    let board = run(cell(&[0]), Schedule::default(), &Card::default(), &script);
+    let last = board.lines().filter_map(|line| match line {
+        Line::Start { settings, .. } => Some(settings),
+        _ => None,
+    });
+    assert_eq!(last.last().expect("settings").weight_from, Some(WeightFrom::Other));
+}
+
+#[test]
+fn a_test_begins_after_a_measurement_and_ends_by_stop() {
+    let script = [
+        (0, "set weight 630\nset span 5000\nweigh\n"),
+        (40, "start\n"),
+        (41, "abort\nstart\n"),
+        (80, "abort\n"),
+    ];
+    let board = run(cell(&stick_slip(100)), Schedule::default(), &Card::default(), &script);
+    for words in ["accept or abort?", "aborted", "a test is running; stop ends it"] {
+        assert_eq!(board.screen.matches(words).count(), 1, "{words} in {}", board.screen);
     }
 }
 

@@ -8,7 +8,8 @@ use crate::measuring::Task;
 use crate::notebook::{Kind, Track, WeightFrom, from_word};
 use crate::settings::{NAME_LEN, fits_name};
 use crate::wall_clock::Moment;
-use number::{NEGATIVE, code, number, size};
+pub(crate) use number::NEGATIVE;
+use number::{code, number, size};
 
 mod number;
 
@@ -152,7 +153,7 @@ impl Command {
             "tare" => rest_is(Self::Measure(Task::Tare)),
             "calibrate" => match number(rest)? {
                 force_n if force_n > 0.0 => Ok(Self::Measure(Task::Calibrate(force_n))),
-                _ => Err("a known weight in N, above zero"),
+                _ => Err("a known force, N, above 0"),
             },
             "weigh" => rest_is(Self::Measure(Task::Weigh)),
             "accept" => rest_is(Self::Accept),

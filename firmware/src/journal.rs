@@ -65,7 +65,7 @@ impl<S: Store> Journal<S> {
     pub fn sample(&mut self, sample: Sample) -> Result<(), StoreError> {
         // Cannot fail: a full sector has been written and emptied.
         let _ = self.record.samples.push(sample);
-        if self.record.samples.len() < SECTOR_SAMPLES { Ok(()) } else { self.flush() }
+        if self.record.samples.len() < SECTOR_SAMPLES { Ok(()) } else { self.fill() }
     }
 
     /// Adds a line for the next sectors that have room. Where too much waits already, that is
@@ -91,11 +91,17 @@ impl<S: Store> Journal<S> {
     pub fn flush(&mut self) -> Result<(), StoreError> {
         let mut result = Ok(());
         while !self.record.samples.is_empty() || !self.waiting.is_empty() {
-            self.take_waiting();
-            result = result.and(self.write());
-            self.record.samples.clear();
-            self.record.text.clear();
+            result = result.and(self.fill());
         }
+        result
+    }
+
+    /// Writes one sector, with as many of the lines that wait as it has room for.
+    fn fill(&mut self) -> Result<(), StoreError> {
+        self.take_waiting();
+        let result = self.write();
+        self.record.samples.clear();
+        self.record.text.clear();
         result
     }
 
@@ -224,6 +230,25 @@ mod tests {
         }
         journal.end().unwrap();
         assert_eq!(kept(&journal), said);
+    }
+
+    /// A sector a sample: what it has no room for waits for the next.
+    #[test]
+    fn no_sector_is_without_samples_while_others_have_room() {
+        let mut journal = Journal::new(Sectors::default(), 1_000_000);
+        let line = "e".repeat(TEXT_LEN + 80);
+        for index in 0..28 * 20 {
+            if index % 28 == 0 {
+                journal.line(&line);
+            }
+            let reading = Ok(floe_core::Counts(0));
+            let sample = Sample { index, stamp: 0, input: crate::adc::Input::Bridge, reading };
+            journal.sample(sample).unwrap();
+        }
+        journal.end().unwrap();
+        let sectors = journal.store().0.iter().map(|sector| Record::decode(sector).unwrap());
+        assert_eq!(sectors.filter(|record| record.samples.is_empty()).count(), 0);
+        assert_eq!(kept(&journal), (line + "\n").repeat(20));
     }
 
     fn kept(journal: &Journal<Sectors>) -> std::string::String {

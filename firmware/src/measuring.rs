@@ -195,7 +195,7 @@ impl Measuring {
                 settings.stds.zero_n = Some(hypotenuse(rest.std, WHOLE_CODE) / span.abs());
             }
             Task::Calibrate(_) => {
-                settings.config.calibration.counts_per_n = self.span()?.0.counts_per_n;
+                settings.set_span(self.span()?.0.counts_per_n);
             }
             Task::Weigh => {
                 let load = self.hanging()?;

@@ -171,7 +171,8 @@ impl Settings {
         }
         changed.check()?;
         changed.core_config().validate_std()?;
-        Ok(changed)
+        // Also what the core is not told of these settings: the card keeps it.
+        if changed.is_sound() { Ok(changed) } else { Err(ConfigError::Std) }
     }
 
     fn set_number(&mut self, quantity: Quantity, value: f32) {
@@ -186,7 +187,7 @@ impl Settings {
             Quantity::Slope => config.slope_rad = value,
             Quantity::Winch => config.winch_m_per_s = known(value),
             Quantity::Range => config.range_n = known(value),
-            Quantity::Span => config.calibration.counts_per_n = value,
+            Quantity::Span => self.set_span(value),
             Quantity::Snow => notes.snow_mm = Some(value),
             Quantity::WeightStd => stds.weight_n = Some(value),
             Quantity::SlopeStd => stds.slope_rad = Some(value),
@@ -195,6 +196,12 @@ impl Settings {
             Quantity::DampingStd => stds.damping = Some(value),
             Quantity::WinchStd => stds.winch_m_per_s = Some(value),
         }
+    }
+
+    /// What the cell has weighed, it has weighed by another span: that does not cancel any more.
+    pub(crate) fn set_span(&mut self, counts_per_n: f32) {
+        self.config.calibration.counts_per_n = counts_per_n;
+        self.weight_from = Some(WeightFrom::Other);
     }
 
     /// What the core will refuse; the weight may still be missing.

@@ -47,7 +47,7 @@ impl CardState {
             Self::NoCard => "no card",
             Self::Unreadable => "the card cannot be read: take another",
             Self::ExFat => "the card is exFAT: format it as FAT32",
-            Self::Fat12 => "the card is FAT12: take one of 64 MB or more, FAT32",
+            Self::Fat12 => "the card is FAT12: take one of 64 MB up, FAT32",
             Self::NotFat => "no file system on the card: format it as FAT32",
             Self::NoRoom => "no room for FLOE.LOG (96 MiB)",
             Self::Making(_) => "card found; its log file grows",

@@ -150,12 +150,18 @@ impl Expectations {
         if part.abs() < MOST { cycle.half_drop_n * part / 6.0 } else { 0.0 }
     }
 
-    /// By which part of it the loading rate grows over a slip, if the events show that.
+    /// Is the cable known to sag?
+    pub(crate) fn sags(&self) -> bool {
+        self.sag.read(Sag::parameter).is_some()
+    }
+
+    /// By which part of it the loading rate grows over a slip, if the events show that, and `Fp` has
+    /// it: what a cable that sags does to the rate is that.
     pub(crate) fn stiffening(&self) -> Option<Parameter> {
         let rate = self.rate.mean()?;
         let gain = self.rate_change.prior_around_zero(1.0);
         let std = 1.0 / math::sqrt(gain.weight) / rate;
-        let found = gain.mean.abs() > 0.0 && std.is_finite();
+        let found = gain.mean.abs() > 0.0 && std.is_finite() && !self.sags();
         found.then_some(Parameter { name: "rate_gain", value: gain.mean / rate, std })
     }
 

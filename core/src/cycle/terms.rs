@@ -5,9 +5,10 @@ use core::ops::Range;
 use crate::cycle::expectations::Expectations;
 use crate::cycle::slip_record::SlipRecord;
 use crate::effect::Effect;
+use crate::effects::damping::{self, Damping};
+use crate::effects::onset;
 use crate::effects::oscillation::TwoFits;
 use crate::effects::score::Asked;
-use crate::effects::{damping, onset};
 use crate::fit::correction::Correction;
 use crate::fit::posterior::Posterior;
 use crate::fit::{Alone, Data, Fit};
@@ -111,7 +112,12 @@ impl Expectations {
     pub(crate) fn learn_scores(&mut self, asked: &mut Asked, alone: &Alone, noise_n2: f32) -> f32 {
         asked.free(alone);
         if self.effects.has(Effect::Damping) {
-            self.damping.update(|damping| damping.0.learn(&asked.score(0), noise_n2));
+            // The slip of a cable that sags is no ellipse, which looks like losses of a tenth and more.
+            let sags = self.sags();
+            self.damping.update(|damping| match sags {
+                true => *damping = Damping::default(),
+                false => damping.0.learn(&asked.score(0), noise_n2),
+            });
         }
         if !self.effects.has(Effect::Onset) {
             return 0.0;

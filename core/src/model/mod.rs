@@ -17,7 +17,7 @@
 //! If `a > Fp` the cable goes slack on the way (`model/slack.rs`).
 //!
 //! Any unit of time will do, as long as the rate, ω and the times agree; the fit
-//! uses sampling periods. Exactness: `tests/equations.rs` integrates the equations
+//! uses sampling periods. Exactness: `tests/equations/main.rs` integrates the equations
 //! of motion by brute force and compares.
 
 pub mod corner;

@@ -22,7 +22,7 @@
 //!   later by `2 (z − atan z) / ω`, `z = h / Fp`.
 //!
 //! Both are the same at `h = q`, and without slack, `h = 0`, nothing changes.
-//! Exactness: `tests/equations.rs`.
+//! Exactness: `tests/equations/main.rs`.
 
 use crate::model::CycleParams;
 use crate::num::math::{self, larger};

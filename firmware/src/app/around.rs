@@ -59,7 +59,7 @@ impl<P: Read + ReadReady + Write, S: Store> App<'_, P, S> {
     #[inline(never)]
     pub(super) fn accept(&mut self) -> Result<(), &'static str> {
         let Job::Measuring(measuring) = &self.job else {
-            return Err("nothing to accept; tare, calibrate N or weigh first");
+            return Err("nothing to accept: tare, calibrate or weigh");
         };
         let tare = measuring.is_tare();
         let mut settings = measuring.accept(&self.settings)?;

@@ -49,10 +49,17 @@ impl<P: Read + ReadReady + Write, S: Store> App<'_, P, S> {
 
     /// Goes on behind the last test of the card, unless there was one since power-up.
     /// Its settings are taken unless there are others already, and if it was not ended
-    /// it goes on.
+    /// it goes on. A card that was away when a test of this board ended is told so.
     fn take_over(&mut self) {
-        let idle = !self.testing() && self.part.run == 0;
-        if idle && self.recall() {
+        if self.testing() {
+            return;
+        }
+        if self.part.run > 0 {
+            if self.card == Some(CardState::Ready) {
+                let stored = self.journal.remember(&self.settings);
+                self.check_store(stored.is_err());
+            }
+        } else if self.recall() {
             self.resume();
         }
     }

@@ -1,7 +1,7 @@
 //! What somebody typed, done.
 
 use super::{App, Job};
-use crate::command::{Command, HELP, Setting};
+use crate::command::{Command, HELP, NEGATIVE, Setting};
 use crate::console::Typed;
 use crate::line::Line;
 use crate::settings::Settings;
@@ -13,7 +13,7 @@ impl<P: Read + ReadReady + Write, S: Store> App<'_, P, S> {
     #[inline(never)]
     pub(super) fn obey(&mut self, typed: &Typed) {
         let command = match typed {
-            Typed::TooLong => Err("that line is too long"),
+            Typed::TooLong => Err("that is too long"),
             Typed::Line(line) => Command::parse(line),
         };
         let done = command.and_then(|command| self.execute(command));
@@ -29,13 +29,16 @@ impl<P: Read + ReadReady + Write, S: Store> App<'_, P, S> {
             Command::Live(live) => self.live = live,
             Command::Help => self.console.tell(&Line::Info(HELP)),
             Command::Stop => self.stop()?,
-            Command::Abort => self.abort(),
             Command::Note(words) => self.note(&words)?,
             Command::Clock(moment) => self.set_clock(moment)?,
             _ if self.testing() => return Err("a test is running; stop ends it"),
+            Command::Start if matches!(self.job, Job::Measuring(_)) => {
+                return Err("accept or abort?");
+            }
             Command::Start => self.start()?,
             Command::Measure(task) => self.measure(task)?,
             Command::Accept => self.accept()?,
+            Command::Abort => self.abort(),
             Command::SelfTest => self.begin_self_test(),
             Command::Set(setting) => self.set(setting)?,
         }
@@ -59,11 +62,9 @@ impl<P: Read + ReadReady + Write, S: Store> App<'_, P, S> {
     }
 
     pub(super) fn abort(&mut self) {
-        if !self.testing() {
-            self.shared.want(crate::adc::Input::Bridge);
-            self.job = Job::Idle;
-            self.info("aborted");
-        }
+        self.shared.want(crate::adc::Input::Bridge);
+        self.job = Job::Idle;
+        self.info("aborted");
     }
 
     /// Only to the console: the card has it all, and a display asks often.
@@ -82,11 +83,11 @@ pub(super) fn config_error(error: floe_core::ConfigError) -> &'static str {
     use floe_core::ConfigError::{Calibration, Range, Rate, Slope, Std, Weight, Winch};
     match error {
         Rate => "rate: 1 to 2000 Hz",
-        Weight => "set weight N first",
+        Weight => "set weight N, above 0",
         Slope => "the slope must be within 68 degrees",
         Winch => "the winch speed must be above zero, in m/s",
         Range => "the range must be above zero",
         Calibration => "the span is zero",
-        Std => "a standard deviation is below zero",
+        Std => NEGATIVE,
     }
 }

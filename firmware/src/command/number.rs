@@ -1,7 +1,7 @@
 //! Numbers as somebody types them.
 
 const MISSING: &str = "a number like 12.5 is missing";
-pub(super) const NEGATIVE: &str = "not below zero";
+pub(crate) const NEGATIVE: &str = "not below zero";
 
 /// A number that is not below zero.
 pub(super) fn size(text: &str) -> Result<f32, &'static str> {

@@ -1,6 +1,6 @@
 //! What the rows of the display say.
 
-use floe_core::{Cause, Change, Estimate, Phase, Report};
+use floe_core::{Cause, Change, Estimate, Phase};
 use heapless::String;
 
 use crate::app::View;
@@ -11,7 +11,7 @@ use crate::text::{Fixed, Out, Show};
 use crate::wall_clock::TimeOfDay;
 
 /// As many letters as there is room for.
-pub type Row = String<22>;
+pub type Row = String<21>;
 
 /// The large one first.
 #[must_use]
@@ -90,7 +90,7 @@ fn state(row: &mut Row, view: &View) {
     match (&view.report, view.unix_ms) {
         (Some(report), _) => put(row, (report.events, " events ", phase)),
         (None, Some(unix_ms)) => put(row, ("no test  ", TimeOfDay(unix_ms))),
-        (None, None) => put(row, "no test, clock not set"),
+        (None, None) => put(row, "no test, clock unset"),
     }
 }
 
@@ -104,14 +104,20 @@ fn about(row: &mut Row, view: &View) {
     }
 }
 
-/// What to know of the test, if all is well with the board.
+/// What to know of the test, if all is well with the board: a change, a zero that moved, else what of
+/// the error more events would average out.
 fn last_row(row: &mut Row, view: &View) {
-    match &view.report {
-        Some(Report { change: Some(change), .. }) if is_well(&view.health) => changed(row, change),
-        Some(Report { zero_n: Some(zero_n), .. }) if is_well(&view.health) => {
-            put(row, ("zero off? ", Fixed(*zero_n, 1), " N"))
-        }
-        _ => health(row, view),
+    let Some(report) = view.report.as_ref().filter(|_| is_well(&view.health)) else {
+        return health(row, view);
+    };
+    if let Some(change) = &report.change {
+        changed(row, change)
+    } else if let Some(zero_n) = report.zero_n {
+        put(row, ("zero off? ", Fixed(zero_n, 1), " N"))
+    } else if let Some(random) = report.mu_s.as_ref().and_then(|mu_s| mu_s.std_error) {
+        put(row, ("of it random ", Fixed(random, 4), ""))
+    } else {
+        health(row, view)
     }
 }
 
@@ -136,13 +142,13 @@ fn is_well(health: &Health) -> bool {
 
 fn health(row: &mut Row, view: &View) {
     let health = &view.health;
-    let lost = (" lost ", lost(health).min(9_999_999));
+    let lost = (" lost ", lost(health).min(999_999));
     let card = match view.card {
         CardState::Making(percent) => {
             return put(row, ("card ", u32::from(percent), (" %", lost)));
         }
         CardState::Ready if health.store_failures == 0 => "card ok",
-        CardState::Ready => "card was away",
+        CardState::Ready => "card back",
         CardState::Full => "CARD FULL",
         CardState::NoCard => "NO CARD",
         CardState::Unreadable
@@ -164,7 +170,7 @@ mod tests {
     use super::super::tests::{nothing, picture};
     use super::*;
     use crate::weighing::{Load, Swing};
-    use floe_core::{Coefficient, Provisional, SampleTime};
+    use floe_core::{Coefficient, Provisional, Report, SampleTime};
 
     fn row<T: ?Sized>(write: impl Fn(&mut Row, &T), of: &T) -> Row {
         let mut row = Row::new();

@@ -39,7 +39,9 @@ fn files(effect: Effect) -> &'static [&'static str] {
         Effect::Level => &["effects/level_shift.rs"],
         Effect::Drift => &["effects/zero_drift.rs"],
         Effect::Flop => &["noise/flop.rs"],
-        Effect::Ripple => &["noise/ripple/mod.rs", "noise/ripple/sums.rs"],
+        Effect::Ripple => {
+            &["noise/ripple/mod.rs", "noise/ripple/sums.rs", "effects/oscillation.rs"]
+        }
         Effect::Damping => &["effects/damping.rs"],
         Effect::Onset => &["effects/onset.rs"],
     }

@@ -10,6 +10,8 @@ use embassy_stm32::usart::{Error, Uart, UartTx};
 use embedded_io::{ErrorType, Read, ReadReady, Write};
 use heapless::Deque;
 
+use crate::console::LOST;
+
 static TYPED: Mutex<RefCell<Deque<u8, 128>>> = Mutex::new(RefCell::new(Deque::new()));
 
 /// The port.
@@ -35,8 +37,16 @@ fn USART2() {
     let flags = pac::USART2.isr().read();
     if flags.rxne() {
         let byte = pac::USART2.rdr().read().dr() as u8;
-        // What nobody fetches in time is lost: 128 characters are a long line.
-        let _ = critical_section::with(|cs| TYPED.borrow_ref_mut(cs).push_back(byte));
+        // What nobody fetches in time is lost: 128 characters are a long line. That is said in place of the
+        // newest one.
+        critical_section::with(|cs| {
+            let mut typed = TYPED.borrow_ref_mut(cs);
+            if typed.push_back(byte).is_err()
+                && let Some(newest) = typed.back_mut()
+            {
+                *newest = LOST;
+            }
+        });
     }
     pac::USART2.icr().write(|w| {
         w.set_ore(true);

@@ -62,6 +62,6 @@ pub fn last_words() -> Option<Words> {
         (valid && !powered).then(|| (&raw const (*crash).words).read())
     };
     words.or_else(|| {
-        flags.iwdgrstf().then(|| Words::try_from("the watchdog: the main loop hung"))?.ok()
+        flags.iwdgrstf().then(|| Words::try_from("the watchdog: loop or tick hung"))?.ok()
     })
 }
