@@ -12,15 +12,6 @@ const PHASE_SAMPLES: f64 = 1024.0;
 /// been started again.
 const LONG_GAP: f64 = 256.0;
 
-/// Stamps that are evenly apart, one after the other, from which on their interval is
-/// one of its own: lost samples are not lost so evenly.
-pub const INTERVAL_STAMPS: u32 = 40;
-/// Intervals within this share of each other are the same.
-const SAME_INTERVAL: f64 = 0.2;
-/// An interval so many times longer or shorter than the period is another one. Stamps that are
-/// rounded to steps of nearly a period differ by less over so many of them.
-const OTHER_INTERVAL: f64 = 1.1;
-
 /// Gives every row its index.
 ///
 /// Fine stamps: the nearest index, on a grid whose phase follows the mean of the
@@ -43,12 +34,6 @@ pub struct Clock {
     dropped: u64,
     gaps: u64,
     rows: u64,
-    /// The last stamp; the first interval of those alike that end there, where it began, and
-    /// how many they are.
-    stamp_s: f64,
-    interval_s: f64,
-    since_s: f64,
-    alike: u32,
 }
 
 impl Clock {
@@ -67,10 +52,6 @@ impl Clock {
             dropped: 0,
             gaps: 0,
             rows: 0,
-            stamp_s: f64::NAN,
-            interval_s: 0.0,
-            since_s: f64::NAN,
-            alike: 0,
         }
     }
 
@@ -90,7 +71,6 @@ impl Clock {
             None => self.fine_steps(stamp_s, records),
             Some(shared) => self.shared_steps(shared, stamp_s, records, ahead),
         };
-        self.compare_interval(stamp_s);
         self.rows += 1;
         self.dropped += u64::from(steps == 0);
         self.gaps += u64::from(steps > 1 && (steps as f64) < LONG_GAP);
@@ -110,31 +90,6 @@ impl Clock {
     #[must_use]
     pub fn timing(&self) -> &Timing {
         &self.timing
-    }
-
-    /// The interval of the last [`INTERVAL_STAMPS`] stamps in s, said once, if it is
-    /// another than the period.
-    #[must_use]
-    pub fn other_interval_s(&self) -> Option<f64> {
-        if self.alike != INTERVAL_STAMPS || self.timing.shared.is_some() {
-            return None;
-        }
-        let mean_s = (self.stamp_s - self.since_s) / f64::from(self.alike);
-        let ratio = mean_s * self.timing.rate_hz;
-        let other = !(OTHER_INTERVAL.recip()..OTHER_INTERVAL).contains(&ratio);
-        other.then_some(mean_s)
-    }
-
-    fn compare_interval(&mut self, stamp_s: f64) {
-        let before_s = self.stamp_s;
-        let interval_s = stamp_s - before_s;
-        self.stamp_s = stamp_s;
-        if (interval_s - self.interval_s).abs() <= SAME_INTERVAL * self.interval_s {
-            self.alike = self.alike.saturating_add(1);
-        } else {
-            (self.interval_s, self.since_s) = (interval_s.max(0.0), before_s);
-            self.alike = 1;
-        }
     }
 
     /// Stamps that were not where their sample should be.

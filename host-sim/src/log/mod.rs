@@ -33,6 +33,7 @@ pub mod groups;
 pub mod header;
 pub mod held;
 pub mod inspection;
+pub mod interval;
 pub mod label;
 pub mod layout;
 pub mod lines;
@@ -55,6 +56,7 @@ pub mod toa5;
 use clock::Clock;
 use header::Header;
 use held::Held;
+use interval::Intervals;
 use layout::Layout;
 use lines::Lines;
 use metadata::Metadata;
@@ -115,8 +117,8 @@ pub struct Log {
     clock: Clock,
     origin_s: f64,
     held: Held,
-    /// The rate was given: samples further apart are gaps.
-    rate_is_given: bool,
+    /// None where the rate is given, and samples further apart are gaps, or stamps are shared.
+    intervals: Option<Intervals>,
     head: Recognised,
     /// What a logger's own log holds beside the test.
     told: Vec<String>,
@@ -182,25 +184,15 @@ impl Log {
     /// # Errors
     /// A line that cannot be used, with its number.
     pub fn next_sample(&mut self) -> Result<Option<Sample>, InputError> {
-        let Some(row) = self.next_row()? else { return Ok(None) };
+        let Some(row) = self.next_row()? else {
+            return self.intervals.as_ref().map_or(Ok(()), Intervals::end).map(|()| None);
+        };
         let stamps = self.ahead.iter().map(|row| row.time_s);
         let (index, time_s) = self.clock.place(row.time_s, row.records, stamps);
-        if let Some(interval_s) = self.clock.other_interval_s().filter(|_| !self.rate_is_given) {
-            return Err(self.other_interval(row.line, interval_s));
-        }
+        self.intervals.as_mut().map_or(Ok(()), |intervals| intervals.push(&row))?;
         self.held.push(index, row.reading);
         let raw = RawSample { index, reading: row.reading };
         Ok(Some(Sample { raw, time_s: time_s - self.origin_s }))
-    }
-
-    fn other_interval(&self, line: u64, interval_s: f64) -> InputError {
-        let first = line.saturating_sub(u64::from(clock::INTERVAL_STAMPS));
-        let period_s = self.rate_hz().recip();
-        InputError::new(format!(
-            "line {first}: from about here on the samples come every {interval_s:.6} s, on the whole \
-             every {period_s:.6} s; cut the log there, or give --rate-hz R to take what is slower \
-             for gaps"
-        ))
     }
 
     /// The next row, with as many behind it in `ahead` as the clock looks at.
@@ -321,6 +313,7 @@ impl Log {
             }
         }
         let timing = rows.layout().timing(&head, rate_hz)?;
+        let keeps_one = options.rate_hz.is_none() && timing.shared.is_none();
         let origin_s = if rows.layout().time.is_calendar() { timing.start_s } else { 0.0 };
         Ok(Self {
             format,
@@ -329,7 +322,7 @@ impl Log {
             clock: Clock::new(timing),
             origin_s,
             held: Held::default(),
-            rate_is_given: options.rate_hz.is_some(),
+            intervals: keeps_one.then(|| Intervals::new(timing.rate_hz.recip())),
             head: recognised,
             told: Vec::new(),
         })

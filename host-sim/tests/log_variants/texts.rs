@@ -157,7 +157,12 @@ pub fn time_forms() -> Vec<Form> {
             table("time_s,force_n\n", |t, f| {
                 format!("{},{f}", if t < 5.0 { t } else { 2.0 * t - 5.0 })
             }),
-            Refused(&["line 2:", "every 0.062500 s", "every 0.125000 s", "cut the log"]),
+            Refused(&[
+                "line 82:",
+                "every 0.125000 s",
+                "before every 0.062500 s",
+                "cut the log there",
+            ]),
         ),
         form("time goes back", plain().replacen("\n5,", "\n1,", 1), Refused(&["time goes back"])),
     ]
