@@ -139,7 +139,14 @@ impl Metadata {
 
     /// Notes what was meant to say what a known key says.
     fn look_at(&mut self, text: &str, number: u64) {
-        const MEANT: [(&str, &str); 5] = [
+        const MEANT: [(&str, &str); 12] = [
+            ("weight_std", "weight_std_n: 2"),
+            ("slope_std", "slope_std_deg: 0.2"),
+            ("zero_std", "zero_std_n: 0.5"),
+            ("span_std", "span_std_percent: 0.1"),
+            ("damping", "damping_std: 0.005"),
+            ("winch_std", "winch_std_m_per_s: 0.0002"),
+            ("zero_after", "zero_after_n: 1.2"),
             ("weight", "weight_n: 630"),
             ("mass", "mass_kg: 64.2"),
             ("slope", "slope_deg: 1.5"),
@@ -149,7 +156,7 @@ impl Metadata {
         let cut = |marks: &[char]| text.split_once(marks);
         let (key, value) =
             cut(&[':', '=', ',', ';', '\t']).or_else(|| cut(&[' '])).unwrap_or((text, ""));
-        let (key, value) = (key.trim().to_ascii_lowercase(), value.trim());
+        let (key, value) = (key.trim().to_ascii_lowercase().replace([' ', '-'], "_"), value.trim());
         if !value.starts_with(|first: char| first.is_ascii_digit()) {
             return;
         }
@@ -300,6 +307,26 @@ mod tests {
         metadata.take(b"\"# slope_deg: 5\",;", 10).unwrap();
         assert_eq!((metadata.weight_n, metadata.slope_deg), (Some(630.0), Some(5.0)));
         assert_eq!(comment(b"\"#\",\"time\""), None);
+    }
+
+    /// What is written in place of such a line says the same, not something else.
+    #[test]
+    fn how_well_it_is_known_is_not_what_it_is() {
+        for (line, write) in [
+            ("# weight_std: 3", "weight_std_n: 2"),
+            ("# Slope std: 0.5", "slope_std_deg: 0.2"),
+            ("# zero_std: 1", "zero_std_n: 0.5"),
+            ("# span_std: 0.4", "span_std_percent: 0.1"),
+            ("# damping: 0.01", "damping_std: 0.005"),
+            ("# winch_std: 2", "winch_std_m_per_s: 0.0002"),
+            ("# zero_after: 3", "zero_after_n: 1.2"),
+            ("# weight-n: 700", "weight_n: 700"),
+        ] {
+            let mut metadata = Metadata::default();
+            metadata.take(line.as_bytes(), 1).unwrap();
+            let note = metadata.notes.first().expect(line);
+            assert!(note.ends_with(&format!("is not read: write '# {write}'")), "{note}");
+        }
     }
 
     #[test]
