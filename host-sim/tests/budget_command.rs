@@ -160,8 +160,12 @@ fn every_event_holds_the_losses_that_the_whole_test_tells() {
 #[test]
 fn a_standard_deviation_that_cannot_be_is_refused() {
     for (option, value, why) in [
-        ("--weight-std-n", "-1", "standard deviation"),
-        ("--damping-std", "5", "damping_std 5: at most 0.3 of the critical damping counts"),
+        ("--weight-std-n", "-1", "a number from 0 up to 1e9, not -1"),
+        ("--slope-std-deg", "-1", "a number from 0 up to 1e9, not -1"),
+        ("--zero-std-n", "nan", "a number from 0 up to 1e9, not NaN"),
+        ("--span-std", "-1", "a number from 0 up to 1e9, not -1"),
+        ("--winch-std-m-per-s", "-1", "a number from 0 up to 1e9, not -1"),
+        ("--damping-std", "5", "a number from 0 up to 0.3, not 5"),
     ] {
         let program = Command::new(env!("CARGO_BIN_EXE_floe"))
             .args(["replay", LOG, option, value])
@@ -169,6 +173,6 @@ fn a_standard_deviation_that_cannot_be_is_refused() {
             .unwrap();
         let said = String::from_utf8_lossy(&program.stderr);
         assert_eq!((program.status.code(), said.lines().count()), (Some(2), 1), "{said}");
-        assert!(said.contains(why), "{said}");
+        assert_eq!(said, format!("floe: {LOG}: {option} must be {why}\n"));
     }
 }

@@ -118,7 +118,7 @@ fn a_limit_that_the_log_does_not_name_is_asked_about() {
         assert!(said.contains("samples lie exactly at"), "{said}");
     }
     let refused = floe(&["replay", path, "--range-n", "0"]);
-    assert_refused(&refused, &["range must be a number above zero"]);
+    assert_refused(&refused, &["--range-n must be a number above zero"]);
 }
 
 /// Coarse steps, forces that rest, swing or spike, a range that the log names: no limit to ask about.
@@ -266,6 +266,21 @@ fn what_is_given_against_the_log_is_said() {
     ] {
         assert!(asked.contains(expected), "{asked}");
     }
+    let known = format!(
+        "{calibrated}; # weight_std_n: 2; # zero_before_n: 1.5; # span_std_percent: 1; \
+                          # weight_from: other"
+    );
+    let options = ["--weight-std-n", "3", "--zero-before-n", "2.5", "--span-std", "1"];
+    let options = [&options[..], &["--weight-from", "same_cell"]].concat();
+    let asked = said(&known, &options);
+    for expected in [
+        "weight_std_n 3 as given, not the '# weight_std_n: 2' of line 4",
+        "zero_before_n 2.5 as given, not the '# zero_before_n: 1.5' of line 5",
+        "weight_from same_cell as given, not the '# weight_from: other' of line 7",
+    ] {
+        assert!(asked.contains(expected), "{asked}");
+    }
+    assert!(!asked.contains("span"), "{asked}");
     let massive = "# tare_counts: 8000; # counts_per_n: 800; # mass_kg: 70";
     let asked = said(massive, &["--weight-n", "630"]);
     assert!(
@@ -278,6 +293,38 @@ fn what_is_given_against_the_log_is_said() {
     let asked = said(&format!("{massive}; # normal_n: 500"), &below);
     assert!(asked.contains("normal force 600.0 N as given, not the '# normal_n: 500' of line 4"));
     assert!(asked.contains("mass 64.2 kg as given, not the '# mass_kg: 70' of line 3"), "{asked}");
+}
+
+/// A number that cannot be is named by its line, unless another is given in its place.
+#[test]
+fn what_the_log_says_and_cannot_be_is_refused_by_its_line() {
+    let path = directory("said").join("pull.csv");
+    let path = path.to_str().unwrap();
+    for (key, value, option) in [
+        ("weight_n", "-3", "--weight-n"),
+        ("mass_kg", "0", "--mass-kg"),
+        ("normal_n", "-1", "--normal-n"),
+        ("slope_deg", "89", "--slope-deg"),
+        ("winch_m_per_s", "-1", "--winch-m-per-s"),
+        ("range_n", "0", "--range-n"),
+        ("weight_std_n", "-3", "--weight-std-n"),
+        ("span_std_percent", "-3", "--span-std"),
+        ("damping_std", "5", "--damping-std"),
+        ("zero_after_n", "1e300", "--zero-after-n"),
+    ] {
+        let rows = "time_s,force_n\n0,1\n0.0625,2\n0.125,3\n";
+        fs::write(path, format!("# test_id: A\n# {key}: {value}\n{rows}")).unwrap();
+        let named = format!("pull.csv: line 2: '# {key}:' must be a number ");
+        let remedy = format!(", not {value}: correct it, or give {option}");
+        assert_refused(&floe(&["replay", path]), &[&named, &remedy]);
+        let number = if option == "--damping-std" { "0.1" } else { "1" };
+        let given = floe(&["replay", path, option, number]);
+        assert!(!text(&given.stderr).contains("must be"), "{}", text(&given.stderr));
+    }
+    // Nobody asks for what the caller's own weight replaces.
+    fs::write(path, "# weight_n: -3\ntime_s,force_n\n0,1\n0.0625,2\n").unwrap();
+    let given = floe(&["replay", path, "--mass-kg", "64.2", "--quiet"]);
+    assert_eq!(given.status.code(), Some(0), "{}", text(&given.stderr));
 }
 
 /// A line that was meant to say the weight is named where the weight is missing.

@@ -206,7 +206,7 @@ fn read(entry: &Entry, test: u32) -> Result<TestRecord, InputError> {
     let mut log = Log::from_reader(Box::new(file), &entry.log)?;
     let config = configure(&log, &entry.test)?;
     let name = path.file_stem().unwrap_or_default().to_string_lossy();
-    let around = entry.test.around(&log);
+    let around = entry.test.around();
     let mut forces = DefaultHasher::new();
     let result = replay_with(&name, &mut log, &config, around, |_, step| {
         (step.sample.index, step.sample.force_n.map(f32::to_bits)).hash(&mut forces);

@@ -207,7 +207,7 @@ fn run_core(
     mut observe: impl FnMut(f64, &Step),
 ) -> Result<Findings, InputError> {
     let drawn = args.report.is_some() || args.figures.is_some();
-    let around = Around { keeps_means: drawn, ..args.test.around(log) };
+    let around = Around { keeps_means: drawn, ..args.test.around() };
     let mut recorder = drawn.then(|| Recorder::new(log.rate_hz()));
     let result = match &mut recorder {
         Some(recorder) => replay_with(path, log, config, around, |time_s, step| {

@@ -3,6 +3,7 @@
 use floe_core::{Config, Counters, Report};
 
 use super::given;
+use super::known::KnownOptions;
 use super::quantities::Quantities;
 use crate::log::Log;
 use crate::rounding::plus_minus;
@@ -15,14 +16,15 @@ const FAST: f64 = 16.0;
 const OTHER_STIFFNESS: f64 = 0.07;
 /// One sentence each.
 #[must_use]
-pub fn doubts(log: &Log, config: &Config, report: &Report) -> Vec<String> {
+pub fn doubts(log: &Log, config: &Config, known: &KnownOptions, report: &Report) -> Vec<String> {
     let doubts = [
         no_friction(log, config, report),
         alias(log, config, report),
         other_stiffness(config, report),
     ];
     let doubts = doubts.into_iter().flatten();
-    no_force(config, report).into_iter().chain(given::instead(log, config)).chain(doubts).collect()
+    let instead = given::instead(log, config, known);
+    no_force(config, report).into_iter().chain(instead).chain(doubts).collect()
 }
 
 /// Whether a record has samples and none of them is a force.

@@ -1,8 +1,12 @@
 //! What the caller gives against what the log says of the same: the caller's counts, and that is said.
 
+use clap::ValueEnum;
 use floe_core::{Calibration, Config};
 
 use crate::log::{Log, STANDARD_GRAVITY, Unit};
+
+use super::input::Input;
+use super::known::KnownOptions;
 
 /// Weights and speeds within this share of each other are the same: gravity is, from place to
 /// place, and a speed is hardly known better.
@@ -39,10 +43,10 @@ const WEIGHT: Used = Used {
 
 /// One sentence for each number of the log in whose place another one is used.
 #[must_use]
-pub fn instead(log: &Log, config: &Config) -> Vec<String> {
+pub fn instead(log: &Log, config: &Config, known: &KnownOptions) -> Vec<String> {
     let of_test = block(log, config).into_iter().chain(pull(log, config));
-    let of_test = of_test.filter_map(|it| it.sentence(log));
-    of_test.chain(calibration(log, &config.calibration)).collect()
+    let of_test = of_test.chain(how_well(log, known)).filter_map(|it| it.sentence(log));
+    of_test.chain(weighed_by(log, known)).chain(calibration(log, &config.calibration)).collect()
 }
 
 /// The same of a calibration.
@@ -129,6 +133,34 @@ fn pull(log: &Log, config: &Config) -> [Used; 3] {
     [slope, winch, range]
 }
 
+/// How well all this is known, and the zero: numbers that the caller gives, their unit in the key.
+fn how_well(log: &Log, known: &KnownOptions) -> impl Iterator<Item = Used> {
+    known.inputs(&log.metadata().known).into_iter().map(|Input { key, given, said }| Used {
+        key,
+        said,
+        what: key,
+        used: given.map(|given| given as f32),
+        unit: "",
+        decimals: None,
+        same: EQUAL,
+    })
+}
+
+/// What weighed the block.
+fn weighed_by(log: &Log, known: &KnownOptions) -> Option<String> {
+    let (given, said) = known.weight_from.zip(log.metadata().known.weight_from)?;
+    let word = given.to_possible_value()?;
+    let used = format!("weight_from {}", word.get_name());
+    if given == said { None } else { as_given(log, "weight_from", &used) }
+}
+
+/// What is used, and the line of the log that says another.
+fn as_given(log: &Log, key: &str, used: &str) -> Option<String> {
+    let there = log.metadata().said.iter().find(|there| there.key == key)?;
+    let (value, line) = (&there.value, there.line);
+    Some(format!("{used} as given, not the '# {key}: {value}' of line {line}"))
+}
+
 impl Used {
     fn sentence(&self, log: &Log) -> Option<String> {
         let (said, used) = self.said.zip(self.used)?;
@@ -136,13 +168,11 @@ impl Used {
         if (given - said).abs() <= self.same * said.abs().max(given.abs()) {
             return None;
         }
-        let there = log.metadata().said.iter().find(|there| there.key == self.key)?;
         let number = match self.decimals {
             Some(decimals) => format!("{used:.decimals$}"),
             None => used.to_string(),
         };
         let Self { what, unit, key, .. } = self;
-        let (value, line) = (&there.value, there.line);
-        Some(format!("{what} {number}{unit} as given, not the '# {key}: {value}' of line {line}"))
+        as_given(log, key, &format!("{what} {number}{unit}"))
     }
 }

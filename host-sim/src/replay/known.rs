@@ -5,10 +5,12 @@ use floe_core::{Counts, InputStd, Newtons, Reading};
 use crate::error::InputError;
 use crate::log::{Log, Sample};
 
+use super::input::Input;
+
 /// What the caller says of it.
 // A default in brackets, as every help has it, is no link.
 #[allow(rustdoc::broken_intra_doc_links)]
-#[derive(Clone, Debug, Default, clap::Args)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, clap::Args)]
 pub struct KnownOptions {
     /// Standard deviation of the weight in newtons, 0 if exactly known
     /// [default: `# weight_std_n:` in the log, else 0.3 % of the weight]
@@ -103,9 +105,10 @@ impl KnownMetadata {
 }
 
 impl KnownOptions {
-    /// The options, else what the log says, in the order of [`KEYS`].
-    fn or(&self, said: &KnownMetadata) -> [Option<f64>; KEYS.len()] {
-        let mut values = [
+    /// The numbers of both, in the order of [`KEYS`].
+    #[must_use]
+    pub fn inputs(&self, said: &KnownMetadata) -> [Input; KEYS.len()] {
+        let given = [
             self.weight_std_n,
             self.slope_std_deg,
             self.zero_std_n,
@@ -115,10 +118,16 @@ impl KnownOptions {
             self.zero_before_n,
             self.zero_after_n,
         ];
-        for (value, said) in values.iter_mut().zip(said.values) {
-            *value = value.or(said);
+        let mut inputs = KEYS.map(|key| Input { key, given: None, said: None });
+        for ((input, given), said) in inputs.iter_mut().zip(given).zip(said.values) {
+            (input.given, input.said) = (given, said);
         }
-        values
+        inputs
+    }
+
+    /// The options, else what the log says.
+    fn or(&self, said: &KnownMetadata) -> [Option<f64>; KEYS.len()] {
+        self.inputs(said).map(|input| input.given.or(input.said))
     }
 
     /// Standard deviations for the core, of a weight and a winch speed.
@@ -155,39 +164,6 @@ impl KnownOptions {
     pub fn both_zeros(&self, said: &KnownMetadata) -> Option<Zero> {
         let [.., before, after] = self.or(said);
         before.zip(after).map(|(before_n, after_n)| Zero { before_n, after_n })
-    }
-
-    /// Refuses a zero that no load cell has.
-    ///
-    /// # Errors
-    /// It is no number, or beyond all forces.
-    pub fn check_zeros(&self, said: &KnownMetadata) -> Result<(), InputError> {
-        const LARGEST_N: f64 = 1e9;
-        let [.., before, after] = self.or(said);
-        let zeros = [("before", before), ("after", after)];
-        let is_none = |zero: &f64| zero.is_nan() || zero.abs() > LARGEST_N;
-        let wrong = zeros.into_iter().find_map(|(when, zero)| Some((when, zero.filter(is_none)?)));
-        wrong.map_or(Ok(()), |(when, zero)| {
-            Err(InputError::new(format!(
-                "a zero of {zero:e} N is that of no load cell: give --zero-{when}-n in newtons"
-            )))
-        })
-    }
-
-    /// Refuses losses with which no cable swings.
-    ///
-    /// # Errors
-    /// They are more than the core takes into account.
-    pub fn check_damping(&self, said: &KnownMetadata) -> Result<(), InputError> {
-        let most = InputStd::MOST_DAMPING;
-        let [.., damping, _, _, _] = self.or(said);
-        match damping.filter(|damping| *damping > f64::from(most)) {
-            Some(damping) => Err(InputError::new(format!(
-                "damping_std {damping}: at most {most} of the critical damping counts, give \
-                 --damping-std D up to that"
-            ))),
-            None => Ok(()),
-        }
     }
 
     /// The zero to take off.

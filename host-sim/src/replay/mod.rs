@@ -10,6 +10,7 @@ pub mod budget;
 pub mod doubts;
 pub mod events;
 pub mod given;
+pub mod input;
 pub mod known;
 pub mod quantities;
 pub mod rails;
@@ -41,7 +42,7 @@ pub fn replay(
     config: &Config,
     observe: impl FnMut(f64, &Step),
 ) -> Result<ReplayResult, InputError> {
-    let around = Around { keeps_means: true, ..TestOptions::default().around(log) };
+    let around = Around { keeps_means: true, ..TestOptions::default().around() };
     replay_with(path, log, config, around, observe)
 }
 
@@ -57,7 +58,8 @@ pub fn replay_with(
     around: Around,
     mut observe: impl FnMut(f64, &Step),
 ) -> Result<ReplayResult, InputError> {
-    let Around { zero, keeps_means } = around;
+    let Around { known, keeps_means } = around;
+    let zero = known.zero(log);
     let refused = |error: floe_core::ConfigError| InputError::new(error.to_string());
     let mut pipeline = Pipeline::new(config).map_err(refused)?;
     let mut timeline = Timeline::new(log.rate_hz());
@@ -115,7 +117,8 @@ pub fn replay_with(
         format: log.format().name().to_string(),
         rate_hz: log.rate_hz(),
         duration_s: timeline.duration_s(),
-        warnings: [log.warnings(), doubts::doubts(log, config, &report), rails.warnings()].concat(),
+        warnings: [log.warnings(), doubts::doubts(log, config, &known, &report), rails.warnings()]
+            .concat(),
         synthetic: log.metadata().synthetic.clone(),
         ..LogSummary::from(report.counters)
     };

@@ -4,7 +4,8 @@ use floe_core::{Calibration, Config, Effect, Effects};
 
 use crate::error::InputError;
 use crate::log::{Log, STANDARD_GRAVITY, Unit};
-use crate::replay::known::{KnownOptions, Zero};
+use crate::replay::input::Input;
+use crate::replay::known::KnownOptions;
 
 /// What the caller says about the test.
 // A default in brackets, as every help has it, is no link.
@@ -95,14 +96,13 @@ fn said_effects(log: &Log) -> Result<Effects, InputError> {
 /// The weight is not known, a force in counts has no calibration, or a value is
 /// out of its range.
 pub fn configure(log: &Log, options: &TestOptions) -> Result<Config, InputError> {
+    options.inputs(log).try_for_each(|input| input.check(log))?;
     let said = log.metadata();
     let slope_deg = options.slope_deg.or(said.slope_deg).unwrap_or(0.0);
     let Pressed { force_n: weight_n, mass_kg } = pressed(log, options, slope_deg)?;
     let effects = options.effects.map_or_else(|| said_effects(log), Ok)?;
     let drifts = effects.has(Effect::Drift) && options.known.both_zeros(&said.known).is_none();
     let winch_m_per_s = options.winch_m_per_s.or(said.winch_m_per_s);
-    options.known.check_zeros(&said.known)?;
-    options.known.check_damping(&said.known)?;
     let config = Config {
         rate_hz: log.rate_hz() as f32,
         weight_n: weight_n as f32,
@@ -114,34 +114,8 @@ pub fn configure(log: &Log, options: &TestOptions) -> Result<Config, InputError>
         effects: effects.with(Effect::Drift, drifts),
         std: options.known.std(&said.known, weight_n, winch_m_per_s),
     };
-    for (name, unit, value) in [
-        ("mass", "kg", options.mass_kg.or(mass_kg)),
-        ("weight", "N", Some(weight_n)),
-        ("winch speed", "m/s", winch_m_per_s),
-    ] {
-        value.map_or(Ok(()), |value| fits(name, unit, value))?;
-    }
-    let [weight, slope] = [weight_n, slope_deg].map(short);
-    let given = format!("weight {weight} N, slope {slope}°");
-    config.validate().map_err(|error| InputError::new(format!("{error} ({given})")))?;
+    config.validate().map_err(|error| InputError::new(error.to_string()))?;
     Ok(config)
-}
-
-/// Largest number that a test can have: no block, and no winch, has more of anything.
-const LARGEST: f64 = 1e9;
-
-/// Refuses a number above zero that is nothing in the core's single precision, or beyond any test.
-fn fits(name: &str, unit: &str, value: f64) -> Result<(), InputError> {
-    let is_counted = (value as f32).is_normal() && value <= LARGEST;
-    let is_counted = is_counted || !value.is_finite() || value <= 0.0;
-    let wrong = || InputError::new(format!("{name} {} {unit}: no test has that", short(value)));
-    if is_counted { Ok(()) } else { Err(wrong()) }
-}
-
-/// A number as it was given, without the hundreds of zeros that one may have.
-fn short(value: f64) -> String {
-    let is_short = value == 0.0 || (1e-9..1e9).contains(&value.abs());
-    if is_short { value.to_string() } else { format!("{value:e}") }
 }
 
 /// What presses the block onto the ice.
@@ -158,12 +132,10 @@ fn pressed(log: &Log, options: &TestOptions, slope_deg: f64) -> Result<Pressed, 
     let normal_n =
         if options.weight_n.is_some() { None } else { options.normal_n.or(said.normal_n) };
     if let Some(force_n) = normal_n {
-        let mass_kg =
-            options.mass_kg.or(said.mass_kg).filter(|mass| mass.is_finite() && *mass > 0.0);
-        return match mass_kg {
+        return match options.mass_kg.or(said.mass_kg) {
             None => refuse(
                 "under the ice the mass moves and the normal force presses: \
-                            --normal-n needs --mass-kg M above zero, or '# mass_kg: M' in the log",
+                            --normal-n needs --mass-kg M, or '# mass_kg: M' in the log",
             ),
             Some(_) if slope_deg.abs() > 0.0 => {
                 refuse("a block under the ice is pulled level: leave the slope out, or --normal-n")
@@ -194,8 +166,27 @@ fn no_weight(notes: &[String]) -> InputError {
 impl TestOptions {
     /// What the core is not told.
     #[must_use]
-    pub fn around(&self, log: &Log) -> Around {
-        Around { zero: self.known.zero(log), keeps_means: false }
+    pub fn around(&self) -> Around {
+        Around { known: *self.known, keeps_means: false }
+    }
+
+    /// The numbers of the test, but for a calibration.
+    pub fn inputs(&self, log: &Log) -> impl Iterator<Item = Input> {
+        let said = log.metadata();
+        // What one of these gives, the log says for nothing with another.
+        let is_given = self.weight_n.or(self.mass_kg).is_some();
+        let weighed = |said: Option<f64>| said.filter(|_| !is_given);
+        let normal_n = said.normal_n.filter(|_| self.weight_n.is_none());
+        let own = [
+            ("weight_n", self.weight_n, weighed(said.weight_n)),
+            ("mass_kg", self.mass_kg, weighed(said.mass_kg)),
+            ("normal_n", self.normal_n, normal_n),
+            ("slope_deg", self.slope_deg, said.slope_deg),
+            ("winch_m_per_s", self.winch_m_per_s, said.winch_m_per_s),
+            ("range_n", self.range_n, said.range_n),
+        ];
+        let own = own.map(|(key, given, said)| Input { key, given, said });
+        own.into_iter().chain(self.known.inputs(&said.known))
     }
 }
 
@@ -204,8 +195,8 @@ impl TestOptions {
 pub struct Around {
     /// Whether the means are kept as they were with each event, which a report draws.
     pub keeps_means: bool,
-    /// The zero to take off.
-    pub zero: Zero,
+    /// How well the inputs are known, and the zero to take off.
+    pub known: KnownOptions,
 }
 
 /// Converter codes to newtons, if the log is in codes.
