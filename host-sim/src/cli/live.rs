@@ -22,7 +22,8 @@ tried again when it goes away.")]
 pub struct Args {
     /// The board's console
     port: String,
-    /// Print every event as one line of JSON instead of the display
+    /// Print every event as one line of JSON instead of the display; unlike elsewhere it takes no
+    /// FILE: > FILE keeps them
     #[arg(long)]
     json: bool,
     /// Keep all lines of the board in this new file; none is replaced

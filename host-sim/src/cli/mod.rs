@@ -31,6 +31,12 @@ mod weigh;
 #[derive(Debug, Parser)]
 #[command(name = "floe", version)]
 #[command(after_help = "\
+Examples:
+  floe inspect pull.csv
+  floe replay pull.csv --weight-n 630 --report pull.html
+  floe campaign tests --report trends.html
+  floe live /dev/ttyACM0
+
 Files: --json FILE, --report FILE and their like write a file; --json alone writes to standard output, and
 nothing else goes there. No output is ever an input. A result that was there is replaced once the new one is
 whole, and that is said, but for replay --quiet; a recording (live -o, recover -o) replaces nothing.
@@ -189,7 +195,8 @@ mod tests {
 
     #[test]
     fn every_command_shows_examples_that_can_be_typed() {
-        for command in <Cli as clap::CommandFactory>::command().get_subcommands() {
+        let floe = <Cli as clap::CommandFactory>::command();
+        for command in floe.get_subcommands().chain([&floe]) {
             let help = command.clone().render_help().to_string();
             let typed = |line: &str| line.starts_with("  floe ").then(|| line.trim().to_string());
             let examples: Vec<String> = help.lines().filter_map(typed).collect();
