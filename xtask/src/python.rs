@@ -49,14 +49,15 @@ pub fn environment() -> Result<PathBuf> {
     Ok(python)
 }
 
+/// Two tests each of blocks that differ in weight and snow.
 fn simulate(floe: &PathBuf, logs: &PathBuf) -> Result<()> {
-    const LOGS: u32 = 6;
+    const SCENES: [&str; 3] = ["dff8-13", "linear/heavy", "terms/snow"];
     std::fs::create_dir_all(logs).map_err(|e| format!("{}: {e}", logs.display()))?;
-    let scene = root().join("host-sim/scenes/dff8-13.toml");
-    for seed in 1..=LOGS {
+    for (seed, scene) in (1_u32..).zip(SCENES.into_iter().cycle().take(2 * SCENES.len())) {
+        let scene = root().join("host-sim/scenes").join(scene).with_extension("toml");
         let log = logs.join(format!("pull-{seed}.csv"));
         let mut command = Command::new(floe);
-        command.arg("simulate").arg(&scene).arg("-o").arg(log);
+        command.arg("simulate").arg(scene).arg("-o").arg(log);
         run(command.args(["--duration-s", "60", "--seed", &seed.to_string()]))?;
     }
     Ok(())

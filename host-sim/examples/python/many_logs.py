@@ -2,54 +2,47 @@
 
     python many_logs.py FLOE LOGS DIRECTORY [--lose-a-worker]
 
-One partition a log, `test_id=NAME/events.parquet`, written under another name first, so
-that a worker that is lost in the middle leaves nothing behind and its logs are done again
-elsewhere. Give `Client("HOST:PORT")` a scheduler's address to use a cluster.
+One partition a log, `log=NAME/events.parquet`, the table of a campaign of this log alone.
+It is there as a whole or not at all, so that a worker that is lost in the middle leaves
+nothing to be read and its logs are done again elsewhere. Give `Client("HOST:PORT")` a
+scheduler's address to use a cluster.
 """
 
 import json
-import os
 import subprocess
 import sys
 from pathlib import Path
 
 import duckdb
-import polars as pl
 from distributed import Client, LocalCluster, as_completed
 
 
+def campaign(floe, logs, *options):
+    """The JSON of a campaign."""
+    command = [floe, "campaign", str(logs), "--json", *options]
+    return json.loads(subprocess.run(command, check=True, capture_output=True, text=True).stdout)
+
+
 def evaluate(floe, log, directory):
-    """One log to one partition; the means that floe itself gives."""
-    done = subprocess.run([floe, "replay", log, "--json"], check=True, capture_output=True, text=True)
-    result = json.loads(done.stdout)
-    partition = Path(directory) / f"test_id={Path(log).stem}"
+    """One log to one partition; the test that floe itself makes of it."""
+    log = Path(log).resolve()
+    partition = Path(directory) / f"log={log.stem}"
     partition.mkdir(parents=True, exist_ok=True)
-    events = pl.DataFrame(
-        [
-            {name: event[name] for name in ("index", "onset_s", "mu_s", "mu", "quality")}
-            | {"weight_n": result["test"]["weight_n"]}
-            for event in result["events"]
-        ],
-        schema={
-            "index": pl.UInt32, "onset_s": pl.Float64, "mu_s": pl.Float64, "mu": pl.Float64,
-            "quality": pl.String, "weight_n": pl.Float64,
-        },
-    )
-    unfinished = partition / f".{os.getpid()}.part"
-    events.write_parquet(unfinished)
-    unfinished.replace(partition / "events.parquet")
-    return Path(log).stem, result["estimate"]
+    alone = partition / "list"
+    alone.write_text(f"{log}\n")
+    [test] = campaign(floe, alone, "--parquet", str(partition / "events.parquet"))["records"]
+    return log.stem, test
 
 
 def run(client, floe, logs, directory, lose_a_worker):
     futures = client.map(evaluate, [floe] * len(logs), logs, [directory] * len(logs), retries=2)
-    estimates = {}
-    for future, (name, estimate) in as_completed(futures, with_results=True):
-        estimates[name] = estimate
+    tests = {}
+    for _, (name, test) in as_completed(futures, with_results=True):
+        tests[name] = test
         if lose_a_worker:
             lose_a_worker()
             lose_a_worker = None
-    return estimates
+    return tests
 
 
 def main(floe, logs, directory, *options):
@@ -60,26 +53,22 @@ def main(floe, logs, directory, *options):
                 worker = next(iter(cluster.workers.values()))
                 worker.process.process.kill()
             lose_a_worker = lose if "--lose-a-worker" in options else None
-            estimates = run(client, floe, logs, directory, lose_a_worker)
+            tests = run(client, floe, logs, directory, lose_a_worker)
 
     table = f"read_parquet('{directory}/*/events.parquet', hive_partitioning = true)"
     question = f"""
-        SELECT test_id, any_value(weight_n) AS weight_n, count(*) AS events,
-               avg(mu_s) AS mu_s, avg(mu) AS mu
-        FROM {table} GROUP BY test_id ORDER BY test_id"""
+        SELECT snow_mm, weight_n, count(DISTINCT log) AS tests, count(*) AS events,
+               round(avg(mu_s), 4) AS mu_s, round(avg(mu), 4) AS mu
+        FROM {table} WHERE mu IS NOT NULL GROUP BY ALL ORDER BY ALL"""
     print(duckdb.sql(question))
 
-    campaign = json.loads(
-        subprocess.run(
-            [floe, "campaign", str(Path(logs[0]).parent), "--json"],
-            check=True, capture_output=True, text=True,
-        ).stdout
-    )
+    one_process = campaign(floe, Path(logs[0]).parent)
     [(events,)] = duckdb.sql(f"SELECT count(*) FROM {table}").fetchall()
-    assert events == campaign["events"], (events, campaign["events"])
-    one_process = [record["mu"]["mean"] for record in campaign["records"]]
-    many = [estimates[Path(log).stem]["mu"]["mean"] for log in logs]
-    assert one_process == many, (one_process, many)
+    assert events == one_process["events"], (events, one_process["events"])
+    for log, test in zip(logs, one_process["records"], strict=True):
+        for coefficient in ("mu_s", "mu"):
+            there, here = tests[Path(log).stem][coefficient], test[coefficient]
+            assert there == here, (log, coefficient, there, here)
     print(f"{len(logs)} logs, {events} events: the same as floe campaign in one process")
 
 
