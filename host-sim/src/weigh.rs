@@ -31,6 +31,8 @@ const SURE: f64 = 5.0;
 pub struct Weight {
     /// [`SCHEMA`].
     pub schema: &'static str,
+    /// What a simulator says of its log; `null` for a measured one.
+    pub synthetic: Option<String>,
     /// Weight, the excess taken off, N.
     pub weight_n: f64,
     /// One standard deviation, N, with what the step of the readings leaves open; not the
@@ -85,6 +87,7 @@ pub fn weigh(log: &mut Log, calibrator: &Calibrator) -> Result<Weight, InputErro
     }
     Ok(Weight {
         schema: SCHEMA,
+        synthetic: log.metadata().synthetic.clone(),
         weight_n: known(load.value),
         weight_std_n: std_n,
         swing_period_s: load.swing.map(|swing| known(swing.period_s)),

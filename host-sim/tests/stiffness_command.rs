@@ -60,6 +60,28 @@ fn what_is_assumed_about_the_log_is_said() {
 }
 
 #[test]
+fn a_computed_pull_is_said() {
+    let dir = directory("stiffness/simulated");
+    fs::write(dir.join("a.csv"), pull(80.0)).unwrap();
+    fs::write(dir.join("b.csv"), format!("# SYNTHETIC: computed\n{}", pull(80.5))).unwrap();
+    let json = |logs: &[&str]| -> serde_json::Value {
+        serde_json::from_slice(&floe(&dir, &[logs, &["--json"]].concat()).stdout).unwrap()
+    };
+    assert_eq!(
+        (json(&["a.csv"])["synthetic"].is_null(), &json(&["b.csv"])["synthetic"]),
+        (true, &"computed".into())
+    );
+    let pulls = &json(&["a.csv", "b.csv"])["pulls"];
+    assert!(pulls[0]["synthetic"].is_null() && pulls[1]["synthetic"] == "computed", "{pulls}");
+    assert!(text(&floe(&dir, &["b.csv"]).stdout).starts_with("SIMULATED     computed\nstiff"));
+    let both = text(&floe(&dir, &["a.csv", "b.csv"]).stdout);
+    assert!(
+        both.contains("  a.csv\n") && both.contains("  b.csv, SIMULATED: computed\n"),
+        "{both}"
+    );
+}
+
+#[test]
 fn what_is_wrong_is_named() {
     let dir = directory("stiffness/wrong");
     fs::write(dir.join("a.csv"), pull(80.0)).unwrap();

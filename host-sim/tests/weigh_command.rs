@@ -46,6 +46,22 @@ fn a_recording_is_weighed() {
 }
 
 #[test]
+fn a_computed_recording_is_said() {
+    let path = log("measured.csv", 20, |_| 98.1);
+    let text = |path: &str| String::from_utf8(floe(&["weigh", path]).stdout).expect("text");
+    assert!(text(&path).starts_with("weight "), "{}", text(&path));
+    let computed = file("computed.csv").display().to_string();
+    let log = std::fs::read_to_string(&path).expect("kept");
+    std::fs::write(&computed, format!("# SYNTHETIC: computed\n{log}")).expect("kept");
+    assert!(text(&computed).starts_with("SIMULATED     computed\nweight "), "{}", text(&computed));
+    for (path, said) in [(path, serde_json::Value::Null), (computed, "computed".into())] {
+        let output = floe(&["weigh", &path, "--json"]).stdout;
+        let json: serde_json::Value = serde_json::from_slice(&output).expect("JSON");
+        assert_eq!(json["synthetic"], said);
+    }
+}
+
+#[test]
 fn a_still_block_has_no_swing() {
     let path = log("still.csv", 20, |_| 98.1);
     let output = floe(&["weigh", &path, "--json"]);

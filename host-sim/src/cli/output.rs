@@ -18,6 +18,11 @@ use super::input::STANDARD;
 /// Bytes that are written to a file at once.
 const BUFFER: usize = 1 << 16;
 
+/// A line over everything else of a log that was computed; nothing for a measured one.
+pub fn simulated(said: Option<&str>) -> String {
+    said.map(|said| format!("SIMULATED     {said}\n")).unwrap_or_default()
+}
+
 /// Writes to standard output, fit for a terminal. A reader that has gone away
 /// (`| head`) is no error.
 ///

@@ -56,6 +56,8 @@ struct Found {
     path: String,
     pull: Pull,
     stiffness: Stiffness,
+    /// What a simulator says of it.
+    synthetic: Option<String>,
     /// Time, s, and force, N.
     samples: Vec<(f64, f64)>,
 }
@@ -65,8 +67,9 @@ const SCHEMA: &str = "floe-stiffness/1";
 
 /// One pull alone, as JSON.
 #[derive(Serialize)]
-struct Alone {
+struct Alone<'a> {
     schema: &'static str,
+    synthetic: Option<&'a str>,
     #[serde(flatten)]
     stiffness: Stiffness,
 }
@@ -83,6 +86,7 @@ struct Several<'a> {
 struct One<'a> {
     path: &'a str,
     cable_length_m: Option<f64>,
+    synthetic: Option<&'a str>,
     #[serde(flatten)]
     stiffness: Stiffness,
 }
@@ -114,18 +118,15 @@ pub fn run(args: &Args) -> Result<(), InputError> {
     }
     match found.as_slice() {
         [one] => {
-            let alone = Alone { schema: SCHEMA, stiffness: one.stiffness };
-            json.print(&alone, || text(&one.stiffness))?;
+            let (synthetic, stiffness) = (one.synthetic.as_deref(), one.stiffness);
+            let alone = Alone { schema: SCHEMA, synthetic, stiffness };
+            json.print(&alone, || output::simulated(synthetic) + &text(&stiffness))?;
         }
         several => {
             let lengths = several.iter().map(|it| Some((it.stiffness, it.length_m()?)));
             let together = lengths.collect::<Option<Vec<_>>>().and_then(|all| together(&all));
-            let pulls = several.iter().map(|it| One {
-                path: &it.path,
-                cable_length_m: it.length_m(),
-                stiffness: it.stiffness,
-            });
-            json.print(&Several { schema: SCHEMA, pulls: pulls.collect(), together }, || {
+            let pulls = several.iter().map(Found::one).collect();
+            json.print(&Several { schema: SCHEMA, pulls, together }, || {
                 several_text(several, together.as_ref())
             })?;
         }
@@ -137,6 +138,15 @@ pub fn run(args: &Args) -> Result<(), InputError> {
 impl Found {
     fn length_m(&self) -> Option<f64> {
         self.pull.cable_length_m.map(|length| length.value)
+    }
+
+    fn one(&self) -> One<'_> {
+        One {
+            path: &self.path,
+            cable_length_m: self.length_m(),
+            synthetic: self.synthetic.as_deref(),
+            stiffness: self.stiffness,
+        }
     }
 }
 
@@ -169,7 +179,8 @@ fn measure(path: &str, args: &Args, number: usize) -> Result<Found, InputError> 
     let pull = pull(args, number, &log)?;
     let stiffness = stiffness(&samples, &pull).ok_or_else(|| InputError::new(none))?;
     output::warn(path, &log.warnings());
-    Ok(Found { path: path.to_string(), pull, stiffness, samples })
+    let synthetic = log.metadata().synthetic.clone();
+    Ok(Found { path: path.to_string(), pull, stiffness, synthetic, samples })
 }
 
 fn pull(args: &Args, number: usize, log: &Log) -> Result<Pull, InputError> {
@@ -218,7 +229,9 @@ fn several_text(found: &[Found], together: Option<&Together>) -> String {
         let k = it.stiffness.stiffness_n_per_m;
         let length = it.length_m().map_or("?".to_string(), |length_m| format!("{length_m:.2}"));
         let k = plus_minus(k.value / 1e3, k.std_error / 1e3);
-        let _ = writeln!(text, "{length:>9} {k:>17}  {}", printable_line(&it.path));
+        let said = it.synthetic.as_ref().map(|said| format!(", SIMULATED: {said}"));
+        let said = said.unwrap_or_default();
+        let _ = writeln!(text, "{length:>9} {k:>17}  {}{said}", printable_line(&it.path));
     }
     let Some(together) = together else {
         return text + "together      unknown: every pull needs the length of its cable\n";

@@ -88,8 +88,9 @@ fn text(weight: &Weight) -> String {
         some => format!("left out      {}\n", sentence(some)),
     };
     format!(
-        "weight        {weight_n} N\n\
+        "{}weight        {weight_n} N\n\
          swing         {swing}\n\
-         record        {duration_s:.1} s, scatter {scatter_n:.2} N in a quarter of a second\n{left_out}"
+         record        {duration_s:.1} s, scatter {scatter_n:.2} N in a quarter of a second\n{left_out}",
+        output::simulated(weight.synthetic.as_deref())
     )
 }
