@@ -34,16 +34,20 @@ pub(crate) fn texts<'a>(texts: impl Iterator<Item = &'a str>) -> Vec<ByteArray> 
     texts.map(value).collect()
 }
 
-/// Compressed, with who wrote it and what it is about: keys are `floe.schema` and the like.
+/// An entry of the metadata: `floe.schema` and the like.
+pub(crate) fn entry(key: &str, value: String) -> KeyValue {
+    KeyValue::new(format!("floe.{key}"), value)
+}
+
+/// Compressed, with who wrote it and what it is about, each an [`entry`].
 /// No dictionary is tried for `measured` columns, whose values are hardly ever the same.
 pub(crate) fn properties<'a>(
     about: &[(&str, String)],
     measured: impl Iterator<Item = &'a str>,
 ) -> WriterPropertiesPtr {
     const VERSION: &str = env!("CARGO_PKG_VERSION");
-    let about =
-        about.iter().map(|(key, value)| KeyValue::new(format!("floe.{key}"), value.clone()));
-    let version = KeyValue::new("floe.version".to_string(), VERSION.to_string());
+    let about = about.iter().map(|(key, value)| entry(key, value.clone()));
+    let version = entry("version", VERSION.to_string());
     let properties = WriterProperties::builder()
         .set_created_by(format!("floe {VERSION}"))
         .set_compression(Compression::SNAPPY)

@@ -63,10 +63,11 @@ fn recorded_logs_give_the_same_as_a_replay() {
     let all = json(&["campaign", ".", "--json"]);
     let records = all["records"].as_array().unwrap();
     assert_eq!(records.len(), 4);
-    assert_eq!(all["synthetic"], false);
+    assert_eq!((&all["synthetic"], &all["synthetic_tests"]), (&true.into(), &4.into()));
     for record in records {
         let name = record["test_id"].as_str().unwrap();
         let replayed = json(&["replay", &format!("{name}.csv"), "--json"]);
+        assert_eq!(record["synthetic"], replayed["log"]["synthetic"]);
         assert_eq!(record["mu"], replayed["estimate"]["mu"]);
         assert_eq!(record["mu_s"], replayed["estimate"]["mu_s"]);
     }
@@ -150,7 +151,91 @@ fn what_nobody_reads_is_no_panic() {
     fs::remove_dir_all(folder).unwrap();
 }
 
-/// A long name moves all columns; two equal tests scatter by nothing, and there is no trend.
+/// A test's words are those of its log, and who reads only the table, the report or the events
+/// is told, too.
+#[test]
+fn what_was_simulated_is_said_everywhere() {
+    let folder = folder("simulated");
+    let log = include_str!("../logs/dff8-13.csv");
+    let measured = log.replace("# SYNTHETIC:", "# made:").replace(": DFF8-13", ": field");
+    let evaluate = |logs: &[&str]| {
+        let outputs = ["--report", "c.html", "--parquet", "c.parquet"];
+        let run = |more: &[&str]| floe(&folder, &[&["campaign"], logs, &outputs, more].concat());
+        let table = String::from_utf8(run(&[]).stdout).unwrap();
+        let json: serde_json::Value = serde_json::from_slice(&run(&["--json"]).stdout).unwrap();
+        let events = fs::read(folder.join("c.parquet")).unwrap();
+        let keyed = events.windows(14).any(|it| it == b"floe.synthetic");
+        (table, json, fs::read_to_string(folder.join("c.html")).unwrap(), keyed)
+    };
+    fs::create_dir_all(folder.join("logs")).unwrap();
+    for (name, log, said, kind) in [
+        ("field", &*measured, None, "Campaign of recorded tests"),
+        ("computed", log, Some("1 of 2 tests, computed, not"), "of recorded and simulated tests"),
+    ] {
+        fs::write(folder.join("logs").join(name).with_extension("csv"), log).unwrap();
+        let (table, json, page, keyed) = evaluate(&["logs"]);
+        let starts = said.map_or_else(|| "test ".to_string(), |said| format!("SIMULATED: {said}"));
+        assert!(table.starts_with(&starts), "{table}");
+        assert!(page.contains(kind) && page.contains("<b>SIMULATED</b>") == said.is_some());
+        assert!(said.is_none_or(|said| page.contains(said)) && keyed == said.is_some());
+        assert_eq!(json["synthetic"], said.is_some());
+        let field = json["records"].as_array().unwrap().iter().find(|it| it["test_id"] == "field");
+        assert!(field.unwrap()["synthetic"].is_null(), "{json}");
+    }
+    let (table, json, page, keyed) = evaluate(&[]);
+    assert!(table.starts_with("SIMULATED: computed, not measured\n") && keyed, "{table}");
+    assert!(page.contains("Campaign of simulated tests") && page.contains("<b>SIMULATED</b>"));
+    assert_eq!(json["records"][24]["synthetic"], "computed, not measured; seed 1");
+    fs::remove_dir_all(folder).unwrap();
+}
+
+/// Static before dynamic, as everywhere: in JSON, table and report.
+#[test]
+fn mu_s_stands_before_mu() {
+    let folder = folder("order");
+    let run = |options: &[&str]| {
+        let output = floe(&folder, &[&["campaign"], options].concat());
+        String::from_utf8(output.stdout).unwrap()
+    };
+    let page = run(&["--report", "c.html"]) + &fs::read_to_string(folder.join("c.html")).unwrap();
+    let json = run(&["--json"]);
+    let place = |text: &str, word: &str| text.find(word).unwrap_or_else(|| panic!("no {word}"));
+    for (text, first, second) in [
+        (&json, "\"mu_s\":", "\"mu\":"),
+        (&json, "\"published_mu_s\"", "\"published_mu\""),
+        (&json, "\"coefficient\": \"mu_s\"", "\"coefficient\": \"mu\""),
+        (&page, "events  mu_s  ", "  mu\n"),
+        (&page, "0.76  0.51\n", "1.0  0.62\n"),
+        (&page, "mu_s against", "mu against"),
+        (&page, "<th><i>μ</i><sub>s</sub></th><th>", "<th><i>μ</i></th><th>"),
+        (&page, "Static coefficient", "<th><i>μ</i><sub>s</sub></th><th><i>μ</i></th></tr>"),
+    ] {
+        assert!(place(text, first) < place(text, second), "{first} is not before {second}");
+    }
+    fs::remove_dir_all(folder).unwrap();
+}
+
+/// A block on the bench weighs less than a newton; one test is no trend.
+#[test]
+fn one_small_test_is_read_with_its_own_digits() {
+    let folder = folder("small");
+    let log = include_str!("../logs/dff8-13.csv");
+    let small = |line: &str| match line.split_once(',').map(|(t, f)| (t, f.parse::<f64>())) {
+        Some((time_s, Ok(force_n))) => format!("{time_s},{}\n", force_n * 1e-3),
+        _ => format!("{line}\n"),
+    };
+    let log: String = log.replace("weight_n: 630", "weight_n: 0.63").lines().map(small).collect();
+    fs::write(folder.join("small.csv"), log).unwrap();
+    let output = floe(&folder, &["campaign", ".", "--report", "c.html"]);
+    let said = String::from_utf8(output.stdout).unwrap();
+    let page = fs::read_to_string(folder.join("c.html")).unwrap();
+    assert!(said.contains(" 0.6300   15.7 ") && page.contains("<td>0.6300</td>"), "{said}");
+    assert!(page.contains("<h1>1 test, "), "{page}");
+    assert!(!page.contains("Slope") && !page.contains("least squares, ±"), "{page}");
+    fs::remove_dir_all(folder).unwrap();
+}
+
+/// A long name moves all columns; two equal tests do not scatter, and there is no trend.
 #[test]
 fn columns_stand_below_their_heads() {
     let folder = folder("columns");
@@ -161,14 +246,13 @@ fn columns_stand_below_their_heads() {
     }
     let output = floe(&folder, &["campaign", "."]);
     let said = String::from_utf8(output.stdout).unwrap();
-    let lines: Vec<&str> = said.lines().collect();
+    // Below the line that says SIMULATED.
+    let lines: Vec<&str> = said.lines().skip(2).collect();
     let end = lines[0].find("weight").unwrap() + "weight".len();
     for row in &lines[2..4] {
-        assert!(row[..end].ends_with(" 630") && row[end..].starts_with(' '), "{said}");
+        assert!(row[..end].ends_with(" 630.0") && row[end..].starts_with(' '), "{said}");
     }
-    assert!(
-        said.contains(" ± 0  ") && !said.contains("± 0.0000") && !said.contains("trend"),
-        "{said}"
-    );
+    let all = said.lines().find(|line| line.starts_with("all "));
+    assert!(all.is_some_and(|all| !all.contains('±')) && !said.contains("trend"), "{said}");
     fs::remove_dir_all(folder).unwrap();
 }

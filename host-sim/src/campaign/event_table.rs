@@ -10,7 +10,7 @@ use parquet::errors::Result;
 use parquet::file::writer::{SerializedColumnWriter, SerializedFileWriter};
 use parquet::schema::types::{Type, TypePtr};
 
-use super::{EventRecord, TestRecord};
+use super::{EventRecord, TestRecord, simulated};
 use crate::columnar;
 
 /// Of the table, in its metadata: `index` has the name it has in JSON, no reason is null.
@@ -127,6 +127,8 @@ pub struct EventTable<W: Write + Send> {
     writer: SerializedFileWriter<W>,
     waiting: Vec<TestRecord>,
     events: usize,
+    tests: usize,
+    synthetic_tests: usize,
 }
 
 impl<W: Write + Send> std::fmt::Debug for EventTable<W> {
@@ -144,7 +146,7 @@ impl<W: Write + Send> EventTable<W> {
         let about = [&[("schema", SCHEMA.to_string())], about].concat();
         let properties = columnar::properties(&about, measured());
         let writer = SerializedFileWriter::new(out, schema()?, properties)?;
-        Ok(Self { writer, waiting: Vec::new(), events: 0 })
+        Ok(Self { writer, waiting: Vec::new(), events: 0, tests: 0, synthetic_tests: 0 })
     }
 
     /// Takes a test with its events.
@@ -153,16 +155,21 @@ impl<W: Write + Send> EventTable<W> {
     /// Of the writer.
     pub fn push(&mut self, test: TestRecord) -> Result<()> {
         self.events += test.events.len();
+        self.tests += 1;
+        self.synthetic_tests += usize::from(test.synthetic.is_some());
         self.waiting.push(test);
         if self.events >= GROUP { self.write_group() } else { Ok(()) }
     }
 
-    /// Ends the file.
+    /// Ends the file, and says in its metadata if a test was simulated.
     ///
     /// # Errors
     /// Of the writer.
     pub fn finish(mut self) -> Result<()> {
         self.write_group()?;
+        if let Some(said) = simulated(self.synthetic_tests, self.tests) {
+            self.writer.append_key_value_metadata(columnar::entry("synthetic", said));
+        }
         self.writer.close().map(|_| ())
     }
 
@@ -261,16 +268,26 @@ mod tests {
         assert!(rows.next().is_none());
     }
 
+    fn said(tests: &[TestRecord], key: &str) -> Option<String> {
+        let reader = SerializedFileReader::new(bytes::Bytes::from(table(tests))).unwrap();
+        let said = reader.metadata().file_metadata().key_value_metadata().unwrap();
+        said.iter().find(|entry| entry.key == key).and_then(|entry| entry.value.clone())
+    }
+
     #[test]
     fn the_metadata_say_what_it_is() {
-        let reader = SerializedFileReader::new(bytes::Bytes::from(table(&[]))).unwrap();
-        let said = reader.metadata().file_metadata().key_value_metadata().unwrap();
-        let value = |key: &str| {
-            said.iter().find(|entry| entry.key == key).and_then(|entry| entry.value.clone())
-        };
-        assert_eq!(value("floe.schema").as_deref(), Some(SCHEMA));
-        assert_eq!(value("floe.version").as_deref(), Some(env!("CARGO_PKG_VERSION")));
-        assert_eq!(value("floe.seed").as_deref(), Some("1"));
+        assert_eq!(said(&[], "floe.schema").as_deref(), Some(SCHEMA));
+        assert_eq!(said(&[], "floe.version").as_deref(), Some(env!("CARGO_PKG_VERSION")));
+        assert_eq!(said(&[], "floe.seed").as_deref(), Some("1"));
+        let simulated = programme::evaluate(1, 0, 0).unwrap();
+        let measured = TestRecord { synthetic: None, ..simulated.clone() };
+        for (tests, expected) in [
+            (vec![measured.clone()], None),
+            (vec![simulated.clone()], Some("computed, not measured")),
+            (vec![measured, simulated], Some("1 of 2 tests, computed, not measured")),
+        ] {
+            assert_eq!(said(&tests, "floe.synthetic").as_deref(), expected);
+        }
     }
 
     /// Every field of an event in JSON is a column, or an interval's two columns.

@@ -61,6 +61,8 @@ pub struct TestRecord {
     pub event_count: usize,
     /// What a reader of its numbers should know of the log.
     pub warnings: Vec<String>,
+    /// What a simulator says of it; `null` for a measured test.
+    pub synthetic: Option<String>,
     /// What its forces come to, to find a log that is there twice.
     #[serde(skip)]
     pub forces: u64,
@@ -88,6 +90,16 @@ impl TestRecord {
     #[must_use]
     pub fn has_snow(&self) -> Option<bool> {
         self.snow_mm.map(|depth| depth > 0.0)
+    }
+}
+
+/// What is said over everything else of tests of which so many were simulated.
+#[must_use]
+pub fn simulated(synthetic: usize, tests: usize) -> Option<String> {
+    match synthetic {
+        0 => None,
+        all if all == tests => Some("computed, not measured".to_owned()),
+        some => Some(format!("{some} of {tests} tests, computed, not measured")),
     }
 }
 

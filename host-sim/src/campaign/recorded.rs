@@ -212,10 +212,9 @@ fn read(entry: &Entry, test: u32) -> Result<TestRecord, InputError> {
         (step.sample.index, step.sample.force_n.map(f32::to_bits)).hash(&mut forces);
     })?;
     let said = log.metadata();
-    let untold = |measured| EventRecord { measured, true_mu_s: None, true_mu: None };
     let mut events: Vec<EventRecord> = Vec::with_capacity(result.events.found());
-    let kept = result.events.for_each(|event| {
-        events.push(untold(event));
+    let kept = result.events.for_each(|measured| {
+        events.push(EventRecord { measured, true_mu_s: None, true_mu: None });
         Ok(())
     });
     kept.map_err(|e| InputError::new(e.to_string()))?;
@@ -239,6 +238,7 @@ fn read(entry: &Entry, test: u32) -> Result<TestRecord, InputError> {
         mu: result.estimate.mu,
         event_count: events.len(),
         warnings: result.log.warnings.iter().map(|it| remedy::of_text(it)).collect(),
+        synthetic: result.log.synthetic,
         forces: forces.finish(),
         events,
     })

@@ -4,11 +4,11 @@ use std::fmt::Write;
 
 use serde::Serialize;
 
-use super::TestRecord;
 use super::programme::PUBLISHED;
 use super::trend::{Against, Coefficient, Group, Mean, Trend, mean, points, trend};
+use super::{TestRecord, simulated};
 use crate::replay::result::CoefficientSummary;
-use crate::rounding::{own_digits, plus_minus};
+use crate::rounding::{decimals, own_digits, plus_minus};
 
 /// Name and version of this format; changes when a meaning changes.
 pub const SCHEMA: &str = "floe-campaign/1";
@@ -21,9 +21,11 @@ const MOST_LISTED: usize = 200;
 pub struct Summary {
     /// [`SCHEMA`].
     pub schema: &'static str,
-    /// Whether the tests were simulated.
+    /// Whether a test was simulated.
     pub synthetic: bool,
-    /// Seed of simulated tests.
+    /// Number of simulated tests.
+    pub synthetic_tests: usize,
+    /// Seed of a simulated programme.
     pub seed: Option<u64>,
     /// Number of tests.
     pub tests: usize,
@@ -44,19 +46,27 @@ pub struct Summary {
 pub struct GroupMeans {
     /// Which tests.
     pub group: Group,
-    /// Dynamic coefficient.
-    pub mu: Option<Mean>,
     /// Static coefficient.
     pub mu_s: Option<Mean>,
+    /// Dynamic coefficient.
+    pub mu: Option<Mean>,
     /// What the tests may have in common, as tests with one instrument have: the mean of their
-    /// systematic standard deviations of `mu`. No number of tests averages it out.
-    pub mu_systematic_std: Option<f64>,
-    /// That of `mu_s`.
+    /// systematic standard deviations of `mu_s`. No number of tests averages it out.
     pub mu_s_systematic_std: Option<f64>,
-    /// Published mean of `mu`; `null` for how a block was pulled.
-    pub published_mu: Option<f64>,
-    /// Published mean of `mu_s`.
+    /// That of `mu`.
+    pub mu_systematic_std: Option<f64>,
+    /// Published mean of `mu_s`; `null` for how a block was pulled.
     pub published_mu_s: Option<f64>,
+    /// Published mean of `mu`.
+    pub published_mu: Option<f64>,
+}
+
+impl GroupMeans {
+    /// Number of tests that count.
+    #[must_use]
+    pub fn tests(&self) -> usize {
+        self.mu_s.or(self.mu).map_or(0, |mean| mean.tests)
+    }
 }
 
 /// A straight line and what it is of.
@@ -82,12 +92,12 @@ impl Summary {
         };
         let means = |group, published: Option<(f64, f64)>| GroupMeans {
             group,
-            mu: of(group, |test| test.mu.mean),
             mu_s: of(group, |test| test.mu_s.mean),
-            mu_systematic_std: of(group, |test| test.mu.systematic_std).map(|std| std.mean),
+            mu: of(group, |test| test.mu.mean),
             mu_s_systematic_std: of(group, |test| test.mu_s.systematic_std).map(|std| std.mean),
-            published_mu: published.map(|published| published.0),
-            published_mu_s: published.map(|published| published.1),
+            mu_systematic_std: of(group, |test| test.mu.systematic_std).map(|std| std.mean),
+            published_mu_s: published.map(|published| published.0),
+            published_mu: published.map(|published| published.1),
         };
         let published = Group::ALL.into_iter().zip(PUBLISHED.map(Some));
         let kinds = Group::KINDS.into_iter().map(|kind| (kind, None));
@@ -95,9 +105,11 @@ impl Summary {
         let groups = published.chain(kinds.filter(|(kind, _)| some(kind)));
         let groups = groups.map(|(group, published)| means(group, published));
         let listed = if tests.len() <= MOST_LISTED { tests } else { &[] };
+        let synthetic_tests = tests.iter().filter(|test| test.synthetic.is_some()).count();
         Self {
             schema: SCHEMA,
-            synthetic: seed.is_some(),
+            synthetic: synthetic_tests > 0,
+            synthetic_tests,
             seed,
             tests: tests.len(),
             events,
@@ -108,24 +120,31 @@ impl Summary {
         }
     }
 
+    /// What is said over everything else if a test was simulated.
+    #[must_use]
+    pub fn simulated(&self) -> Option<String> {
+        simulated(self.synthetic_tests, self.tests)
+    }
+
     /// The campaign as text.
     #[must_use]
     pub fn text(&self) -> String {
-        let mut text = self.list();
-        text += "\ngroup      tests  mu                 systematic  mu_s               systematic  \
-                 published mu, mu_s\n";
+        let said = self.simulated().map(|said| format!("SIMULATED: {said}\n\n"));
+        let mut text = said.unwrap_or_default() + &self.list();
+        text += "\ngroup      tests  mu_s               systematic  mu                 systematic  \
+                 published mu_s, mu\n";
         for group in &self.groups {
-            let tests = group.mu.or(group.mu_s).map_or(0, |m| m.tests);
             let _ = writeln!(
                 text,
-                "{:<11}{tests:>5}  {:<17}  {:<10}  {:<17}  {:<10}  {}  {}",
+                "{:<11}{:>5}  {:<17}  {:<10}  {:<17}  {:<10}  {}  {}",
                 group.group.name(),
-                of_group(group.mu),
-                systematic(group.mu_systematic_std),
+                group.tests(),
                 of_group(group.mu_s),
                 systematic(group.mu_s_systematic_std),
-                published(group.published_mu),
+                of_group(group.mu),
+                systematic(group.mu_systematic_std),
                 published(group.published_mu_s),
+                published(group.published_mu),
             );
         }
         if !self.trends.is_empty() {
@@ -151,7 +170,7 @@ impl Summary {
         let longest = self.records.iter().map(|test| test.test_id.chars().count()).max();
         let wide = longest.unwrap_or(0).clamp(18, LONGEST);
         let mut text = format!(
-            "{:<wide$}   weight   pull   snow  events  mu                 mu_s\n{:<wide$}        N   \
+            "{:<wide$}   weight   pull   snow  events  mu_s               mu\n{:<wide$}        N   \
              mm/s     mm\n",
             "test", ""
         );
@@ -159,14 +178,15 @@ impl Summary {
         for test in &self.records {
             let _ = writeln!(
                 text,
-                "{:<wide$}  {:>7.0}  {:>5}  {:>5}  {:>6}  {:<17}  {}",
+                "{:<wide$}  {:>7.*}  {:>5}  {:>5}  {:>6}  {:<17}  {}",
                 test.test_id,
+                decimals(test.weight_n),
                 test.weight_n,
                 known(test.winch_m_per_s.map(|w| w * 1e3)),
                 known(test.snow_mm),
                 test.event_count,
-                of_test(&test.mu),
                 of_test(&test.mu_s),
+                of_test(&test.mu),
             );
         }
         text
@@ -195,7 +215,7 @@ pub fn of_test(value: &CoefficientSummary) -> String {
     }
 }
 
-/// The mean of several tests with its standard error, or of one without.
+/// The mean of several tests with its standard error, or without where they do not scatter.
 #[must_use]
 pub fn of_group(mean: Option<Mean>) -> String {
     match mean {
@@ -209,7 +229,7 @@ pub fn of_group(mean: Option<Mean>) -> String {
 /// against snow for all tests.
 fn trends(tests: &[TestRecord]) -> Vec<NamedTrend> {
     let mut trends = Vec::new();
-    for coefficient in [Coefficient::Mu, Coefficient::MuS] {
+    for coefficient in Coefficient::ALL {
         for against in Against::ALL {
             for group in Group::ALL {
                 let points = points(tests, group, against, coefficient);

@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use super::TestRecord;
+use crate::rounding::LEAST;
 
 /// A mean over tests.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -11,7 +12,8 @@ pub struct Mean {
     pub tests: usize,
     /// Mean.
     pub mean: f64,
-    /// Standard error of the mean, from the scatter between tests; `null` for one.
+    /// Standard error of the mean, from the scatter between tests; `null` where there is none:
+    /// of one test, or of the same test again.
     pub std_error: Option<f64>,
 }
 
@@ -24,8 +26,9 @@ pub fn mean(values: &[f64]) -> Option<Mean> {
     let n = values.len() as f64;
     let mean = values.iter().sum::<f64>() / n;
     let squares: f64 = values.iter().map(|v| (v - mean).powi(2)).sum();
-    let std_error = (values.len() > 1).then(|| (squares / (n - 1.0) / n).sqrt());
-    Some(Mean { tests: values.len(), mean, std_error })
+    let std_error = (squares / (n - 1.0) / n).sqrt();
+    let scatters = std_error > LEAST * mean.abs();
+    Some(Mean { tests: values.len(), mean, std_error: scatters.then_some(std_error) })
 }
 
 /// A straight line through tests, `y = value + slope (x - centre)`, by least
@@ -137,19 +140,22 @@ impl Group {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Coefficient {
-    /// `mu`.
-    Mu,
     /// `mu_s`.
     MuS,
+    /// `mu`.
+    Mu,
 }
 
 impl Coefficient {
+    /// Both.
+    pub const ALL: [Self; 2] = [Self::MuS, Self::Mu];
+
     /// Its mean over the events of a test.
     #[must_use]
     pub fn of(self, test: &TestRecord) -> Option<f64> {
         match self {
-            Self::Mu => test.mu.mean,
             Self::MuS => test.mu_s.mean,
+            Self::Mu => test.mu.mean,
         }
     }
 
@@ -157,8 +163,8 @@ impl Coefficient {
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
-            Self::Mu => "mu",
             Self::MuS => "mu_s",
+            Self::Mu => "mu",
         }
     }
 }
@@ -238,5 +244,8 @@ mod tests {
         assert_eq!(trend(&[(1.0, 2.0), (1.0, 3.0), (1.0, 4.0)]), None);
         assert_eq!(mean(&[]), None);
         assert_eq!(mean(&[2.0]), Some(Mean { tests: 1, mean: 2.0, std_error: None }));
+        // Equal tests do not scatter, also where their sum is rounded.
+        assert_eq!(mean(&[0.1; 3]).and_then(|mean| mean.std_error), None);
+        assert_eq!(mean(&[1.0, 3.0]).and_then(|mean| mean.std_error), Some(1.0));
     }
 }

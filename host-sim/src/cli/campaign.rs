@@ -241,7 +241,7 @@ fn evaluate_all(
 fn about(args: &Args) -> Vec<(&'static str, String)> {
     match &args.logs {
         Some(logs) => vec![("logs", logs.display().to_string())],
-        None => vec![("synthetic", "simulated".to_string()), ("seed", args.seed.to_string())],
+        None => vec![("seed", args.seed.to_string())],
     }
 }
 
@@ -253,6 +253,7 @@ fn without_events(test: &TestRecord) -> TestRecord {
         track: test.track.clone(),
         start_time: test.start_time.clone(),
         warnings: test.warnings.clone(),
+        synthetic: test.synthetic.clone(),
         ..*test
     }
 }

@@ -5,10 +5,11 @@ use crate::campaign::summary::{
     GroupMeans, NamedTrend, Summary, of_group, of_test, published, systematic,
 };
 use crate::campaign::trend::{Against, Coefficient, Group, points};
-use crate::rounding::plus_minus;
+use crate::rounding::{counted, decimals, plus_minus};
 
 use super::figure::{Figure, both, dot_key, line_key};
 use super::number::fixed;
+use super::page::simulated;
 use super::plot::{Axis, Layout, Plot, Spec};
 use super::policy::policy;
 use super::scale::{Steps, extent};
@@ -33,23 +34,24 @@ pub fn render_campaign(summary: &Summary, tests: &[TestRecord]) -> String {
         figures(summary, tests).iter().enumerate().map(|(i, f)| f.html(i + 1)).collect();
     let script = format!("\n{SCRIPT}");
     let policy = policy(&script);
-    let kind = if summary.synthetic {
-        "Simulated campaign: computed, not measured"
-    } else {
-        "Campaign of recorded tests"
+    let kind = match summary.synthetic_tests {
+        0 => "recorded",
+        all if all == summary.tests => "simulated",
+        _ => "recorded and simulated",
     };
     format!(
         "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"/>{policy}\
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\
          <meta name=\"color-scheme\" content=\"light dark\"/>\
          <title>Campaign – sliding friction</title>\n<style>\n{STYLE}{TREND_STYLE}</style></head>\n\
-         <body><header><p class=\"kind\">{kind}</p><h1>{} tests, {} events</h1></header>\n\
+         <body><header><p class=\"kind\">Campaign of {kind} tests</p><h1>{}, {}</h1>{}</header>\n\
          <main><section>{}</section><section class=\"figures\">\n{figures}</section>{}</main>\n\
          <footer><p>Lines by least squares with the band of one standard error, from the \
          scatter between tests. Made by <b>floe {}</b>{}.</p></footer>\n\
          <script>{script}</script></body></html>\n",
-        summary.tests,
-        summary.events,
+        counted(summary.tests as u64, "test"),
+        counted(summary.events, "event"),
+        simulated(summary.simulated().as_deref()),
         groups(&summary.groups),
         list(&summary.records),
         env!("CARGO_PKG_VERSION"),
@@ -68,20 +70,20 @@ fn groups(groups: &[GroupMeans]) -> String {
             "<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td>\
              <td>{}</td></tr>",
             g.group.name(),
-            g.mu.or(g.mu_s).map_or(0, |m| m.tests),
-            minus(&of_group(g.mu)),
-            minus(&systematic(g.mu_systematic_std)),
-            minus(&published(g.published_mu)),
+            g.tests(),
             minus(&of_group(g.mu_s)),
             minus(&systematic(g.mu_s_systematic_std)),
             minus(&published(g.published_mu_s)),
+            minus(&of_group(g.mu)),
+            minus(&systematic(g.mu_systematic_std)),
+            minus(&published(g.published_mu)),
         )
     };
     let rows: String = groups.iter().map(row).collect();
     format!(
         "<h2>Means of the groups</h2><div class=\"scroll\"><table><thead><tr><th>group</th>\
-         <th>tests</th><th><i>μ</i></th><th>systematic</th><th>published</th>\
-         <th><i>μ</i><sub>s</sub></th><th>systematic</th><th>published</th></tr></thead>\
+         <th>tests</th><th><i>μ</i><sub>s</sub></th><th>systematic</th><th>published</th>\
+         <th><i>μ</i></th><th>systematic</th><th>published</th></tr></thead>\
          <tbody>{rows}</tbody></table></div><p>±: standard error from the scatter between tests \
          alone. Systematic: the mean of the tests' systematic parts, which tests with one instrument \
          may have in common and no number of them averages out.</p>"
@@ -98,12 +100,12 @@ fn list(tests: &[TestRecord]) -> String {
             "<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td>\
              <td>{}</td></tr>",
             escape(&t.test_id),
-            fixed(t.weight_n, 0),
+            fixed(t.weight_n, decimals(t.weight_n)),
             known(t.winch_m_per_s.map(|w| w * 1e3), 1),
             known(t.snow_mm, 0),
             t.event_count,
-            minus(&of_test(&t.mu)),
             minus(&of_test(&t.mu_s)),
+            minus(&of_test(&t.mu)),
         )
     };
     let rows: String = tests.iter().map(row).collect();
@@ -111,15 +113,16 @@ fn list(tests: &[TestRecord]) -> String {
         "<section><h2>Tests</h2><p>±: one standard deviation, all that is \
          known of it.</p><div class=\"scroll\"><table><thead><tr><th>test</th>\
          <th>weight<small>N</small></th><th>pull<small>mm/s</small></th>\
-         <th>snow<small>mm</small></th><th>events</th><th><i>μ</i></th>\
-         <th><i>μ</i><sub>s</sub></th></tr></thead><tbody>{rows}</tbody></table></div></section>"
+         <th>snow<small>mm</small></th><th>events</th>\
+         <th><i>μ</i><sub>s</sub></th><th><i>μ</i></th></tr></thead>\
+         <tbody>{rows}</tbody></table></div></section>"
     )
 }
 
 fn figures(summary: &Summary, tests: &[TestRecord]) -> Vec<Figure> {
     let mut figures = Vec::new();
     for against in Against::ALL {
-        for coefficient in [Coefficient::MuS, Coefficient::Mu] {
+        for coefficient in Coefficient::ALL {
             let panel = Panel { summary, tests, against, coefficient };
             figures.extend(panel.figure());
         }
@@ -166,7 +169,9 @@ impl Panel<'_> {
             .filter(|(group, _)| !self.points(*group).is_empty())
             .map(|(group, tone)| dot_key(&format!("event {tone}"), group.name()))
             .collect();
-        keys.push(line_key("mean", "line by least squares, ± one standard error"));
+        if !self.lines().is_empty() {
+            keys.push(line_key("mean", "line by least squares, ± one standard error"));
+        }
         if self.against == Against::WeightKn {
             keys.push(line_key("rist", "Rist (1997): proportional to weight^(-1/3)"));
         }
@@ -185,13 +190,16 @@ impl Panel<'_> {
             format!("{} {slope} per {unit}", t.group.name())
         };
         let slopes: Vec<String> = self.lines().iter().map(slope).collect();
-        format!("{} Slope: {}.", self.title(), slopes.join("; "))
+        match slopes.as_slice() {
+            [] => self.title(),
+            some => format!("{} Slope: {}.", self.title(), some.join("; ")),
+        }
     }
 
     fn title(&self) -> String {
         let kind = match self.coefficient {
-            Coefficient::Mu => "Dynamic",
             Coefficient::MuS => "Static",
+            Coefficient::Mu => "Dynamic",
         };
         format!("{kind} coefficient against {}.", self.against.name().0)
     }

@@ -34,7 +34,7 @@ pub(super) fn page(context: &Context<'_>, provenance: &Provenance) -> String {
          <header><p class=\"kind\">Sliding friction of a block pulled over ice</p>\
          <h1>{name}</h1>{}<p class=\"test\">{}</p></header>\n<main>{}{}{}</main>\n{}{}\
          <script>{script}</script></body></html>\n",
-        simulated(result),
+        simulated(result.log.synthetic.as_deref()),
         test_line(result),
         summary(result),
         figures(context),
@@ -44,9 +44,8 @@ pub(super) fn page(context: &Context<'_>, provenance: &Provenance) -> String {
     )
 }
 
-/// Said over everything else of a log that was computed.
-fn simulated(result: &ReplayResult) -> String {
-    let said = result.log.synthetic.as_deref();
+/// Said over everything else of what was computed.
+pub(super) fn simulated(said: Option<&str>) -> String {
     said.map_or_else(String::new, |said| {
         format!("<p class=\"simulated\"><b>SIMULATED</b> {}</p>", escape(said))
     })

@@ -11,6 +11,12 @@ use super::scene::{Scene, Start};
 /// Array ID of the simulated CR10 logs.
 pub const CR10_ARRAY_ID: u32 = 101;
 
+/// What a simulator says of what it made, in a log and in JSON.
+#[must_use]
+pub fn said_of(seed: u64) -> String {
+    format!("computed, not measured; seed {seed}")
+}
+
 /// Writes the head of a CSV log: metadata and the names of the columns.
 ///
 /// `command` is the command that makes the log.
@@ -18,7 +24,7 @@ pub const CR10_ARRAY_ID: u32 = 101;
 /// # Errors
 /// Of the writer.
 pub fn csv_head(out: &mut impl Write, scene: &Scene, seed: u64, command: &str) -> io::Result<()> {
-    writeln!(out, "# SYNTHETIC: computed, not measured; seed {seed}")?;
+    writeln!(out, "# SYNTHETIC: {}", said_of(seed))?;
     writeln!(out, "# made_by: {}", printable_line(command))?;
     if let Some(id) = &scene.test_id {
         writeln!(out, "# test_id: {id}")?;
