@@ -300,6 +300,11 @@ fn samples_and_figures_are_written() {
     assert!((number(slipping, 2) - rate).abs() < 0.01 * rate.abs().max(10.0));
     assert_eq!(rows[slipping][3], "slip");
     assert!(number(slipping, 4) > -0.02 && number(slipping, 4) < 2.0);
+    // A block at rest stands, and every rate but the first and the last is there.
+    let resting = rows.iter().skip(200).filter(|row| row[3] == "stick" && !row[2].is_empty());
+    assert!(resting.clone().count() > 1000 && resting.clone().all(|row| row[4] == "0.0"));
+    let without_rate = (1..rows.len()).filter(|&i| rows[i][2].is_empty());
+    assert_eq!(without_rate.collect::<Vec<_>>(), [1, rows.len() - 1]);
     for file in ["history", "cycles", "slip", "plane", "convergence-static"] {
         let svg = fs::read_to_string(dir.join(format!("figures/{file}.svg"))).unwrap();
         assert!(svg.starts_with("<svg xmlns=") && svg.trim_end().ends_with("</svg>"), "{file}");

@@ -162,7 +162,7 @@ fn run_on(
     let mut found = None;
     let written = output::stream(file, |out| {
         let mut table = samples::table(out, is_parquet, &about)?;
-        let mut rows = SampleRows::new(config.winch_m_per_s);
+        let mut rows = SampleRows::new(config.winch_m_per_s, config.rate_hz);
         let mut put = Ok(());
         let findings = run_core(path, &mut log, &config, args, |time_s, step| {
             if let (Some(row), true) = (rows.push(time_s, step), put.is_ok()) {

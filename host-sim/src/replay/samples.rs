@@ -4,6 +4,7 @@ use std::collections::VecDeque;
 use std::io::{self, Write};
 use std::sync::Arc;
 
+use floe_core::signal::derivative::{Central, Rate};
 use floe_core::{Phase, SampleFlag, Step};
 use parquet::basic::{LogicalType, Repetition, Type as Physical};
 use parquet::data_type::{ByteArrayType, DoubleType, FloatType, Int64Type};
@@ -36,8 +37,9 @@ pub struct SampleRow {
     pub rate_n_per_s: Option<f32>,
     /// What the block was doing.
     pub phase: &'static str,
-    /// Speed of the block, `w (1 - F' / (k w))`: while it slips, where the winch's speed
-    /// `w` is known, with the loading rate `k w` of the event before.
+    /// Speed of the block where the winch's speed `w` is known, with the loading rate `k w` of the
+    /// last event that was complete by then: `w (1 - F' / (k w))` while it slips, 0 at rest while the
+    /// force rises. A force that does not rise is of a held cable or of a block that slides evenly.
     pub block_m_per_s: Option<f32>,
     /// What became of the sample.
     pub flag: &'static str,
@@ -47,15 +49,24 @@ pub struct SampleRow {
 #[derive(Debug)]
 pub struct SampleRows {
     winch_m_per_s: Option<f32>,
+    rate_hz: f32,
     loading_rate_n_per_s: Option<f32>,
+    /// Rate of the force in the last second of a rest.
+    rising_n_per_s: Option<f32>,
     held: VecDeque<SampleRow>,
 }
 
 impl SampleRows {
     /// Before the first sample.
     #[must_use]
-    pub fn new(winch_m_per_s: Option<f32>) -> Self {
-        Self { winch_m_per_s, loading_rate_n_per_s: None, held: VecDeque::new() }
+    pub fn new(winch_m_per_s: Option<f32>, rate_hz: f32) -> Self {
+        Self {
+            winch_m_per_s,
+            rate_hz,
+            loading_rate_n_per_s: None,
+            rising_n_per_s: None,
+            held: VecDeque::new(),
+        }
     }
 
     /// Takes a sample; gives one whose row is complete.
@@ -74,11 +85,7 @@ impl SampleRows {
             (spike.force_n, spike.flag) = (None, flag(SampleFlag::Spike));
         }
         if let Some(rate) = step.rate {
-            let speed = self.block_speed(rate.rate_n_per_s);
-            if let Some(row) = self.row(rate.index) {
-                row.rate_n_per_s = Some(rate.rate_n_per_s).filter(|rate| rate.is_finite());
-                row.block_m_per_s = speed.filter(|_| row.phase == phase(Phase::Slip));
-            }
+            self.take_rate(rate);
         }
         if let Some(event) = &step.event {
             self.loading_rate_n_per_s = Some(event.loading_rate_n_per_s);
@@ -86,8 +93,17 @@ impl SampleRows {
         if self.held.len() > HELD { self.held.pop_front() } else { None }
     }
 
-    /// The rows that are still held, at the end.
-    pub fn finish(self) -> impl Iterator<Item = SampleRow> {
+    /// The rows that are still held, at the end. The core waited with the last rate for a sample that
+    /// tells whether the newest one is a spike.
+    pub fn finish(mut self) -> impl Iterator<Item = SampleRow> {
+        let mut derivative = Central::new(self.rate_hz);
+        let forces = self.held.iter().filter_map(|row| Some((row.index, row.force_n?)));
+        let rates: Vec<_> = forces.filter_map(|(i, force_n)| derivative.step(i, force_n)).collect();
+        for rate in rates {
+            if self.row(rate.index).is_some_and(|row| row.rate_n_per_s.is_none()) {
+                self.take_rate(rate);
+            }
+        }
         self.held.into_iter()
     }
 
@@ -95,9 +111,30 @@ impl SampleRows {
         self.held.iter_mut().find(|row| row.index == index && row.flag != "duplicate")
     }
 
-    fn block_speed(&self, rate_n_per_s: f32) -> Option<f32> {
+    fn take_rate(&mut self, Rate { index, rate_n_per_s, .. }: Rate) {
+        let Some(phase) = self.row(index).map(|row| row.phase) else { return };
+        let speed = self.block_speed(phase, rate_n_per_s);
+        if let Some(row) = self.row(index) {
+            row.rate_n_per_s = Some(rate_n_per_s).filter(|rate| rate.is_finite());
+            row.block_m_per_s = speed;
+        }
+    }
+
+    fn block_speed(&mut self, phase: &str, rate_n_per_s: f32) -> Option<f32> {
+        let before = self.rising_n_per_s.take();
         let loading = self.loading_rate_n_per_s.filter(|&rate| rate > 0.0)?;
-        let speed = self.winch_m_per_s? * (1.0 - rate_n_per_s / loading);
+        let winch = self.winch_m_per_s?;
+        let speed = match phase {
+            "slip" => winch * (1.0 - rate_n_per_s / loading),
+            "stick" => {
+                // The first one is in part the slip's.
+                let risen = before.map_or(loading, |it| it + (rate_n_per_s - it) / self.rate_hz);
+                self.rising_n_per_s = Some(risen);
+                // The last one as well.
+                return (before.unwrap_or(loading) > 0.5 * loading).then_some(0.0);
+            }
+            _ => return None,
+        };
         Some(speed).filter(|speed| speed.is_finite())
     }
 }
