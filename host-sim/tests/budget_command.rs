@@ -123,6 +123,18 @@ fn a_zero_that_was_taken_twice_is_asked_of_no_event() {
 }
 
 #[test]
+fn a_winch_speed_that_nobody_said_is_not_known_exactly() {
+    let folder = tempfile::tempdir().unwrap();
+    let log = folder.path().join("log.csv");
+    let known = std::fs::read_to_string(LOG).unwrap();
+    let kept = |line: &&str| !line.starts_with("# winch_m_per_s");
+    std::fs::write(&log, known.lines().filter(kept).collect::<Vec<_>>().join("\n")).unwrap();
+    let result = replay_of(&log, &[]);
+    let winch = line(&result, "winch_m_per_s");
+    assert!(winch["value"].is_null() && winch["std"].is_null(), "{winch}");
+}
+
+#[test]
 fn both_stiffnesses_and_the_recurrence_agree_with_the_scene() {
     let result = replay(&[]);
     let within = |name: &str, truth: f64| {
@@ -135,6 +147,15 @@ fn both_stiffnesses_and_the_recurrence_agree_with_the_scene() {
     let (seen, model) =
         (number(&result["recurrence_s"]), number(&result["recurrence_predicted_s"]));
     assert!((seen / model - 1.0).abs() < 0.01, "{seen} {model}");
+    let [seen_std, model_std] =
+        ["recurrence_s_std", "recurrence_predicted_s_std"].map(|name| number(&result[name]));
+    assert!((seen - model).abs() < 3.0 * seen_std.hypot(model_std), "{seen_std} {model_std}");
+    for (name, off) in [("slip_length_m", 0.03), ("energy_j", 0.03)] {
+        let part = number(&result[format!("{name}_std")]) / number(&result[name]);
+        let event = &result["events"][3];
+        let of_event = number(&event[format!("{name}_std")]) / number(&event[name]);
+        assert!((0.001..off).contains(&part) && (0.001..off).contains(&of_event), "{name} {part}");
+    }
     let event = &result["events"][3];
     let length_m = number(&event["slip_length_m"]);
     assert!((number(&event["energy_j"]) / length_m - 491.4).abs() < 3.0 && length_m > 0.025);

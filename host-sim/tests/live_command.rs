@@ -186,7 +186,7 @@ fn events_as_json_have_the_fields_of_a_replay() {
     board.write_all(text(&Line::Event(hidden(1))).as_bytes()).unwrap();
     assert_eq!(
         live.line(),
-        r#"{"index":0,"onset_s":1.59375,"stop_s":1.765625,"static_force_n":781.2,"dynamic_force_n":491.4,"peak_force_n":781.8,"restick_force_n":201.6,"mu_s":1.2404,"mu_s_std":0.00074,"mu":0.7798,"mu_std":0.00074,"stick_s":1.6,"slip_s":0.173,"loading_rate_n_per_s":361.1,"omega_rad_per_s":null,"slack":false,"quality":"good","reason":null,"mu_s_systematic_std":0.0,"mu_systematic_std":0.0,"mu_s_combined_std":0.00074,"mu_combined_std":0.00074,"mu_s_ci95":[1.2389495,1.2418504],"mu_ci95":[0.77834964,0.78125036],"slip_length_m":null,"energy_j":null,"onset_time":null}"#
+        r#"{"index":0,"onset_s":1.59375,"stop_s":1.765625,"static_force_n":781.2,"dynamic_force_n":491.4,"peak_force_n":781.8,"restick_force_n":201.6,"mu_s":1.2404,"mu_s_std":0.00074,"mu":0.7798,"mu_std":0.00074,"stick_s":1.6,"slip_s":0.173,"loading_rate_n_per_s":361.1,"omega_rad_per_s":null,"slack":false,"quality":"good","reason":null,"mu_s_systematic_std":0.0,"mu_systematic_std":0.0,"mu_s_combined_std":0.00074,"mu_combined_std":0.00074,"mu_s_ci95":[1.2389495,1.2418504],"mu_ci95":[0.77834964,0.78125036],"slip_length_m":null,"energy_j":null,"onset_time":null,"slip_length_m_std":null,"energy_j_std":null}"#
     );
     let event: serde_json::Value = serde_json::from_str(&live.line()).unwrap();
     assert!(event["mu_s"].is_null() && event["mu"].is_null());

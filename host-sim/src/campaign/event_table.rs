@@ -36,7 +36,7 @@ use Column::{Integer, Maybe, MaybeText, Number, Text, Truth};
 
 /// The columns. Units are in the names, as everywhere, and the names are those of a replay's
 /// JSON; an interval has its two ends in columns of their own, as in the CSV of events.
-const COLUMNS: [(&str, Column); 44] = [
+const COLUMNS: [(&str, Column); 46] = [
     ("campaign", Integer(|(t, _)| t.campaign)),
     ("test", Integer(|(t, _)| t.test)),
     ("test_id", Text(|(t, _)| &t.test_id)),
@@ -81,6 +81,8 @@ const COLUMNS: [(&str, Column); 44] = [
     ("start_time", MaybeText(|(t, _)| t.start_time.as_deref())),
     ("temperature_c", Maybe(|(t, _)| t.temperature_c)),
     ("supply_v", Maybe(|(t, _)| t.supply_v)),
+    ("slip_length_m_std", Maybe(|(_, e)| e.measured.slip_length_m_std)),
+    ("energy_j_std", Maybe(|(_, e)| e.measured.energy_j_std)),
 ];
 
 /// Numbers that are the same in all events of a test.

@@ -298,7 +298,7 @@ fn events_csv(result: &ReplayResult, out: &mut impl Write) -> std::io::Result<()
 
 /// The fields of an event in their order, so that a file without events has a
 /// header too.
-const EVENT_COLUMNS: [&str; 29] = [
+const EVENT_COLUMNS: [&str; 31] = [
     "index",
     "onset_s",
     "stop_s",
@@ -328,4 +328,6 @@ const EVENT_COLUMNS: [&str; 29] = [
     "slip_length_m",
     "energy_j",
     "onset_time",
+    "slip_length_m_std",
+    "energy_j_std",
 ];

@@ -4,6 +4,7 @@ use floe_core::{Config, Entry, Input, Report, Share, budget};
 use serde::Serialize;
 
 use super::result::{known, short_or_null};
+use crate::rounding::own_digits;
 
 /// An input, how well it is known, and what that does to the means.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -14,9 +15,12 @@ pub struct BudgetLine {
     /// Its value; `None` where it has none or is not known.
     #[serde(with = "short_or_null")]
     pub value: Option<f64>,
-    /// Its standard deviation, in its own unit.
+    /// Its standard deviation, in its own unit; `None` where the input is not known.
     #[serde(with = "short_or_null")]
     pub std: Option<f64>,
+    /// What was stated, where the slips show that `std` is more.
+    #[serde(skip)]
+    pub stated_std: Option<f64>,
     /// What it does to `mu_s`.
     pub mu_s: BudgetShare,
     /// What it does to `mu`.
@@ -37,10 +41,21 @@ pub struct BudgetShare {
 /// The lines of a test; none before its first event.
 #[must_use]
 pub fn lines(config: &Config, report: &Report) -> Vec<BudgetLine> {
-    budget(config, report).into_iter().flatten().map(line).collect()
+    budget(config, report).into_iter().flatten().map(|entry| line(entry, config)).collect()
 }
 
-fn line(entry: Entry) -> BudgetLine {
+impl BudgetLine {
+    /// What a person should know of it.
+    #[must_use]
+    pub fn remark(&self) -> Option<String> {
+        let stated = self.stated_std.map(own_digits)?;
+        Some(format!("stated {stated}, widened by what the slips show"))
+    }
+}
+
+fn line(entry: Entry, config: &Config) -> BudgetLine {
+    let stated = Some(config.std.damping).filter(|_| entry.input == Input::Damping);
+    let is_unknown = entry.input == Input::Winch && entry.value.is_none();
     let share = |share: Share| BudgetShare {
         sensitivity: known(share.sensitivity),
         contribution: known(Some(share.contribution)),
@@ -49,7 +64,9 @@ fn line(entry: Entry) -> BudgetLine {
     BudgetLine {
         input: name(entry.input),
         value: known(entry.value),
-        std: known(entry.std),
+        std: known(entry.std).filter(|_| !is_unknown),
+        // A hundredth more would not be seen.
+        stated_std: known(stated.filter(|&stated| entry.std > Some(1.01 * stated))),
         mu_s,
         mu,
     }

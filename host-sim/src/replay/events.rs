@@ -11,6 +11,7 @@ use serde::{Serialize, Serializer};
 use tempfile::SpooledTempFile;
 
 use super::quantities::Quantities;
+use super::recurrence::Recurrence;
 use super::result::{CoefficientSummary, EventSummary};
 use crate::log::start::Start;
 
@@ -46,6 +47,7 @@ pub struct Events {
     refused: Vec<(String, u64)>,
     all: Arc<Mutex<BufWriter<SpooledTempFile>>>,
     quantities: Quantities,
+    pub(super) recurrence: Recurrence,
     pub(super) start: Option<Start>,
 }
 
@@ -61,6 +63,7 @@ impl Default for Events {
             refused: Vec::new(),
             all: Arc::new(Mutex::new(BufWriter::new(SpooledTempFile::new(IN_MEMORY)))),
             quantities: Quantities::default(),
+            recurrence: Recurrence::default(),
             start: None,
         }
     }
@@ -84,6 +87,7 @@ impl Events {
         let bytes = postcard::to_slice(&event, &mut scratch).map_err(io::Error::other)?;
         self.all.lock().unwrap_or_else(PoisonError::into_inner).write_all(bytes)?;
         self.count_refused(&event);
+        self.recurrence.event(&event);
         let means = if is_wanted(&event, self.stride) { means() } else { Means::default() };
         self.last.push_back((event, means));
         if self.last.len() > ENDS {

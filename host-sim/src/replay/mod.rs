@@ -1,6 +1,6 @@
 //! A recorded log through the core: `floe replay`.
 
-use floe_core::{Config, Event, Pipeline, Step, Stretch};
+use floe_core::{Config, Event, Pipeline, SampleFlag, Step, Stretch};
 
 use crate::error::InputError;
 use crate::log::{Log, Sample};
@@ -14,8 +14,10 @@ pub mod input;
 pub mod known;
 pub mod quantities;
 pub mod rails;
+mod recurrence;
 pub mod result;
 pub mod samples;
+mod slide;
 pub mod stretches;
 pub mod table;
 pub mod test;
@@ -62,7 +64,7 @@ pub fn replay_with(
     let zero = known.zero(log);
     let refused = |error: floe_core::ConfigError| InputError::new(error.to_string());
     let mut pipeline = Pipeline::new(config).map_err(refused)?;
-    let mut timeline = Timeline::new(log.rate_hz());
+    let (mut timeline, period_s) = (Timeline::new(log.rate_hz()), 1.0 / log.rate_hz());
     let (mut events, mut changes, mut kept) = (Events::default(), Vec::new(), Ok(()));
     let (mut stretches, mut rails) = (Stretches::default(), Rails::default());
     let means = |pipeline: &Pipeline| if keeps_means { so_far(pipeline) } else { Means::default() };
@@ -73,6 +75,9 @@ pub fn replay_with(
         if let Some(force_n) = step.sample.force_n {
             rails.push(force_n);
         }
+        if step.sample.flag == SampleFlag::Good {
+            events.recurrence.sample(sample.time_s, period_s);
+        }
         if let Some(event) = &step.event
             && kept.is_ok()
         {
@@ -82,7 +87,8 @@ pub fn replay_with(
             changes.push(ChangeSummary::new(change, timeline.seconds(change.onset)));
         }
         if let Some(stretch) = &step.stretch {
-            add(&mut stretches, stretch, config, &timeline);
+            let (start_s, stop_s) = add(&mut stretches, stretch, config, &timeline);
+            events.recurrence.stretch(start_s, stop_s);
         }
     };
     if zero.is_nothing() {
@@ -139,8 +145,16 @@ fn so_far(pipeline: &Pipeline) -> Means {
     [report.mu_s.into(), report.mu.into()]
 }
 
-fn add(stretches: &mut Stretches, it: &Stretch, config: &Config, timeline: &Timeline) {
-    stretches.add(it, config, timeline.seconds(it.start), timeline.seconds(it.stop));
+/// Gives its begin and its end.
+fn add(
+    stretches: &mut Stretches,
+    it: &Stretch,
+    config: &Config,
+    timeline: &Timeline,
+) -> (f64, f64) {
+    let (start_s, stop_s) = (timeline.seconds(it.start), timeline.seconds(it.stop));
+    stretches.add(it, config, start_s, stop_s);
+    (start_s, stop_s)
 }
 
 fn summary(event: &Event, pipeline: &Pipeline, timeline: &Timeline) -> EventSummary {

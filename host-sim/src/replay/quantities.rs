@@ -1,9 +1,11 @@
 //! What follows from a test beside the coefficients, each with its standard deviation.
 
-use floe_core::{Config, Losses, Quantity, Report};
+use floe_core::{Config, Estimate, Losses, Quantity, Report};
 use serde::Serialize;
 
+use super::events::Events;
 use super::result::{EventSummary, known, short_or_null};
+use super::slide::{Slide, Unsure};
 use crate::log::STANDARD_GRAVITY;
 
 /// Rates, frequencies, stiffnesses, times. What is not known is `None`: all of them where no
@@ -19,7 +21,7 @@ pub struct Quantities {
     /// Stiffness of the cable: from the winch speed if it is known, else from omega.
     #[serde(with = "short_or_null")]
     pub stiffness_n_per_m: Option<f64>,
-    /// Mean time from onset to onset.
+    /// Mean time from onset to onset, where no slip may be hidden in between.
     #[serde(with = "short_or_null")]
     pub recurrence_s: Option<f64>,
     /// One standard deviation.
@@ -49,16 +51,34 @@ pub struct Quantities {
     /// What the recurrence should be by (22) to (25); `None` on a cable that goes slack.
     #[serde(with = "short_or_null")]
     pub recurrence_predicted_s: Option<f64>,
-    /// The winch speed, for [`Quantities::complete`].
+    /// One standard deviation, from the scatter of those times.
+    #[serde(with = "short_or_null")]
+    pub recurrence_s_std: Option<f64>,
+    /// One standard deviation, to first order: by drop, rate and omega.
+    #[serde(with = "short_or_null")]
+    pub recurrence_predicted_s_std: Option<f64>,
+    /// Mean slip length of the events.
+    #[serde(with = "short_or_null")]
+    pub slip_length_m: Option<f64>,
+    /// One standard deviation.
+    #[serde(with = "short_or_null")]
+    pub slip_length_m_std: Option<f64>,
+    /// Mean work against the friction in an event.
+    #[serde(with = "short_or_null")]
+    pub energy_j: Option<f64>,
+    /// One standard deviation.
+    #[serde(with = "short_or_null")]
+    pub energy_j_std: Option<f64>,
+    /// For [`Quantities::slide`].
     #[serde(skip)]
-    pub(crate) winch_m_per_s: Option<f64>,
+    pub(crate) slide: Option<Slide>,
     /// The losses as the whole test tells them, for [`Quantities::complete`].
     #[serde(skip)]
     pub(crate) losses: Losses,
 }
 
 /// A number with its relative standard deviation.
-type Relative = (f64, f64);
+pub(super) type Relative = (f64, f64);
 
 impl Quantities {
     /// Of a test.
@@ -82,12 +102,13 @@ impl Quantities {
             omega.map(|(omega, own)| (omega * omega * mass_kg, (2.0 * own).hypot(weight)));
         let check = from_rate.zip(from_omega).map(|(a, b)| (a.0 / b.0, a.1.hypot(b.1)));
         let value = |of: Option<Relative>| of.map(|(value, _)| value);
+        let stiffness = value(from_rate).or(value(from_omega));
+        let unsure = Unsure::of(config, report, rate, omega);
         let std = |of: Option<Relative>| of.map(|(value, std)| value.abs() * std);
         Self {
             loading_rate_n_per_s: value(rate),
             omega_rad_per_s: value(omega),
-            stiffness_n_per_m: value(from_rate).or(value(from_omega)),
-            recurrence_s: known(report.recurrence_s),
+            stiffness_n_per_m: stiffness,
             loading_rate_n_per_s_std: std(rate),
             omega_rad_per_s_std: std(omega),
             stiffness_from_rate_n_per_m: value(from_rate),
@@ -96,9 +117,38 @@ impl Quantities {
             stiffness_from_omega_n_per_m_std: std(from_omega),
             stiffness_ratio: value(check),
             stiffness_ratio_std: std(check),
-            recurrence_predicted_s: predicted_s(config, report, value(rate), value(omega)),
-            winch_m_per_s: winch,
+            slide: stiffness.map(|stiffness_n_per_m| Slide {
+                stiffness_n_per_m,
+                winch_m_per_s: winch,
+                unsure,
+            }),
             losses: Losses::of(config, report),
+            ..Self::default()
+        }
+    }
+
+    /// With what all events tell together.
+    pub(super) fn with(self, events: &Events, of: (&Config, &Report)) -> Self {
+        let (_, report) = of;
+        if report.mu_s.or(report.mu).is_none() {
+            return self;
+        }
+        let [rate, omega] = [report.loading_rate_n_per_s, report.omega_rad_per_s].map(relative);
+        let predicted = events.recurrence.predicted_s(of, rate, omega);
+        let recurrence = events.recurrence.seen_s();
+        let [length, energy] = self.slide.map_or([None; 2], |slide| slide.means(events));
+        let value = |of: Option<Estimate>| known(of.map(|it| it.mean));
+        let std = |of: Option<Estimate>| known(of.and_then(|it| it.combined_std()));
+        Self {
+            recurrence_s: value(recurrence),
+            recurrence_s_std: std(recurrence),
+            recurrence_predicted_s: predicted.map(|(value, _)| value),
+            recurrence_predicted_s_std: predicted.and_then(|(_, std)| std),
+            slip_length_m: value(length),
+            slip_length_m_std: std(length),
+            energy_j: value(energy),
+            energy_j_std: std(energy),
+            ..self
         }
     }
 
@@ -113,8 +163,12 @@ impl Quantities {
     /// What is known of a test while it runs, by one event of it: from the winch speed.
     #[must_use]
     pub fn of_event(event: &EventSummary, winch_m_per_s: Option<f64>) -> Self {
-        let stiffness_n_per_m = winch_m_per_s.map(|winch| event.loading_rate_n_per_s / winch);
-        Self { stiffness_n_per_m, winch_m_per_s, ..Self::default() }
+        let slide = winch_m_per_s.map(|winch| Slide {
+            stiffness_n_per_m: event.loading_rate_n_per_s / winch,
+            winch_m_per_s,
+            unsure: None,
+        });
+        Self { slide, ..Self::default() }
     }
 
     /// Gives an event, which has none yet, the losses of the cable, and what [`Self::slide`] does.
@@ -123,18 +177,14 @@ impl Quantities {
         self.slide(event);
     }
 
-    /// Gives an event its slip length, `(Fs − Fe)/k + w T`, with the work against the friction over
-    /// it, unless the cable went slack or the stiffness is not known.
+    /// Gives an event its slip length, and the work against the friction over it.
     pub fn slide(&self, event: &mut EventSummary) {
-        let Some(stiffness) = self.stiffness_n_per_m else { return };
-        if event.slack || event.reason.is_some() {
-            return;
-        }
-        let winch = self.winch_m_per_s.unwrap_or(event.loading_rate_n_per_s / stiffness);
-        let drop_n = event.static_force_n - event.restick_force_n;
-        let length_m = drop_n / stiffness + winch * event.slip_s;
-        event.slip_length_m = Some(length_m).filter(|it| it.is_finite());
-        event.energy_j = event.slip_length_m.map(|length_m| event.dynamic_force_n * length_m);
+        let Some(slide) = self.slide else { return };
+        let [length_m, energy_j] = slide.of(event).map_or([None; 2], |both| both.map(Some));
+        let [length_std, energy_std] =
+            slide.with_std(event).map_or([None; 2], |both| both.map(|it| Some(it.combined_std())));
+        (event.slip_length_m, event.energy_j) = (length_m, energy_j);
+        (event.slip_length_m_std, event.energy_j_std) = (known(length_std), known(energy_std));
     }
 }
 
@@ -142,23 +192,4 @@ fn relative(quantity: Option<Quantity>) -> Option<Relative> {
     let Quantity { value, std } = quantity?;
     let (value, std) = (known(Some(value))?, known(Some(std))?);
     (value > 0.0).then(|| (value, std / value))
-}
-
-/// Rest (22) and slide (25) of the mean event.
-fn predicted_s(
-    config: &Config,
-    report: &Report,
-    rate: Option<f64>,
-    omega: Option<f64>,
-) -> Option<f64> {
-    let (mu_s, mu) = (known(report.mu_s.map(|e| e.mean))?, known(report.mu.map(|e| e.mean))?);
-    let (rate, omega) = (rate?, omega?);
-    let (sin, cos) = f64::from(config.slope_rad).sin_cos();
-    let weight_n = f64::from(report.weight_ratio) * f64::from(config.weight_n);
-    let drop_n = (mu_s - mu) * weight_n * cos;
-    let restick_n = weight_n * (sin + (2.0 * mu - mu_s) * cos);
-    let beside_n = rate / omega;
-    let slide_s = (std::f64::consts::PI + 2.0 * (beside_n / drop_n).atan()) / omega;
-    let lowest_n = weight_n * (sin + mu * cos) - drop_n.hypot(beside_n);
-    (drop_n > 0.0 && restick_n > 0.0 && lowest_n > 0.0).then(|| 2.0 * drop_n / rate + slide_s)
 }

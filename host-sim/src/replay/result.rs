@@ -204,6 +204,7 @@ impl ReplayResult {
         }
         let quantities = Quantities::new(config, report);
         events.finish(quantities, [report.mu_s.into(), report.mu.into()]);
+        let quantities = quantities.with(&events, (config, report));
         Self {
             schema: SCHEMA,
             log,

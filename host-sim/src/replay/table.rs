@@ -4,7 +4,6 @@ use std::fmt::Write;
 use std::io;
 
 use super::doubts::has_no_force;
-use super::quantities::Quantities;
 use super::result::{
     CoefficientSummary, EffectSummary, EventSummary, LogSummary, ParameterSummary, ReplayResult,
     zero_sentence,
@@ -216,11 +215,9 @@ fn coefficient(out: &mut String, name: &str, value: &CoefficientSummary) -> std:
 }
 
 fn quantities(out: &mut String, result: &ReplayResult) -> std::fmt::Result {
-    let Quantities { recurrence_predicted_s: predicted, .. } = result.quantities;
     let q = &result.quantities;
     let checks = if q.disagree() { "of the two: they disagree" } else { "of the two: checks both" };
     let lines = [
-        ("noise", result.noise_n, None, "N"),
         ("loading rate", q.loading_rate_n_per_s, q.loading_rate_n_per_s_std, "N/s"),
         ("omega", q.omega_rad_per_s, q.omega_rad_per_s_std, "rad/s"),
         (
@@ -236,9 +233,15 @@ fn quantities(out: &mut String, result: &ReplayResult) -> std::fmt::Result {
             "N/m from omega and the weight",
         ),
         ("ratio", q.stiffness_ratio, q.stiffness_ratio_std, checks),
-        ("recurrence", q.recurrence_s, None, "s"),
-        ("by the model", predicted, None, "s, (22) to (25)"),
+        ("recurrence", q.recurrence_s, q.recurrence_s_std, "s"),
+        ("by the model", q.recurrence_predicted_s, q.recurrence_predicted_s_std, "s, (22) to (25)"),
+        ("slip length", q.slip_length_m, q.slip_length_m_std, "m, mean of the events"),
+        ("energy", q.energy_j, q.energy_j_std, "J against friction, mean of the events"),
     ];
+    match result.noise_n {
+        Some(noise_n) => writeln!(out, "noise         {noise_n:.*} N", decimals(noise_n))?,
+        None => writeln!(out, "noise         unknown")?,
+    }
     for (name, value, std, unit) in lines {
         let Some(value) = value else {
             writeln!(out, "{name:<14}unknown{}", unit.find(" from").map_or("", |at| &unit[at..]))?;
@@ -246,7 +249,7 @@ fn quantities(out: &mut String, result: &ReplayResult) -> std::fmt::Result {
         };
         let value = match std {
             Some(std) => plus_minus(value, std),
-            None => format!("{value:.*}", decimals(value)),
+            None => format!("{value:.*} ± ?", decimals(value)),
         };
         writeln!(out, "{name:<14}{value} {unit}")?;
     }
@@ -271,7 +274,8 @@ fn budget(out: &mut String, result: &ReplayResult) -> std::fmt::Result {
             let own = part_beside(share.contribution, mean.combined_std);
             write!(out, "   {by:>11}{own:>11}{percent:>7}")?;
         }
-        writeln!(out)?;
+        let remark = line.remark().map(|it| format!("   {it}"));
+        writeln!(out, "{}", remark.unwrap_or_default())?;
     }
     write!(out, "{:<34}", "random")?;
     for mean in [&estimate.mu_s, &estimate.mu] {

@@ -18,9 +18,10 @@ pub(super) fn budget(result: &ReplayResult) -> String {
         let shares = [&line.mu_s, &line.mu].into_iter().zip(means);
         let shares: String = shares.map(|(share, mean)| cells(share, mean)).collect();
         rows.push_str(&format!(
-            "<tr><th scope=\"row\">{}</th><td class=\"more\">{}</td><td class=\"more\">{}</td>\
+            "<tr><th scope=\"row\">{}{}</th><td class=\"more\">{}</td><td class=\"more\">{}</td>\
              {shares}</tr>\n",
             name(line.input),
+            line.remark().map_or_else(String::new, |it| format!(" <small>{it}</small>")),
             number(line.value),
             line.std.map_or("–".into(), |std| fixed(std, decimals_for(std, 2))),
         ));
@@ -94,10 +95,12 @@ mod tests {
             input: "weight_n",
             value: Some(630.0),
             std: Some(1.9),
+            stated_std: Some(1.0),
             mu_s: BudgetShare::default(),
             mu: half,
         });
         let table = budget(&result);
         assert!(table.contains("weight, N") && table.contains("25.0 %"), "{table}");
+        assert!(table.contains("<small>stated 1.0, widened by what the slips show</small>"));
     }
 }

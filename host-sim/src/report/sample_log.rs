@@ -82,6 +82,8 @@ fn event(index: u32, from_s: f64, from_n: f64, noise: &mut Noise) -> EventSummar
         slip_length_m: Some(0.03),
         energy_j: Some(15.0),
         onset_time: None,
+        slip_length_m_std: Some(0.0003),
+        energy_j_std: Some(0.2),
     }
 }
 

@@ -122,15 +122,12 @@ fn measured(result: &ReplayResult) -> Vec<Fact> {
         value.map_or_else(|| "–".into(), |value| quantity(value, unit))
     };
     let quantities = &result.quantities;
-    let recurrence =
-        quantities.recurrence_s.map_or("–".into(), |t| format!("{} s", significant(t)));
-    let predicted =
-        quantities.recurrence_predicted_s.map_or("–".into(), |t| format!("{} s", significant(t)));
     let pair = |value: Option<f64>, std: Option<f64>, unit: &str| match (value, std) {
         (Some(value), Some(std)) => {
             format!("{} {unit}", plus_minus(value, std).replace('-', "−"))
         }
-        (value, _) => show(value, unit),
+        (Some(value), None) => format!("{} ± ?", quantity(value, unit)),
+        (None, _) => "–".into(),
     };
     let hertz = quantities.omega_rad_per_s.map_or_else(String::new, |omega| {
         format!(" <small>{} Hz</small>", significant(omega / std::f64::consts::TAU))
@@ -182,8 +179,18 @@ fn measured(result: &ReplayResult) -> Vec<Fact> {
             pair(quantities.stiffness_ratio, quantities.stiffness_ratio_std, ""),
             quantities.disagree(),
         ),
-        ("Recurrence", recurrence, false),
-        ("Recurrence by the model", predicted, false),
+        ("Recurrence", pair(quantities.recurrence_s, quantities.recurrence_s_std, "s"), false),
+        (
+            "Recurrence by the model",
+            pair(quantities.recurrence_predicted_s, quantities.recurrence_predicted_s_std, "s"),
+            false,
+        ),
+        (
+            "Slip length, mean",
+            pair(quantities.slip_length_m, quantities.slip_length_m_std, "m"),
+            false,
+        ),
+        ("Energy of a slip, mean", pair(quantities.energy_j, quantities.energy_j_std, "J"), false),
     ]);
     facts
 }

@@ -83,6 +83,12 @@ pub struct EventSummary {
     pub energy_j: Option<f64>,
     /// When the slip began, ISO 8601 (UTC) to the millisecond; `null` when the log has no date.
     pub onset_time: Option<String>,
+    /// One standard deviation of the slip length, all that is known of it.
+    #[serde(with = "short_or_null")]
+    pub slip_length_m_std: Option<f64>,
+    /// The same of the energy.
+    #[serde(with = "short_or_null")]
+    pub energy_j_std: Option<f64>,
 }
 
 impl EventSummary {
@@ -117,6 +123,8 @@ impl EventSummary {
             slip_length_m: None,
             energy_j: None,
             onset_time: None,
+            slip_length_m_std: None,
+            energy_j_std: None,
         }
     }
 

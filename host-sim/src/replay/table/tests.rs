@@ -1,6 +1,7 @@
 use super::*;
 use crate::replay::budget::{BudgetLine, BudgetShare};
 use crate::replay::events::Events;
+use crate::replay::quantities::Quantities;
 use crate::replay::result::{ChangeSummary, EstimateSummary, SCHEMA, TestSummary};
 
 fn result(listed: Vec<EventSummary>) -> ReplayResult {
@@ -22,6 +23,7 @@ fn result(listed: Vec<EventSummary>) -> ReplayResult {
         input: "weight_n",
         value: Some(630.0),
         std: Some(0.2),
+        stated_std: None,
         mu_s: share(-0.001_968),
         mu: share(-0.001_238),
     };
@@ -47,6 +49,11 @@ fn result(listed: Vec<EventSummary>) -> ReplayResult {
             omega_rad_per_s_std: Some(0.02),
             stiffness_from_omega_n_per_m: Some(23_012.3),
             stiffness_from_omega_n_per_m_std: Some(73.0),
+            recurrence_predicted_s: Some(1.783),
+            recurrence_predicted_s_std: Some(0.014),
+            slip_length_m: Some(0.0295),
+            slip_length_m_std: Some(0.0003),
+            energy_j: Some(14.63),
             ..Quantities::default()
         },
         budget: vec![weight],
@@ -87,6 +94,8 @@ pub(in crate::replay) fn event() -> EventSummary {
         slip_length_m: None,
         energy_j: None,
         onset_time: None,
+        slip_length_m_std: None,
+        energy_j_std: None,
     }
 }
 
@@ -118,7 +127,9 @@ stiffness     unknown from the winch speed
 stiffness     23012 ± 73 N/m from omega and the weight
 ratio         unknown
 recurrence    unknown
-by the model  unknown
+by the model  1.783 ± 0.014 s, (22) to (25)
+slip length   0.02950 ± 0.00030 m, mean of the events
+energy        14.63 ± ? J against friction, mean of the events
 
 samples       1920 read, 3 missing, 0 duplicates, 0 rejected, 0 saturated
 note          line 9 is odd
@@ -139,6 +150,15 @@ fn the_columns_of_a_budget_stay_apart() {
     result.estimate.mu.combined_std = None;
     let said = line(&text(&result).unwrap());
     assert!(said.contains("    1.3e-9 ") && said.ends_with("      -"), "{said}");
+}
+
+#[test]
+fn a_deviation_that_was_widened_is_said_at_its_row() {
+    let mut result = result(vec![event()]);
+    result.budget[0].stated_std = Some(0.1);
+    let said = text(&result).unwrap();
+    let row = said.lines().find(|line| line.starts_with("weight_n")).unwrap();
+    assert!(row.ends_with("%   stated 0.10, widened by what the slips show"), "{row}");
 }
 
 #[test]
