@@ -8,6 +8,9 @@ use std::fmt::Write;
 use std::fs;
 use std::path::Path;
 
+/// Aim of the share of 95 % intervals that hold the truth.
+pub const COVERAGE: (f64, f64) = (0.90, 0.99);
+
 /// A figure beside its aim.
 #[derive(Clone, Debug)]
 pub struct Check {
@@ -41,6 +44,14 @@ impl Check {
     pub fn most(row: &str, what: &str, value: f64, most: f64) -> Self {
         Self::between(row, what, value, (f64::NEG_INFINITY, most))
     }
+}
+
+/// Shares between two aims, and what chance adds at so many draws: three standard errors, below those
+/// of a share of .95, above those of the upper aim itself.
+#[must_use]
+pub fn share_limits((least, most): (f64, f64), draws: usize) -> (f64, f64) {
+    let chance = |share: f64| 3.0 * (share * (1.0 - share) / draws.max(1) as f64).sqrt();
+    (least - chance(0.95), most + chance(most))
 }
 
 /// An aim that is not reached yet.
@@ -95,8 +106,45 @@ pub fn faults(checks: &[Check], list: &[NotYet]) -> Vec<String> {
     missed.chain(stale).collect()
 }
 
+/// Why a figure misses its aim, as a list has it.
+pub fn reason<'a>(list: &'a [NotYet]) -> impl Fn(&Check) -> &'a str {
+    move |check| list.iter().find(|e| e.is_of(check)).map_or("not on the list", |e| &e.why)
+}
+
+/// The figures that miss their aims, and why, as a section of a page.
+#[must_use]
+pub fn section<'a>(checks: &[Check], why: impl Fn(&Check) -> &'a str) -> String {
+    let line = |check: &Check| {
+        let Check { row, what, value, miss } = check;
+        format!("| {row} | {what} | {value:.3} | {miss:.3} | {} |\n", why(check))
+    };
+    let lines: String = checks.iter().filter(|c| c.miss > 0.0).map(line).collect();
+    let table = match lines.as_str() {
+        "" => "Nothing.\n".to_owned(),
+        lines => {
+            format!("| row | figure | is | from the aim | why |\n|---|---|---:|---:|---|\n{lines}")
+        }
+    };
+    format!("\n## What misses its aim\n\n{table}")
+}
+
 fn is_missed(entry: &NotYet, checks: &[Check]) -> bool {
     checks.iter().any(|check| entry.is_of(check) && check.miss > 0.0)
+}
+
+/// Holds figures to their aims or to the list `golden/NAME-not-yet.csv`, which `FLOE_TABLE=write`
+/// shrinks.
+///
+/// # Panics
+/// With what is wrong.
+pub fn hold(name: &str, checks: &[Check]) {
+    let golden = Path::new(env!("CARGO_MANIFEST_DIR")).join("golden");
+    let list = golden.join(format!("{name}-not-yet.csv"));
+    if std::env::var("FLOE_TABLE").is_ok_and(|what| what == "write") {
+        shrink(&list, checks);
+    }
+    let faults = faults(checks, &not_yet(&list));
+    assert!(faults.is_empty(), "{} faults\n{}", faults.len(), faults.join("\n"));
 }
 
 /// Takes off a list what has reached its aim.
@@ -109,4 +157,25 @@ pub fn shrink(file: &Path, checks: &[Check]) {
         let _ = writeln!(text, "{},{},{},{}", e.row, e.what, e.miss, e.why);
     }
     fs::write(file, text).expect("the list can be written");
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_share_of_one_is_too_much_of_a_thousand() {
+        let (least, most) = share_limits((0.90, 0.99), 1000);
+        assert!((0.879..0.880).contains(&least) && most < 1.0, "{least} {most}");
+        assert!(share_limits((0.90, 0.99), 100).1 > 1.0);
+    }
+
+    #[test]
+    fn what_misses_its_aim_is_named_with_the_reason() {
+        let check = |value| [Check::most("a", "bias", value, 0.5)];
+        let list = [NotYet { row: "a".into(), what: "bias".into(), miss: 0.3, why: "b".into() }];
+        assert!(section(&check(0.5), reason(&list)).ends_with("\nNothing.\n"));
+        let missed = section(&check(0.75), reason(&list));
+        assert!(missed.ends_with("| a | bias | 0.750 | 0.250 | b |\n"), "{missed}");
+    }
 }
