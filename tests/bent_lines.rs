@@ -1,15 +1,21 @@
 //! Stick lines that are not straight: a winch that ripples, a cable that sags, a block that creeps.
 //!
-//! What counts is the force at the onset and at the stop, not the line's. Limits, percent
-//! of the truth, on bias and 95th percentile, and on the coverage of the 95 % intervals.
+//! What counts is the force at the onset and at the stop, not the line's. What does not reach its
+//! aim yet is in `tests/golden/bent-lines-not-yet.csv`.
 //! `cargo test -p floe-tests --test bent_lines -- --nocapture` prints the figures.
 
 use floe::sim::Scene;
 use floe::sim::terms::{Creep, Sag, WinchProfile};
-use floe_tests::score::{Score, run};
+use floe_tests::aims::{self, COVERAGE, Check};
+use floe_tests::parallel;
+use floe_tests::score::{Errors, Score, run};
 
 const EVENTS: usize = 600;
 const RECORDS: u64 = 20;
+/// Aims of one cause by itself: a fifth of those of a hard case (.5 and 1.5 %), of which `all` has
+/// five that bend a line or move it.
+const BIAS_PERCENT: f64 = 0.1;
+const P95_PERCENT: f64 = 0.3;
 
 fn dff8_13() -> Scene {
     Scene::from_toml(include_str!("../host-sim/scenes/dff8-13.toml")).unwrap()
@@ -31,63 +37,50 @@ fn creep(range_n: f64, white_n: f64) -> Scene {
     scene
 }
 
-/// Bias, 95th percentile and least coverage of `mu_s` and of `mu`.
-type Limits = [(f64, f64, f64); 2];
+/// Every bent line with its name.
+fn bent() -> Vec<(String, Scene)> {
+    let mut all = Vec::new();
+    // The straight line alone would be off by the swing of the force, `fraction k w period / 2 pi`:
+    // 12 N at 0.7 s, 52 N at 3 s, of 781 and 491 N.
+    for (fraction, period_s) in
+        [(0.3, 0.5), (0.3, 0.7), (0.3, 1.0), (0.3, 1.5), (0.3, 3.0), (0.2, 0.7), (0.1, 0.7)]
+    {
+        all.push((format!("ripple {fraction} in {period_s} s"), ripple(fraction, period_s)));
+    }
+    // Without its softness at small forces `mu` would be 2 % too high.
+    for weight_n_per_m in [0.5, 0.9, 1.2] {
+        all.push((format!("sag {weight_n_per_m} N/m"), sag(weight_n_per_m)));
+    }
+    // A line that is followed to its end instead goes on above `Fs`: `mu_s` and `mu` are .6 % high.
+    // The first events are, until the creep is known.
+    for (range_n, white_n) in [(30.0, 0.5), (30.0, 2.0), (60.0, 1.0), (60.0, 2.0)] {
+        all.push((format!("creep over {range_n} N; noise {white_n} N"), creep(range_n, white_n)));
+    }
+    all
+}
 
-fn check(name: &str, scene: &Scene, limits: Limits) {
+fn checks((name, scene): &(String, Scene)) -> Vec<Check> {
     let score = Score::of(scene, EVENTS, RECORDS);
     assert!(score.detection.f1() > 0.999, "{name}: {:?}", score.detection);
-    for (errors, (bias, p95, coverage)) in score.errors.iter().zip(limits) {
-        let got = (errors.bias(), errors.p95(), errors.coverage());
+    let of = |(coefficient, e): (&str, &Errors)| {
+        let (bias, p95, coverage) = (e.bias(), e.p95(), e.coverage());
         println!(
-            "{name}: bias {:+.3} %, 95th percentile {:.3} %, coverage {:.3}",
-            got.0, got.1, got.2
+            "{name}: {coefficient}: {bias:+.3} %, 95th percentile {p95:.3} %, in {coverage:.3}"
         );
-        assert!(got.0.abs() <= bias && got.1 <= p95 && got.2 >= coverage, "{name}: {got:?}");
-    }
+        let what = |figure: &str| format!("{figure} of {coefficient}");
+        [
+            Check::most(name, &what("bias"), bias.abs(), BIAS_PERCENT),
+            Check::most(name, &what("95th percentile"), p95, P95_PERCENT),
+            Check::least(name, &what("coverage"), coverage, COVERAGE.0),
+        ]
+    };
+    ["mu_s", "mu"].into_iter().zip(&score.errors).flat_map(of).collect()
 }
 
-/// The straight line alone would be off by the swing of the force, `fraction k w period / 2 pi`:
-/// 12 N at 0.7 s, 52 N at 3 s, of 781 and 491 N.
 #[test]
-fn a_winch_that_ripples_is_followed() {
-    for (fraction, period_s, limits) in [
-        (0.3, 0.5, [(0.1, 0.8, 0.9), (0.1, 1.6, 0.83)]),
-        (0.3, 0.7, [(0.1, 0.8, 0.9), (0.1, 1.2, 0.9)]),
-        (0.3, 1.0, [(0.15, 0.8, 0.85), (0.1, 1.0, 0.9)]),
-        (0.3, 1.5, [(0.1, 0.8, 0.85), (0.1, 0.8, 0.9)]),
-        (0.3, 3.0, [(0.1, 0.8, 0.9), (0.1, 0.8, 0.9)]),
-        (0.2, 0.7, [(0.1, 0.7, 0.9), (0.1, 1.1, 0.88)]),
-        (0.1, 0.7, [(0.1, 0.5, 0.88), (0.1, 0.8, 0.88)]),
-    ] {
-        check(&format!("ripple {fraction} in {period_s} s"), &ripple(fraction, period_s), limits);
-    }
-}
-
-/// Without its softness at small forces `mu` would be 2 % too high.
-#[test]
-fn a_cable_that_sags_is_told_from_its_rests() {
-    for (weight_n_per_m, limits) in [
-        (0.5, [(0.2, 0.5, 0.9), (0.3, 0.9, 0.9)]),
-        (0.9, [(0.2, 0.5, 0.9), (0.5, 2.0, 0.9)]),
-        (1.2, [(0.3, 0.7, 0.9), (0.8, 3.2, 0.9)]),
-    ] {
-        check(&format!("sag {weight_n_per_m} N/m"), &sag(weight_n_per_m), limits);
-    }
-}
-
-/// A line that is followed to its end instead goes on above `Fs`: `mu_s` and `mu` are .6 % high. The first
-/// events are, until the creep is known.
-#[test]
-fn a_block_that_creeps_is_told_from_a_force_that_wanders() {
-    const LIMITS: Limits = [(0.15, 1.0, 0.9), (0.15, 1.0, 0.9)];
-    for (range_n, white_n) in [(30.0, 0.5), (30.0, 2.0), (60.0, 1.0), (60.0, 2.0)] {
-        check(
-            &format!("creep over {range_n} N, noise {white_n} N"),
-            &creep(range_n, white_n),
-            LIMITS,
-        );
-    }
+fn a_line_that_bends_is_followed() {
+    let checks = parallel::each(&bent(), checks);
+    aims::hold("bent-lines", &checks.concat());
 }
 
 /// The event's forces are those of its coefficients, also where the cable's softness comes in.

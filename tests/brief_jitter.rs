@@ -1,9 +1,11 @@
 //! Time stamps that jitter, with slips of about two samples: they leave hardly a residual, and only
 //! their swings, which differ from slip to slip, tell that the samples in them are off.
 //!
-//! `cargo test -p floe-tests --test brief_jitter -- --nocapture` prints the figures.
+//! `cargo test -p floe-tests --test brief_jitter -- --nocapture` prints the figures. What does not
+//! reach its aim yet is in `tests/golden/brief-jitter-not-yet.csv`.
 
 use floe::sim::Scene;
+use floe_tests::aims::{self, COVERAGE, Check, share_limits};
 use floe_tests::scenes::stored;
 use floe_tests::score::{self, quantile, run};
 
@@ -29,6 +31,7 @@ fn off(stiffer: f64, jitter: &str) -> (Vec<f64>, f64) {
 
 #[test]
 fn swings_that_differ_tell_a_jitter() {
+    let mut checks = Vec::new();
     for stiffer in [1.5, 2.0] {
         for jitter in ["jitter_2", "jitter_10"] {
             let (off, std) = off(stiffer, jitter);
@@ -41,10 +44,14 @@ fn swings_that_differ_tell_a_jitter() {
                 off.len()
             );
             // .70 and .94 at least before the swings told it.
-            assert!(inside > 0.85 && near > 0.98, "k x {stiffer}, {jitter}: {inside} {near}");
+            let row = format!("{jitter} k x {stiffer}");
+            let coverage = share_limits(COVERAGE, off.len());
+            checks.push(Check::between(&row, "coverage of mu_s", inside, coverage));
+            checks.push(Check::most(&row, "share beyond five of mu_s", 1.0 - near, 0.005));
         }
         let (steady, jitters) = (off(stiffer, "base").1, off(stiffer, "jitter_2").1);
         println!("k x {stiffer}: ± {steady:.5} without, ± {jitters:.5} with 2 ms");
         assert!(jitters > 1.2 * steady, "k x {stiffer}: {steady} {jitters}");
     }
+    aims::hold("brief-jitter", &checks);
 }

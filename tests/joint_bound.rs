@@ -1,7 +1,8 @@
 //! How near the newest event comes to the joint bound of all events so far.
 //!
 //! `cargo test -p floe-tests --test joint_bound -- --nocapture` prints the table that
-//! `docs/method.md` shows.
+//! `docs/method.md` shows. What does not reach its aim yet is in
+//! `tests/golden/joint-bound-not-yet.csv`.
 
 use std::fs;
 use std::path::Path;
@@ -10,6 +11,7 @@ use floe::sim::bound::ForceBound;
 use floe::sim::joint::Joint;
 use floe::sim::{Scene, TrueEvent};
 use floe_core::{Event, Quality};
+use floe_tests::aims::{self, Check};
 use floe_tests::scenes;
 use floe_tests::score::{rms, run};
 
@@ -18,9 +20,8 @@ const RECORDS: u64 = 800;
 const EVENTS: usize = 52;
 /// Events, from 1, that are looked at.
 const NUMBERS: [usize; 3] = [3, 10, 50];
-/// Largest errors over the joint bound, for each number: the worst scene's, and three
-/// standard errors.
-const MOST: [f64; 3] = [1.35, 1.2, 1.15];
+/// Errors less than this many bounds: then the bound is none.
+const LEAST: f64 = 0.8;
 /// Three standard errors of the difference of two root mean squares over the records,
 /// relative.
 const SCATTER: f64 = 0.11;
@@ -70,6 +71,16 @@ impl Errors {
         self.joint[1].push(error(mu.value, truth.mu, bound.dynamic_n));
     }
 
+    /// The aim is the bound, and three standard errors of a root mean square.
+    fn checks(&self, scene: &str, number: usize) -> [Check; 2] {
+        let check = |(coefficient, off): (&str, &Vec<f64>)| {
+            let chance = 3.0 / (2.0 * off.len() as f64).sqrt();
+            let what = format!("joint bounds of {coefficient} of event {number}");
+            Check::between(scene, &what, rms(off), (LEAST, 1.0 + chance))
+        };
+        [("mu_s", &self.joint[0]), ("mu", &self.joint[1])].map(check)
+    }
+
     fn ratios(&self) -> [f64; 2] {
         [rms(&self.joint[0]), rms(&self.joint[1])]
     }
@@ -102,6 +113,7 @@ fn told(name: &str) -> Vec<f64> {
 
 #[test]
 fn the_newest_event_is_near_the_joint_bound_of_all_so_far() {
+    let mut checks = Vec::new();
     for name in SCENES {
         let errors = errors(&scene(name));
         let ratios: Vec<f64> = errors.iter().flat_map(Errors::ratios).collect();
@@ -110,10 +122,7 @@ fn the_newest_event_is_near_the_joint_bound_of_all_so_far() {
             ratios.chunks(2).map(|pair| format!("{:.2}, {:.2}", pair[0], pair[1])).collect();
         let unresolved = errors.each_ref().map(|e| e.unresolved);
         println!("| {short} | {} | unresolved {unresolved:?}", cells.join(" | "));
-        for (ratios, (number, most)) in ratios.chunks(2).zip(NUMBERS.iter().zip(MOST)) {
-            let near = ratios.iter().all(|ratio| (0.8..most).contains(ratio));
-            assert!(near, "{name}, event {number}: {ratios:?} joint bounds, at most {most}");
-        }
+        checks.extend(errors.iter().zip(NUMBERS).flat_map(|(it, number)| it.checks(short, number)));
         let told = told(short);
         assert!(told.len() == ratios.len(), "docs/method.md, {short}: {told:?}");
         let agrees = told.iter().zip(&ratios).all(|(told, now)| (told / now - 1.0).abs() < SCATTER);
@@ -121,4 +130,5 @@ fn the_newest_event_is_near_the_joint_bound_of_all_so_far() {
         let last = unresolved[NUMBERS.len() - 1];
         assert!(u64::from(last) < RECORDS / 100, "{name}: {last} unresolved after fifty events");
     }
+    aims::hold("joint-bound", &checks);
 }
