@@ -6,6 +6,7 @@
 
 use floe::sim::Scene;
 use floe_core::Estimate;
+use floe_tests::aims::{self, Check};
 use floe_tests::score::{Tried, average, rms, run};
 
 /// Errors of the means of a coefficient in their combined standard deviations, and how
@@ -36,8 +37,9 @@ const HEAD: &str = "\
 Written by `cargo run --release -p floe-tests --example means`. Is the uncertainty of a test's mean what it says? Every
 scene with events, each seed with a sampling phase of its own, all inputs exact; *rms z*: root mean square of the errors in
 combined standard deviations, 1 where these are right; *coverage* of the 95 % intervals. The truth is the average of
-the true events over all tests. Aims: on linear scenes .9 to 1.1 and .92 to .98, on hard ones .90 to .99; where an interval
-allows for what the samples of a test cannot tell (a ripple, a corner, a zero that moves, slips of a sample), it covers more.
+the true events over all tests. Aims: on linear scenes .9 to 1.1 and .92 to .98, on hard ones coverage .90 to .99; what
+misses them stands below the table. Where an interval allows for what the samples of a test cannot tell (a ripple, a corner, a
+zero that moves, slips of a sample), it covers more.
 ";
 
 /// Of `mu_s` and of `mu`.
@@ -52,6 +54,29 @@ fn means(scene: &Scene, seeds: u64) -> [Means; 2] {
     means
 }
 
+/// Of the four figures of a scene.
+fn aims(is_hard: bool) -> [(&'static str, (f64, f64)); 4] {
+    let (rms_z, coverage) =
+        if is_hard { ((0.0, f64::INFINITY), (0.90, 0.99)) } else { ((0.9, 1.1), (0.92, 0.98)) };
+    [
+        ("rms z of mu_s", rms_z),
+        ("rms z of mu", rms_z),
+        ("coverage of mu_s", coverage),
+        ("coverage of mu", coverage),
+    ]
+}
+
+/// Why a figure misses its aim.
+fn why(check: &Check) -> &'static str {
+    match check.row.as_str() {
+        "all" => "the flop hides the sag until event 8 to 12: too sure",
+        _ if check.what.starts_with("rms z") => {
+            "what corners and onsets may be by chance is in a few records as large as the noise"
+        }
+        _ => "covers more: the interval allows for what the samples of a test cannot tell",
+    }
+}
+
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let seeds: u64 = std::env::args().nth(1).map_or(Ok(400), |n| n.parse())?;
     let scenes = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../host-sim/scenes");
@@ -62,6 +87,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         own.sort();
         files.extend(own);
     }
+    let mut checks = Vec::new();
     println!("{HEAD}\n{seeds} tests of each scene.\n");
     println!("| scene | tests with a mean | rms z: mu_s | mu | coverage: mu_s | mu |");
     println!("|---|---:|---:|---:|---:|---:|");
@@ -71,15 +97,20 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         if mu_s.errors.is_empty() {
             continue;
         }
-        println!(
-            "| {} | {} | {:.2} | {:.2} | {:.3} | {:.3} |",
-            file.file_stem().unwrap_or_default().display(),
-            mu_s.errors.len(),
-            rms(&mu_s.errors),
-            rms(&mu.errors),
-            mu_s.coverage(),
-            mu.coverage()
-        );
+        let name = file.file_stem().unwrap_or_default().display().to_string();
+        let is_hard = file.parent().is_some_and(|folder| folder.ends_with("hard"));
+        let cells = [
+            format!("{:.2}", rms(&mu_s.errors)),
+            format!("{:.2}", rms(&mu.errors)),
+            format!("{:.3}", mu_s.coverage()),
+            format!("{:.3}", mu.coverage()),
+        ];
+        println!("| {name} | {} | {} |", mu_s.errors.len(), cells.join(" | "));
+        for ((what, aim), cell) in aims(is_hard).into_iter().zip(cells) {
+            // As it is printed.
+            checks.push(Check::between(&name, what, cell.parse()?, aim));
+        }
     }
+    print!("{}", aims::section(&checks, why));
     Ok(())
 }
