@@ -1,5 +1,7 @@
 //! What every scene is held to.
 
+use floe_tests::aims::COVERAGE;
+
 /// What a scene is held to; pairs are of `mu_s` and `mu`.
 pub struct Limits {
     /// Harmonic mean of precision and recall, least.
@@ -25,7 +27,7 @@ const AIM: Limits = Limits {
     why: "",
 };
 /// Coverage of a hard and of a linear scene.
-const HARD: (f64, f64) = (0.90, 0.99);
+const HARD: (f64, f64) = COVERAGE;
 const EXACT: (f64, f64) = (0.93, 0.97);
 /// Where an error that looks like noise makes the interval too wide.
 const WIDE: (f64, f64) = (0.90, 1.0);
@@ -45,12 +47,6 @@ pub fn limits(name: &str) -> Limits {
     const NOISE: f64 = 0.13;
     match name {
         "dff8-13" | "fast" | "heavy" | "snow" | "light" => LINEAR,
-        "all" => Limits {
-            bias: [0.7, 1.6],
-            p95: [1.5, 3.2],
-            why: "drift and creep, which flop hides, with sag and ripple: as measured, and a quarter",
-            ..AIM
-        },
         "breaking" => Limits {
             p95: [2.0; 2],
             why: "the new weight is known from omega only; the interval says so",
