@@ -22,13 +22,19 @@ pub fn install_newest(package: &str, major: u32) -> Result<()> {
     if candidate(package).is_some_and(|found| found >= major) {
         return install(&[package]);
     }
-    let suite = format!("{}-backports", codename()?);
-    if !has_suite(&suite) {
-        say(&format!("adding {suite} to apt's sources ({BACKPORTS})"));
-        write_as_root(&format!("deb http://deb.debian.org/debian {suite} main"))?;
-        run(apt().arg("update"))?;
+    let release = std::fs::read_to_string("/etc/os-release").unwrap_or_default();
+    let suite = format!("{}-backports", debian(&release)?);
+    let from_there =
+        || run(apt().args(["install", "-y", "--no-install-recommends", "-t", &suite, package]));
+    if has_suite(&suite) {
+        return from_there();
     }
-    run(apt().args(["install", "-y", "--no-install-recommends", "-t", &suite, package]))
+    say(&format!("adding {suite} to apt's sources ({BACKPORTS})"));
+    let line = format!("deb http://deb.debian.org/debian {suite} main");
+    let added = as_root(&format!("echo '{line}' > {BACKPORTS}"));
+    let done = added.and_then(|()| run(apt().arg("update"))).and_then(|()| from_there());
+    // A source that is of no use would be in the way of whatever apt does next.
+    done.inspect_err(|_| drop(as_root(&format!("rm -f {BACKPORTS}"))))
 }
 
 /// Major version that a plain install would bring.
@@ -51,22 +57,23 @@ fn update_once() {
     ONCE.call_once(|| drop(run(apt().arg("update"))));
 }
 
-fn codename() -> Result<String> {
-    let release = std::fs::read_to_string("/etc/os-release").unwrap_or_default();
-    release
-        .lines()
-        .find_map(|l| l.strip_prefix("VERSION_CODENAME="))
-        .map(|name| name.trim_matches('"').to_string())
-        .ok_or_else(|| "cannot tell which Debian release this is (/etc/os-release)".to_string())
+/// Which release of Debian this is, from the text of `/etc/os-release`: what is built upon it has
+/// names of its own, or Debian's name and other packages.
+fn debian(release: &str) -> Result<&str> {
+    let value = |key| {
+        let mut values = release.lines().filter_map(|line| line.strip_prefix(key));
+        values.next().map(|value| value.trim_matches('"'))
+    };
+    let name = value("VERSION_CODENAME=").filter(|_| value("ID=") == Some("debian"));
+    name.ok_or_else(|| "no Debian release in /etc/os-release: no backports to add".to_string())
 }
 
 fn has_suite(suite: &str) -> bool {
     output(Command::new("apt-cache").arg("policy")).is_some_and(|p| p.contains(suite))
 }
 
-fn write_as_root(line: &str) -> Result<()> {
-    let script = format!("echo '{line}' > {BACKPORTS}");
-    run(privileged("sh").args(["-c", &script]))
+fn as_root(script: &str) -> Result<()> {
+    run(privileged("sh").args(["-c", script]))
 }
 
 fn apt() -> Command {
@@ -84,4 +91,22 @@ fn privileged(program: &str) -> Command {
     let mut command = Command::new("sudo");
     command.args(["-n", "env", "DEBIAN_FRONTEND=noninteractive", program]);
     command
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_debian_has_its_backports() {
+        assert_eq!(debian("ID=debian\nVERSION_CODENAME=bookworm\n").as_deref(), Ok("bookworm"));
+        for other in [
+            "ID=linuxmint\nID_LIKE=\"ubuntu debian\"\nVERSION_CODENAME=wilma\n",
+            "ID=raspbian\nID_LIKE=debian\nVERSION_CODENAME=bookworm\n",
+            "ID=debian\n",
+            "",
+        ] {
+            assert!(debian(other).is_err(), "{other}");
+        }
+    }
 }
