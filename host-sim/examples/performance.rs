@@ -177,8 +177,9 @@ impl Spread {
 /// The block of test DFF8-13 at 16 Hz with noise of 2 N, forces to the
 /// millinewton.
 fn written(samples: u64) -> Result<PathBuf, Box<dyn Error>> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join(format!("../target/performance_{}k.csv", samples / 1000));
+    let workspace = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    let target = workspace.join(std::env::var_os("CARGO_TARGET_DIR").unwrap_or("target".into()));
+    let path = target.join(format!("performance_{}k.csv", samples / 1000));
     let mut file = BufWriter::new(File::create(&path)?);
     writeln!(file, "# weight_n: 630\ntime_s,force_n")?;
     let mut state = 1_u64;

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Duration;
 
-use crate::shell::{output, root, run, run_within, say};
+use crate::shell::{output, root, run, run_within, say, target};
 use crate::{Result, apt};
 
 /// The board's architecture.
@@ -51,7 +51,7 @@ impl Route {
             Self::Debian => debian_cargo(),
         };
         command.arg(subcommand).args(["--target", TARGET, "--target-dir"]);
-        command.arg(root().join("target/arm"));
+        command.arg(target().join("arm"));
         if self == Self::Debian {
             command.args(["-Z", "build-std=core"]);
         }
@@ -78,7 +78,7 @@ impl Route {
         command.env("DEFMT_LOG", "debug");
         command.env("CARGO_ENCODED_RUSTFLAGS", self.firmware_flags().join("\u{1f}"));
         run(&mut command)?;
-        Ok(root().join("target/arm").join(TARGET).join("firmware").join(program))
+        Ok(target().join("arm").join(TARGET).join("firmware").join(program))
     }
 
     /// Small code, and no paths of this machine in it.
@@ -90,7 +90,7 @@ impl Route {
         let mut hidden: Vec<PathBuf> = registries.map(|entry| entry.path()).collect();
         hidden.push(root());
         // The last that fits counts.
-        hidden.push(root().join("target/arm").join(TARGET).join("firmware/build"));
+        hidden.push(target().join("arm").join(TARGET).join("firmware/build"));
         let remap = |path: &PathBuf| format!("--remap-path-prefix={}/=", path.display());
         let mut flags: Vec<String> = hidden.iter().map(remap).collect();
         // Small functions are called; of loops only those over the six unknowns are written out;

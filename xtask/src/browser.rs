@@ -58,7 +58,7 @@ pub fn chromium() -> Result<Command> {
 /// The first report that is not as it should be.
 pub fn check() -> Result<()> {
     let floe = shell::floe()?;
-    let folder = root().join("target/browser");
+    let folder = shell::target().join("browser");
     std::fs::create_dir_all(&folder).map_err(|e| format!("{}: {e}", folder.display()))?;
     for (name, scene, duration_s) in LOGS {
         let page = report(&floe, &folder, name, scene, duration_s)?;

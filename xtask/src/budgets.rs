@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 use crate::Result;
 use crate::arm::Route;
 use crate::qemu;
-use crate::shell::{output, root};
+use crate::shell::{self, output, root};
 
 /// An instruction takes 2 to this power in ns of the emulator's clock.
 const COUNTING: u32 = 8;
@@ -182,7 +182,7 @@ fn bytes(head: [f32; 4], forces_n: &[f32]) -> Vec<u8> {
 }
 
 pub(crate) fn count(qemu: &str, program: &Path, record: &Record) -> Result<Counted> {
-    let directory = root().join("target").join(format!("budget-{}", std::process::id()));
+    let directory = shell::target().join(format!("budget-{}", std::process::id()));
     fs::create_dir_all(&directory).map_err(|e| e.to_string())?;
     fs::write(directory.join("samples"), &record.bytes).map_err(|e| e.to_string())?;
     let said = qemu::board(qemu, COUNTING, None, program, &directory).output();

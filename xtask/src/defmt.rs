@@ -10,7 +10,7 @@ use crate::emulate::machine::{Machine, Run, Setup};
 use crate::emulate::nucleo::Nucleo;
 use crate::emulate::outcome;
 use crate::emulate::record::Record;
-use crate::shell::{cargo, root};
+use crate::shell::{cargo, target};
 
 /// Runs a test with a converter that falls silent once on both boards, decodes every frame
 /// and looks for what has to be there.
@@ -62,7 +62,7 @@ fn check(board: &str, frames: &[String], own: &[&str]) -> Result<()> {
 
 /// The frames, by a program of its own: what it is built of would change what all else is.
 fn decode(firmware: &Path, logged: &[u8]) -> Result<Vec<String>> {
-    let file = root().join("target/defmt.bin");
+    let file = target().join("defmt.bin");
     std::fs::write(&file, logged).map_err(|e| format!("{}: {e}", file.display()))?;
     let mut decoder = cargo();
     decoder.args(["run", "--quiet", "--package", "floe-defmt", "--features", "decode", "--"]);

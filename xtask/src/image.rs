@@ -7,7 +7,7 @@ use object::{Object, ObjectSegment};
 
 use crate::Result;
 use crate::arm::Route;
-use crate::shell::root;
+use crate::shell::target;
 
 /// Where the flash begins.
 const FLASH: u64 = 0x0800_0000;
@@ -24,9 +24,9 @@ pub fn run(forced: Option<Route>) -> Result<()> {
     let firmware = Route::find(forced)?.build_firmware("nucleo-l476", FEATURES)?;
     let bytes = flash(&firmware)?;
     for (name, content) in [("floe-nucleo.bin", bytes.clone()), ("floe-nucleo.hex", hex(&bytes))] {
-        let file = root().join("target").join(name);
+        let file = target().join(name);
         fs::write(&file, content).map_err(|e| format!("{}: {e}", file.display()))?;
-        println!("target/{name}");
+        println!("{}", file.display());
     }
     let sum = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC).checksum(&bytes);
     let version = env!("CARGO_PKG_VERSION");

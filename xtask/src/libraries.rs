@@ -6,7 +6,7 @@ use std::process::Command;
 use toml::{Table, Value};
 
 use crate::Result;
-use crate::shell::{cargo, root, run, run_quoted, say};
+use crate::shell::{cargo, remove, root, run, run_quoted, say, target};
 
 /// What can be published, in its order.
 const PACKAGES: [&str; 3] = ["floe-core", "floe-firmware", "floe"];
@@ -98,15 +98,6 @@ fn unpack() -> Result<PathBuf> {
     Ok(packages)
 }
 
-fn remove(folder: &Path) -> Result<()> {
-    match std::fs::remove_dir_all(folder) {
-        Err(e) if e.kind() != std::io::ErrorKind::NotFound => {
-            Err(format!("cannot remove {}: {e}", folder.display()))
-        }
-        _ => Ok(()),
-    }
-}
-
 /// How this workspace is built, so that what the packages depend on is not built again; they
 /// themselves as what others wrote is.
 fn profile() -> Result<Value> {
@@ -134,8 +125,4 @@ fn build(packages: &Path, options: &[&str]) -> Result<()> {
         run_quoted(build.args(options))?;
     }
     Ok(())
-}
-
-fn target() -> PathBuf {
-    root().join("target")
 }

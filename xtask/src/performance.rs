@@ -4,7 +4,7 @@ use std::process::Command;
 
 use crate::Result;
 use crate::python::environment;
-use crate::shell::{cargo, output, root, run, say};
+use crate::shell::{cargo, output, root, run, say, target};
 
 /// The page around the table.
 const PAGE: &str = "\
@@ -41,8 +41,9 @@ pub fn run_all() -> Result<()> {
     let load = std::fs::read_to_string("/proc/loadavg").unwrap_or_default();
     let load = load.split(' ').take(3).collect::<Vec<_>>().join(", ");
     say("some minutes; leave the machine alone");
-    let mut measure = Command::new(root().join("target/release/examples/performance"));
-    let table = output(measure.arg("--python").arg(&python)).ok_or("performance: failed")?;
+    let mut measure = Command::new(target().join("release/examples/performance"));
+    let table = output(measure.env("CARGO_TARGET_DIR", target()).arg("--python").arg(&python))
+        .ok_or("performance: failed")?;
     let page = root().join("docs/performance.md");
     // What a release has, unless somebody in a hurry says otherwise.
     let hurried = std::env::var("CARGO_PROFILE_RELEASE_LTO").is_ok_and(|lto| lto != "fat");
@@ -53,7 +54,7 @@ pub fn run_all() -> Result<()> {
     };
     let text =
         PAGE.replace("{table}", table.trim()).replace("{load}", &load).replace("{build}", build);
-    let log = std::fs::metadata(root().join("target/performance_10000k.csv"));
+    let log = std::fs::metadata(target().join("performance_10000k.csv"));
     let megabytes = log.map_or(0, |log| log.len() / 1_000_000).to_string();
     let text = text.replace("{megabytes}", &megabytes);
     std::fs::write(&page, text).map_err(|e| format!("{}: {e}", page.display()))?;

@@ -2,7 +2,7 @@
 
 use crate::Result;
 use crate::browser::chromium;
-use crate::shell::{cargo, root, run, say};
+use crate::shell::{cargo, root, run, say, target};
 
 /// Part of the report that is shown, px.
 const WINDOW: [&str; 2] = ["--window-size=1240,1900", "--force-device-scale-factor=0.75"];
@@ -13,7 +13,7 @@ const WINDOW: [&str; 2] = ["--window-size=1240,1900", "--force-device-scale-fact
 /// No Chromium, or a program that fails.
 pub fn run_all() -> Result<()> {
     let docs = root().join("docs");
-    let report = root().join("target/pictures-report.html");
+    let report = target().join("pictures-report.html");
     let mut replay = cargo();
     replay.args([
         "run",
@@ -32,7 +32,7 @@ pub fn run_all() -> Result<()> {
     let mut live = cargo();
     live.args(["test", "--quiet", "--package", "floe", "--lib", "--"]);
     run(live.args(["--ignored", "live::tests::picture"]))?;
-    let drawn = root().join("target/live.svg");
+    let drawn = target().join("live.svg");
     std::fs::copy(&drawn, docs.join("live.svg"))
         .map_err(|e| format!("{}: {e}", drawn.display()))?;
     say("written docs/report.png and docs/live.svg");

@@ -8,6 +8,8 @@ use std::time::{Duration, Instant};
 
 use crate::Result;
 
+/// Names the folder that cargo builds into.
+const TARGET: &str = "CARGO_TARGET_DIR";
 /// Lines of a program that failed.
 const QUOTED: usize = 20;
 
@@ -16,10 +18,15 @@ pub fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap_or(Path::new(".")).to_path_buf()
 }
 
-/// The cargo that runs this program.
+/// What is built, and what jobs leave behind: where cargo is told to, else in `target`.
+pub fn target() -> PathBuf {
+    root().join(std::env::var_os(TARGET).unwrap_or("target".into()))
+}
+
+/// The cargo that runs this program, building into [`target`].
 pub fn cargo() -> Command {
     let mut command = Command::new(std::env::var_os("CARGO").unwrap_or("cargo".into()));
-    command.current_dir(root());
+    command.current_dir(root()).env(TARGET, target());
     command
 }
 
@@ -31,7 +38,20 @@ pub fn cargo() -> Command {
 pub fn floe() -> Result<PathBuf> {
     let packages = ["--package", "floe", "--package", "xtask"];
     run(cargo().args(["build", "--quiet"]).args(packages).args(["--bin", "floe"]))?;
-    Ok(root().join("target/debug/floe"))
+    Ok(target().join("debug/floe"))
+}
+
+/// Removes a folder, if it is there.
+///
+/// # Errors
+/// It cannot be removed.
+pub fn remove(folder: &Path) -> Result<()> {
+    match std::fs::remove_dir_all(folder) {
+        Err(e) if e.kind() != std::io::ErrorKind::NotFound => {
+            Err(format!("cannot remove {}: {e}", folder.display()))
+        }
+        _ => Ok(()),
+    }
 }
 
 /// Prints the command line, runs it, and fails if it does.

@@ -128,12 +128,14 @@ fn note(text: &str) -> Verdict {
     Verdict { level: Level::Note, text: text.to_string() }
 }
 
-/// `target/live.svg`, for the README.
+/// `live.svg` in cargo's folder, for the README.
 #[test]
 #[ignore = "writes a picture for the eye"]
 fn picture() {
     let buffer = frame(&measuring(), &Ask::default(), (80, 24), 15.0);
-    std::fs::write("../target/live.svg", picture::svg(&buffer)).unwrap();
+    let target = std::env::var_os("CARGO_TARGET_DIR").unwrap_or("target".into());
+    let place = std::path::Path::new("..").join(target).join("live.svg");
+    std::fs::write(place, picture::svg(&buffer)).unwrap();
 }
 
 #[test]

@@ -12,7 +12,7 @@ use floe::card;
 use super::machine::{Machine, Run, Setup};
 use super::record::Record;
 use crate::arm::Route;
-use crate::shell::{output, root};
+use crate::shell::{output, target};
 use crate::{Result, apt};
 
 /// FAT32 needs 65 525 clusters of 512 bytes at least.
@@ -37,7 +37,7 @@ const CUTS_OF_A_CARD: usize = 50;
 /// What was lost.
 pub fn check_card(route: Route) -> Result<()> {
     let machine = Machine::prepare(Some(route))?;
-    let image = root().join("target").join(format!("card-{}.img", std::process::id()));
+    let image = target().join(format!("card-{}.img", std::process::id()));
     let done = pull_battery(&machine, &image);
     let _ = fs::remove_file(&image);
     let _ = fs::remove_file(partition(&image));
@@ -92,7 +92,7 @@ fn format(image: &Path) -> Result<()> {
 /// The card of whoever watches a board live and names none: made once, then as the last run
 /// left it.
 pub fn of_live_runs() -> Result<PathBuf> {
-    let image = root().join("target/live-card.img");
+    let image = target().join("live-card.img");
     if !image.exists() {
         // Under another name until it is whole.
         let part = image.with_extension("part");
@@ -152,7 +152,7 @@ impl Image {
         static COUNT: AtomicU32 = AtomicU32::new(0);
         let number = COUNT.fetch_add(1, Ordering::Relaxed);
         let name = format!("card-{name}-{}-{number}.img", std::process::id());
-        let image = Self(root().join("target").join(name));
+        let image = Self(target().join(name));
         make(&image.0, bytes)?;
         Ok(image)
     }
@@ -266,8 +266,8 @@ fn partition(image: &Path) -> PathBuf {
     image.with_extension("part")
 }
 
-/// A program of dosfstools, which is not in everybody's path.
-fn tool(name: &str) -> Result<PathBuf> {
+/// A program of dosfstools, which is not in everybody's path; installed when it is missing.
+pub fn tool(name: &str) -> Result<PathBuf> {
     let places = ["/usr/sbin", "/sbin", "/usr/bin"];
     let find = || places.iter().map(|p| Path::new(p).join(name)).find(|path| path.exists());
     if find().is_none() {

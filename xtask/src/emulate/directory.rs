@@ -6,7 +6,7 @@ use std::process::Command;
 use std::sync::atomic::{AtomicU32, Ordering};
 
 use crate::Result;
-use crate::shell::root;
+use crate::shell::target;
 
 /// Gone at the end.
 #[derive(Debug)]
@@ -21,7 +21,7 @@ impl Directory {
         static COUNT: AtomicU32 = AtomicU32::new(0);
         let number = COUNT.fetch_add(1, Ordering::Relaxed);
         let name = format!("emulate-{}-{number}", std::process::id());
-        let directory = Self(root().join("target").join(name));
+        let directory = Self(target().join(name));
         fs::create_dir_all(&directory.0).map_err(|e| e.to_string())?;
         Ok(directory)
     }

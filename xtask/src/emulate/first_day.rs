@@ -15,7 +15,7 @@ use super::nucleo::{Nucleo, Played, card};
 use super::outcome;
 use super::record::RATE_HZ;
 use crate::Result;
-use crate::shell::root;
+use crate::shell::target;
 
 /// The block on the tripod, N.
 const WEIGHT_N: f32 = 630.0;
@@ -87,7 +87,7 @@ fn check_pull(pull: &Test, shown: &str) -> Result<String> {
         let (there, kept) = (said(shown).len(), said(&pull.lines).len());
         return Err(format!("first day: {} events, {there} said, {kept} kept", here.len()));
     }
-    let folder = root().join("target/first-day");
+    let folder = target().join("first-day");
     fs::create_dir_all(&folder).map_err(|e| e.to_string())?;
     let file = folder.join(format!("{}.csv", pull.stem));
     fs::write(&file, files::csv(pull)).map_err(|e| format!("{}: {e}", file.display()))?;

@@ -19,7 +19,7 @@ use super::record::{NOISE, RATE_HZ, Record};
 use crate::Result;
 use crate::arm::Route;
 use crate::qemu;
-use crate::shell::{cargo, root, run};
+use crate::shell::{cargo, run, target};
 
 /// Samples before the test: the commands are typed meanwhile, one a sample.
 const REST: usize = 32;
@@ -85,9 +85,8 @@ impl Nucleo {
     pub fn with_features(forced: Option<Route>, features: &str) -> Result<Self> {
         let qemu = qemu::find()?;
         run(cargo().args(["build", "--quiet", "--package", "floe-board-model"]))?;
-        let target = std::env::var_os("CARGO_TARGET_DIR").map_or(root().join("target"), Into::into);
         let name = format!("{DLL_PREFIX}floe_board_model{DLL_SUFFIX}");
-        let plugin = target.join("debug").join(name);
+        let plugin = target().join("debug").join(name);
         let firmware = Route::find(forced)?.build_firmware("nucleo-l476", features)?;
         let (stack, rtt) = symbols(&firmware)?;
         Ok(Self { qemu, plugin, firmware, stack, rtt })
