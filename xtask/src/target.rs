@@ -10,12 +10,14 @@ use floe_tests::maths::{FUNCTIONS, Function};
 use crate::Result;
 use crate::arm::Route;
 use crate::qemu;
-use crate::shell::{root, say};
+use crate::shell::{self, say};
 
 /// Virtual time of an instruction is 2 to this power in ns.
 const FAST: u32 = 4;
 const COUNTING: u32 = 8;
 const LIMIT: Duration = Duration::from_secs(120);
+/// How QEMU names the bit of a fault that it sets then.
+const STACKING_FAILED: &str = "CFSR.MSTKERR";
 
 /// The program with the tests in it.
 #[derive(Debug)]
@@ -28,8 +30,24 @@ pub struct Tests {
 enum End {
     Passed,
     Code(i32),
-    /// Not by itself: its fault handler finds no stack to say more.
-    Stopped,
+    /// The processor found no room on the stack for the frame of an exception.
+    Overflow,
+}
+
+impl End {
+    /// What the emulator is to tell on standard error.
+    fn options(&self) -> &'static [&'static str] {
+        if matches!(self, Self::Overflow) { &["-d", "int"] } else { &[] }
+    }
+
+    fn is_of(&self, output: &Output) -> bool {
+        let code = output.status.code();
+        match self {
+            Self::Passed => code == Some(0),
+            Self::Code(expected) => code == Some(*expected),
+            Self::Overflow => code != Some(0) && said(&output.stderr).contains(STACKING_FAILED),
+        }
+    }
 }
 
 impl Tests {
@@ -55,7 +73,7 @@ impl Tests {
             ("bytes", FAST, End::Passed),
             ("panic", FAST, End::Code(101)),
             ("fault", FAST, End::Code(102)),
-            ("overflow", FAST, End::Stopped),
+            ("overflow", FAST, End::Overflow),
         ];
         let check = |(name, shift, end): &(&str, u32, End)| self.check(name, *shift, end).err();
         let failed: Vec<String> = tests.iter().filter_map(check).collect();
@@ -68,7 +86,7 @@ impl Tests {
     /// # Errors
     /// The program failed.
     pub fn bench(&self, name: &str) -> Result<Vec<(String, u64, u64)>> {
-        let output = self.run(name, COUNTING)?;
+        let output = self.run(name, COUNTING, &[])?;
         let text = String::from_utf8_lossy(&output.stdout);
         let counts = text.lines().filter_map(|line| {
             let mut words = line.strip_prefix("count ")?.split(' ');
@@ -80,15 +98,9 @@ impl Tests {
     }
 
     fn check(&self, name: &str, shift: u32, end: &End) -> Result<()> {
-        let output = self.run(name, shift)?;
-        let code = output.status.code();
-        let as_expected = match end {
-            End::Passed => code == Some(0),
-            End::Code(expected) => code == Some(*expected),
-            End::Stopped => code != Some(0) && output.stdout.is_empty(),
-        };
-        let said = String::from_utf8_lossy(&output.stdout);
-        if !as_expected || (name == "maths" && said.trim() != hashes()) {
+        let output = self.run(name, shift, end.options())?;
+        let said = said(&output.stdout);
+        if !end.is_of(&output) || (name == "maths" && said.trim() != hashes()) {
             let failure = report(name, &output);
             say(&failure);
             return Err(failure);
@@ -97,19 +109,24 @@ impl Tests {
         Ok(())
     }
 
-    fn run(&self, name: &str, shift: u32) -> Result<Output> {
-        let directory = root().join("target").join(format!("on-target-{}", std::process::id()));
+    fn run(&self, name: &str, shift: u32, more: &[&str]) -> Result<Output> {
+        let directory = shell::target().join(format!("on-target-{}", std::process::id()));
         fs::create_dir_all(&directory).map_err(|e| e.to_string())?;
         fs::write(directory.join("test.name"), name).map_err(|e| e.to_string())?;
         let mut command = qemu::board(self.qemu, shift, None, &self.program, &directory);
+        command.args(more);
         let output = within(&mut command, LIMIT);
         let _ = fs::remove_dir_all(&directory);
         output.map_err(|e| format!("{name}: {e}"))
     }
 }
 
+fn said(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).into_owned()
+}
+
 fn report(name: &str, output: &Output) -> String {
-    let said = [&output.stdout, &output.stderr].map(|s| String::from_utf8_lossy(s).into_owned());
+    let said = [&output.stdout, &output.stderr].map(|bytes| said(bytes));
     format!("on target: {name} FAILED ({}): {}", output.status, said.join(" ").trim())
 }
 
@@ -132,4 +149,30 @@ fn within(command: &mut Command, limit: Duration) -> Result<Output> {
 fn hashes() -> String {
     let line = |f: &Function| format!("{f} {:08x}", f.hash());
     FUNCTIONS.iter().map(line).collect::<Vec<_>>().join("\n")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::os::unix::process::ExitStatusExt;
+    use std::process::ExitStatus;
+
+    #[test]
+    fn a_stack_that_runs_over_is_not_any_failure() {
+        let output = |code: i32, stderr: &str| Output {
+            status: ExitStatus::from_raw(code << 8),
+            stdout: Vec::new(),
+            stderr: stderr.into(),
+        };
+        let ran_over = "Taking exception 4 [Data Abort]\n...MemManageFault with CFSR.MSTKERR\n";
+        assert!(End::Overflow.is_of(&output(1, ran_over)));
+        for other in [
+            output(101, "panicked at main.rs:51:22:\nno test overflw"),
+            output(102, "...with CFSR.PRECISERR"),
+            output(1, "qemu-system-arm: could not load kernel"),
+            output(0, ran_over),
+        ] {
+            assert!(!End::Overflow.is_of(&other), "{other:?}");
+        }
+    }
 }
