@@ -62,7 +62,7 @@ pub fn check_faults(nucleo: &Nucleo) -> Result<()> {
         ("stack that runs over in a test", resets::overflow),
         ("supply dips below the brown-out level in a test", resets::dip),
         ("supply fails for a moment in a test", resets::brown_out),
-        ("40 lines typed without pauses", board::typed_fast),
+        ("40 lines typed, one every 0.3 s", board::typed_often),
     ];
     let results = parallel::each(&cases, |(_, case)| case(&bench));
     println!("| fault | noticed, said | lost | normal again |");
