@@ -21,3 +21,9 @@ pub mod scripted;
 pub mod shown;
 pub mod terminal;
 pub mod wide;
+
+/// Whether this runs where nothing may be left out for want of a tool.
+#[must_use]
+pub fn in_ci() -> bool {
+    std::env::var("CI").is_ok_and(|ci| ci == "true")
+}

@@ -3,16 +3,20 @@
 use std::process::Command;
 use std::time::Instant;
 
+use floe_tests::in_ci;
+
 use crate::Result;
 use crate::arm::Route;
 use crate::shell::{self, cargo, run_within, say};
 use crate::target::Tests;
 use crate::{browser, budgets, defmt, emulate, host_tests, libraries, python, qemu, size};
 
-/// Names of the steps that passed and of those that did not.
+/// Names of the steps that passed, of those that did not, and of those that were left out.
+#[derive(Default)]
 struct Tally {
     passed: Vec<&'static str>,
     failed: Vec<String>,
+    skipped: Vec<String>,
 }
 
 impl Tally {
@@ -30,6 +34,17 @@ impl Tally {
             }
         }
     }
+
+    fn skip(&mut self, name: &str, reason: &str) {
+        say(&format!("== {name}: left out: {reason}"));
+        self.skipped.push(format!("{name}: {reason}"));
+    }
+
+    fn summary(&self) -> String {
+        let (passed, failed) = (self.passed.len(), self.failed.len());
+        let skipped: String = self.skipped.iter().map(|it| format!("\nskipped: {it}")).collect();
+        format!("steps: {passed} passed, {failed} failed, {} skipped{skipped}", self.skipped.len())
+    }
 }
 
 /// Runs every step, even after a failure, and ends with one summary line.
@@ -37,13 +52,12 @@ impl Tally {
 /// # Errors
 /// Some step failed.
 pub fn run(forced: Option<Route>, firmware_only: bool) -> Result<()> {
-    let mut tally = Tally { passed: Vec::new(), failed: Vec::new() };
+    let mut tally = Tally::default();
     if !firmware_only {
         host(&mut tally);
     }
     firmware(&mut tally, forced);
-    let summary = format!("steps: {} passed, {} failed", tally.passed.len(), tally.failed.len());
-    println!("{summary}");
+    println!("{}", tally.summary());
     if tally.failed.is_empty() { Ok(()) } else { Err(tally.failed.join("\n       ")) }
 }
 
@@ -51,7 +65,11 @@ fn host(tally: &mut Tally) {
     tally.step("format", || component("rustfmt", cargo().args(["fmt", "--all", "--check"])));
     tally.step("clippy", || component("clippy", &mut clippy()));
     tally.step("libraries", libraries::check);
-    tally.step("Python examples", python::check);
+    if python::is_to_be_had() || in_ci() {
+        tally.step("Python examples", python::check);
+    } else {
+        tally.skip("Python examples", "no python3, and no apt to install it");
+    }
     tally.step("reports in a browser", browser::check);
     tally.step("host tests", host_tests::run);
 }
@@ -86,7 +104,7 @@ fn clippy() -> Command {
     let mut command = cargo();
     command.args(["clippy", "--workspace", "--all-targets"]);
     // A new lint of a newer compiler must not stop a user.
-    if std::env::var("CI").is_ok_and(|ci| ci == "true") {
+    if in_ci() {
         command.args(["--", "-D", "warnings"]);
     }
     command
@@ -100,4 +118,18 @@ fn component(name: &str, job: &mut Command) -> Result<()> {
         run_within(Command::new("rustup").args(["component", "add", name]), limit)?;
     }
     shell::run(job)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_was_left_out_has_not_passed() {
+        let mut tally = Tally::default();
+        tally.step("a", || Ok(()));
+        tally.step("b", || Err("broken".into()));
+        tally.skip("c", "no tool");
+        assert_eq!(tally.summary(), "steps: 1 passed, 1 failed, 1 skipped\nskipped: c: no tool");
+    }
 }
