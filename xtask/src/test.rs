@@ -71,6 +71,8 @@ fn host(tally: &mut Tally) {
         tally.skip("Python examples", "no python3, and no apt to install it");
     }
     tally.step("reports in a browser", browser::check);
+    // Their power cuts check the file system with it.
+    tally.step("fsck.fat", || emulate::tool("fsck.fat").map(drop));
     tally.step("host tests", host_tests::run);
 }
 
