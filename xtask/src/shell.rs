@@ -37,7 +37,7 @@ pub fn cargo() -> Command {
 /// It does not build.
 pub fn floe() -> Result<PathBuf> {
     let packages = ["--package", "floe", "--package", "xtask"];
-    run(cargo().args(["build", "--quiet"]).args(packages).args(["--bin", "floe"]))?;
+    run(cargo().arg("build").args(packages).args(["--bin", "floe"]))?;
     Ok(target().join("debug/floe"))
 }
 
