@@ -1,8 +1,10 @@
 //! `cargo xtask pictures`: the pictures of the README, from what the programs show.
 
+use std::process::Command;
+
 use crate::Result;
 use crate::browser::chromium;
-use crate::shell::{cargo, root, run, say, target};
+use crate::shell::{self, cargo, root, run, say, target};
 
 /// Part of the report that is shown, px.
 const WINDOW: [&str; 2] = ["--window-size=1240,1900", "--force-device-scale-factor=0.75"];
@@ -14,23 +16,15 @@ const WINDOW: [&str; 2] = ["--window-size=1240,1900", "--force-device-scale-fact
 pub fn run_all() -> Result<()> {
     let docs = root().join("docs");
     let report = target().join("pictures-report.html");
-    let mut replay = cargo();
-    replay.args([
-        "run",
-        "--quiet",
-        "--package",
-        "floe",
-        "--",
-        "replay",
-        "host-sim/logs/dff8-13.csv",
-    ]);
-    run(replay.args(["--quiet", "--report"]).arg(&report))?;
+    let mut replay = Command::new(shell::floe()?);
+    replay.current_dir(root()).args(["replay", "host-sim/logs/fig6-7.csv", "--quiet"]);
+    run(replay.arg("--report").arg(&report))?;
     let mut chromium = chromium()?;
     chromium.args(WINDOW);
     chromium.arg(format!("--screenshot={}", docs.join("report.png").display()));
     run(chromium.arg(format!("file://{}", report.display())))?;
     let mut live = cargo();
-    live.args(["test", "--quiet", "--package", "floe", "--lib", "--"]);
+    live.args(["test", "--package", "floe", "--lib", "--"]);
     run(live.args(["--ignored", "live::tests::picture"]))?;
     let drawn = target().join("live.svg");
     std::fs::copy(&drawn, docs.join("live.svg"))
