@@ -77,6 +77,8 @@ const LEFT_DIGITS: usize = 5;
 const RIGHT: f64 = 14.0;
 const TOP: f64 = 30.0;
 const BOTTOM: f64 = 44.0;
+/// Ticks of the horizontal axis are as far apart as this, where their labels are short.
+const APART: f64 = 68.0;
 /// About the width of a digit.
 const DIGIT: f64 = 8.0;
 
@@ -96,7 +98,7 @@ impl Plot {
 
     fn grid(&mut self, spec: &Spec<'_>, up: &Ticks) {
         let (x, y) = (self.x, self.y);
-        let across = ticks(x.domain, (x.range.1 - x.range.0) / 68.0, spec.x.steps);
+        let across = across(&x, spec.x.steps);
         let mut lines = Path::default();
         across.values.iter().for_each(|&v| lines.bar(x.at(v), y.range.0, y.range.1));
         for &value in &up.values {
@@ -186,6 +188,16 @@ fn open(spec: &Spec<'_>, x: &Scale, y: &Scale) -> String {
     )
 }
 
+/// As many ticks as their labels leave room for; the last one may be moved in from the edge by
+/// nearly half its width.
+fn across(x: &Scale, steps: Steps) -> Ticks {
+    let apart = |px: f64| ticks(x.domain, (x.range.1 - x.range.0) / px, steps);
+    let usual = apart(APART);
+    let width = DIGIT * usual.longest() as f64;
+    let needed = 1.5 * width - RIGHT + DIGIT;
+    if needed > APART { apart(needed) } else { usual }
+}
+
 /// What the script needs to turn a place into a value.
 fn readout(scale: &Scale, axis: &Axis) -> String {
     let ((low, high), (from, to)) = (scale.domain, scale.range);
@@ -206,6 +218,20 @@ fn labels(ticks: &Ticks, class: &str, place: impl Fn(f64, f64) -> (f64, f64)) ->
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// A constant force has labels of eight digits.
+    #[test]
+    fn labels_do_not_touch() {
+        for domain in [(499.9997, 500.0003), (1234.567_8, 1234.567_9), (0.0, 800.0)] {
+            let x = Scale { domain, range: (LEFT, 360.0 - RIGHT) };
+            let ticks = across(&x, Steps::Decimal);
+            let half = DIGIT * ticks.longest() as f64 / 2.0;
+            let places: Vec<f64> =
+                ticks.values.iter().map(|&v| x.at(v).min(360.0 - half)).collect();
+            assert!(places.len() > 1, "{domain:?}: {places:?}");
+            assert!(places.windows(2).all(|p| p[1] - p[0] > 2.0 * half), "{domain:?}: {places:?}");
+        }
+    }
 
     /// `500.0002` that is cut off on the left reads `0.0002`.
     #[test]

@@ -20,19 +20,24 @@ function start(data) {
   }));
   const decimals = Math.min(9, Math.max(0, Math.round(-Math.log10(data.step))));
   const force = (f) => `${minus(f.toFixed(decimals))} ${data.unit}`;
-  const owner = (t) => events.find((e) => t >= e.from && t <= e.to);
+  let next = 0;
+  for (const s of samples) {
+    while (s.t > events[next]?.to) next += 1;
+    s.event = s.t >= events[next]?.from ? events[next] : undefined;
+    s.residual = s.event ? s.f - model(s.event, s.t) : NaN;
+  }
 
   const told = (s) => {
-    const e = owner(s.t);
+    const e = s.event;
     const during = e && s.t >= e.onset && s.t <= e.stop ? "slip" : "stick";
-    const where = e ? `, ${during} of event ${e.index}, residual ${force(s.f - model(e, s.t))}` : "";
+    const where = e ? `, ${during} of event ${e.index}, residual ${force(s.residual)}` : "";
     return `sample ${s.n}: t = ${s.t.toFixed(4)} s, F = ${force(s.f)}${where.replace(/, residual NaN.*/, "")}`;
   };
 
   for (const plot of document.querySelectorAll("svg.plot")) {
     const [x, y] = [plot.dataset.x, plot.dataset.y].map(axis);
     const kind = plot.id.replace(/-(wide|narrow)$/, "");
-    const points = pointsOf(kind, samples, events, y.unit, data.unit);
+    const points = pointsOf(kind, samples, events, x, y, data.unit);
     follow(plot, x, y, (place) => nearest(points, x, y, place, told));
     if (["history", "cycles", "slip"].includes(kind)) {
       drag(plot, x, (from, to) => look(plot.closest("figure"), from, to, "Stretch"));
@@ -82,8 +87,7 @@ function start(data) {
   function draw(panel, width, from, to, inside, zoomed) {
     const touched = events.filter((e) => e.to >= from && e.from <= to);
     const curves = touched.map((e) => curve(e, Math.max(from, e.from), Math.min(to, e.to)));
-    const residuals = inside.map((s) => ({ t: s.t, f: s.f - (owner(s.t) ? model(owner(s.t), s.t) : NaN), s }))
-      .filter((r) => Number.isFinite(r.f));
+    const residuals = inside.filter((s) => Number.isFinite(s.residual)).map((s) => ({ t: s.t, f: s.residual, s }));
     const forces = inside.map((s) => s.f).concat(curves.flat().map((p) => p.f));
     const widest = Math.max(2 * (data.noise ?? 0), ...residuals.map((r) => Math.abs(r.f)), data.step);
     const panels = [
@@ -135,17 +139,23 @@ function curve(e, from, to) {
   return within.map((t) => ({ t, f: model(e, t) })).filter((p) => Number.isFinite(p.f));
 }
 
-function pointsOf(kind, samples, events, unit, forceUnit) {
-  if (kind.startsWith("convergence")) {
-    const of = (e) => (kind.endsWith("static") ? e.mus : e.mu);
-    return events.filter((e) => of(e) !== null).map((e) => ({ x: e.index, y: of(e), e }));
-  }
-  const good = samples.filter((s) => Number.isFinite(s.f));
-  if (kind === "plane") {
-    const factor = unit.startsWith(forceUnit) ? 1 : unit.startsWith("k") ? 1e-3 : NaN;
-    return good.filter((s) => Number.isFinite(s.rate * factor)).map((s) => ({ x: s.f, y: s.rate * factor, s }));
-  }
-  return kind === "residuals" ? [] : good.map((s) => ({ x: s.t, y: s.f, s }));
+// The data points of a figure, those outside its axes left out.
+function pointsOf(kind, samples, events, x, y, forceUnit) {
+  const factor = y.unit.startsWith(forceUnit) ? 1 : y.unit.startsWith("k") ? 1e-3 : NaN;
+  // What is far outside is drawn at the edge, 8 % of the height inside the frame.
+  const edge = y.high / 1.16;
+  const places = {
+    "convergence-static": (e) => [e.index, e.mus],
+    "convergence-dynamic": (e) => [e.index, e.mu],
+    pair: (e) => [e.mus, e.mu],
+    plane: (s) => [s.f, s.rate * factor],
+    residuals: (s) => [s.t - s.event?.onset, Math.max(-edge, Math.min(edge, s.residual))],
+  };
+  const place = places[kind] ?? ((s) => [s.t, s.f]);
+  const ofEvents = kind === "pair" || kind.startsWith("convergence");
+  const points = ofEvents ? events.map((e) => ({ e, at: place(e) })) : samples.map((s) => ({ s, at: place(s) }));
+  const within = (axis, value) => value !== null && value >= axis.low && axis.high >= value;
+  return points.map(({ at: [px, py], ...of }) => ({ x: px, y: py, ...of })).filter((p) => within(x, p.x) && within(y, p.y));
 }
 
 // The data point nearest to a place, within a finger's width.
