@@ -8,15 +8,23 @@ use serde::Deserialize;
 use crate::shell::{self, output, root, run, say};
 use crate::{Result, apt};
 
-/// A good log, a drifting one, one without an event, one of a day: scene and length, s.
-const LOGS: [(&str, &str, Option<&str>); 4] = [
+/// A good log, a drifting one, one of a constant force, one of two events, one of a day: scene
+/// and length, s.
+const LOGS: [(&str, &str, Option<&str>); 5] = [
     ("good", "fig6-7.toml", None),
     ("drifting", "hard/drift.toml", None),
-    ("nothing", "honesty/noise_only.toml", None),
+    (CONSTANT, "honesty/steady_sliding.toml", None),
+    ("two", "honesty/two_events.toml", None),
     ("day", "dff8-13.toml", Some("86400")),
 ];
+const CONSTANT: &str = "constant";
 /// Widths of the window, px.
 const WIDTHS: [u32; 2] = [400, 1400];
+/// A page of US letter within its margins of 12 mm, px.
+const PAPER: [u32; 2] = [725, 965];
+/// Pages of a report without its table, at most, and rows of the table on a page, at least.
+const PAGES: usize = 4;
+const ROWS: usize = 60;
 /// Looks at the page as a person does, and writes down what it saw.
 const PROBE: &str = include_str!("browser/probe.js");
 
@@ -25,16 +33,23 @@ const PROBE: &str = include_str!("browser/probe.js");
 struct Seen {
     /// Width of the page, px.
     window: u32,
+    /// Whether the reader prefers dark pages.
+    dark: bool,
     /// Errors and refusals.
     errors: Vec<String>,
     /// Rows of events, those that opened a closer look, and what was wrong with a look.
-    rows: u32,
-    opened: u32,
+    rows: usize,
+    opened: usize,
     wrong: Vec<String>,
     /// What reaches over the edge of the window.
     torn: Vec<String>,
-    /// What a figure says of the data point under the pointer.
-    hover: Option<String>,
+    /// Text that its background hides.
+    faint: Vec<String>,
+    /// Figures, those that say nothing of a data point under the pointer, and the height of the
+    /// highest that paper keeps in one piece, px; none if it may split one.
+    figures: usize,
+    mute: Vec<String>,
+    highest: Option<f64>,
 }
 
 /// Chromium without a window; installed when it is missing.
@@ -51,8 +66,9 @@ pub fn chromium() -> Result<Command> {
     Ok(chromium)
 }
 
-/// Every kind of report, narrow and wide: no error on the console, nothing over the edge, and
-/// a click on an event shows its fit and its residuals.
+/// Every kind of report, narrow, wide and on paper, light and dark: no error on the console,
+/// nothing over the edge, no faint text, every figure tells its data points, and a click on an
+/// event shows its fit and its residuals.
 ///
 /// # Errors
 /// The first report that is not as it should be.
@@ -64,9 +80,14 @@ pub fn check() -> Result<()> {
         let page = report(&floe, &folder, name, scene, duration_s)?;
         for width in WIDTHS {
             console_is_silent(&page, width)?;
-            let seen = look(&page, width)?;
-            judge(name, width, &seen)?;
-            say(&format!("{name}, {width} px: {} of {} rows opened", seen.opened, seen.rows));
+            let rows = look(name, &probed(&page, false)?, width)?;
+            say(&format!("{name}, {width} px, light and dark: {rows} rows opened"));
+        }
+        let rows = look(name, &probed(&page, true)?, PAPER[0])?;
+        let pages = printed(&page)?;
+        say(&format!("{name}, on paper: {pages} pages"));
+        if pages == 0 || pages > PAGES + rows / ROWS {
+            return Err(format!("report {name}: {pages} pages for {rows} events"));
         }
     }
     Ok(())
@@ -88,17 +109,23 @@ fn report(
     Ok(page)
 }
 
-/// A page in a frame of this width: a window of its own is 500 px wide at least.
+/// A page in frames of this width, light and dark: a window of its own is 500 px wide at least,
+/// and a page prefers what its frame does.
 fn framed(page: &Path, width: u32) -> Result<Command> {
     let frame = page.with_extension("frame.html");
-    let text = format!(
-        "<iframe style=\"width:{width}px;height:1600px;border:0\" src=\"{}\"></iframe>\
-         <script>onmessage = (event) => {{ document.body.dataset.seen = event.data; }};</script>",
-        page.file_name().unwrap_or_default().display()
-    );
+    let source = page.file_name().unwrap_or_default().display();
+    let frames = ["light", "dark"].map(|scheme| {
+        format!(
+            "<iframe style=\"color-scheme:{scheme};width:{width}px;height:1600px;border:0\" \
+             src=\"{source}\"></iframe>"
+        )
+    });
+    let script = "const seen = []; onmessage = (event) => { seen.push(JSON.parse(event.data)); \
+                  document.body.dataset.seen = JSON.stringify(seen); };";
+    let text = format!("<script>{script}</script>{}", frames.concat());
     std::fs::write(&frame, text).map_err(|e| format!("{}: {e}", frame.display()))?;
     let mut chromium = chromium()?;
-    chromium.args(["--window-size=1600,1700", "--virtual-time-budget=20000", "--dump-dom"]);
+    chromium.args(["--window-size=3000,1700", "--virtual-time-budget=20000", "--dump-dom"]);
     chromium.arg(format!("file://{}", frame.display()));
     Ok(chromium)
 }
@@ -113,29 +140,56 @@ fn console_is_silent(page: &Path, width: u32) -> Result<()> {
     }
 }
 
-/// A copy of the page with the probe in it, which its policy would not let run.
-fn look(page: &Path, width: u32) -> Result<Seen> {
+/// A copy of the page with the probe in it, which its policy would not let run, on the screen
+/// or as its style has it on paper.
+fn probed(page: &Path, on_paper: bool) -> Result<PathBuf> {
     let text = std::fs::read_to_string(page).map_err(|e| format!("{}: {e}", page.display()))?;
     let (before, policy) = text.split_once("<meta http-equiv=").ok_or("a page without a policy")?;
     let (_, after) = policy.split_once("/>").ok_or("a policy without an end")?;
-    let probed = page.with_extension("probed.html");
-    let text = format!("{before}<script>{PROBE}</script>{after}");
+    let mut text = format!("{before}<script>{PROBE}</script>{after}");
+    if on_paper {
+        text = text.replace("@media print", "@media all").replace("@media screen", "@media print");
+    }
+    let probed = page.with_extension(if on_paper { "paper.html" } else { "probed.html" });
     std::fs::write(&probed, text).map_err(|e| format!("{}: {e}", probed.display()))?;
-    let dom = output(&mut framed(&probed, width)?).ok_or("chromium: failed")?;
+    Ok(probed)
+}
+
+/// What the probe saw, light and dark, has to be right; how many events there are.
+fn look(name: &str, probed: &Path, width: u32) -> Result<usize> {
+    let dom = output(&mut framed(probed, width)?).ok_or("chromium: failed")?;
     let seen = dom.split_once("data-seen=\"").and_then(|(_, rest)| rest.split_once('"'));
     let seen = seen.ok_or_else(|| format!("{}: the probe saw nothing", probed.display()))?.0;
     let seen = seen.replace("&quot;", "\"").replace("&lt;", "<").replace("&amp;", "&");
-    serde_json::from_str(&seen).map_err(|e| format!("{}: {e}: {seen}", probed.display()))
+    let seen: Vec<Seen> =
+        serde_json::from_str(&seen).map_err(|e| format!("{}: {e}: {seen}", probed.display()))?;
+    if let Some(wrong) = seen.iter().find(|seen| !is_fine(name, width, seen)) {
+        return Err(format!("report {name} at {width} px: {wrong:?}"));
+    }
+    match &seen[..] {
+        [a, b] if a.dark != b.dark => Ok(a.rows),
+        _ => Err(format!("report {name} at {width} px: not one light and one dark: {seen:?}")),
+    }
 }
 
-fn judge(name: &str, width: u32, seen: &Seen) -> Result<()> {
-    let no_events = name == "nothing";
-    let fine = seen.window == width
-        && seen.errors.is_empty()
-        && seen.wrong.is_empty()
-        && seen.torn.is_empty()
+fn is_fine(name: &str, width: u32, seen: &Seen) -> bool {
+    seen.window == width
+        && [&seen.errors, &seen.wrong, &seen.torn, &seen.faint, &seen.mute]
+            .iter()
+            .all(|it| it.is_empty())
         && seen.opened == seen.rows
-        && (no_events == (seen.rows == 0))
-        && seen.hover.as_ref().is_some_and(|said| said.starts_with("sample "));
-    if fine { Ok(()) } else { Err(format!("report {name} at {width} px: {seen:?}")) }
+        && ((name == CONSTANT) == (seen.rows == 0))
+        && seen.figures > 1
+        && (width != PAPER[0] || seen.highest.is_some_and(|px| px < PAPER[1].into()))
+}
+
+/// Pages of the report as a PDF.
+fn printed(page: &Path) -> Result<usize> {
+    let paper = page.with_extension("pdf");
+    let mut chromium = chromium()?;
+    chromium.arg(format!("--print-to-pdf={}", paper.display())).arg("--no-pdf-header-footer");
+    run(chromium.arg(format!("file://{}", page.display())))?;
+    let pdf = std::fs::read(&paper).map_err(|e| format!("{}: {e}", paper.display()))?;
+    let pdf = String::from_utf8_lossy(&pdf);
+    Ok(pdf.matches("/Type /Page").count() - pdf.matches("/Type /Pages").count())
 }

@@ -82,7 +82,7 @@ enum Job {
     Performance,
     /// The pictures of the README: a report and the live view, into docs/
     Pictures,
-    /// Every kind of report in headless Chromium, narrow and wide
+    /// Every kind of report in headless Chromium: narrow, wide, on paper, light and dark
     Reports,
     /// Write the firmware to a NUCLEO-L476RG on USB
     Flash {

@@ -1,11 +1,23 @@
 // What a person would do with a report: look at it, point at a figure, click every event.
 "use strict";
-const seen = { window: 0, errors: [], rows: 0, opened: 0, wrong: [], torn: [], hover: null };
+const seen = {
+  window: 0, dark: false, errors: [], rows: 0, opened: 0, wrong: [], torn: [], faint: [], figures: 0, mute: [], highest: null,
+};
 addEventListener("error", (event) => seen.errors.push(event.message));
 addEventListener("load", () => {
   seen.window = innerWidth;
+  seen.dark = matchMedia("(prefers-color-scheme: dark)").matches;
   tear();
-  seen.hover = point();
+  fade();
+  for (const plot of document.querySelectorAll("svg.plot")) {
+    if (plot.getBoundingClientRect().width === 0) continue;
+    seen.figures += 1;
+    if (!tells(plot)) seen.mute.push(plot.id);
+  }
+  const figures = [...document.querySelectorAll("figure")];
+  if (figures.every((figure) => getComputedStyle(figure).breakInside === "avoid")) {
+    seen.highest = Math.max(...figures.map((figure) => figure.getBoundingClientRect().height));
+  }
   const noise = JSON.parse(document.getElementById("data")?.textContent ?? "{}").noise;
   for (const row of document.querySelectorAll("tr[data-event]")) {
     seen.rows += 1;
@@ -28,21 +40,51 @@ function tear() {
   }
 }
 
-// The note of the first figure with a pointer near the middle.
-function point() {
-  const plot = [...document.querySelectorAll("svg.plot")].find((p) => p.getBoundingClientRect().width > 0);
-  for (const part of [0.3, 0.4, 0.5, 0.6, 0.7]) {
-    const note = under(plot, 0.5, part);
-    if (note.startsWith("sample")) return note;
+// Text with less contrast than people can read: 4.5, as WCAG 2 has it.
+function fade() {
+  for (const element of document.body.querySelectorAll("*")) {
+    const own = [...element.childNodes].filter((node) => node.nodeType === Node.TEXT_NODE);
+    const text = own.map((node) => node.data).join("").trim();
+    if (!text || ["SCRIPT", "title", "desc"].includes(element.tagName)) continue;
+    const style = getComputedStyle(element);
+    const found = contrast(element.closest("svg") ? style.fill : style.color, behind(element));
+    if (!(found >= 4.5)) seen.faint.push(`${element.tagName} ${text.slice(0, 30)}: ${found.toFixed(1)}`);
   }
-  return null;
+}
+
+// The nearest background that nothing shines through.
+function behind(element) {
+  for (let at = element; at; at = at.parentElement) {
+    const colour = getComputedStyle(at).backgroundColor;
+    if (colour.startsWith("rgb(")) return colour;
+  }
+  return "rgb(255, 255, 255)";
+}
+
+function contrast(...colours) {
+  const lights = colours.map((colour) => {
+    const [r, g, b] = colour.match(/[\d.]+/g).map((part) => part / 255)
+      .map((part) => (part > 0.04045 ? ((part + 0.055) / 1.055) ** 2.4 : part / 12.92));
+    return 0.2126 * r + 0.7152 * g + 0.0722 * b;
+  });
+  return (Math.max(...lights) + 0.05) / (Math.min(...lights) + 0.05);
+}
+
+// Whether a pointer finds a data point somewhere in a figure.
+function tells(plot) {
+  for (let x = 0.01; 1 > x; x += 0.01) {
+    for (let y = 0.05; 1 > y; y += 0.05) {
+      if (/^(sample|event) \d/.test(under(plot, x, y))) return true;
+    }
+  }
+  return false;
 }
 
 function under(plot, x, y) {
   const box = plot.getBoundingClientRect();
   const place = { clientX: box.left + x * box.width, clientY: box.top + y * box.height };
   plot.dispatchEvent(new PointerEvent("pointermove", place));
-  return plot.querySelector("text.note").textContent;
+  return plot.querySelector("text.note[aria-hidden]").textContent;
 }
 
 // What is wrong with the look at an event that is open now.
