@@ -188,7 +188,7 @@ fn printed(page: &Path) -> Result<usize> {
     let paper = page.with_extension("pdf");
     let mut chromium = chromium()?;
     chromium.arg(format!("--print-to-pdf={}", paper.display())).arg("--no-pdf-header-footer");
-    run(chromium.arg(format!("file://{}", page.display())))?;
+    output(chromium.arg(format!("file://{}", page.display()))).ok_or("chromium: no PDF")?;
     let pdf = std::fs::read(&paper).map_err(|e| format!("{}: {e}", paper.display()))?;
     let pdf = String::from_utf8_lossy(&pdf);
     Ok(pdf.matches("/Type /Page").count() - pdf.matches("/Type /Pages").count())
