@@ -39,6 +39,20 @@ fn floe(directory: &Path, arguments: &[&str]) -> Output {
     output
 }
 
+/// As files of a disk from elsewhere are.
+#[cfg(unix)]
+#[test]
+fn a_report_can_have_a_name_that_is_no_text() {
+    use std::os::unix::ffi::OsStrExt;
+    let dir = directory("no_text");
+    let name = std::ffi::OsStr::from_bytes(b"d\xe9.html");
+    let mut command = Command::new(env!("CARGO_BIN_EXE_floe"));
+    command.current_dir(&dir).args(["replay", "log.csv", "--report"]).arg(name);
+    let output = command.output().unwrap();
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    assert!(fs::read_to_string(dir.join(name)).unwrap().contains("d\u{fffd}.html"));
+}
+
 /// Commands that evaluate a log, with one that suits them.
 const ON_LOGS: [(&str, &str); 4] = [
     ("replay", "log.csv"),

@@ -1,5 +1,6 @@
 //! What a report says about how it was made.
 
+use std::ffi::OsString;
 use std::io::{self, Read};
 use std::sync::{Arc, Mutex};
 use std::time::{SystemTime, UNIX_EPOCH};
@@ -53,7 +54,7 @@ impl Checksum {
 pub fn provenance(checksum: &Checksum) -> Provenance {
     let now = SystemTime::now().duration_since(UNIX_EPOCH).ok();
     Provenance {
-        command: command_line(std::env::args()),
+        command: command_line(std::env::args_os()),
         commit: option_env!("FLOE_COMMIT"),
         sha256: checksum.hex(),
         made_at: now
@@ -62,13 +63,14 @@ pub fn provenance(checksum: &Checksum) -> Provenance {
     }
 }
 
-/// As a person would type it.
-fn command_line(arguments: impl Iterator<Item = String>) -> String {
+/// As a person would type it; what is no text, as a path may be, with signs in its place.
+fn command_line(arguments: impl Iterator<Item = OsString>) -> String {
     let plain = |text: &str| {
         let safe = |c: char| c.is_alphanumeric() || "-_./=:,+@%".contains(c);
         !text.is_empty() && text.chars().all(safe)
     };
-    let quoted = |text: String| {
+    let quoted = |argument: OsString| {
+        let text = argument.to_string_lossy().into_owned();
         if plain(&text) { text } else { format!("'{}'", text.replace('\'', "'\\''")) }
     };
     let arguments = arguments.skip(1).map(quoted);
@@ -81,7 +83,7 @@ mod tests {
 
     #[test]
     fn a_command_can_be_typed_again() {
-        let line = ["/x/floe", "replay", "my log.csv", "--column", "it's"].map(str::to_string);
+        let line = ["/x/floe", "replay", "my log.csv", "--column", "it's"].map(OsString::from);
         assert_eq!(command_line(line.into_iter()), "floe replay 'my log.csv' --column 'it'\\''s'");
     }
 
