@@ -1,16 +1,18 @@
 //! The weight of a block from a recording of it on the tripod.
 
+use floe_core::SampleFlag;
 use floe_core::signal::calibrate::Calibrator;
 use floe_firmware::weighing::{Unrest, Weighing};
 use serde::Serialize;
 
 use crate::error::InputError;
 use crate::log::Log;
+use crate::replay::known::{KnownOptions, Zero};
 use crate::rounding::significant;
 
 pub mod record;
 mod resolution;
-use record::{LeftOut, Record};
+use record::{LeftOut, RARE, Record, Settled};
 
 /// Name and version of this format; changes when a meaning changes.
 pub const SCHEMA: &str = "floe-weigh/1";
@@ -44,30 +46,29 @@ pub struct Weight {
     pub swing_amplitude_rad: Option<f64>,
     /// What the swing added to the mean, N.
     pub excess_n: f64,
+    /// Zero of the load cell that was taken off, N: what the log says of it.
+    pub zero_n: f64,
     /// Length of the part that was used, the last of the log, s.
     pub duration_s: f64,
     /// Scatter of means of a quarter of a second about the fit, N.
     pub scatter_n: f64,
     /// Readings far from all others, which were not used.
     pub left_out: Vec<LeftOut>,
+    /// Number of readings at or beyond the end of the range, which were not used.
+    pub saturated: usize,
 }
 
 /// Weighs what hangs in a log.
 ///
 /// # Errors
-/// The log cannot be read, or is too slow to show a swing, or the load does not rest at its end, or
-/// the readings never change.
+/// The log cannot be read, or is too slow to show a swing, or the load does not rest at its end or
+/// is beyond the range, or the readings never change.
 pub fn weigh(log: &mut Log, calibrator: &Calibrator) -> Result<Weight, InputError> {
-    if log.rate_hz() < SLOWEST_HZ {
-        return Err(InputError::new(format!(
-            "{} samples a second do not show whether the block swings, which adds to its weight: \
-             record {SLOWEST_HZ} or more",
-            significant(log.rate_hz())
-        )));
-    }
-    let (readings, left_out) = read(log, calibrator)?;
+    check_rate(log.rate_hz())?;
+    let zero = zero(log)?;
+    let Settled { forces_n, left_out, saturated, log_s } = read(log, calibrator)?;
     let mut weighing = Weighing::new(log.rate_hz() as f32);
-    readings.iter().for_each(|&force_n| weighing.add(force_n));
+    forces_n.iter().for_each(|&force_n| weighing.add(force_n));
     let refused = |unrest| {
         let remedy = remedy(unrest, weighing.duration_s());
         InputError::new(match left_out.as_slice() {
@@ -76,10 +77,12 @@ pub fn weigh(log: &mut Log, calibrator: &Calibrator) -> Result<Weight, InputErro
         })
     };
     let rest = weighing.rest().map_err(refused)?;
-    let load = rest.load(0.0).map_err(refused)?;
     let known = f64::from;
+    // Half of the part that counts, the last of the log, is behind its middle.
+    let zero_n = zero.at(1.0 - 0.5 * known(rest.duration_s) / log_s.max(known(rest.duration_s)));
+    let load = rest.load(zero_n as f32).map_err(refused)?;
     let used_s = known(rest.duration_s).min(LONGEST_S);
-    let step_std_n = resolution::std_n(&readings, (used_s * log.rate_hz()).round() as usize);
+    let step_std_n = resolution::std_n(&forces_n, (used_s * log.rate_hz()).round() as usize);
     let std_n = known(load.std).hypot(step_std_n.unwrap_or(0.0));
     check(known(load.value), std_n)?;
     if step_std_n.is_none() {
@@ -93,17 +96,34 @@ pub fn weigh(log: &mut Log, calibrator: &Calibrator) -> Result<Weight, InputErro
         swing_period_s: load.swing.map(|swing| known(swing.period_s)),
         swing_amplitude_rad: load.swing.map(|swing| known(swing.amplitude_rad)),
         excess_n: load.swing.map_or(0.0, |swing| known(swing.excess)),
+        zero_n,
         duration_s: known(rest.duration_s),
         scatter_n: known(rest.scatter),
         left_out,
+        saturated,
     })
 }
 
-/// The last readings, and what was left out of them.
-fn read(
-    log: &mut Log,
-    calibrator: &Calibrator,
-) -> Result<(Vec<Option<f32>>, Vec<LeftOut>), InputError> {
+fn check_rate(rate_hz: f64) -> Result<(), InputError> {
+    if rate_hz >= SLOWEST_HZ {
+        return Ok(());
+    }
+    Err(InputError::new(format!(
+        "{} samples a second do not show whether the block swings, which adds to its weight: \
+         record {SLOWEST_HZ} or more",
+        significant(rate_hz)
+    )))
+}
+
+/// The zero that the log says, as a replay takes it off.
+fn zero(log: &Log) -> Result<Zero, InputError> {
+    let known = KnownOptions::default();
+    known.check_zeros(&log.metadata().known)?;
+    Ok(known.zero(log))
+}
+
+/// The last readings, and what was left out of them; few are beyond the range.
+fn read(log: &mut Log, calibrator: &Calibrator) -> Result<Settled, InputError> {
     let mut record = Record::new(log.rate_hz());
     let mut next = None;
     while let Some(sample) = log.next_sample()? {
@@ -111,12 +131,16 @@ fn read(
         let missing = index.saturating_sub(*next.get_or_insert(index));
         // A longer gap empties the window just as well.
         for _ in 0..missing.min(10_000) {
-            record.push(sample.time_s, None);
+            record.push(sample.time_s, Err(SampleFlag::Rejected));
         }
         next = Some(index + 1);
-        record.push(sample.time_s, calibrator.force_n(sample.raw.reading).ok());
+        record.push(sample.time_s, calibrator.force_n(sample.raw.reading));
     }
-    Ok(record.settle())
+    let settled = record.settle();
+    match settled.saturated * RARE > settled.forces_n.len() {
+        true => Err(overloaded(settled.saturated, settled.forces_n.len())),
+        false => Ok(settled),
+    }
 }
 
 fn check(value: f64, std: f64) -> Result<(), InputError> {
@@ -130,6 +154,15 @@ fn check(value: f64, std: f64) -> Result<(), InputError> {
     } else {
         format!("nothing hangs there: {value:.2} ± {std:.2} N")
     }))
+}
+
+/// What is cut off at the end of the range has no mean.
+fn overloaded(saturated: usize, readings: usize) -> InputError {
+    InputError::new(format!(
+        "{saturated} of the last {readings} readings are at or beyond the end of the range of the \
+         load cell ('# range_n:') or of its converter: correct the range, or weigh with a cell \
+         that carries more"
+    ))
 }
 
 /// Readings that are all the same tell no step.

@@ -122,6 +122,45 @@ fn the_step_of_the_readings_is_in_the_standard_deviation() {
     assert_eq!(said.lines().count(), 1, "{said}");
 }
 
+/// The zero that a replay would take off.
+#[test]
+fn a_zero_in_the_log_is_taken_off() {
+    let plain = std::fs::read_to_string(log("zero.csv", 40, |t| 50.0 + swinging(t))).expect("kept");
+    let path = file("zeros.csv").display().to_string();
+    let weighed = |head: &str| {
+        std::fs::write(&path, format!("{head}{plain}")).expect("kept");
+        let output = floe(&["weigh", &path, "--json"]);
+        let json: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
+        ["weight_n", "zero_n", "swing_amplitude_rad"].map(|key| json[key].as_f64().expect(key))
+    };
+    let [weight_n, zero_n, amplitude_rad] = weighed("# zero_before_n: 50\n");
+    assert!((weight_n - 630.0).abs() < 0.06 && zero_n == 50.0, "{weight_n} {zero_n}");
+    assert!((amplitude_rad - 0.0873).abs() < 0.002, "{amplitude_rad}");
+    let text = String::from_utf8(floe(&["weigh", &path]).stdout).expect("text");
+    assert!(text.contains("zero          50.00 N taken off"), "{text}");
+    let [_, between_n, _] = weighed("# zero_before_n: 49\n# zero_after_n: 51\n");
+    assert!((between_n - 50.0).abs() < 0.01, "{between_n}");
+    std::fs::write(&path, format!("# zero_before_n: 1e300\n{plain}")).expect("kept");
+    assert_eq!(floe(&["weigh", &path]).status.code(), Some(2));
+}
+
+/// What is cut off at the end of the range is no weight, and few such readings are said.
+#[test]
+fn saturated_readings_are_counted() {
+    let heavy = std::fs::read_to_string(log("heavy.csv", 20, |_| 630.0)).expect("kept");
+    let spiked = |t: f64| if (t - 18.75).abs() < 0.01 { 9999.0 } else { 630.0 };
+    let spiked = std::fs::read_to_string(log("over.csv", 20, spiked)).expect("kept");
+    let path = file("range.csv").display().to_string();
+    std::fs::write(&path, format!("# range_n: 600\n{heavy}")).expect("kept");
+    let refused = floe(&["weigh", &path]);
+    let said = String::from_utf8(refused.stderr).expect("text");
+    assert_eq!(refused.status.code(), Some(2), "{said}");
+    assert!(said.contains("320 of the last 320 readings") && said.contains("range_n"), "{said}");
+    std::fs::write(&path, format!("# range_n: 5000\n{spiked}")).expect("kept");
+    let text = String::from_utf8(floe(&["weigh", &path]).stdout).expect("text");
+    assert!(text.contains("saturated     1 reading\n"), "{text}");
+}
+
 #[test]
 fn what_is_no_weighing_is_refused_in_one_line() {
     let drift = log("drift.csv", 40, |t| 630.0 + 0.2 * t);

@@ -9,7 +9,7 @@ use crate::error::InputError;
 use crate::log::{Log, LogOptions};
 use crate::replay::given;
 use crate::replay::test::{TestOptions, calibration};
-use crate::rounding::plus_minus;
+use crate::rounding::{counted, plus_minus};
 use crate::weigh::record::sentence;
 use crate::weigh::{Weight, weigh};
 
@@ -27,8 +27,9 @@ Examples:
 The last 64 s count. What a steady swing adds is taken off; a load that drifts or is pulled is
 refused. The standard deviation is that of the weighing, without the zero's and the span's: when
 the same cell pulls the block afterwards, the span cancels. Where the noise is no larger than the
-step of the readings, the step is in it: step / sqrt(12). Readings far from all others, one in
-fifty at most, are left out, and that is said.")]
+step of the readings, the step is in it: step / sqrt(12). Readings far from all others and
+readings at the end of the range, one in fifty at most, are left out, and that is said. A zero in
+the log (# zero_before_n, # zero_after_n) is taken off, as 'floe replay' does.")]
 pub struct Args {
     /// The log: a file, or - for standard input
     #[arg(value_name = "LOG")]
@@ -83,14 +84,20 @@ fn text(weight: &Weight) -> String {
     };
     let Weight { duration_s, scatter_n, .. } = weight;
     let weight_n = plus_minus(weight.weight_n, weight.weight_std_n);
-    let left_out = match weight.left_out.as_slice() {
-        [] => String::new(),
-        some => format!("left out      {}\n", sentence(some)),
-    };
+    let mut rest = String::new();
+    if weight.zero_n != 0.0 {
+        rest += &format!("zero          {:.2} N taken off, as the log says\n", weight.zero_n);
+    }
+    if !weight.left_out.is_empty() {
+        rest += &format!("left out      {}\n", sentence(&weight.left_out));
+    }
+    if weight.saturated > 0 {
+        rest += &format!("saturated     {}\n", counted(weight.saturated as u64, "reading"));
+    }
     format!(
         "{}weight        {weight_n} N\n\
          swing         {swing}\n\
-         record        {duration_s:.1} s, scatter {scatter_n:.2} N in a quarter of a second\n{left_out}",
+         record        {duration_s:.1} s, scatter {scatter_n:.2} N in a quarter of a second\n{rest}",
         output::simulated(weight.synthetic.as_deref())
     )
 }

@@ -1,5 +1,6 @@
 //! The readings that a weighing uses: the last 64 s, without those that are far from all others.
 
+use floe_core::SampleFlag;
 use floe_firmware::weighing::{MEANS, readings_a_mean};
 use serde::Serialize;
 
@@ -11,7 +12,7 @@ use crate::rounding::counted;
 const DEVIATIONS: f64 = 10.0;
 const PART: f64 = 0.05;
 /// One in so many readings can be left out. Where more are far off, the load does not rest.
-const RARE: usize = 50;
+pub(super) const RARE: usize = 50;
 /// Standard deviations of normal noise in its median deviation.
 const NORMAL: f64 = 1.4826;
 
@@ -24,22 +25,38 @@ pub struct LeftOut {
     pub force_n: f64,
 }
 
-/// When, s, and what was read, N; `None` where a reading failed or is missing.
-type Reading = (f64, Option<f32>);
+/// When, s, and what was read, N, or why there is none; [`SampleFlag::Rejected`] where one is missing.
+type Reading = (f64, Result<f32, SampleFlag>);
+
+/// The readings of the last 64 s.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Settled {
+    /// In newtons, `None` where there is none or one was left out.
+    pub(super) forces_n: Vec<Option<f32>>,
+    /// Those that are far off.
+    pub(super) left_out: Vec<LeftOut>,
+    /// Number of those at or beyond the end of the range.
+    pub(super) saturated: usize,
+    /// From the first reading of the log to its last, s.
+    pub(super) log_s: f64,
+}
 
 /// The last readings, in whole groups.
 #[derive(Clone, Debug)]
 pub(super) struct Record {
     group: usize,
+    start_s: Option<f64>,
     readings: Vec<Reading>,
 }
 
 impl Record {
     pub(super) fn new(rate_hz: f64) -> Self {
-        Self { group: readings_a_mean(rate_hz as f32) as usize, readings: Vec::new() }
+        let group = readings_a_mean(rate_hz as f32) as usize;
+        Self { group, start_s: None, readings: Vec::new() }
     }
 
-    pub(super) fn push(&mut self, time_s: f64, force_n: Option<f32>) {
+    pub(super) fn push(&mut self, time_s: f64, force_n: Result<f32, SampleFlag>) {
+        self.start_s.get_or_insert(time_s);
         let longest = MEANS * self.group;
         if self.readings.len() >= 2 * longest {
             self.readings.drain(..longest);
@@ -48,17 +65,25 @@ impl Record {
     }
 
     /// The readings of the last 64 s without those that are far off, and these.
-    pub(super) fn settle(mut self) -> (Vec<Option<f32>>, Vec<LeftOut>) {
+    pub(super) fn settle(mut self) -> Settled {
         let count = self.readings.len();
         let begin = (count - count % self.group).saturating_sub(MEANS * self.group);
         let mut readings = self.readings.split_off(begin);
         let left_out = take_out(&mut readings);
-        (readings.into_iter().map(|(_, force_n)| force_n).collect(), left_out)
+        let is_saturated = |it: &&Reading| it.1 == Err(SampleFlag::Saturated);
+        let log_s =
+            readings.last().zip(self.start_s).map_or(0.0, |(last, start_s)| last.0 - start_s);
+        Settled {
+            saturated: readings.iter().filter(is_saturated).count(),
+            forces_n: readings.into_iter().map(|(_, force_n)| force_n.ok()).collect(),
+            left_out,
+            log_s,
+        }
     }
 }
 
 fn take_out(readings: &mut [Reading]) -> Vec<LeftOut> {
-    let forces = || readings.iter().filter_map(|(_, force_n)| force_n.map(f64::from));
+    let forces = || readings.iter().filter_map(|(_, force_n)| force_n.ok().map(f64::from));
     let Some(middle_n) = median(forces().collect()) else { return Vec::new() };
     let scatter_n = median(forces().map(|it| (it - middle_n).abs()).collect()).unwrap_or(0.0);
     let far_n = (DEVIATIONS * NORMAL * scatter_n).max(PART * middle_n.abs());
@@ -68,9 +93,9 @@ fn take_out(readings: &mut [Reading]) -> Vec<LeftOut> {
     }
     let mut left_out = Vec::new();
     for (time_s, reading) in readings {
-        if let Some(force_n) = reading.map(f64::from).filter(is_far) {
+        if let Some(force_n) = reading.ok().map(f64::from).filter(is_far) {
             left_out.push(LeftOut { time_s: *time_s, force_n });
-            *reading = None;
+            *reading = Err(SampleFlag::Spike);
         }
     }
     left_out
@@ -93,10 +118,11 @@ mod tests {
 
     fn left_out(seconds: u32, force_n: impl Fn(u32) -> f32) -> Vec<LeftOut> {
         let mut record = Record::new(16.0);
-        (0..16 * seconds).for_each(|i| record.push(f64::from(i) / 16.0, Some(force_n(i))));
-        let (readings, left_out) = record.settle();
-        assert_eq!(readings.len() as u32, (16 * seconds).min(1024));
-        assert_eq!(readings.iter().filter(|it| it.is_none()).count(), left_out.len());
+        (0..16 * seconds).for_each(|i| record.push(f64::from(i) / 16.0, Ok(force_n(i))));
+        let Settled { forces_n, left_out, saturated, log_s } = record.settle();
+        assert_eq!(forces_n.len() as u32, (16 * seconds).min(1024));
+        assert_eq!(forces_n.iter().filter(|it| it.is_none()).count(), left_out.len());
+        assert_eq!((saturated, log_s), (0, f64::from(seconds) - 1.0 / 16.0));
         left_out
     }
 
