@@ -88,10 +88,10 @@ pub struct Together {
     pub pulls: usize,
     /// Mean `k`, N/m, where all had the same length; `null` for several lengths.
     pub stiffness_n_per_m: Option<Measured>,
-    /// `AE`, N, from the change of `1/k` with the length; `null` for one length.
+    /// `AE`, N, from the change of `1/k` with the length; `null` for one length, and where the
+    /// change is within two standard deviations of nothing.
     pub ae_n: Option<Measured>,
-    /// `k0`, N/m; `null` for one length, and where `1/k0` is within two standard deviations
-    /// of nothing.
+    /// `k0`, N/m; `null` for one length, and where `1/k0` is within two of nothing.
     pub end_stiffness_n_per_m: Option<Measured>,
 }
 
@@ -137,16 +137,18 @@ pub fn together(pulls: &[(Stiffness, f64)]) -> Option<Together> {
     let slope = points.iter().map(|p| p.2 * (p.0 - length_m) * p.1).sum::<f64>() / spread;
     let end = compliance - slope * length_m;
     let end_std = (1.0 / weight + length_m.powi(2) / spread).sqrt();
-    let rises = slope > 0.0;
+    let told = |value: f64, std: f64| (value > SURE * std).then(|| inverse(value, std));
     Some(Together {
-        ae_n: rises.then(|| inverse(slope, spread.powf(-0.5))),
-        end_stiffness_n_per_m: (end > 2.0 * end_std).then(|| inverse(end, end_std)),
+        ae_n: told(slope, spread.powf(-0.5)),
+        end_stiffness_n_per_m: told(end, end_std),
         ..none
     })
 }
 
 /// Lengths that differ by less, as a part, are one.
 const SAME_LENGTH: f64 = 0.01;
+/// A compliance that is not so many standard deviations from nothing has no inverse.
+const SURE: f64 = 2.0;
 /// No pull is known better than this, as a part.
 const SMALLEST: f64 = 1e-6;
 
@@ -252,6 +254,20 @@ mod tests {
         assert!(near(found.stiffness_n_per_m, k), "{found:?} {k}");
         assert_eq!((found.ae_n, found.end_stiffness_n_per_m), (None, None));
         assert_eq!(together(&pulls[..1]), None);
+    }
+
+    /// Lengths so near to each other that the change of `k` is lost in its scatter.
+    #[test]
+    fn a_change_that_is_not_sure_tells_no_ae() {
+        let of = |length_m: f64, value: f64| {
+            let measured = |scale: f64| Measured { value: scale * value, std_error: 400.0 * scale };
+            let (stiffness_n_per_m, loading_rate_n_per_s) = (measured(1.0), measured(0.0157));
+            (Stiffness { stiffness_n_per_m, loading_rate_n_per_s, ..pull(1).unwrap() }, length_m)
+        };
+        let found = |k: f64| together(&[of(14.0, 23_000.0), of(15.0, k)]).unwrap();
+        assert_eq!(found(22_500.0).ae_n, None, "one standard deviation");
+        let sure = found(20_500.0).ae_n.unwrap();
+        assert!(sure.std_error < 0.5 * sure.value, "{sure:?}");
     }
 
     #[test]

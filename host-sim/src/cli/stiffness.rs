@@ -243,7 +243,7 @@ fn several_text(found: &[Found], together: Option<&Together>) -> String {
     }
     match together.ae_n {
         Some(ae) => text += &line("AE", ae, 1e-3, "kN"),
-        None => text += "AE            unknown: k does not fall with the length\n",
+        None => text += "AE            unknown: k does not surely fall with the length\n",
     }
     match together.end_stiffness_n_per_m {
         Some(k0) => text += &line("k0, its ends", k0, 1e-3, "kN/m"),
