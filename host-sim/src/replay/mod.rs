@@ -5,6 +5,7 @@ use floe_core::{Config, Event, Pipeline, SampleFlag, Step, Stretch};
 use crate::error::InputError;
 use crate::log::{Log, Sample};
 
+pub mod abridged;
 pub mod batches;
 pub mod budget;
 pub mod doubts;

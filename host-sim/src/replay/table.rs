@@ -3,12 +3,13 @@
 use std::fmt::Write;
 use std::io;
 
+use super::abridged::abridged;
 use super::doubts::has_no_force;
 use super::result::{
     CoefficientSummary, EffectSummary, EventSummary, LogSummary, ParameterSummary, ReplayResult,
     zero_sentence,
 };
-use super::stretches::Stretches;
+use super::stretches::{NotUnderstood, SteadySummary, Stretches};
 use crate::error::printable_line;
 use crate::rounding::{
     self, LEAST, counted, decimals, digits, own_digits, part_of, plus_minus, significant,
@@ -150,8 +151,8 @@ fn line(out: &mut String, cells: &[String; 14], last: &str) -> std::fmt::Result 
 }
 
 fn notices(out: &mut String, result: &ReplayResult) -> std::fmt::Result {
-    for change in &result.changes {
-        writeln!(out, "change {}", change.sentence(result.test.weight_n))?;
+    for it in abridged(&result.changes, |it| it.sentence(result.test.weight_n)) {
+        writeln!(out, "change {it}")?;
     }
     if let Some(zero_n) = result.zero_n {
         writeln!(out, "zero   {}", zero_sentence(zero_n))?;
@@ -161,11 +162,11 @@ fn notices(out: &mut String, result: &ReplayResult) -> std::fmt::Result {
         writeln!(out, "shows  {}", found.join("; "))?;
     }
     let Stretches { steady, not_understood } = &result.stretches;
-    for it in steady {
-        writeln!(out, "steady {}", it.sentence())?;
+    for it in abridged(steady, SteadySummary::sentence) {
+        writeln!(out, "steady {it}")?;
     }
-    for it in not_understood {
-        writeln!(out, "not understood {}", it.sentence())?;
+    for it in abridged(not_understood, NotUnderstood::sentence) {
+        writeln!(out, "not understood {it}")?;
     }
     let nothing = result.changes.is_empty()
         && result.zero_n.is_none()

@@ -3,8 +3,9 @@
 use super::budget::budget;
 use super::number::{count, decimals_of_error, fixed, quantity, significant};
 use super::svg::escape;
-use crate::replay::result::{ChangeSummary, CoefficientSummary, ReplayResult, zero_sentence};
-use crate::replay::stretches::NotUnderstood;
+use crate::replay::abridged::abridged;
+use crate::replay::result::{CoefficientSummary, ReplayResult, zero_sentence};
+use crate::replay::stretches::{NotUnderstood, SteadySummary};
 use crate::rounding::{LEAST, own_digits, part_of, plus_minus};
 
 /// Both coefficients, large, then everything else.
@@ -33,24 +34,22 @@ fn definitions() -> String {
 /// No result, a change of the block or of its friction, or a zero that may have moved: said
 /// plainly.
 fn notices(result: &ReplayResult) -> String {
-    let change = |c: &ChangeSummary| {
-        format!("<p class=\"notice\">Change: {}.</p>", escape(&c.sentence(result.test.weight_n)))
-    };
+    let change = abridged(&result.changes, |it| it.sentence(result.test.weight_n));
+    let change = change.map(|it| format!("<p class=\"notice\">Change: {}.</p>", escape(&it)));
     let zero = |zero_n| {
         format!("<p class=\"notice\">Zero: {}.</p>", with_whole_options(&zero_sentence(zero_n)))
     };
-    let steady = result.stretches.steady.iter().map(|it| it.sentence());
+    let steady = abridged(&result.stretches.steady, SteadySummary::sentence);
     let steady = steady.map(|it| {
         format!("<p class=\"notice\">Steady: {}.</p>", escape(&it.replace("F/W -", "F/W −")))
     });
-    let unclear = result.stretches.not_understood.iter().map(NotUnderstood::sentence);
+    let unclear = abridged(&result.stretches.not_understood, NotUnderstood::sentence);
     let unclear =
         unclear.map(|it| format!("<p class=\"notice\">Not understood: {}.</p>", escape(&it)));
     let refused = result.events.refused();
     let refused = refused.map(|it| format!("<p class=\"notice\">Events: {}.</p>", escape(&it)));
     nothing(result).to_string()
-        + &refused.chain(steady).chain(unclear).collect::<String>()
-        + &result.changes.iter().map(change).collect::<String>()
+        + &refused.chain(steady).chain(unclear).chain(change).collect::<String>()
         + &result.zero_n.map(zero).unwrap_or_default()
 }
 
@@ -233,6 +232,7 @@ fn facts(name: &str, facts: &[Fact]) -> String {
 
 #[cfg(test)]
 mod tests {
+    use super::super::sample_log::SampleLog;
     use super::*;
 
     #[test]
@@ -245,6 +245,24 @@ mod tests {
         };
         let said = coefficient("static", "m", &one, "Static coefficient");
         assert!(said.contains("no ±: one event does not tell · systematic 0.0057 · "), "{said}");
+    }
+
+    /// A test that is held every minute for hours.
+    #[test]
+    fn the_coefficients_stand_near_the_top_whatever_the_log() {
+        let held = SteadySummary {
+            start_s: 60.0,
+            stop_s: 80.0,
+            force_over_weight: 0.78,
+            std: 0.001,
+            moving: None,
+            sliding: (0.78, 0.001),
+        };
+        let mut result = SampleLog::dff8_13(20.0).result;
+        result.stretches.steady = vec![held; 391];
+        let said = notices(&result);
+        assert!(said.matches("class=\"notice\"").count() < 20, "{said}");
+        assert!(said.contains("Steady: and 381 more; floe replay --json"), "{said}");
     }
 
     #[test]

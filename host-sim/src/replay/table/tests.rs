@@ -183,6 +183,18 @@ fn a_change_is_said() {
     assert!(text.contains(line), "{text}");
 }
 
+/// A test that winds back every minute for hours.
+#[test]
+fn the_coefficients_stand_near_the_top_whatever_the_log() {
+    let mut result = result(vec![event()]);
+    let reason = "the force falls evenly: the winch turned back".to_string();
+    result.stretches.not_understood =
+        vec![NotUnderstood { start_s: 60.0, stop_s: 63.0, reason }; 400];
+    let text = text(&result).unwrap();
+    assert!(text.lines().count() < 50, "{text}");
+    assert!(text.contains("\nnot understood and 390 more; floe replay --json"), "{text}");
+}
+
 #[test]
 fn a_zero_that_may_have_moved_is_said() {
     let mut result = result(vec![event()]);

@@ -1,0 +1,27 @@
+//! Lists of sentences of any length, short enough to stand above a result.
+
+/// Sentences that stand there.
+const SHOWN: usize = 10;
+
+/// The sentences about the first ones, and how many more there are.
+pub fn abridged<T>(all: &[T], sentence: impl Fn(&T) -> String) -> impl Iterator<Item = String> {
+    let more = all.len().saturating_sub(SHOWN);
+    let rest = (more > 0).then(|| format!("and {more} more; floe replay --json lists them all"));
+    all.iter().take(SHOWN).map(sentence).chain(rest)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_long_list_ends_with_how_many_more_there_are() {
+        let said = |count: usize| -> Vec<String> {
+            abridged(&vec![2.5; count], |it| format!("{it} s")).collect()
+        };
+        assert_eq!(said(SHOWN), vec!["2.5 s"; SHOWN]);
+        let long = said(SHOWN + 381);
+        assert_eq!(long.len(), SHOWN + 1);
+        assert_eq!(long[SHOWN], "and 381 more; floe replay --json lists them all");
+    }
+}
