@@ -231,6 +231,22 @@ fn it_ends_when_nobody_reads() {
     assert_eq!(status.code(), Some(0));
 }
 
+/// Before the first event, or with a board that is silent for long.
+#[cfg(unix)]
+#[test]
+fn it_ends_when_nobody_reads_and_no_event_comes() {
+    let live = Live::start(&["--json"]);
+    let _board = live.accept();
+    let Live { mut child, lines, .. } = live;
+    drop(lines);
+    let ended = (0..200).find_map(|_| {
+        std::thread::sleep(Duration::from_millis(100));
+        child.try_wait().unwrap()
+    });
+    let _ = child.kill();
+    assert_eq!(ended.expect("ends by itself").code(), Some(0));
+}
+
 /// A socket in the file system does as well.
 #[cfg(unix)]
 #[test]

@@ -48,6 +48,25 @@ pub fn print_by(write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<
     }
 }
 
+/// Whether the reader of standard output has gone away, asked without writing.
+#[cfg(unix)]
+#[must_use]
+pub fn nobody_reads() -> bool {
+    use rustix::event::{PollFd, PollFlags, Timespec, poll};
+    let out = io::stdout();
+    let mut asked = [PollFd::new(&out, PollFlags::empty())];
+    let at_once = Timespec { tv_sec: 0, tv_nsec: 0 };
+    let gone = PollFlags::ERR | PollFlags::HUP;
+    poll(&mut asked, Some(&at_once)).is_ok() && asked.iter().any(|it| it.revents().intersects(gone))
+}
+
+/// Only a write tells.
+#[cfg(not(unix))]
+#[must_use]
+pub fn nobody_reads() -> bool {
+    false
+}
+
 /// Lets through only what is fit for a terminal.
 struct Printable<W>(W);
 

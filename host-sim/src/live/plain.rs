@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 
 use floe_core::Event;
 
-use crate::cli::output::say;
+use crate::cli::output::{nobody_reads, say};
 use crate::error::InputError;
 use crate::rounding::{counted, narrow};
 
@@ -31,7 +31,7 @@ pub enum Form {
 pub fn run(place: &Place, port: &Port, form: Form, save: Option<Save>) -> Result<(), InputError> {
     let mut list = List { state: State::default(), form, save, told: None };
     let (start, mut lines) = (Instant::now(), Lines::default());
-    loop {
+    while !nobody_reads() {
         let Some(input) = port.next(Duration::from_secs(1)) else { continue };
         let now = start.elapsed();
         match input {
@@ -66,6 +66,7 @@ pub fn run(place: &Place, port: &Port, form: Form, save: Option<Save>) -> Result
             }
         }
     }
+    Ok(())
 }
 
 struct List {
