@@ -32,8 +32,9 @@ pub(super) fn data(context: &Context<'_>) -> String {
     wanted.truncate(MOST_EVENTS);
     let events: Vec<String> = wanted.into_iter().filter_map(|i| event(context, i, step)).collect();
     format!(
-        "<script type=\"application/json\" id=\"data\">{{\"period\":{},\"step\":{step:e},\
+        "<script type=\"application/json\" id=\"data\">{{\"zero\":{},\"period\":{},\"step\":{step:e},\
          \"noise\":{},\"unit\":\"{}\",\"clips\":[{}],\"events\":[{}]}}</script>\n",
+        context.zero_s,
         context.recorder.period_s(),
         context.result.noise_n.map_or("null".into(), |n| short(n * context.force.factor)),
         context.force.name,
@@ -120,12 +121,13 @@ fn short(x: f64) -> String {
 
 #[cfg(test)]
 mod tests {
+    use super::super::recorder::Recorder;
     use super::super::sample_log::SampleLog;
     use super::*;
+    use crate::replay::result::ReplayResult;
 
-    fn parsed(log: &SampleLog) -> serde_json::Value {
-        let recorder = log.recorder();
-        let block = data(&Context::new(&log.result, &recorder));
+    fn parsed(result: &ReplayResult, recorder: &Recorder) -> serde_json::Value {
+        let block = data(&Context::new(result, recorder));
         let json = block.split_once('>').unwrap().1.rsplit_once("</script>").unwrap().0;
         serde_json::from_str(json).unwrap()
     }
@@ -133,7 +135,7 @@ mod tests {
     #[test]
     fn samples_and_events_are_told_as_they_are() {
         let log = SampleLog::dff8_13(60.0);
-        let data = parsed(&log);
+        let data = parsed(&log.result, &log.recorder());
         let step = data["step"].as_f64().unwrap();
         let told = data["clips"][0][2][100].as_f64().unwrap() * step;
         let force = f64::from(log.steps[100].sample.force_n.unwrap());
@@ -143,10 +145,22 @@ mod tests {
         assert!((events[3][2].as_f64().unwrap() - log.result.events[3].onset_s).abs() < 1e-4);
     }
 
+    /// The script adds it to every time that it says.
+    #[test]
+    fn times_from_the_start_of_the_log_come_with_it() {
+        let log = SampleLog::dff8_13(10.0);
+        let mut recorder = Recorder::new(16.0);
+        let times_s = (0..).map(|i| 1_712_345_678.25 + f64::from(i) / 16.0);
+        times_s.zip(&log.steps).for_each(|(time_s, step)| recorder.push(time_s, step));
+        let data = parsed(&log.result, &recorder);
+        assert_eq!((&data["zero"], &data["clips"][0][1]), (&1_712_345_678.into(), &0.25.into()));
+        assert_eq!(parsed(&log.result, &log.recorder())["zero"], 0);
+    }
+
     #[test]
     fn what_has_no_force_is_null() {
         let log = SampleLog::troubled(40.0);
-        let data = parsed(&log);
+        let data = parsed(&log.result, &log.recorder());
         let hidden = log.steps.iter().position(|step| step.sample.force_n.is_none()).unwrap();
         assert!(data["clips"][0][2][hidden].is_null());
         assert!(data["events"][1][9].is_null(), "no omega");

@@ -31,11 +31,11 @@ function start(data) {
     const e = s.event;
     const during = e && s.t >= e.onset && s.t <= e.stop ? "slip" : "stick";
     const where = e ? `, ${during} of event ${e.index}, residual ${force(s.residual)}` : "";
-    return `sample ${s.n}: t = ${s.t.toFixed(4)} s, F = ${force(s.f)}${where.replace(/, residual NaN.*/, "")}`;
+    return `sample ${s.n}: t = ${(data.zero + s.t).toFixed(4)} s, F = ${force(s.f)}${where.replace(/, residual NaN.*/, "")}`;
   };
 
   for (const plot of document.querySelectorAll("svg.plot")) {
-    const [x, y] = [plot.dataset.x, plot.dataset.y].map(axis);
+    const [x, y] = [plot.dataset.x, plot.dataset.y].map((text) => axis(text, data.zero));
     const kind = plot.id.replace(/-(wide|narrow)$/, "");
     const points = pointsOf(kind, samples, events, x, y, data.unit);
     follow(plot, x, y, (place) => nearest(points, x, y, place, told));
@@ -69,7 +69,7 @@ function start(data) {
     const head = panel.appendChild(document.createElement("p"));
     const title = head.appendChild(document.createElement("b"));
     const none = inside.length ? "" : "; its samples are not kept in this page: floe replay --samples writes all";
-    title.textContent = `${name}: ${from.toFixed(3)} to ${to.toFixed(3)} s, fit and residuals${none}`;
+    title.textContent = `${name}: ${(data.zero + from).toFixed(3)} to ${(data.zero + to).toFixed(3)} s, fit and residuals${none}`;
     const button = (text, act) => {
       const made = head.appendChild(document.createElement("button"));
       made.textContent = text;
@@ -98,8 +98,8 @@ function start(data) {
       if (!Number.isFinite(one.low)) continue;
       const svg = make("svg", { class: "plot closer", viewBox: `0 0 ${width} ${one.height}`, role: "img", "aria-label": one.label }, panel);
       const room = 0.07 * (one.high - one.low || 1);
-      const x = { low: from, high: to, from: 58, to: width - 14, name: "t", unit: "s" };
-      const y = { low: one.low - room, high: one.high + room, from: one.height - 40, to: 26, name: "F", unit: data.unit };
+      const x = { low: from, high: to, from: 58, to: width - 14, name: "t", unit: "s", zero: data.zero };
+      const y = { low: one.low - room, high: one.high + room, from: one.height - 40, to: 26, name: "F", unit: data.unit, zero: 0 };
       const clip = `closer-${one.height}`;
       make("rect", { x: x.from, y: y.to, width: x.to - x.from, height: y.from - y.to }, make("clipPath", { id: clip }, svg));
       grid(svg, x, y, one.label);
@@ -231,7 +231,7 @@ function grid(svg, x, y, label) {
     make("text", { class: "end", x: x.from - 7, y: at(y, t.value) + 4.5 }, svg, t.text);
   }
   make("text", { class: "axis", x: 4, y: 16 }, svg, label);
-  make("text", { class: "axis mid", x: (x.from + x.to) / 2, y: y.from + 36 }, svg, "time (s)");
+  make("text", { class: "axis mid", x: (x.from + x.to) / 2, y: y.from + 36 }, svg, x.zero ? `time after ${x.zero} s (s)` : "time (s)");
 }
 
 function ticks(axis, apart) {
@@ -246,9 +246,10 @@ function ticks(axis, apart) {
   return all;
 }
 
-function axis(text) {
+// Times are drawn from a zero on, and told in the log's own.
+function axis(text, zero) {
   const [low, high, from, to, name, unit] = text.split("|");
-  return { low: +low, high: +high, from: +from, to: +to, name, unit };
+  return { low: +low, high: +high, from: +from, to: +to, name, unit, zero: name === "t" ? zero : 0 };
 }
 
 function at(axis, value) {
@@ -264,7 +265,7 @@ function read(axis, place) {
   const step = Math.abs((axis.high - axis.low) / (axis.to - axis.from));
   const decimals = Math.min(9, Math.max(0, Math.ceil(-Math.log10(step))));
   const within = number >= axis.low && number <= axis.high;
-  return within ? `${axis.name} = ${minus(number.toFixed(decimals))} ${axis.unit}`.trim() : "";
+  return within ? `${axis.name} = ${minus((axis.zero + number).toFixed(decimals))} ${axis.unit}`.trim() : "";
 }
 
 function line(points, x, y) {
