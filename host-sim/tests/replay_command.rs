@@ -259,6 +259,12 @@ fn without_arguments_the_bundled_log_is_replayed_and_reported() {
     fs::write(dir.join("host-sim/logs/fig6-7.csv"), "").unwrap();
     fs::create_dir(dir.join("target")).unwrap();
     assert!(text(&run().stdout).ends_with("written       target/floe-report.html\n"));
+    let again = run();
+    let said = text(&again.stderr);
+    assert!(
+        said.ends_with("floe-report.html: the file that was there has been replaced\n"),
+        "{said}"
+    );
     let report = fs::read_to_string(dir.join("target/floe-report.html")).unwrap();
     let log = fs::read(concat!(env!("CARGO_MANIFEST_DIR"), "/logs/fig6-7.csv")).unwrap();
     let sum: String = Sha256::digest(&log).iter().map(|byte| format!("{byte:02x}")).collect();

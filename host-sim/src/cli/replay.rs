@@ -120,7 +120,9 @@ pub fn run_bundled() -> Result<(), InputError> {
     let in_repository = Path::new(name).is_file() && Path::new("target").is_dir();
     let report = in_repository.then(|| Path::new("target").join("floe-report.html"));
     let args = Args { report, ..Args::default() };
+    let older = output::check(&args.outputs().collect::<Vec<_>>(), &[Path::new(name)])?;
     evaluate(name, name, Box::new(bytes), &args)?;
+    older.tell();
     if in_repository || !std::io::stdout().is_terminal() {
         return Ok(());
     }
