@@ -153,7 +153,7 @@ impl Head {
         }
         let mut entry = Entry { line, ..Entry::default() };
         for (place, name) in self.names.iter().enumerate() {
-            let cell = String::from_utf8_lossy(cells.get(row, place).unwrap_or_default());
+            let cell = cells.text(row, place);
             if cell.is_empty() {
                 continue;
             }
@@ -241,6 +241,9 @@ mod tests {
         assert_eq!((entries[0].log.array_id, entries[0].test.weight_n), (Some(118), Some(630.0)));
         assert_eq!(entries[0].notes.kind.as_deref(), Some("rafting"));
         assert_eq!((entries[1].test.weight_n, &entries[1].notes), (None, &Notes::default()));
+        let quoted =
+            read("file,test_id\na.csv,\"the \"\"old\"\" block\"\n", Path::new("")).unwrap();
+        assert_eq!(quoted[0].notes.test_id.as_deref(), Some("the \"old\" block"));
     }
 
     #[test]

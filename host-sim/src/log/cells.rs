@@ -78,6 +78,13 @@ impl Cells {
         let &(start, end) = self.bounds.get(index)?;
         Some(unquoted(line.get(start..end)?))
     }
+
+    /// The same as text, empty where there is none; two quotes in it stand for one.
+    #[must_use]
+    pub fn text(&self, line: &[u8], index: usize) -> String {
+        let cell = self.get(line, index).unwrap_or_default();
+        String::from_utf8_lossy(cell).replace("\"\"", "\"")
+    }
 }
 
 fn unquoted(cell: &[u8]) -> &[u8] {
@@ -93,8 +100,7 @@ fn unquoted(cell: &[u8]) -> &[u8] {
 pub fn texts(line: &[u8], separator: u8) -> Vec<String> {
     let mut cells = Cells::default();
     cells.cut(line, separator);
-    let text = |i| String::from_utf8_lossy(cells.get(line, i).unwrap_or_default());
-    (0..cells.len()).map(|i| text(i).replace("\"\"", "\"")).collect()
+    (0..cells.len()).map(|i| cells.text(line, i)).collect()
 }
 
 #[cfg(test)]
