@@ -1,6 +1,7 @@
 //! How well the inputs of a test are known: from the options, else from the log.
 
-use floe_core::{Counts, InputStd, Newtons, Reading};
+use floe_core::signal::calibrate::Calibrator;
+use floe_core::{Config, Counts, InputStd, Newtons, Reading, SampleFlag};
 
 use crate::error::InputError;
 use crate::log::{Log, Sample};
@@ -203,22 +204,20 @@ impl Zero {
         (self.after_n - self.before_n).abs() / 12_f64.sqrt()
     }
 
-    /// Takes it off all samples of a test, linearly from the first to the last.
-    pub fn take_off(&self, samples: &mut [Sample], counts_per_n: f64) {
+    /// Takes it off all samples of a test, linearly from the first to the last. What is
+    /// beyond the range of the cell or the converter stays so, with no range to come.
+    pub fn take_off(&self, samples: &mut [Sample], config: &Config) {
+        // A code beyond every converter.
+        const SATURATED: Reading = Reading::Counts(Counts(i32::MAX));
+        let calibrator = Calibrator::new(config);
         let ends = (samples.first().map(|s| s.time_s), samples.last().map(|s| s.time_s));
         let (Some(from_s), Some(to_s)) = ends else { return };
         for sample in samples {
             let part = (sample.time_s - from_s) / (to_s - from_s).max(f64::MIN_POSITIVE);
-            let zero_n = self.at(part);
-            sample.raw.reading = match sample.raw.reading {
-                Reading::Force(Newtons(force_n)) => {
-                    Reading::Force(Newtons((f64::from(force_n) - zero_n) as f32))
-                }
-                Reading::Counts(Counts(code)) => {
-                    let counts = (zero_n * counts_per_n).round() as i32;
-                    Reading::Counts(Counts(code.saturating_sub(counts)))
-                }
-                bad => bad,
+            sample.raw.reading = match calibrator.force_n(sample.raw.reading) {
+                Ok(force_n) => Reading::Force(Newtons((f64::from(force_n) - self.at(part)) as f32)),
+                Err(SampleFlag::Saturated) => SATURATED,
+                Err(_) => continue,
             };
         }
     }
@@ -227,7 +226,7 @@ impl Zero {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use floe_core::RawSample;
+    use floe_core::{Calibration, RawSample};
 
     #[test]
     fn the_zero_goes_evenly_from_one_to_the_other() {
@@ -236,12 +235,37 @@ mod tests {
             Sample { raw: RawSample { index, reading }, time_s: index as f64 }
         };
         let mut samples: Vec<Sample> = (0..5).map(sample).collect();
-        Zero { before_n: 1.0, after_n: 9.0 }.take_off(&mut samples, 1.0);
+        Zero { before_n: 1.0, after_n: 9.0 }.take_off(&mut samples, &Config::default());
         let force = |s: &Sample| match s.raw.reading {
             Reading::Force(Newtons(force_n)) => force_n,
             Reading::Counts(_) | Reading::Bad(_) => f32::NAN,
         };
         assert_eq!(samples.iter().map(force).collect::<Vec<_>>(), [99.0, 97.0, 95.0, 93.0, 91.0]);
+    }
+
+    /// The range is that of the cell: taking a zero off brings nothing back into it, nor beyond it.
+    #[test]
+    fn what_is_saturated_is_told_before_the_zero_is_taken_off() {
+        let calibration = Calibration { counts_per_n: 0.2, ..Calibration::default() };
+        let config = Config { range_n: Some(700.0), calibration, ..Config::default() };
+        for zero_n in [2.4, -2.4] {
+            let raw = [
+                Reading::Force(Newtons(700.0)),
+                Reading::Force(Newtons(-699.0)),
+                Reading::Force(Newtons(699.0)),
+                Reading::Counts(Counts(config.calibration.range_counts.1)),
+                Reading::Counts(Counts(100)),
+            ];
+            let sample = |reading| Sample { raw: RawSample { index: 0, reading }, time_s: 0.0 };
+            let mut samples = raw.map(sample);
+            let zero = Zero { before_n: zero_n, after_n: zero_n };
+            zero.take_off(&mut samples, &config);
+            let calibrator = Calibrator::new(&Config { range_n: None, ..config });
+            let forces = samples.map(|sample| calibrator.force_n(sample.raw.reading));
+            let saturated = Err(SampleFlag::Saturated);
+            let less = |force_n: f64| Ok((force_n - zero_n) as f32);
+            assert_eq!(forces, [saturated, less(-699.0), less(699.0), saturated, less(500.0)]);
+        }
     }
 
     #[test]

@@ -64,7 +64,9 @@ pub fn replay_with(
     let Around { known, keeps_means } = around;
     let zero = known.zero(log);
     let refused = |error: floe_core::ConfigError| InputError::new(error.to_string());
-    let mut pipeline = Pipeline::new(config).map_err(refused)?;
+    // A zero is taken off what is within the range, which is that of the cell.
+    let range_n = config.range_n.filter(|_| zero.is_nothing());
+    let mut pipeline = Pipeline::new(&Config { range_n, ..*config }).map_err(refused)?;
     let (mut timeline, period_s) = (Timeline::new(log.rate_hz()), 1.0 / log.rate_hz());
     let (mut events, mut changes, mut kept) = (Events::default(), Vec::new(), Ok(()));
     let (mut stretches, mut rails) = (Stretches::default(), Rails::default());
@@ -97,7 +99,7 @@ pub fn replay_with(
     } else {
         let mut samples = Vec::new();
         batches::for_each_sample(log, |sample| samples.push(sample))?;
-        zero.take_off(&mut samples, config.calibration.counts_per_n.into());
+        zero.take_off(&mut samples, config);
         samples.into_iter().for_each(&mut take);
     }
     while let (Some(event), true) = (pipeline.finish(), kept.is_ok()) {
