@@ -187,6 +187,23 @@ fn cr10_without_seconds_counts_on_order() {
     }
 }
 
+/// Minutes of 960 samples, of 6000, and a part of the last one.
+#[test]
+fn a_sample_lost_from_a_long_stamp_is_one_sample() {
+    for (rate_hz, each) in [(16.0, 960), (100.0, 6000)] {
+        let row = |i: u32| format!("9,94,100,{},{}\n", 1200 + i / each, i % 7);
+        let options = LogOptions { rate_hz: Some(rate_hz), ..LogOptions::default() };
+        for lost in [9 * each / 2, 54 * each / 10] {
+            let rows = || (0..63 * each / 10).filter(|&i| i != lost);
+            let text = rows().map(row).collect::<String>();
+            let samples = samples(&mut open(text.as_bytes(), &options).unwrap()).unwrap();
+            let jumps = indices(&samples).windows(2).filter(|w| w[1] != w[0] + 1).count();
+            let last = samples.last().map(|sample| sample.raw.index);
+            assert_eq!((last, jumps), (rows().next_back().map(u64::from), 1), "{rate_hz} {lost}");
+        }
+    }
+}
+
 fn toa5(rows: impl Iterator<Item = (u32, u32)>) -> String {
     let header = "\"TOA5\",\"CR3000\",\"CR3000\",\"1\",\"Std\",\"x.CR3\",\"2\",\"Fast\"\r\n\
         \"TIMESTAMP\",\"RECORD\",\"Batt\",\"Pull\"\r\n\"TS\",\"RN\",\"Volts\",\"kN\"\r\n\
@@ -216,6 +233,13 @@ fn toa5_gaps_by_stamps_or_by_record_numbers() {
     let stamps_only =
         toa5((0..900).filter(|i| !(100..150).contains(i)).enumerate().map(|(n, i)| (i, n as u32)));
     assert_eq!(read(&stamps_only).1.last().unwrap().raw.index, 899);
+    // A jump of the numbers beside stamps that run on loses no row behind it.
+    let jumped = toa5((0..900).map(|i| (i, if i < 400 { i } else { i + 200 })));
+    let (log, samples) = read(&jumped);
+    assert!(
+        samples.iter().zip(0..).all(|(it, i)| it.raw.index == i + if i < 400 { 0 } else { 200 })
+    );
+    assert_eq!(log.warnings(), ["1 time stamps do not fit 16 samples per second"]);
     let restarted = toa5((0..900).map(|i| (i, i % 500)));
     assert!(consecutive(&read(&restarted).1));
 }

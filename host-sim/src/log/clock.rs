@@ -83,7 +83,8 @@ impl Clock {
     pub fn lookahead(&self) -> usize {
         const GROUPS: f64 = 8.0;
         const MOST: f64 = 2048.0;
-        self.timing.shared.map_or(0, |shared| (GROUPS * shared.step).clamp(1.0, MOST) as usize)
+        let rows = |step: f64| (GROUPS.min((MOST / step).floor()) * step).ceil().max(1.0);
+        self.timing.shared.map_or(0, |shared| rows(shared.step) as usize)
     }
 
     /// How samples and stamps go together.
@@ -114,7 +115,10 @@ impl Clock {
         let steps = if regular { 1.0 } else { elapsed.round().max(least) };
         let off = elapsed - steps;
         self.misfits += u64::from(off.abs() > MISFIT);
-        let share = if steps > LONG_GAP { self.begin_phase() } else { self.phase_share() };
+        // Stamps that run on beside a jump in the numbers go on from where they are.
+        let run_on = least > 0.0 && off < MISFIT - 1.0;
+        let is_anew = steps > LONG_GAP || run_on;
+        let share = if is_anew { self.begin_phase() } else { self.phase_share() };
         self.time_s += (steps + off * share) * self.period_s;
         steps as u64
     }
@@ -145,13 +149,12 @@ impl Clock {
         let own = off(stamp_s, records);
         let mut steps = records;
         if own.abs() > shared.step / 2.0 + MISFIT {
-            let shift = mean_offset(
-                own,
-                stamp_s,
-                shared.step * 1.5 / rate_hz,
-                |stamp, k| off(stamp, records + k),
-                ahead.take(self.lookahead()),
-            );
+            let gap_s = shared.step * 1.5 / rate_hz;
+            let next = |stamp, k| off(stamp, records + k);
+            let ahead = ahead.take(self.lookahead().saturating_sub(1));
+            let mean = mean_offset((own, stamp_s), (shared.step, gap_s), next, ahead);
+            // Where no whole group follows: by how much it is off the edge of its own.
+            let shift = mean.unwrap_or_else(|| own - (shared.step / 2.0 - MISFIT).copysign(own));
             self.misfits += u64::from(shift.abs() < 0.5);
             steps = (records + shift.round()).max(0.0);
         }
@@ -160,15 +163,16 @@ impl Clock {
     }
 }
 
-/// Mean offset of a row and those after it, up to the next visible gap.
+/// Mean offset of a row and those after it, over whole groups up to the next visible gap: over a
+/// part of one it is that of the saw that stamps make beside samples. `None` without a whole one.
 fn mean_offset(
-    own: f64,
-    stamp_s: f64,
-    gap_s: f64,
+    (own, stamp_s): (f64, f64),
+    (step, gap_s): (f64, f64),
     off: impl Fn(f64, f64) -> f64,
     ahead: impl Iterator<Item = f64>,
-) -> f64 {
+) -> Option<f64> {
     let (mut sum, mut count, mut last_s) = (own, 1.0, stamp_s);
+    let (mut mean, mut whole) = (None, step);
     for stamp in ahead {
         if (stamp - last_s).abs() > gap_s {
             break;
@@ -176,8 +180,12 @@ fn mean_offset(
         sum += off(stamp, count);
         count += 1.0;
         last_s = stamp;
+        if count >= whole {
+            mean = Some(sum / count);
+            whole += step;
+        }
     }
-    sum / count
+    mean
 }
 
 #[cfg(test)]
@@ -237,6 +245,10 @@ mod tests {
         let none = std::iter::empty::<f64>;
         assert_eq!(clock.place(0.0, 1, none()).0, 0);
         assert_eq!(clock.place(0.0625, 3, none()).0, 3);
+        // Whatever the stamps say, no row behind it is lost.
+        for row in 4..900_u32 {
+            assert_eq!(clock.place(f64::from(row - 2) / 16.0, 1, none()).0, u64::from(row));
+        }
     }
 
     #[test]
