@@ -1,24 +1,27 @@
-//! A display that is read more often than it changes.
+//! A display that is read more often than it changes, and samples that come too often.
 
 use floe_core::Reading;
+
+use crate::rounding::{counted, significant};
 
 /// Longest run of equal readings that is told apart.
 const LONGEST: usize = 256;
 /// Runs from which on they say something.
 const ENOUGH: u64 = 40;
 
-/// Counts how long readings stay the same.
+/// Counts how long readings stay the same, and those that have no sample of their own.
 #[derive(Clone, Debug)]
 pub struct Held {
     last: Option<Reading>,
     index: Option<u64>,
     length: usize,
     runs: [u64; LONGEST],
+    left_out: u64,
 }
 
 impl Default for Held {
     fn default() -> Self {
-        Self { last: None, index: None, length: 0, runs: [0; LONGEST] }
+        Self { last: None, index: None, length: 0, runs: [0; LONGEST], left_out: 0 }
     }
 }
 
@@ -26,6 +29,7 @@ impl Held {
     /// The next reading; a row that is there twice, and has the index of the one before, is none.
     pub fn push(&mut self, index: u64, reading: Reading) {
         if self.index.replace(index) == Some(index) {
+            self.left_out += u64::from(self.last != Some(reading));
             return;
         }
         if self.last == Some(reading) {
@@ -52,14 +56,23 @@ impl Held {
     }
 
     /// What to say of it.
-    #[must_use]
-    pub fn warning(&self, rate_hz: f64) -> Option<String> {
-        let samples = self.samples()?;
-        Some(format!(
-            "the force stays the same over {samples} samples each time: what gives it is slower than \
-             the log, and the coefficients are doubtful; give the log thinned to {:.3} Hz",
-            rate_hz / samples as f64
-        ))
+    pub fn warnings(&self, rate_hz: f64) -> impl Iterator<Item = String> {
+        let left_out = (self.left_out > 0).then(|| {
+            format!(
+                "{} left out, with another force but the sample of the row before: are there more \
+                 than {} samples per second? then give --rate-hz R",
+                counted(self.left_out, "row"),
+                significant(rate_hz)
+            )
+        });
+        let held = self.samples().map(|samples| {
+            format!(
+                "the force stays the same over {samples} samples each time: what gives it is slower \
+                 than the log, and the coefficients are doubtful; give the log thinned to {:.3} Hz",
+                rate_hz / samples as f64
+            )
+        });
+        left_out.into_iter().chain(held)
     }
 }
 
@@ -76,6 +89,16 @@ mod tests {
             held.push(index, reading);
         });
         held.samples()
+    }
+
+    #[test]
+    fn a_row_without_a_sample_of_its_own_is_said_if_its_force_is() {
+        let mut held = Held::default();
+        for (index, force_n) in [(0, 1.0), (0, 1.0), (1, 2.0), (1, 3.0), (1, 2.0)] {
+            held.push(index, Reading::Force(Newtons(force_n)));
+        }
+        let said = held.warnings(16.0).collect::<Vec<_>>().concat();
+        assert!(said.starts_with("1 row left out, with another force"), "{said}");
     }
 
     #[test]

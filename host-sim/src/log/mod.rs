@@ -279,7 +279,7 @@ impl Log {
         found
             .chain(misfits)
             .chain(uneven)
-            .chain(self.held.warning(self.rate_hz()))
+            .chain(self.held.warnings(self.rate_hz()))
             .chain(self.told.iter().cloned())
             .collect()
     }

@@ -16,9 +16,10 @@ pub const DEFAULT_RATE_HZ: f64 = 16.0;
 /// Lowest and highest rate that is taken.
 pub const RATES_HZ: std::ops::RangeInclusive<f64> = 1.0..=2000.0;
 
-/// Rows with the stamp but not the reading of the row before, as a share of all,
-/// from which on stamps are shared and not repeated by mistake.
+/// Rows with the stamp of the row before, as a share, from which on stamps are shared and not
+/// repeated by mistake.
 const SHARED_FROM: f64 = 0.05;
+
 /// How stamps and samples go together.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Timing {
@@ -55,7 +56,7 @@ pub fn find(
     let Some(step_s) = median(positive_differences(&times)) else {
         return standing(rows, start_s, rate_hz, resolution_s);
     };
-    let timing = if shared_fraction(rows) > SHARED_FROM {
+    let timing = if are_shared(rows, resolution_s.is_some()) {
         shared(&times, step_s, rate_hz, resolution_s)?
     } else {
         fine(&times, step_s, rate_hz, unit_s)
@@ -95,13 +96,20 @@ pub(crate) fn median(mut values: Vec<f64>) -> Option<f64> {
     values.get(middle).copied()
 }
 
+/// Whether several samples have the same stamp. In rows that are there twice the reading never
+/// changes within a stamp; a force that rests does not tell.
 #[allow(clippy::float_cmp)] // a stamp that is repeated is repeated exactly
-fn shared_fraction(rows: &[Row]) -> f64 {
-    let shares = |w: &[Row]| match w {
-        [a, b] => a.time_s == b.time_s && a.reading != b.reading,
-        _ => false,
-    };
-    rows.windows(2).filter(|w| shares(w)).count() as f64 / rows.len() as f64
+fn are_shared(rows: &[Row], are_coarse: bool) -> bool {
+    let [mut repeated, mut changes, mut both] = [0.0; 3];
+    for w in rows.windows(2) {
+        let [a, b] = w else { continue };
+        let (same_stamp, other_reading) = (a.time_s == b.time_s, a.reading != b.reading);
+        repeated += f64::from(same_stamp);
+        changes += f64::from(other_reading);
+        both += f64::from(same_stamp && other_reading);
+    }
+    let are_twice = !are_coarse && changes > 0.0 && both <= SHARED_FROM * changes;
+    repeated > SHARED_FROM * rows.len() as f64 && !are_twice
 }
 
 #[cfg(test)]
@@ -187,6 +195,27 @@ mod tests {
         assert_eq!(minute.shared, Some(Shared { step: 960.0, centre: -480.0 }));
         assert_eq!(rate((0..400).map(|i| (f64::from(i) / 16.0).floor())), 16.0);
         assert_eq!(rate((0..400).map(|i| (f64::from(i) / 1.6).floor() / 10.0)), 16.0);
+    }
+
+    #[test]
+    fn stamps_are_shared_also_while_the_force_rests() {
+        let halves = |changes_from: usize| {
+            let mut rows = rows((0..4096).map(|i| f64::from(i / 2) * 0.125));
+            rows.iter_mut().take(changes_from).for_each(|row| {
+                row.reading = Reading::Force(Newtons(0.0));
+            });
+            rows
+        };
+        for changes_from in [4000, 4096] {
+            let found = find(&halves(changes_from), None, None, 1.0).unwrap();
+            assert_eq!((found.rate_hz, found.shared.is_some()), (16.0, true), "{changes_from}");
+        }
+        let mut twice = halves(0);
+        twice.iter_mut().zip(0_u16..).for_each(|(row, i)| {
+            row.reading = Reading::Force(Newtons(f32::from(i / 2)));
+        });
+        assert_eq!(find(&twice, None, None, 1.0).unwrap().rate_hz, 8.0);
+        assert_eq!(find(&twice, None, Some(0.125), 1.0).unwrap().rate_hz, 16.0);
     }
 
     #[test]
