@@ -1,5 +1,7 @@
 //! A rate that is given or said, against the time stamps.
 
+use std::cmp::Ordering;
+
 use crate::error::InputError;
 
 use super::clock::Clock;
@@ -26,8 +28,11 @@ pub fn keeps_up(given: f64, head: &[Row], rows: &Rows) -> Result<Option<String>,
              would be lost, or taken for missing; leave --rate-hz out"
         )));
     }
-    if found.shared.is_some() || head.len() < ENOUGH || found_hz < SURELY * given {
-        let is_less = found.shared.is_none() && head.len() >= ENOUGH && SURELY * found_hz < given;
+    let groups = in_groups(&found, given, head);
+    let is_fine = found.shared.is_none() && head.len() >= ENOUGH;
+    let is_more = groups == Ordering::Greater || is_fine && found_hz >= SURELY * given;
+    if !is_more {
+        let is_less = groups == Ordering::Less || is_fine && SURELY * found_hz < given;
         return Ok(is_less.then(|| {
             format!(
                 "the samples come {found_hz:.3} times a second, and --rate-hz says {given}: those in \
@@ -39,6 +44,29 @@ pub fn keeps_up(given: f64, head: &[Row], rows: &Rows) -> Result<Option<String>,
         "--rate-hz says {given}, and the samples come {found_hz:.3} times a second: those in between \
          would be lost; leave --rate-hz out"
     )))
+}
+
+/// How many the samples of shared stamps are beside a rate: more than it has, or fewer in each
+/// stamp. Fewer in some of them are lost.
+#[allow(clippy::float_cmp)] // a stamp that is repeated is repeated exactly
+fn in_groups(found: &Timing, rate_hz: f64, head: &[Row]) -> Ordering {
+    /// Of the first and the last one a part may be missing.
+    const ENOUGH: usize = 4;
+    /// What rounding leaves of a whole number.
+    const ROUNDING: f64 = 0.01;
+    let Some(shared) = found.shared else { return Ordering::Equal };
+    let sizes = || head.chunk_by(|a, b| a.time_s == b.time_s).map(<[Row]>::len);
+    let near = NEAR + 2.0 / head.len() as f64;
+    if sizes().count() < ENOUGH || (found.rate_hz / rate_hz - 1.0).abs() < near {
+        return Ordering::Equal;
+    }
+    let expected = shared.step * rate_hz / found.rate_hz;
+    let is_reached = sizes().any(|size| size as f64 >= (expected - ROUNDING).ceil());
+    match found.rate_hz > rate_hz {
+        true => Ordering::Greater,
+        false if is_reached => Ordering::Equal,
+        false => Ordering::Less,
+    }
 }
 
 /// Whether stamps keep a rate of their own beside a near one: with that many lie off their
@@ -102,7 +130,12 @@ pub fn of_stamps(head: &[Row], rows: &Rows) -> Result<Option<(f64, String)>, Inp
         return Ok(Some((found.rate_hz, note)));
     }
     let near = (found.rate_hz / said - 1.0).abs() < NEAR;
-    if near || found.shared.is_some() || head.len() < ENOUGH {
+    let agree = if found.shared.is_some() {
+        in_groups(&found, said, head) == Ordering::Equal
+    } else {
+        near || head.len() < ENOUGH
+    };
+    if agree {
         return Ok(None);
     }
     let (first, found) = (head.first().map_or(0, |row| row.line), found.rate_hz);
