@@ -10,7 +10,9 @@ use super::number::{
 };
 use super::plain::PlainRow;
 use super::rows::Row;
-use super::stamp::{DAY_S, TimeUnit, clock_seconds, cr10_seconds, date_seconds, has_zone};
+use super::stamp::{
+    DAY_S, TimeUnit, clock_seconds, cr10_seconds, date_and_clock, date_seconds, has_zone,
+};
 use super::timing::{self, Timing};
 
 /// What to do about a line that cannot be read.
@@ -164,7 +166,7 @@ impl Layout {
         let cell = |index| text(cells.get(line, index).unwrap_or_default());
         match self.time {
             TimeCells::Number { cell: index, unit: TimeUnit::Iso } => {
-                cell(index).split_once([' ', 'T']).is_some_and(|(_, clock)| has_zone(clock))
+                date_and_clock(cell(index)).is_some_and(|(_, clock)| has_zone(clock))
             }
             TimeCells::DateAndClock { clock, .. } => has_zone(cell(clock)),
             TimeCells::Number { .. } | TimeCells::Count { .. } | TimeCells::Cr10 { .. } => false,

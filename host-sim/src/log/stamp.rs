@@ -133,8 +133,16 @@ fn epoch_seconds(value: f64) -> f64 {
 #[must_use]
 pub fn date_time_seconds(cell: &[u8]) -> Option<f64> {
     let text = std::str::from_utf8(cell).ok()?.trim();
-    let (date, clock) = text.split_once([' ', 'T'])?;
-    Some(date_seconds(date)? + clock_seconds(clock.trim())?)
+    let (date_s, clock) = date_and_clock(text)?;
+    Some(date_s + clock_seconds(clock.trim())?)
+}
+
+/// The date of a stamp in seconds, and the text of the time of day behind it. Not every `T`
+/// parts them: October has one.
+#[must_use]
+pub fn date_and_clock(text: &str) -> Option<(f64, &str)> {
+    let mut marks = text.match_indices([' ', 'T']);
+    marks.find_map(|(at, _)| Some((date_seconds(text.get(..at)?)?, text.get(at + 1..)?)))
 }
 
 /// A date alone.
@@ -180,7 +188,8 @@ pub fn clock_seconds(text: &str) -> Option<f64> {
     let minute: u8 = parts.next()?.parse().ok()?;
     let second = parts.next().map_or(Some(0.0), |text| finite(text.as_bytes()))?;
     let valid = hour <= 24 && minute < 60 && (0.0..60.0).contains(&second);
-    valid.then(|| f64::from(u32::from(hour) * 60 + u32::from(minute)) * 60.0 + second - offset_s)
+    let time_s = f64::from(u32::from(hour) * 60 + u32::from(minute)) * 60.0 + second;
+    (valid && time_s <= DAY_S).then_some(time_s - offset_s)
 }
 
 /// A time of day without AM or PM, and the hour at which that half of the day begins.
@@ -273,6 +282,11 @@ mod tests {
             ("29-Feb-2012 12:00:00", noon),
             ("2012-FEB-29 12:00 pm", noon),
             ("2012-02-28 12:00:00 AM", Some(1_330_387_200.0)),
+            ("29-OCT-2012 12:00:00", Some(1_351_512_000.0)),
+            ("29-OCT-2012T12:00:00UTC", Some(1_351_512_000.0)),
+            ("2012-02-28 24:00:00", Some(1_330_473_600.0)),
+            ("2012-02-28 24:00:01", None),
+            ("2012-02-28 24:30", None),
             ("2012-02-29 13:00:00 PM", None),
             ("2012-02-29 0:10:00 AM", None),
             ("29-Fev-2012 12:00:00", None),

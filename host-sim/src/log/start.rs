@@ -17,7 +17,8 @@ impl Start {
     /// UTC; `None` beyond year 9999.
     #[must_use]
     pub fn after(&self, seconds: f64) -> Option<String> {
-        let nanoseconds = ((self.unix_s + seconds) * 1e3).round() as i128 * 1_000_000;
+        let milliseconds = ((self.unix_s + seconds) * 1e3).round() as i128;
+        let nanoseconds = milliseconds.checked_mul(1_000_000)?;
         let at = OffsetDateTime::from_unix_timestamp_nanos(nanoseconds).ok()?;
         let (date, (h, m, s, ms)) = (at.date(), at.to_hms_milli());
         let (year, month, day) = date.to_calendar_date();
@@ -37,5 +38,6 @@ mod tests {
         start.is_utc = true;
         assert_eq!(start.after(86_400.0).unwrap(), "2012-03-01T12:00:00.000Z");
         assert_eq!(start.after(1e12), None);
+        assert_eq!(start.after(1e297), None);
     }
 }
