@@ -37,6 +37,21 @@ fn what_hardly_belongs_together_is_asked_about() {
     );
 }
 
+/// What the first 4096 samples do not say the computation has begun without.
+#[test]
+fn what_comes_too_late_is_said_and_not_called_given() {
+    let path = directory("late").join("log.csv");
+    let row = |i: u32| format!("{},{}\n", f64::from(i) / 16.0, 100 + i % 50);
+    let (first, last): (String, String) =
+        ((0..4200).map(row).collect(), (4200..4300).map(row).collect());
+    let late = "# slope_deg: 5\n# zero_before_n: 50\n";
+    fs::write(&path, format!("# weight_n: 630\ntime_s,force_n\n{first}{late}{last}")).unwrap();
+    let said = json_with_warnings(&floe(&["replay", path.to_str().unwrap(), "--json"]));
+    assert!(said.contains("line 4203: '# slope_deg: 5' comes too late and is not used"), "{said}");
+    assert!(said.contains("'# zero_before_n: 50' comes too late"), "{said}");
+    assert!(!said.contains("as given"), "{said}");
+}
+
 /// Both stiffnesses are those of one cable, if weight and winch speed are right.
 #[test]
 fn a_weight_that_the_winch_contradicts_is_asked_about() {

@@ -3,10 +3,10 @@
 use crate::error::InputError;
 
 use super::cells::texts;
+use super::comment::comment;
 use super::header::{Content, IN_A_ROW, Kind, SEPARATORS, are_known, kind};
 use super::label::is_unit_cell;
 use super::lines::{MAX_LINE, too_long};
-use super::metadata::comment;
 
 /// Names in the comment right above the rows, as numpy and MATLAB's users write them.
 pub fn commented_names(

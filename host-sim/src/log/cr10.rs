@@ -9,6 +9,7 @@ use crate::error::InputError;
 
 use super::LogOptions;
 use super::cells::Cells;
+use super::comment::comment;
 use super::layout::{Layout, TimeCells, cr10_time};
 use super::number::{Decimal, Unit, finite};
 
@@ -78,7 +79,7 @@ fn arrays(head: &[u8]) -> BTreeMap<u32, Array> {
     for line in head.split_inclusive(|&byte| byte == b'\n') {
         let ended = line.ends_with(b"\n");
         let line = line.trim_ascii();
-        if line.starts_with(b"#") || !cells.cut(line, b',') {
+        if comment(line).is_some() || !cells.cut(line, b',') {
             continue;
         }
         let Some(id) = array_id(line, &cells) else { continue };

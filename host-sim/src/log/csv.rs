@@ -1,6 +1,6 @@
 //! Text tables: which column is the time, which the force, and in what units.
 
-use crate::error::InputError;
+use crate::error::{InputError, excerpt};
 
 use super::LogOptions;
 use super::columns::Columns;
@@ -144,10 +144,27 @@ pub fn find(names: &[String], name: &str, option: &str) -> Result<Option<usize>,
     }
 }
 
-/// The error for a column that is not there.
-#[must_use]
-pub fn no_column(name: &str, names: &[String]) -> InputError {
-    InputError::new(format!("no column '{name}'; {}", there_are(names)))
+/// The place of a column of so many by its name, or by its number from 1.
+///
+/// # Errors
+/// No such column, or several of the name.
+pub fn column(
+    names: &[String],
+    width: usize,
+    wanted: &str,
+    option: &str,
+) -> Result<usize, InputError> {
+    if let Some(place) = find(names, wanted, option)? {
+        return Ok(place);
+    }
+    match wanted.parse::<usize>() {
+        Ok(number) if (1..=width).contains(&number) => Ok(number - 1),
+        _ if names.is_empty() => Err(InputError::new(format!(
+            "no column {}: without a header a column is a number from 1 to {width}",
+            excerpt(wanted.as_bytes())
+        ))),
+        _ => Err(InputError::new(format!("no column '{wanted}'; {}", there_are(names)))),
+    }
 }
 
 /// The columns there are, for a message.

@@ -10,13 +10,13 @@
 //! The rows are looked for first: from a line on that holds values, where those after
 //! it hold values in the same places. What is right above them is their header.
 
-use crate::error::{InputError, excerpt};
+use crate::error::InputError;
 
 use super::above;
 use super::cells::texts;
+use super::comment::comment;
 use super::label::{Label, bare_unit, is_unit_cell};
 use super::lines::MAX_LINE;
-use super::metadata::comment;
 use super::number::{Unit, finite};
 use super::stamp::{clock_seconds, date_seconds, date_time_seconds};
 
@@ -294,18 +294,7 @@ impl Header {
     pub fn column(&self, wanted: &str, option: &str) -> Result<usize, InputError> {
         let empty = Vec::new();
         let names = self.names.as_ref().map_or(&empty, |(_, names)| names);
-        match super::csv::find(names, wanted, option)? {
-            Some(place) => Ok(place),
-            None => match wanted.parse::<usize>() {
-                Ok(number) if (1..=self.width).contains(&number) => Ok(number - 1),
-                _ if names.is_empty() => Err(InputError::new(format!(
-                    "no column {}: without a header a column is a number from 1 to {}",
-                    excerpt(wanted.as_bytes()),
-                    self.width
-                ))),
-                _ => Err(super::csv::no_column(wanted, names)),
-            },
-        }
+        super::csv::column(names, self.width, wanted, option)
     }
 
     /// The cells of a column in the first rows.

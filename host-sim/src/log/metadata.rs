@@ -3,6 +3,7 @@
 use crate::error::{InputError, excerpt};
 use crate::replay::known::{KnownMetadata, WeightFrom};
 
+use super::comment::comment;
 use super::number::finite;
 use super::sense;
 
@@ -53,8 +54,10 @@ pub struct Metadata {
     pub synthetic: Option<String>,
     /// Every known key in the order of the log.
     pub said: Vec<Said>,
-    /// What looks like a known key and is none.
+    /// What looks like a known key and is none, or comes too late.
     pub notes: Vec<String>,
+    /// The keys that come too late.
+    late: Vec<String>,
 }
 
 /// Where a key was said first.
@@ -69,17 +72,17 @@ pub struct Said {
 }
 
 impl Metadata {
-    /// Takes the comment in line `number`.
+    /// Takes the comment in line `number`; of any other line only notes what was meant for one.
     ///
     /// # Errors
     /// A known key whose value is not a finite number, or not what an earlier line says.
     pub fn take(&mut self, line: &[u8], number: u64) -> Result<(), InputError> {
-        let line = comment(line).unwrap_or(line);
-        let text = String::from_utf8_lossy(line);
+        let behind_mark = comment(line);
+        let text = String::from_utf8_lossy(behind_mark.unwrap_or(line));
         // A spreadsheet fills a comment up with empty cells.
         let text = text.trim_end_matches(|end: char| end.is_whitespace() || ",;".contains(end));
         let text = text.trim_start_matches(['#', '%', ' ', '\t']);
-        let Some((key, value)) = text.split_once(':') else {
+        let Some((key, value)) = behind_mark.and_then(|_| text.split_once(':')) else {
             self.look_at(text, number);
             return Ok(());
         };
@@ -120,6 +123,26 @@ impl Metadata {
                 self.weigh(number)
             }
         }
+    }
+
+    /// Takes the comment in line `number`, behind the samples that a log is known by: a key that
+    /// was not said before is said too late.
+    ///
+    /// # Errors
+    /// As of [`Self::take`].
+    pub fn take_late(&mut self, line: &[u8], number: u64) -> Result<(), InputError> {
+        let mut with = self.clone();
+        with.take(line, number)?;
+        self.notes = with.notes;
+        let Some(Said { key, value, .. }) = with.said.get(self.said.len()) else { return Ok(()) };
+        if !self.late.contains(key) {
+            self.notes.push(format!(
+                "line {number}: '# {key}: {value}' comes too late and is not used: write it above \
+                 the rows"
+            ));
+            self.late.push(key.clone());
+        }
+        Ok(())
     }
 
     /// Refuses a weight that is not that of the mass, but for what gravity differs by.
@@ -197,22 +220,6 @@ impl Metadata {
             "counts_per_n" => &mut self.counts_per_n,
             key => return self.known.field(key),
         })
-    }
-}
-
-/// The text of a comment: behind `#`, or `%` as MATLAB has it, also where a spreadsheet has put
-/// the whole of it in quotes.
-#[must_use]
-pub fn comment(line: &[u8]) -> Option<&[u8]> {
-    match line.trim_ascii_start() {
-        [b'#' | b'%', text @ ..] => Some(text.trim_ascii_start()),
-        [b'"', cell @ ..] => {
-            let end = cell.iter().position(|&byte| byte == b'"')?;
-            let (cell, behind) = cell.split_at_checked(end)?;
-            let alone = behind.iter().all(|byte| b"\",;\t ".contains(byte));
-            comment(cell).filter(|text| alone && text.contains(&b':'))
-        }
-        _ => None,
     }
 }
 
@@ -306,7 +313,22 @@ mod tests {
         metadata.take(b"% weight_n: 630", 9).unwrap();
         metadata.take(b"\"# slope_deg: 5\",;", 10).unwrap();
         assert_eq!((metadata.weight_n, metadata.slope_deg), (Some(630.0), Some(5.0)));
-        assert_eq!(comment(b"\"#\",\"time\""), None);
+    }
+
+    #[test]
+    fn what_comes_too_late_is_said_and_not_used() {
+        let mut metadata = Metadata::default();
+        metadata.take(b"# weight_n: 630", 2).unwrap();
+        for (line, number) in
+            [("# weight_n: 630", 9), ("# slope_deg: 5", 10), ("# slope_deg: 6", 11)]
+        {
+            metadata.take_late(line.as_bytes(), number).unwrap();
+        }
+        assert_eq!((metadata.slope_deg, metadata.said.len()), (None, 1));
+        let late =
+            "line 10: '# slope_deg: 5' comes too late and is not used: write it above the rows";
+        assert_eq!(metadata.notes, [late]);
+        assert!(metadata.take_late(b"# weight_n: 700", 12).is_err());
     }
 
     /// What is written in place of such a line says the same, not something else.

@@ -26,6 +26,7 @@ pub mod cells;
 pub mod channels;
 pub mod clock;
 pub mod columns;
+pub mod comment;
 pub mod cr10;
 pub mod csv;
 pub mod fine;
@@ -156,18 +157,14 @@ impl Log {
         let head = lines.head()?;
         refuse_binary(head)?;
         let format = options.format.unwrap_or_else(|| recognise(head));
-        if options.array_id.is_some() && format != Format::Cr10 {
-            return Err(InputError::new(format!(
-                "--array-id is for a cr10 log, and this is {}: leave it out, or give --format cr10",
-                format.name()
-            )));
-        }
+        options.check(format)?;
         let (rows, head) = begin(format, lines, options)?;
         Self::timed(format, rows, head, options)
     }
 
     /// The logger's own log, by way of its text.
     fn from_floe(input: Box<dyn Read + Send>, options: &LogOptions) -> Result<Self, InputError> {
+        options.check(Format::Floe)?;
         let options = LogOptions {
             format: Some(Format::Floe),
             column: Some(card::COLUMN.to_string()),

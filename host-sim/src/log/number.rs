@@ -148,7 +148,8 @@ pub fn reading(cell: &[u8], unit: Unit, decimal: Decimal) -> Option<Reading> {
 
 /// Whether a cell says that there is no number, as spreadsheets and statistics write it.
 #[cold]
-fn is_missing(cell: &[u8]) -> bool {
+#[must_use]
+pub fn is_missing(cell: &[u8]) -> bool {
     const WORDS: [&str; 14] = [
         "NA", "<NA>", "N/A", "#N/A", "null", "None", "#DIV/0!", "#NUM!", "#VALUE!", "#REF!",
         "#NAME?", "-1.#IND", "1.#QNAN", "1.#INF",

@@ -7,10 +7,11 @@ use floe_firmware::record::SECTOR_LEN;
 use crate::error::{InputError, excerpt};
 
 use super::cells::texts;
+use super::comment::comment;
 use super::header;
 use super::layout::Layout;
 use super::lines::Lines;
-use super::metadata::{Metadata, comment};
+use super::metadata::Metadata;
 use super::options::LogOptions;
 use super::rows::Rows;
 use super::{Format, Recognised, cr10, csv, toa5};
@@ -185,6 +186,9 @@ fn table(
     for _ in 1..header.first_row {
         let Some(line) = lines.next_line()? else { break };
         let number = line.number;
+        if number <= options.skip_lines {
+            continue;
+        }
         let taken = metadata.take(line.bytes, number);
         taken.map_err(|error| error.within(format_args!("line {number}")))?;
     }
@@ -218,7 +222,7 @@ fn header_line(lines: &mut Lines, metadata: &mut Metadata) -> Result<(Vec<u8>, u
         let number = line.number;
         match line.bytes.trim_ascii_start().first() {
             None => {}
-            Some(b'#' | b'"') if comment(line.bytes).is_some() => {
+            Some(b'#' | b'%' | b'"') if comment(line.bytes).is_some() => {
                 let taken = metadata.take(line.bytes, number);
                 taken.map_err(|error| error.within(format_args!("line {number}")))?;
             }

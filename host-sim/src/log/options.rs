@@ -3,6 +3,7 @@
 use super::Format;
 use super::number::{Decimal, Unit};
 use super::stamp::TimeUnit;
+use crate::error::InputError;
 
 /// What a caller may say about a log; everything else is found in it.
 #[derive(Clone, Debug, Default, clap::Args)]
@@ -38,6 +39,34 @@ pub struct LogOptions {
     /// Array to read of a cr10 log [default: the only one, or the only one with seconds]
     #[arg(long, value_name = "ID")]
     pub array_id: Option<u32>,
+}
+
+impl LogOptions {
+    /// Refuses what a format has no use for.
+    ///
+    /// # Errors
+    /// Names the option, and the format that is asked for.
+    pub fn check(&self, format: Format) -> Result<(), InputError> {
+        use Format::{Cr10, Csv, Toa5};
+        let is_csv = format == Csv;
+        let unused = [
+            ("--array-id", self.array_id.is_some() && format != Cr10, Cr10),
+            ("--time-column", self.time_column.is_some() && !is_csv && format != Toa5, Csv),
+            ("--time-unit", self.time_unit.is_some() && !is_csv, Csv),
+            ("--skip-lines", self.skip_lines > 0 && !is_csv, Csv),
+            ("--delimiter", self.delimiter.is_some() && !is_csv, Csv),
+            ("--decimal", self.decimal.is_some() && !is_csv, Csv),
+        ];
+        match unused.into_iter().find(|(_, is_unused, _)| *is_unused) {
+            Some((option, _, of)) => Err(InputError::new(format!(
+                "{option} is for a {} log, and this is {}: leave it out, or give --format {}",
+                of.name(),
+                format.name(),
+                of.name()
+            ))),
+            None => Ok(()),
+        }
+    }
 }
 
 fn separator(text: &str) -> Result<u8, String> {

@@ -62,7 +62,10 @@ impl Plain {
     /// eight bytes of the end of the text.
     #[must_use]
     pub fn read(&self, text: &[u8]) -> Option<PlainRow> {
-        if text.first().is_none_or(|&first| first == b'#' || first.is_ascii_whitespace()) {
+        if text
+            .first()
+            .is_none_or(|&first| matches!(first, b'#' | b'%') || first.is_ascii_whitespace())
+        {
             return None;
         }
         let (mut time_s, mut force, mut rest) = (f64::NAN, f64::NAN, text);
@@ -212,7 +215,8 @@ mod tests {
         }
         assert_eq!(TWO.read(b"1;2;3"), None);
         let indexed = Plain { separator: b',', mark: b'.', width: 3, time: 1, force: 2 };
-        for comment in ["# a,1,2\n0,0,0.0000\n", "  # a,1,2\n0,0,0.0000\n"] {
+        for comment in ["# a,1,2\n0,0,0.0000\n", "% a,1,2\n0,0,0.0000\n", "  # a,1,2\n0,0,0.0000\n"]
+        {
             assert_eq!(indexed.read(comment.as_bytes()), None);
         }
     }

@@ -4,10 +4,12 @@ use floe_core::Reading;
 
 use crate::error::InputError;
 
+use super::HEAD_ROWS;
 use super::cells::Cells;
+use super::comment::comment;
 use super::layout::{Layout, TimeCells, is_empty};
 use super::lines::Lines;
-use super::metadata::{Metadata, comment};
+use super::metadata::Metadata;
 use super::number::Decimal;
 use super::plain::Plain;
 use super::stamp::{DAY_S, TimeUnit};
@@ -124,8 +126,10 @@ impl Rows {
                     self.empty += 1;
                     Ok(None)
                 }
-                Some(b'#' | b'"') if comment(line.bytes).is_some() => {
-                    self.metadata.take(line.bytes, number).map(|()| None)
+                Some(b'#' | b'%' | b'"') if comment(line.bytes).is_some() => {
+                    let late = self.count >= HEAD_ROWS as u64;
+                    let take = if late { Metadata::take_late } else { Metadata::take };
+                    take(&mut self.metadata, line.bytes, number).map(|()| None)
                 }
                 Some(_) => self.layout.row(line.bytes, ended, &mut self.cells),
             };

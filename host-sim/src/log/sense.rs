@@ -19,6 +19,9 @@ pub fn number(key: &str, text: &str) -> Result<f64, String> {
     match key {
         "snow_mm" if number < 0.0 => Err(has("write the depth in mm, 0 for no snow")),
         "cable_length_m" if number <= 0.0 => Err(has("write the length in m, above zero")),
+        "tare_counts" if number.abs() > f64::from(i32::MAX) => {
+            Err(has("write the converter's code at zero force, of 32 bits at most"))
+        }
         _ => Ok(number),
     }
 }
@@ -57,6 +60,7 @@ mod tests {
         assert_eq!(refused("snow_mm", "-4"), "has '-4': write the depth in mm, 0 for no snow");
         assert_eq!(refused("cable_length_m", "0"), "has '0': write the length in m, above zero");
         assert_eq!(refused("weight_n", "nan"), "has 'nan': write the number alone");
+        assert!(refused("tare_counts", "3e9").starts_with("has '3e9': write the converter's code"));
         assert_eq!(number("snow_mm", "0"), Ok(0.0));
         assert_eq!(number("winch_m_per_s", "0,0157"), Ok(0.0157));
     }

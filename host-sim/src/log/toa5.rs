@@ -4,7 +4,7 @@ use crate::error::{InputError, excerpt};
 
 use super::LogOptions;
 use super::cells::texts;
-use super::csv::{agreed, find, no_column, there_are};
+use super::csv::{agreed, column, find, there_are};
 use super::label::Label;
 use super::layout::{Layout, TimeCells};
 use super::number::{Decimal, Unit};
@@ -30,11 +30,9 @@ pub fn layout(names: &[u8], units: &[u8], options: &LogOptions) -> Result<Layout
         return Err(InputError::new(message));
     }
     let time_column = options.time_column.as_deref().unwrap_or("TIMESTAMP");
-    let time = find(&names, time_column, "--time-column")?.ok_or_else(|| {
-        InputError::new(format!("no {time_column} column; {}", there_are(&names)))
-    })?;
+    let time = column(&names, names.len(), time_column, "--time-column")?;
     let force = match &options.column {
-        Some(name) => find(&names, name, "--column")?.ok_or_else(|| no_column(name, &names))?,
+        Some(wanted) => column(&names, names.len(), wanted, "--column")?,
         None => default_force(&names, &units)?,
     };
     let label = units.get(force).map_or("", String::as_str);
@@ -122,6 +120,8 @@ mod tests {
         assert_eq!(places("TS,RN,kN,", &options), Ok((3, Unit::Newton)));
         assert!(places("TS,RN,kN,Volts", &options).unwrap_err().contains("is 'Volts'"));
         options.unit = Some(Unit::PoundForce);
+        assert_eq!(places("TS,RN,kN,Volts", &options), Ok((3, Unit::PoundForce)));
+        options.column = Some("4".to_string());
         assert_eq!(places("TS,RN,kN,Volts", &options), Ok((3, Unit::PoundForce)));
         options.column = Some("Pull".to_string());
         let error = places("TS,RN,kN,Volts", &options).unwrap_err();

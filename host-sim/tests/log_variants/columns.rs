@@ -1,5 +1,6 @@
 //! Units and columns; headers of instruments, metadata.
 
+use floe::log::stamp::TimeUnit;
 use floe::log::{Decimal, Unit};
 
 use super::Expected::{Noted, Refused, Same};
@@ -151,6 +152,22 @@ pub fn whole_forms() -> Vec<Form> {
         )
         .with(|o| o.rate_hz = Some(8.0)),
         form("TOA5", toa5("\"TS\",\"kN\""), Same),
+        form("TOA5, columns by number", toa5("\"TS\",\"kN\""), Same).with(|o| {
+            o.time_column = Some("1".to_string());
+            o.column = Some("2".to_string());
+        }),
+        form(
+            "TOA5, --time-unit",
+            toa5("\"TS\",\"kN\""),
+            Refused(&["--time-unit is for a csv log, and this is toa5", "give --format csv"]),
+        )
+        .with(|o| o.time_unit = Some(TimeUnit::Iso)),
+        form(
+            "taken for a cr10, --time-column",
+            table("", |t, f| format!("1,2,3,1200,{t},{f}")),
+            Refused(&["--time-column is for a csv log, and this is cr10"]),
+        )
+        .with(|o| o.time_column = Some("5".to_string())),
         form("TOA5, short units row", toa5("\"TS\""), Refused(&["2 names, but 1 units"])),
     ]
 }

@@ -43,6 +43,7 @@ pub fn numbers() -> Vec<Form> {
         n if n < 1000 => n.to_string(),
         n => format!("{}.{:03}", n / 1000, n % 1000),
     };
+    let in_pairs = || table("time_s,force_n\n", |t, f| format!("{},{f}", (8.0 * t).floor() / 8.0));
     let grouped = |t: f64, f: f64| format!("{t};{}", thousands(f - 50.0));
     vec![
         form(
@@ -102,6 +103,15 @@ pub fn numbers() -> Vec<Form> {
                 "take that line out",
             ]),
         ),
+        form(
+            "two rows a stamp, # rate_hz: 12",
+            format!("# rate_hz: 12\n{}", in_pairs()),
+            Refused(&["line 1: '# rate_hz: 12', and the times", "16.000 times a second"]),
+        ),
+        form("two rows a stamp, --rate-hz 12", in_pairs(), Refused(&["would be lost"]))
+            .with(|o| o.rate_hz = Some(12.0)),
+        form("two rows a stamp, --rate-hz 20", in_pairs(), Noted("is --rate-hz right?"))
+            .with(|o| o.rate_hz = Some(20.0)),
         form(
             "a force that is held",
             table("time_s,force_n\n", |t, _| format!("{t},{}", (4.0 * t).floor())),
@@ -164,6 +174,13 @@ pub fn ends() -> Vec<Form> {
 pub fn metadata() -> Vec<Form> {
     let said = |line: &str| format!("{line}\n{}", plain());
     vec![
+        form(
+            "a preamble without #",
+            said("Kind: tension\nweight_n: 55"),
+            Noted("line 2: 'weight_n: 55' is not read: write '# weight_n: 55'"),
+        ),
+        form("metadata in a skipped line", said("# weight_n: abc"), Same)
+            .with(|o| o.skip_lines = 1),
         form("a comment in quotes", said("\"# slope_deg: 5\","), Same),
         form("a comment with empty cells behind", said("# weight_n: 630,,"), Same),
         form("key and value in two cells", said("# slope_deg:,5"), Refused(&["has ',5': write"])),
@@ -208,6 +225,18 @@ pub fn lines() -> Vec<Form> {
             stamped(|t| clock(t).replace("12:", "30:")),
             Refused(&["24:00:00; write"]),
         ),
+        form(
+            "24:30:00",
+            stamped(|t| clock(t).replace("12:00", "24:30")),
+            Refused(&["24:00:00; write"]),
+        ),
+        form("29-OCT-2012", stamped(|t| format!("29-OCT-2012 {}", clock(t))), Same),
+        form(
+            "#N/A, forces alone",
+            table("force_n\n", |_, f| f.to_string()).replacen("\n108.5\n", "\n#N/A\n", 1),
+            Noted(""),
+        )
+        .with(|o| o.rate_hz = Some(16.0)),
         form("12:00:00 CET", stamped(|t| clock(t) + " CET"), Refused(&["its zone as an offset"])),
         form("12:00:00 p.m.", stamped(|t| clock(t) + " p.m."), Refused(&["AM or PM without"])),
     ]
