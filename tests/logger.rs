@@ -182,11 +182,10 @@ fn another_span_does_not_cancel_in_a_weight() {
     let script =
         [(0, "set weight 300\nset weight-from same_cell\n"), (1, "set span 4500\nstatus\n")];
     let board = run(cell(&[0]), Schedule::default(), &Card::default(), &script);
-    let last = board.lines().filter_map(|line| match line {
-        Line::Start { settings, .. } => Some(settings),
-        _ => None,
+    let settings = board.lines().filter_map(|line| {
+        if let Line::Start { settings, .. } = line { Some(settings) } else { None }
     });
-    assert_eq!(last.last().expect("settings").weight_from, Some(WeightFrom::Other));
+    assert_eq!(settings.last().expect("settings").weight_from, Some(WeightFrom::Other));
 }
 
 #[test]

@@ -118,7 +118,7 @@ fn check_rate(rate_hz: f64) -> Result<(), InputError> {
 /// The zero that the log says, as a replay takes it off.
 fn zero(log: &Log) -> Result<Zero, InputError> {
     let known = KnownOptions::default();
-    known.check_zeros(&log.metadata().known)?;
+    known.inputs(&log.metadata().known).iter().try_for_each(|input| input.check(log))?;
     Ok(known.zero(log))
 }
 

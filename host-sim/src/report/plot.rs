@@ -222,7 +222,7 @@ mod tests {
     /// A constant force has labels of eight digits.
     #[test]
     fn labels_do_not_touch() {
-        for domain in [(499.9997, 500.0003), (1234.567_8, 1234.567_9), (0.0, 800.0)] {
+        for domain in [(499.9997, 500.0003), (1_234.567_8, 1_234.567_9), (0.0, 800.0)] {
             let x = Scale { domain, range: (LEFT, 360.0 - RIGHT) };
             let ticks = across(&x, Steps::Decimal);
             let half = DIGIT * ticks.longest() as f64 / 2.0;
