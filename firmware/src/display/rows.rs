@@ -241,9 +241,21 @@ mod tests {
         let view = View { force_n: Some(-65_432.1), provisional, health, card, ..nothing() };
         assert_eq!(row(about, &view).as_str(), "about -11.234 -11.234");
         assert!(row(force, &view).len() <= 10, "twice as large: 10 letters a row");
-        assert_eq!(row(super::health, &view).as_str(), "NO CARD lost 9999999");
+        assert_eq!(row(super::health, &view).as_str(), "NO CARD lost 999999");
         let full = View { card: CardState::Full, ..view };
-        assert_eq!(row(super::health, &full).as_str(), "CARD FULL lost 9999999");
+        assert_eq!(row(super::health, &full).as_str(), "CARD FULL lost 999999");
+        let back = View { card: CardState::Ready, ..view };
+        assert_eq!(row(super::health, &back).as_str(), "card back lost 999999");
+        let idle = View { report: None, unix_ms: None, ..nothing() };
+        assert_eq!(row(state, &idle).as_str(), "no test, clock unset");
+        // What is cut to the row's 21 letters ends otherwise.
+        let mut pipeline = floe_core::Pipeline::new(&floe_core::Config {
+            weight_n: 630.0,
+            ..floe_core::Config::default()
+        });
+        let report = Report { mu_s: Some(estimate), ..pipeline.as_mut().unwrap().report() };
+        let well = View { report: Some(report), card: CardState::Ready, ..nothing() };
+        assert_eq!(row(last_row, &well).as_str(), "of it random 0.0800");
         let swing = Some(Swing { period_s: 3.45, amplitude_rad: 0.2, excess: 12.0 });
         let load = Ok(Load { value: 3299.99, std: 0.12, swing });
         let mut rows: [Row; 4] = Default::default();
