@@ -106,7 +106,7 @@ impl KnownMetadata {
 }
 
 impl KnownOptions {
-    /// The numbers of both, in the order of [`KEYS`].
+    /// The numbers of both, in the order of `KEYS`.
     #[must_use]
     pub fn inputs(&self, said: &KnownMetadata) -> [Input; KEYS.len()] {
         let given = [
