@@ -114,9 +114,12 @@ impl Expectations {
         if self.effects.has(Effect::Damping) {
             // The slip of a cable that sags is no ellipse, which looks like losses of a tenth and more.
             let sags = self.sags();
-            self.damping.update(|damping| match sags {
-                true => *damping = Damping::default(),
-                false => damping.0.learn(&asked.score(0), noise_n2),
+            self.damping.update(|damping| {
+                if sags {
+                    *damping = Damping::default();
+                } else {
+                    damping.0.learn(&asked.score(0), noise_n2);
+                }
             });
         }
         if !self.effects.has(Effect::Onset) {

@@ -55,7 +55,8 @@ impl<P: Read + ReadReady + Write, S: Store> App<'_, P, S> {
             return;
         }
         if self.part.run > 0 {
-            if self.card == Some(CardState::Ready) {
+            // One that is there from power-up on has missed nothing.
+            if self.journal.failures() > 0 {
                 let stored = self.journal.remember(&self.settings);
                 self.check_store(stored.is_err());
             }
