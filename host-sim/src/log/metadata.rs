@@ -4,7 +4,7 @@ use crate::error::{InputError, excerpt};
 use crate::replay::known::{KnownMetadata, WeightFrom};
 
 use super::comment::comment;
-use super::number::finite;
+use super::meant::meant;
 use super::sense;
 
 /// The keys that are known; every other comment is skipped.
@@ -162,36 +162,7 @@ impl Metadata {
 
     /// Notes what was meant to say what a known key says.
     fn look_at(&mut self, text: &str, number: u64) {
-        const MEANT: [(&str, &str); 12] = [
-            ("weight_std", "weight_std_n: 2"),
-            ("slope_std", "slope_std_deg: 0.2"),
-            ("zero_std", "zero_std_n: 0.5"),
-            ("span_std", "span_std_percent: 0.1"),
-            ("damping", "damping_std: 0.005"),
-            ("winch_std", "winch_std_m_per_s: 0.0002"),
-            ("zero_after", "zero_after_n: 1.2"),
-            ("weight", "weight_n: 630"),
-            ("mass", "mass_kg: 64.2"),
-            ("slope", "slope_deg: 1.5"),
-            ("winch", "winch_m_per_s: 0.0157"),
-            ("zero", "zero_before_n: 1.2"),
-        ];
-        let cut = |marks: &[char]| text.split_once(marks);
-        let (key, value) =
-            cut(&[':', '=', ',', ';', '\t']).or_else(|| cut(&[' '])).unwrap_or((text, ""));
-        let (key, value) = (key.trim().to_ascii_lowercase().replace([' ', '-'], "_"), value.trim());
-        if !value.starts_with(|first: char| first.is_ascii_digit()) {
-            return;
-        }
-        let meant = MEANT.iter().find(|(start, _)| key.starts_with(start));
-        let is_key = self.field(&key).is_some();
-        let write = match meant {
-            Some((_, write)) if !is_key || finite(value.as_bytes()).is_none() => {
-                (*write).to_string()
-            }
-            _ if is_key => format!("{key}: {value}"),
-            _ => return,
-        };
+        let Some(write) = meant(text, |key| self.field(key).is_some()) else { return };
         let said = excerpt(text.as_bytes());
         self.notes.push(format!("line {number}: {said} is not read: write '# {write}'"));
     }
@@ -199,7 +170,13 @@ impl Metadata {
     /// The line that says a key first.
     #[must_use]
     pub fn line(&self, key: &str) -> Option<u64> {
-        self.said.iter().find(|said| said.key == key).map(|said| said.line)
+        self.first(key).map(|said| said.line)
+    }
+
+    /// Where a key is said first.
+    #[must_use]
+    pub fn first(&self, key: &str) -> Option<&Said> {
+        self.said.iter().find(|said| said.key == key)
     }
 
     fn field(&mut self, key: &str) -> Option<&mut Option<f64>> {
@@ -329,26 +306,6 @@ mod tests {
             "line 10: '# slope_deg: 5' comes too late and is not used: write it above the rows";
         assert_eq!(metadata.notes, [late]);
         assert!(metadata.take_late(b"# weight_n: 700", 12).is_err());
-    }
-
-    /// What is written in place of such a line says the same, not something else.
-    #[test]
-    fn how_well_it_is_known_is_not_what_it_is() {
-        for (line, write) in [
-            ("# weight_std: 3", "weight_std_n: 2"),
-            ("# Slope std: 0.5", "slope_std_deg: 0.2"),
-            ("# zero_std: 1", "zero_std_n: 0.5"),
-            ("# span_std: 0.4", "span_std_percent: 0.1"),
-            ("# damping: 0.01", "damping_std: 0.005"),
-            ("# winch_std: 2", "winch_std_m_per_s: 0.0002"),
-            ("# zero_after: 3", "zero_after_n: 1.2"),
-            ("# weight-n: 700", "weight_n: 700"),
-        ] {
-            let mut metadata = Metadata::default();
-            metadata.take(line.as_bytes(), 1).unwrap();
-            let note = metadata.notes.first().expect(line);
-            assert!(note.ends_with(&format!("is not read: write '# {write}'")), "{note}");
-        }
     }
 
     #[test]

@@ -38,6 +38,7 @@ pub mod interval;
 pub mod label;
 pub mod layout;
 pub mod lines;
+pub mod meant;
 pub mod metadata;
 pub mod number;
 pub mod open;

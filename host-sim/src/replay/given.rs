@@ -156,7 +156,7 @@ fn weighed_by(log: &Log, known: &KnownOptions) -> Option<String> {
 
 /// What is used, and the line of the log that says another.
 fn as_given(log: &Log, key: &str, used: &str) -> Option<String> {
-    let there = log.metadata().said.iter().find(|there| there.key == key)?;
+    let there = log.metadata().first(key)?;
     let (value, line) = (&there.value, there.line);
     Some(format!("{used} as given, not the '# {key}: {value}' of line {line}"))
 }
