@@ -73,7 +73,7 @@ fn recovered(dir: &Path, card: &[u8]) -> String {
 
 #[test]
 fn the_order_of_the_sectors_does_not_matter() {
-    let dir = directory("card/order");
+    let dir = directory("order");
     let sectors = two_tests();
     let as_written = replayed(&dir, &sectors.concat());
     assert_eq!(as_written["log"]["samples"], 240);
@@ -94,7 +94,7 @@ fn the_order_of_the_sectors_does_not_matter() {
 
 #[test]
 fn what_is_damaged_is_said_alike() {
-    let dir = directory("card/damaged");
+    let dir = directory("damaged");
     let mut sectors = two_tests();
     sectors[0][2] ^= 1;
     sectors[9][1] ^= 1;
@@ -123,7 +123,7 @@ fn what_is_damaged_is_said_alike() {
 
 #[test]
 fn what_holds_no_test_is_refused_with_the_reason() {
-    let dir = directory("card/none");
+    let dir = directory("none");
     let written = unsound(test(1, 0, 1)[0]);
     fs::write(dir.join("card.log"), [written, written].concat()).unwrap();
     let why = "card.log: holds no record of a floe logger: 2 sectors that no logger writes\n";
@@ -146,7 +146,7 @@ fn what_holds_no_test_is_refused_with_the_reason() {
 
 #[test]
 fn an_output_that_is_a_file_is_no_folder() {
-    let dir = directory("card/folder");
+    let dir = directory("folder");
     fs::write(dir.join("card.log"), two_tests().concat()).unwrap();
     fs::write(dir.join("taken"), "old").unwrap();
     let refused = floe(&dir, &["recover", "card.log", "-o", "taken"]);
@@ -156,7 +156,7 @@ fn an_output_that_is_a_file_is_no_folder() {
 
 #[test]
 fn a_card_has_neither_lines_nor_cells() {
-    let dir = directory("card/inspect");
+    let dir = directory("inspect");
     fs::write(dir.join("card.log"), two_tests().concat()).unwrap();
     let said = text(&floe(&dir, &["inspect", "card.log"]).stdout);
     assert!(said.contains("format   floe, sectors of a logger's card\n"), "{said}");

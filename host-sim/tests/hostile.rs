@@ -65,7 +65,7 @@ fn card(name: &[u8], version: u8) -> Vec<u8> {
 
 #[test]
 fn no_name_on_a_card_leads_out_of_the_folder() {
-    let dir = directory("hostile/recover");
+    let dir = directory("recover");
     fs::write(dir.join("good.log"), card(b"A", 2)).unwrap();
     let done = floe(&dir, &["recover", "good.log", "-o", "good"]);
     assert_eq!(done.status.code(), Some(0), "{}", text(&done.stderr));
@@ -105,7 +105,7 @@ fn what_never_ends_is_refused() {
         (["campaign", "/dev/zero", "--json", "tests.json"], "longer than 16 MiB"),
         (["replay", "/dev/zero", "--json", "test.json"], "is a binary file"),
     ] {
-        let directory = directory("hostile/endless");
+        let directory = directory("endless");
         let mut command = Command::new(env!("CARGO_BIN_EXE_floe"));
         let mut child =
             command.args(arguments).current_dir(&directory).stderr(Stdio::piped()).spawn().unwrap();
@@ -124,7 +124,7 @@ fn what_never_ends_is_refused() {
 
 #[test]
 fn links_in_the_output_folder_are_not_followed() {
-    let dir = directory("hostile/links");
+    let dir = directory("links");
     fs::write(dir.join("card.log"), card(b"A", 2)).unwrap();
     fs::create_dir(dir.join("out")).unwrap();
     symlink(dir.join("victim"), dir.join("out/test-0001-A.csv")).unwrap();
@@ -141,7 +141,7 @@ fn links_in_the_output_folder_are_not_followed() {
 
 #[test]
 fn no_text_of_a_log_commands_a_terminal() {
-    let dir = directory("hostile/escapes");
+    let dir = directory("escapes");
     let id = "x\u{1b}]0;owned\u{7}\u{9b}2J\u{202e}y";
     fs::write(dir.join("log.csv"), ramp(&format!("# test_id: {id}\n"))).unwrap();
     let name = "a\u{1b}[2J\nb.csv";
@@ -174,7 +174,7 @@ fn no_text_of_a_log_commands_a_terminal() {
 
 #[test]
 fn the_report_runs_no_script_but_its_own() {
-    let dir = directory("hostile/report");
+    let dir = directory("report");
     let id = "<script>alert(1)</script><img src=x onerror=alert(2)>";
     fs::write(dir.join("log.csv"), ramp(&format!("# test_id: {id}\n# weight_n: 100\n"))).unwrap();
     let done = floe(&dir, &["replay", "log.csv", "--report", "page.html"]);
@@ -187,7 +187,7 @@ fn the_report_runs_no_script_but_its_own() {
 
 #[test]
 fn an_input_is_never_an_output() {
-    let dir = directory("hostile/outputs");
+    let dir = directory("outputs");
     fs::write(dir.join("log.csv"), ramp("# weight_n: 100\n")).unwrap();
     fs::write(dir.join("list.txt"), "log.csv\n").unwrap();
     fs::hard_link(dir.join("log.csv"), dir.join("hard.csv")).unwrap();
@@ -220,7 +220,7 @@ fn an_input_is_never_an_output() {
 
 #[test]
 fn what_is_replaced_is_said_and_keeps_its_mode() {
-    let dir = directory("hostile/replaced");
+    let dir = directory("replaced");
     fs::write(dir.join("log.csv"), ramp("# weight_n: 100\n")).unwrap();
     let result = dir.join("result.json");
     fs::write(&result, "old").unwrap();
@@ -237,7 +237,7 @@ fn what_is_replaced_is_said_and_keeps_its_mode() {
 
 #[test]
 fn a_signal_leaves_no_half_file() {
-    let dir = directory("hostile/signal");
+    let dir = directory("signal");
     let scene = "weight_n = 630\nmu_s = 1.24\nmu = 0.78\nstiffness_n_per_m = 23000\n\
                  winch_m_per_s = 0.0157\nduration_s = 3e6\n";
     fs::write(dir.join("scene.toml"), scene).unwrap();
@@ -268,7 +268,7 @@ fn a_signal_leaves_no_half_file() {
 
 #[test]
 fn impossible_scenes_end_in_a_line() {
-    let dir = directory("hostile/scenes");
+    let dir = directory("scenes");
     let with = |line: &str| {
         let key = line.split(' ').next().unwrap();
         let base = "weight_n = 630\nmu_s = 1.24\nmu = 0.78\nstiffness_n_per_m = 23000\n\
@@ -304,7 +304,7 @@ fn impossible_scenes_end_in_a_line() {
 /// memory stays as it is, and an event that comes later is shown.
 #[test]
 fn a_flood_is_counted_and_costs_no_memory() {
-    let dir = directory("hostile/flood");
+    let dir = directory("flood");
     let listener = TcpListener::bind("127.0.0.1:0").unwrap();
     let port = listener.local_addr().unwrap().to_string();
     let mut child = Command::new(env!("CARGO_BIN_EXE_floe"))

@@ -25,7 +25,7 @@ fn pull(rate_n_per_s: f64) -> String {
 
 #[test]
 fn json_names_its_form_for_one_pull_and_for_several() {
-    let dir = directory("stiffness/json");
+    let dir = directory("json");
     fs::write(dir.join("a.csv"), pull(80.0)).unwrap();
     fs::write(dir.join("b.csv"), pull(80.5)).unwrap();
     for logs in [&["a.csv"][..], &["a.csv", "b.csv"]] {
@@ -39,7 +39,7 @@ fn json_names_its_form_for_one_pull_and_for_several() {
 
 #[test]
 fn a_pull_that_counts_twice_is_said() {
-    let dir = directory("stiffness/twice");
+    let dir = directory("twice");
     fs::write(dir.join("a.csv"), pull(80.0)).unwrap();
     fs::write(dir.join("b.csv"), pull(80.0)).unwrap();
     for twice in [["a.csv", "a.csv"], ["a.csv", "b.csv"]] {
@@ -53,7 +53,7 @@ fn a_pull_that_counts_twice_is_said() {
 
 #[test]
 fn what_is_assumed_about_the_log_is_said() {
-    let dir = directory("stiffness/assumed");
+    let dir = directory("assumed");
     fs::write(dir.join("a.csv"), pull(80.0).replace("force_n", "Load")).unwrap();
     let said = text(&floe(&dir, &["a.csv"]).stderr);
     assert_eq!(said, "floe: warning: a.csv: column 'Load' has no unit: taken as N\n");
@@ -61,7 +61,7 @@ fn what_is_assumed_about_the_log_is_said() {
 
 #[test]
 fn a_computed_pull_is_said() {
-    let dir = directory("stiffness/simulated");
+    let dir = directory("simulated");
     fs::write(dir.join("a.csv"), pull(80.0)).unwrap();
     fs::write(dir.join("b.csv"), format!("# SYNTHETIC: computed\n{}", pull(80.5))).unwrap();
     let json = |logs: &[&str]| -> serde_json::Value {
@@ -83,7 +83,7 @@ fn a_computed_pull_is_said() {
 
 #[test]
 fn what_is_wrong_is_named() {
-    let dir = directory("stiffness/wrong");
+    let dir = directory("wrong");
     fs::write(dir.join("a.csv"), pull(80.0)).unwrap();
     for (options, why) in [
         (["--winch-m-per-s", "0"], "speed 0: must be a number above zero"),

@@ -4,9 +4,12 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Output;
 
-/// A directory of one test's own, empty.
+/// A directory of one test's own, empty: the programs of tests run side by side, so that one
+/// name in two of them stands for two directories, and no directory lies in another.
 pub fn directory(test: &str) -> PathBuf {
-    let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(test);
+    assert_eq!(Path::new(test).components().count(), 1, "{test} lies in another test's");
+    let own = Path::new(env!("CARGO_TARGET_TMPDIR")).join(env!("CARGO_CRATE_NAME"));
+    let path = own.join(test);
     let _ = fs::remove_dir_all(&path);
     fs::create_dir_all(&path).unwrap();
     path
