@@ -230,7 +230,7 @@ fn scene() {
         let Ok(scene) = Scene::from_toml(&String::from_utf8_lossy(&text)) else { return };
         let Ok(mut run) = Run::new(&scene, 1) else { return };
         for sample in run.by_ref().take(50) {
-            assert!(sample.index < 1 << 40);
+            assert!(sample.index <= RawSample::LAST_INDEX);
         }
     });
 }
@@ -329,19 +329,19 @@ fn step() {
             ..Config::default()
         };
         let Ok(mut pipeline) = Pipeline::new(&config) else { return };
-        let (mut index, mut force_n) = (dice.bits() >> dice.below(64), 100.0);
-        let (rise, slip, size) =
-            (dice.below(60) + 1, dice.below(8), 10.0_f32.powi(dice.below(12) as i32 - 4));
+        let (mut index, mut force_n) = ((dice.bits() >> dice.below(64)) as u32, 100.0);
+        let (rise, slip) = (dice.below(60) + 1, dice.below(8));
+        let size = 10.0_f32.powi(dice.below(12) as i32 - 4);
         for number in 0..400 {
             let phase = number % (rise + slip);
             force_n += if phase < rise { size } else { -size * rise as f32 / slip as f32 };
             let moved = match dice.below(100) {
-                0 => dice.bits() >> dice.below(64),
+                0 => (dice.bits() >> dice.below(64)) as u32,
                 1 => 0,
-                2 => dice.below(50) as u64,
+                2 => dice.below(50) as u32,
                 _ => 1,
             };
-            index = if dice.below(200) == 0 { dice.bits() } else { index.wrapping_add(moved) };
+            index = index.wrapping_add(moved);
             let _ = pipeline.step(RawSample { index, reading: reading(dice, force_n) });
         }
         while pipeline.finish().is_some() {}

@@ -42,9 +42,9 @@ fn bounds(scene: &Scene, events: &[TrueEvent]) -> Vec<Option<ForceBound>> {
     let bound = |(i, event): (usize, &TrueEvent)| {
         let from_s = if i == 0 { 0.0 } else { event.onset_s };
         let to_s = events.get(i + 1).map_or(scene.duration_s, |next| next.onset_s);
-        let first = (from_s * scene.rate_hz).ceil() as u64;
-        let last = (to_s * scene.rate_hz).ceil() as u64;
-        let times_s = (first..last.min(scene.sample_count())).map(|n| n as f64 / scene.rate_hz);
+        let first = (from_s * scene.rate_hz).ceil() as u32;
+        let last = (to_s * scene.rate_hz).ceil() as u32;
+        let times_s = (first..last.min(scene.sample_count())).map(|n| f64::from(n) / scene.rate_hz);
         joint.bound(&event.into(), times_s, scene.measurement.white_n)
     };
     events.iter().enumerate().map(bound).collect()

@@ -42,9 +42,11 @@ fn events_of(samples: impl Iterator<Item = RawSample>) -> Vec<Event> {
 fn events_on_the_console_are_the_cores() {
     let board = one_test(&Card::default());
     let samples = board.delivered.iter().take(960);
-    let expected = events_of(
-        samples.map(|&(index, code)| RawSample { index, reading: Reading::Counts(Counts(code)) }),
-    );
+    let raw = |&(index, code): &(u64, i32)| RawSample {
+        index: index.try_into().unwrap(),
+        reading: Reading::Counts(Counts(code)),
+    };
+    let expected = events_of(samples.map(raw));
     assert!(expected.len() > 20, "{}", expected.len());
     assert_eq!(board.events(), expected);
 }

@@ -311,7 +311,7 @@ fn clock_error_stretches_the_record() {
 fn terms_do_not_disturb_each_other() {
     let white = Measurement { white_n: 2.0, ..Measurement::default() };
     let both = Measurement { dropped: Some(Chance { probability: 0.1 }), ..white.clone() };
-    let noise = |m: Measurement| -> Vec<(u64, f64)> {
+    let noise = |m: Measurement| -> Vec<(u32, f64)> {
         measured(m).iter().map(|s| (s.index, s.force_n)).collect()
     };
     let (alone, with) = (noise(white.clone()), noise(both));

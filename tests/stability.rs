@@ -153,11 +153,11 @@ struct Errors {
 }
 
 impl Errors {
-    fn new(events: &[Event], first_index: u64, truths: &[TrueEvent], rate_hz: f64) -> Self {
+    fn new(events: &[Event], first_index: u32, truths: &[TrueEvent], rate_hz: f64) -> Self {
         let mut errors = Self::default();
         let mut truths = truths.iter().peekable();
         for event in events {
-            let onset_s = (periods(event) - first_index as f64) / rate_hz;
+            let onset_s = (periods(event) - f64::from(first_index)) / rate_hz;
             while truths.next_if(|t| t.onset_s < onset_s - 0.3).is_some() {}
             let Some(truth) = truths.peek().filter(|t| t.onset_s < onset_s + 0.3) else { continue };
             let (Some(mu_s), Some(mu)) = (event.mu_s, event.mu) else { continue };
@@ -184,9 +184,9 @@ impl Errors {
 }
 
 /// Days of DFF8-13 without a break that end at the end of a month.
-fn days(days: u64) {
-    const MONTH: u64 = 30 * 86_400 * 16;
-    let scene = Scene { duration_s: 86_400.0 * days as f64, ..scenes::stored("dff8-13") };
+fn days(days: u32) {
+    const MONTH: u32 = 30 * 86_400 * 16;
+    let scene = Scene { duration_s: 86_400.0 * f64::from(days), ..scenes::stored("dff8-13") };
     let first_index = MONTH - days * 86_400 * 16;
     let mut both = Both::new(&both::config(&scene));
     let mut run = Run::new(&scene, 1).unwrap();

@@ -17,7 +17,7 @@ trait Console {
 /// What a timer's interrupt does 16 times a second.
 fn tick(
     pipeline: &mut Pipeline,
-    index: u64,
+    index: u32,
     converter: &mut impl Converter,
     out: &mut impl Console,
 ) {

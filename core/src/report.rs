@@ -10,15 +10,15 @@ use crate::stats::quantity::Quantity;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Counters {
     /// Samples seen, good or bad, without duplicates.
-    pub samples: u64,
+    pub samples: u32,
     /// Indices that never came.
-    pub missing: u64,
+    pub missing: u32,
     /// Indices that came again.
-    pub duplicates: u64,
+    pub duplicates: u32,
     /// Bad readings and spikes.
-    pub rejected: u64,
+    pub rejected: u32,
     /// Readings at the end of the range.
-    pub saturated: u64,
+    pub saturated: u32,
 }
 
 /// The result so far.

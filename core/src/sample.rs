@@ -12,9 +12,15 @@ use crate::units::{Counts, Newtons};
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct RawSample {
     /// Number of the sampling period, increasing.
-    pub index: u64,
+    pub index: u32,
     /// What was read in it.
     pub reading: Reading,
+}
+
+impl RawSample {
+    /// Largest index; samples beyond it count as duplicates. 31 bits: four years at 16 Hz, twelve
+    /// days at 2000 Hz.
+    pub const LAST_INDEX: u32 = u32::MAX / 2;
 }
 
 /// The content of a [`RawSample`].
@@ -74,7 +80,7 @@ pub enum SampleFlag {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct ForceSample {
     /// Index of the [`RawSample`].
-    pub index: u64,
+    pub index: u32,
     /// Force, N. `None` unless the flag is [`SampleFlag::Good`].
     pub force_n: Option<f32>,
     /// Whether the sample is used, and if not, why.
@@ -106,7 +112,7 @@ pub enum Phase {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct SampleTime {
     /// The sample at or before the moment.
-    pub index: u64,
+    pub index: u32,
     /// Fraction of a sampling period after it.
     pub fraction: f32,
 }
@@ -116,17 +122,12 @@ impl SampleTime {
     pub(crate) const ZERO: Self = Self { index: 0, fraction: 0.0 };
 
     /// The moment that lies `periods` after an index; before it, if they are negative.
-    pub(crate) fn after(origin: u64, periods: f32) -> Self {
+    pub(crate) fn after(origin: u32, periods: f32) -> Self {
         let whole = math::floor(periods);
-        Self {
-            index: origin.saturating_add_signed((whole as i32).into()),
-            fraction: periods - whole,
-        }
+        Self { index: origin.saturating_add_signed(whole as i32), fraction: periods - whole }
     }
 
-    /// Is this moment before another one? Not inlined: the board takes many instructions to compare
-    /// 64 bits.
-    #[inline(never)]
+    /// Is this moment before another one?
     pub(crate) fn precedes(self, other: Self) -> bool {
         self < other
     }
@@ -141,7 +142,7 @@ impl SampleTime {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ForcePoint {
     /// Index of the sample.
-    pub index: u64,
+    pub index: u32,
     /// Its force, N.
     pub force_n: f32,
 }
@@ -151,21 +152,14 @@ impl ForcePoint {
     pub(crate) const ZERO: Self = Self { index: 0, force_n: 0.0 };
 }
 
-/// Periods from `origin` to `index`, negative if that lies before; at most 2^31, four years at 16
-/// Hz. The board converts 32 bits to `f32` in one instruction, 64 bits in ninety.
-#[inline(never)]
-pub(crate) fn since(origin: u64, index: u64) -> f32 {
-    let periods = index.wrapping_sub(origin).cast_signed();
-    let short = periods as i32;
-    if i64::from(short) == periods {
-        return short as f32;
-    }
-    if periods < 0 { i32::MIN as f32 } else { i32::MAX as f32 }
+/// Periods from `origin` to `index`, negative if that lies before: indices are below 2^31.
+#[inline(always)]
+pub(crate) fn periods_between(origin: u32, index: u32) -> i32 {
+    index.wrapping_sub(origin).cast_signed()
 }
 
-/// As [`since`], for two indices that are known to be within 2^31 periods of each other. Inlined:
-/// on the path of every sample.
+/// As [`periods_between`], as a number.
 #[inline(always)]
-pub(crate) fn near(origin: u64, index: u64) -> i32 {
-    (index as u32).wrapping_sub(origin as u32).cast_signed()
+pub(crate) fn since(origin: u32, index: u32) -> f32 {
+    periods_between(origin, index) as f32
 }

@@ -28,7 +28,7 @@ const QUIET_SCATTER: f32 = 0.01;
 /// Standard deviations by which the highest of 300 000 normal samples lies above their mean.
 const HIGHEST: f32 = 4.5;
 /// Longest gap within a stretch, periods.
-const LONGEST_GAP: u64 = 8;
+const LONGEST_GAP: u32 = 8;
 
 /// A stretch of samples that belongs to no event.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -79,7 +79,7 @@ struct SteadyForce {
     squares_n2: f32,
     variance_n2: f32,
     /// First index of the stretch.
-    start: u64,
+    start: u32,
     /// The means of the full blocks, a line over their number; their variance by the noise, N².
     means: Line,
     noise_n2: f32,
@@ -88,7 +88,7 @@ struct SteadyForce {
 }
 
 /// A stretch that ended: first and last index, its blocks' means, whether its samples scatter.
-type Steady = (u64, u64, Line, bool);
+type Steady = (u32, u32, Line, bool);
 
 impl SteadyForce {
     fn new(rate_hz: f32) -> Self {
@@ -122,11 +122,11 @@ impl SteadyForce {
     /// Ends the stretch with its last full block; `None` if it is too short, or rises.
     #[cold]
     #[inline(never)]
-    fn end(&mut self, next: u64) -> Option<Steady> {
+    fn end(&mut self, next: u32) -> Option<Steady> {
         let (start, means) = (self.start, self.means);
         // What rises significantly is as likely a slow stick line.
         let rises = self.slope_over_std2() > UNLIKELY * UNLIKELY;
-        let stop = self.last.index.saturating_sub(self.count.into());
+        let stop = self.last.index.saturating_sub(self.count);
         self.clear_block();
         (self.start, self.means) = (next, Line::default());
         (self.noise_n2, self.variance_n2) = (0.0, 0.0);
@@ -152,7 +152,7 @@ impl SteadyForce {
         // Differences of neighbours have twice the variance of white noise.
         let sample_n2 = 0.5 * self.steps_n2 / (count - 1.0);
         let noise_n2 = sample_n2 / count;
-        let first = (self.last.index + 1).saturating_sub(self.count.into());
+        let first = (self.last.index + 1).saturating_sub(self.count);
         let scatters = sample_n2 > most_n * most_n;
         let block_n2 = self.squares_n2 / count;
         let goes_on = scatters == self.scatters && (scatters || self.goes_on(mean_n, noise_n2));
@@ -249,7 +249,7 @@ impl Stretches {
 
     /// A slip or a gap ends a constant force at the index `last` at the latest. `None`: it was
     /// found later, in samples taken for a constant force, so there was none.
-    pub(crate) fn interrupt(&mut self, last: Option<u64>) {
+    pub(crate) fn interrupt(&mut self, last: Option<u32>) {
         let next = self.steady.last.index + 1;
         let steady = self.steady.end(next);
         // A slip begins a little before it is seen.

@@ -15,7 +15,7 @@ fn round_trip<T: serde::Serialize + serde::de::DeserializeOwned>(value: &T) -> (
 fn results_and_settings_read_back_as_they_were() {
     let event = Event {
         index: 3,
-        onset: SampleTime { index: u64::MAX, fraction: 0.25 },
+        onset: SampleTime { index: u32::MAX, fraction: 0.25 },
         stop: SampleTime { index: 9, fraction: 0.0 },
         static_force_n: 781.2,
         dynamic_force_n: 491.4,

@@ -23,6 +23,7 @@ pub mod display;
 pub mod journal;
 pub mod line;
 mod log;
+pub mod long_division;
 pub mod measuring;
 #[cfg(feature = "card")]
 pub mod media;

@@ -40,7 +40,7 @@ impl Sample {
     /// As the core wants it, counted from the first sample of a test.
     #[must_use]
     pub fn raw(&self, first_index: u32) -> RawSample {
-        let index = u64::from(self.index.wrapping_sub(first_index));
+        let index = self.index.wrapping_sub(first_index);
         RawSample { index, reading: self.reading.map_or_else(Reading::from, Reading::Counts) }
     }
 }

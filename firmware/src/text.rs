@@ -2,7 +2,7 @@
 
 use core::fmt;
 
-use floe_core::num::long_division::divide;
+use crate::long_division::divide;
 use heapless::string::StringView;
 
 use crate::line::Text;

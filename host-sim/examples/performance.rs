@@ -255,7 +255,7 @@ fn reader_and_core(path: &Path) -> Outcome {
     while let Some(sample) = log.next_sample()? {
         std::hint::black_box(pipeline.step(sample.raw));
     }
-    Ok(pipeline.report().counters.samples)
+    Ok(pipeline.report().counters.samples.into())
 }
 
 fn whole_replay(path: &Path) -> Outcome {

@@ -29,7 +29,7 @@ fn refusal(arguments: &[&str]) -> String {
 }
 
 fn event(index: u32) -> Event {
-    let onset = u64::from(index) * 28;
+    let onset = index * 28;
     Event {
         index,
         onset: SampleTime { index: onset + 25, fraction: 0.5 },

@@ -22,12 +22,12 @@ fn read(content: &str) -> (Log, Vec<Sample>) {
     (log, samples)
 }
 
-fn indices(samples: &[Sample]) -> Vec<u64> {
+fn indices(samples: &[Sample]) -> Vec<u32> {
     samples.iter().map(|sample| sample.raw.index).collect()
 }
 
 fn consecutive(samples: &[Sample]) -> bool {
-    samples.iter().enumerate().all(|(i, sample)| sample.raw.index == i as u64)
+    samples.iter().enumerate().all(|(i, sample)| sample.raw.index == i as u32)
 }
 
 /// A CR10 at 16 Hz from `start_s` into day `day` of `year`: two scans a stamp.
@@ -71,6 +71,24 @@ fn csv_in_counts() {
     let mut log = open(b"time;adc\n0;6999\n0,0625;-8388608\n", &options).unwrap();
     let readings: Vec<Reading> = samples(&mut log).unwrap().iter().map(|s| s.raw.reading).collect();
     assert_eq!(readings, [Reading::Counts(Counts(6999)), Reading::Counts(Counts(-8_388_608))]);
+}
+
+#[test]
+fn a_clock_that_is_set_anew_is_said() {
+    let row = |i: u32| format!("{},500\n", f64::from(i) / 16.0 + if i < 50 { 0.0 } else { 8e8 });
+    let text = "time_s,force_n\n".to_string() + &(0..100).map(row).collect::<String>();
+    let mut log = open(text.as_bytes(), &LogOptions::default()).unwrap();
+    let samples = samples(&mut log).unwrap();
+    assert_eq!(
+        samples.last().map(|it| (it.raw.index, it.time_s)),
+        Some(((1 << 28) + 98, 8e8 + 6.1875))
+    );
+    assert_eq!(
+        log.warnings(),
+        [
+            "1 gap longer than 194.2 days: 268435456 samples each are counted as missing; was the clock set anew?"
+        ]
+    );
 }
 
 #[test]
@@ -143,7 +161,7 @@ fn cr10_gaps_in_the_stamps_are_gaps_in_the_index() {
     rows.remove(1001);
     let (log, samples) = read(&rows.concat());
     assert_eq!(samples.last().unwrap().raw.index, 8999);
-    let jumps: Vec<u64> =
+    let jumps: Vec<u32> =
         indices(&samples).windows(2).map(|w| w[1] - w[0] - 1).filter(|&n| n > 0).collect();
     assert_eq!(jumps, [1, 161]);
     assert_eq!(log.warnings(), Vec::<String>::new());
@@ -199,7 +217,7 @@ fn a_sample_lost_from_a_long_stamp_is_one_sample() {
             let samples = samples(&mut open(text.as_bytes(), &options).unwrap()).unwrap();
             let jumps = indices(&samples).windows(2).filter(|w| w[1] != w[0] + 1).count();
             let last = samples.last().map(|sample| sample.raw.index);
-            assert_eq!((last, jumps), (rows().next_back().map(u64::from), 1), "{rate_hz} {lost}");
+            assert_eq!((last, jumps), (rows().next_back(), 1), "{rate_hz} {lost}");
         }
     }
 }

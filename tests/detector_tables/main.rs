@@ -319,7 +319,7 @@ fn negative_polarity() {
     let read = |counts_per_n: f32| {
         let calibration = Calibration { tare_counts: 1234, counts_per_n, ..Calibration::default() };
         let config = Config { weight_n: 630.0, calibration, ..Config::default() };
-        let counts = |(index, force_n): (u64, f64)| RawSample {
+        let counts = |(index, force_n): (u32, f64)| RawSample {
             index,
             reading: Reading::Counts(Counts(
                 1234 + (force_n * f64::from(counts_per_n)).round() as i32,

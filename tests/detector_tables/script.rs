@@ -52,7 +52,7 @@ impl Script {
         self
     }
 
-    pub fn samples(&self) -> impl Iterator<Item = (u64, f64)> + '_ {
+    pub fn samples(&self) -> impl Iterator<Item = (u32, f64)> + '_ {
         (0..).zip(&self.forces).filter_map(|(index, force)| Some((index, (*force)?)))
     }
 
@@ -61,9 +61,9 @@ impl Script {
     }
 
     /// The same where whoever follows the slips has no room for another at some samples.
-    pub fn transitions_with(&self, waits: impl Fn(u64) -> bool) -> Vec<String> {
+    pub fn transitions_with(&self, waits: impl Fn(u32) -> bool) -> Vec<String> {
         let mut detector = Detector::new(16.0, Effects::default());
-        let told = |(index, force_n): (u64, f64)| {
+        let told = |(index, force_n): (u32, f64)| {
             let transition = detector.step(index, force_n as f32, waits(index))?;
             Some(match transition {
                 Transition::Onset => format!("{index} onset"),

@@ -31,7 +31,7 @@ impl Hash {
     }
 
     fn moment(&mut self, moment: SampleTime) {
-        self.word(moment.index);
+        self.word(moment.index.into());
         self.number(Some(moment.fraction));
     }
 
@@ -53,7 +53,7 @@ impl Hash {
     fn step(&mut self, step: &Step) {
         self.number(step.sample.force_n);
         self.word(step.sample.flag as u64);
-        self.word(step.spike.unwrap_or(0));
+        self.word(step.spike.unwrap_or(0).into());
         self.word(step.phase as u64);
         self.number(step.rate.map(|rate| rate.rate_n_per_s));
         self.coefficient(step.provisional.map(|first| first.mu_s));

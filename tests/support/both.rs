@@ -31,18 +31,18 @@ impl Both {
     }
 
     /// Takes a force, N: rounded for the one, as it is for the other.
-    pub fn force(&mut self, index: u64, force_n: f64) {
+    pub fn force(&mut self, index: u32, force_n: f64) {
         let single = Reading::Force(Newtons(force_n as f32));
         self.step(index, single, wide::Reading::Force(wide::Newtons(force_n)));
     }
 
     /// Takes a converter's code.
-    pub fn counts(&mut self, index: u64, counts: i32) {
+    pub fn counts(&mut self, index: u32, counts: i32) {
         let single = Reading::Counts(Counts(counts));
         self.step(index, single, wide::Reading::Counts(wide::Counts(counts)));
     }
 
-    fn step(&mut self, index: u64, single: Reading, double: wide::Reading) {
+    fn step(&mut self, index: u32, single: Reading, double: wide::Reading) {
         self.events.0.extend(self.single.step(RawSample { index, reading: single }).event);
         let double = self.double.step(wide::RawSample { index, reading: double });
         self.events.1.extend(double.event);

@@ -17,7 +17,7 @@ pub struct Outcome {
 
 /// A force in newtons at an index.
 #[must_use]
-pub fn force(index: u64, force_n: f64) -> RawSample {
+pub fn force(index: u32, force_n: f64) -> RawSample {
     RawSample { index, reading: Reading::Force(Newtons(force_n as f32)) }
 }
 

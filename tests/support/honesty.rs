@@ -263,8 +263,8 @@ fn read(scene: &Scene, record: &Record, errors: [f64; 4], std: InputStd) -> (Vec
         config.std.zero_n = Some(config.std.zero_n.map_or(left_n, |std_n| std_n.hypot(left_n)));
     }
     let whole = scene.duration_s * scene.rate_hz;
-    let seen = |index: u64, force_n: f64| {
-        let moved_n = moved.unwrap_or_default().at(index as f64 / whole);
+    let seen = |index: u32, force_n: f64| {
+        let moved_n = moved.unwrap_or_default().at(f64::from(index) / whole);
         (1.0 + span) * force_n + zero_n - moved_n
     };
     let samples = record.simulation.samples.iter();

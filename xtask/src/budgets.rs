@@ -146,7 +146,7 @@ impl Record {
     pub(crate) fn new(
         name: String,
         head: [f32; 4],
-        samples: impl Iterator<Item = (u64, f32)>,
+        samples: impl Iterator<Item = (u32, f32)>,
     ) -> Self {
         let mut forces_n = Vec::new();
         for (index, force_n) in samples {

@@ -37,7 +37,7 @@ pub(super) enum Progress {
 enum By {
     Slip(Slip),
     /// A gap or the end of the test, at an index.
-    Loss(u64),
+    Loss(u32),
 }
 
 /// A first answer under way.
@@ -57,7 +57,7 @@ pub(crate) struct Slip {
     /// Lowest sample.
     pub(crate) low: ForcePoint,
     /// Index of the newest sample then.
-    pub(crate) last: u64,
+    pub(crate) last: u32,
     /// Weight of the samples since the lowest one.
     pub(crate) rest_weight: f32,
     /// Saturated samples hide a part of it.
@@ -77,7 +77,7 @@ impl Ended {
     }
 
     /// By a gap, or the end of the test, at an index.
-    pub(super) fn by_loss(stick: &Stick, index: u64) -> Self {
+    pub(super) fn by_loss(stick: &Stick, index: u32) -> Self {
         Self { stick: *stick, by: By::Loss(index), progress: Progress::Waiting }
     }
 
@@ -87,7 +87,7 @@ impl Ended {
     }
 
     /// Index of the highest sample before the slip, or where the loss was.
-    fn end(&self) -> u64 {
+    fn end(&self) -> u32 {
         match self.by {
             By::Slip(Slip { peak, .. }) => peak.index,
             By::Loss(index) => index,
@@ -181,13 +181,13 @@ impl CycleTracker {
 
     /// First index of an event's samples: where the stick line ends, or right after
     /// the cable began to load when the block rested too briefly for a line.
-    fn start(&self, stick: &Stick) -> u64 {
+    fn start(&self, stick: &Stick) -> u32 {
         let load = if stick.line.count < 3 { self.newest_load() } else { None };
         load.map_or(stick.next, |load| stick.next.min((load + 1).max(stick.next.saturating_sub(4))))
     }
 
     /// The last index before the cable of a resting block last began to load, as far as is known yet.
-    fn newest_load(&self) -> Option<u64> {
+    fn newest_load(&self) -> Option<u32> {
         match &self.pending {
             Some(slip) => {
                 slip.early.map(|cycle| SampleTime::after(slip.origin, cycle.shape().loads()).index)

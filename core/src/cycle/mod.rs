@@ -74,7 +74,7 @@ pub struct CycleTracker {
     suspect: Option<(u32, SampleTime)>,
     /// Stop of the last event, and the last index before its cable began to load again.
     last_stop: Option<SampleTime>,
-    last_load: Option<u64>,
+    last_load: Option<u32>,
     /// Stop of the last event, and the force there, N, if both were measured well enough to tell a
     /// sag.
     rested: Option<(SampleTime, f32)>,
@@ -118,7 +118,7 @@ impl CycleTracker {
         &mut self,
         detector: &Detector,
         extremes: (ForcePoint, ForcePoint),
-        last_hidden: Option<u64>,
+        last_hidden: Option<u32>,
         answers: &mut Answers,
     ) {
         let stick = detector.ended();

@@ -5,7 +5,7 @@
 use crate::detector::onset::FARTHEST;
 use crate::detector::{Detector, Transition};
 use crate::num::math::larger;
-use crate::sample::{ForcePoint, Phase, near};
+use crate::sample::{ForcePoint, Phase, periods_between};
 use crate::signal::window::WINDOW;
 
 /// Samples looked at in a step, while catching up.
@@ -21,11 +21,11 @@ impl Detector {
     /// Leaves a sample for later; `false` if there is no room.
     #[cold]
     #[inline(never)]
-    pub(super) fn put_off(&mut self, index: u64) -> bool {
+    pub(super) fn put_off(&mut self, index: u32) -> bool {
         if !self.is_behind {
             (self.next, self.is_behind) = (index, true);
         }
-        self.put_off = (index - self.window.first_from(self.next)) as u32;
+        self.put_off = index - self.window.first_from(self.next);
         self.put_off < MOST_PUT_OFF
     }
 
@@ -80,7 +80,8 @@ impl Detector {
     /// briefly for a line no slip is told before a higher one, so that one is forgotten in the end.
     fn forget_first(&mut self) {
         let highest = self.stick.highest.index;
-        let is_first = highest == self.stick.origin && near(highest, self.last.index) > FARTHEST;
+        let is_first =
+            highest == self.stick.origin && periods_between(highest, self.last.index) > FARTHEST;
         if is_first && !self.line_fits() {
             self.stick.highest = self.last;
         }

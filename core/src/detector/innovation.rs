@@ -25,13 +25,13 @@ impl Detector {
 
     /// Variance of a resting block's sample over that of a late one.
     #[inline(always)]
-    pub(super) fn variance(&self, index: u64) -> f32 {
+    pub(super) fn variance(&self, index: u32) -> f32 {
         let profile = self.profile.get().filter(|it| !it.is_flat());
         profile.map_or(1.0, |it| self.flop_variance(it, index))
     }
 
     #[inline(never)]
-    fn flop_variance(&self, profile: &FlopProfile, index: u64) -> f32 {
+    fn flop_variance(&self, profile: &FlopProfile, index: u32) -> f32 {
         profile.variance(since(self.stick.origin, index))
     }
 

@@ -10,7 +10,7 @@ use crate::effect::Effect;
 use crate::noise::flop::FlopProfile;
 use crate::noise::ripple::Ripple;
 use crate::num::math::{larger, smaller};
-use crate::sample::{ForcePoint, near};
+use crate::sample::{ForcePoint, periods_between};
 use crate::signal::window::WINDOW;
 
 /// After this many samples in a row off the line, all on one side, the line starts anew;
@@ -61,12 +61,14 @@ impl Detector {
 
     /// Takes samples into the line, far enough behind the newest one that a slip
     /// which has just begun, unseen, does not bend it, nor creep before it.
-    pub(super) fn extend_line(&mut self, newest: u64) {
-        while near(self.stick.next, newest) >= self.line_delay.cast_signed() {
+    pub(super) fn extend_line(&mut self, newest: u32) {
+        while periods_between(self.stick.next, newest) >= self.line_delay.cast_signed() {
             let index = self.stick.next;
             self.stick.next += 1;
-            let rested = near(self.stick.origin, self.stick.next);
-            if rested & (FORGET - 1) == 0 && rested > 2 * near(self.ended.origin, self.ended.next) {
+            let rested = periods_between(self.stick.origin, self.stick.next);
+            if rested & (FORGET - 1) == 0
+                && rested > 2 * periods_between(self.ended.origin, self.ended.next)
+            {
                 self.forget_usual();
             }
             match rested {
@@ -81,7 +83,7 @@ impl Detector {
                 PAST_PROFILE => self.look_for_flop(Look::Learn, PROFILE..i32::MAX, true),
                 _ => {}
             }
-            if let Some(force_n) = self.window.get_near(index) {
+            if let Some(force_n) = self.window.get(index) {
                 self.take_into_line(ForcePoint { index, force_n });
             }
         }
@@ -92,7 +94,7 @@ impl Detector {
     /// once it is, all samples are looked at again.
     #[cold]
     #[inline(never)]
-    fn begins_after_fall(&mut self, newest: u64) -> bool {
+    fn begins_after_fall(&mut self, newest: u32) -> bool {
         let mut low = self.stick.origin;
         while low < newest && self.window.get(low + 1) < self.window.get(low) {
             low += 1;
@@ -119,7 +121,7 @@ impl Detector {
     /// the line is forgotten, and the last samples before the onset count one by one.
     pub(super) fn shorten_line(&mut self) {
         let Stick { origin, highest, next, .. } = self.stick;
-        let end = highest.index.saturating_sub(whole(self.usual_rise).into()).max(origin);
+        let end = highest.index.saturating_sub(whole(self.usual_rise)).max(origin);
         if next > end {
             self.stick.forget_line();
             self.stick.next = self.stick.next.min(end);
@@ -151,7 +153,7 @@ impl Detector {
 
     /// A sample off the line is left out; several on one side start a new line.
     #[inline(never)]
-    fn strike(&mut self, index: u64, innovation: f32) {
+    fn strike(&mut self, index: u32, innovation: f32) {
         let stick = &mut self.stick;
         stick.strikes += 1;
         let side = if innovation > 0.0 { 1 } else { -1 };
@@ -162,7 +164,7 @@ impl Detector {
         }
         self.spent += 8;
         // Those of the last samples that are on it are taken once more.
-        let start = (index + 1).saturating_sub(u64::from(NEW_LINE));
+        let start = (index + 1).saturating_sub(u32::from(NEW_LINE));
         stick.next = start;
         stick.start_line(start);
         // A cable that flops leaves the line as well.
@@ -200,13 +202,14 @@ impl Detector {
     pub(super) fn look_for_flop(&mut self, look: Look, lengths: Range<i32>, goes_on: bool) {
         let (window, stick) = (&self.window, if goes_on { &self.stick } else { &self.ended });
         let (origin, next) = (stick.origin, stick.next);
-        let looks = self.effects.has(Effect::Flop) && lengths.contains(&near(origin, next));
+        let looks =
+            self.effects.has(Effect::Flop) && lengths.contains(&periods_between(origin, next));
         if !looks || window.first_from(origin) != origin {
             return;
         }
         // A line that was not followed has to be fitted in the same step: to half as many samples.
         let most = if stick.is_straight() { PROFILE } else { PROFILE / 2 };
-        let forces_n = window.between(origin, next.min(origin + most as u64));
+        let forces_n = window.between(origin, next.min(origin + most as u32));
         self.spent += forces_n.iter().map(|part| part.len() * 2 / 3).sum::<usize>();
         let flops = self.profile.update(|profile| {
             let was_flat = profile.is_flat();

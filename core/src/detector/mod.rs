@@ -49,15 +49,15 @@ use crate::noise::flop::FlopProfile;
 use crate::noise::ripple::Ripple;
 use crate::noise::scale::Noise;
 use crate::num::math::{larger, smaller};
-use crate::sample::{ForcePoint, Phase, near};
+use crate::sample::{ForcePoint, Phase, since};
 use crate::signal::window::{WINDOW, Window};
 
 /// Most noise, parts of the usual drop: with more of it the drops could not have been seen.
 const MOST_NOISE: f32 = 0.1;
 /// A gap longer than this starts anew, periods: a whole slip may hide in it.
-const LONGEST_GAP: u64 = 8;
+const LONGEST_GAP: u32 = 8;
 /// Longest slip, periods: its samples are still in the window when it ends.
-const LONGEST_SLIP: u64 = WINDOW as u64 * 3 / 4;
+const LONGEST_SLIP: u32 = WINDOW as u32 * 3 / 4;
 
 /// What a sample changed.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -108,7 +108,7 @@ pub struct Detector {
     noise: Noise,
     window: Window,
     /// First index that it has not looked at, where there are any.
-    next: u64,
+    next: u32,
     ended: Stick,
     lowest: ForcePoint,
     /// Most noise with which the samples were looked at, N.
@@ -164,7 +164,7 @@ impl Detector {
 
     /// Takes a good sample with an index past all earlier ones. If `waits`, because the cycles have
     /// no room for another slip, it is looked at later, as far as there is room for that.
-    pub fn step(&mut self, index: u64, force_n: f32, waits: bool) -> Option<Transition> {
+    pub fn step(&mut self, index: u32, force_n: f32, waits: bool) -> Option<Transition> {
         self.spent = 0;
         let in_a_row = self.window.push(index, force_n);
         self.noise.add_sample(force_n, in_a_row && !self.lies_at_zero());
@@ -252,12 +252,12 @@ impl Detector {
             // What strayed from the first line may be the line's own bend.
             self.forget_ripple();
         }
-        self.update_usual(drop, near(peak.index, low.index) as f32);
+        self.update_usual(drop, since(peak.index, low.index));
         // Only now is it known how late the first slip was seen.
         self.shorten_line();
         self.middle_n = peak.force_n - 0.5 * larger(drop, self.usual_drop_n);
         // As far from the lowest force to the stop as from the onset to the highest.
-        let stop = low.index + u64::from(whole(self.usual_rise));
+        let stop = low.index + whole(self.usual_rise);
         self.rest_from(now, now.index.max(stop) + 1);
         self.slack_wait = wait;
         self.look_back(low.index, now.index);
@@ -281,7 +281,7 @@ impl Detector {
     }
 
     /// A new stick line whose first sample is `next`.
-    fn rest_from(&mut self, highest: ForcePoint, next: u64) {
+    fn rest_from(&mut self, highest: ForcePoint, next: u32) {
         self.spent += 8;
         self.phase = Phase::Stick;
         self.ended = self.stick;

@@ -4,7 +4,7 @@
 use crate::detector::Detector;
 use crate::detector::stick_line::LINE_POINTS;
 use crate::num::math::{self, larger};
-use crate::sample::{ForcePoint, Phase, near};
+use crate::sample::{ForcePoint, Phase, periods_between};
 
 /// Samples whose innovation exceeds this many standard deviations are not on the line: of
 /// normal noise one in 5e8, and the noise is known to about 10 %.
@@ -84,11 +84,11 @@ impl Detector {
 
     /// Where the force hardly rises in its noise the highest sample may lie long before a slip that
     /// shows now: the highest sample from the last one on the line on is the peak.
-    pub(super) fn find_peak(&mut self, now: u64) {
-        let most = near(self.stick.highest.index, now).clamp(0, FARTHEST);
+    pub(super) fn find_peak(&mut self, now: u32) {
+        let most = periods_between(self.stick.highest.index, now).clamp(0, FARTHEST);
         self.spent += most as usize / 2;
         for back in 1..most {
-            let index = now - back as u64;
+            let index = now - back as u32;
             let force_n = self.window.get(index).unwrap_or(f32::NEG_INFINITY);
             let off_n = self.off_line_n(ForcePoint { index, force_n });
             if off_n > Some(-self.std_n) {

@@ -46,8 +46,8 @@ impl Detector {
     }
 
     /// The first index after the rest that a long gap, or a fall without end, has ended.
-    pub(crate) fn lost(&self) -> u64 {
-        self.ended.next + u64::from(self.line_delay)
+    pub(crate) fn lost(&self) -> u32 {
+        self.ended.next + self.line_delay
     }
 
     /// Standard deviation of the noise, N, to about 10 %; infinite before it is known.

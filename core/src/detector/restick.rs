@@ -3,7 +3,7 @@
 
 use crate::detector::Detector;
 use crate::num::math::{self, larger, smaller};
-use crate::sample::{ForcePoint, near};
+use crate::sample::{ForcePoint, since};
 
 /// Rise that ends a slip at once, standard deviations of the noise.
 const SURE_RISE: f32 = 4.0;
@@ -32,7 +32,7 @@ impl Detector {
         let drop = self.stick.highest.force_n - self.lowest.force_n;
         let fall = self.lowest.index - self.stick.highest.index;
         // All slips of a block take as long: in the first part of a long one noise turns the force as well.
-        let elapsed = near(self.stick.highest.index, now.index) as f32;
+        let elapsed = since(self.stick.highest.index, now.index);
         if drop < EARLY * self.usual_drop_n && elapsed < EARLY * self.usual_fall {
             return false;
         }
@@ -64,7 +64,7 @@ impl Detector {
 
     /// The first sample after the peak that is as low as the lowest one, but for noise:
     /// on a slack cable all are at zero.
-    pub(super) fn first_low(&self, peak: u64) -> ForcePoint {
+    pub(super) fn first_low(&self, peak: u32) -> ForcePoint {
         let limit_n = self.lowest.force_n + AS_LOW * self.std_n;
         let sample = |index| Some(ForcePoint { index, force_n: self.window.get(index)? });
         let low = (peak + 1..self.lowest.index).filter_map(sample).find(|s| s.force_n < limit_n);
@@ -100,7 +100,7 @@ impl Detector {
 
     /// Goes through the samples that came before a peak or a re-stick was seen, and belong to what
     /// follows it: for the highest of them, and for a cable that is taut already.
-    pub(super) fn look_back(&mut self, from: u64, now: u64) {
+    pub(super) fn look_back(&mut self, from: u32, now: u32) {
         for index in from..now + 1 {
             let Some(force_n) = self.window.get(index) else { continue };
             if force_n > self.stick.highest.force_n {

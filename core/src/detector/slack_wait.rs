@@ -75,8 +75,8 @@ impl SlackWait {
 }
 
 /// Periods since the cable became taut, from a rise, N, and a loading rate, N per period.
-pub(crate) fn periods_above(risen_n: f32, rate: f32) -> u64 {
-    ((SURE * risen_n / rate) as u32).min(MOST_PERIODS).into()
+pub(crate) fn periods_above(risen_n: f32, rate: f32) -> u32 {
+    ((SURE * risen_n / rate) as u32).min(MOST_PERIODS)
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 //! recursively, with its start kept.
 
 use crate::num::math;
-use crate::sample::{ForcePoint, near, since};
+use crate::sample::{ForcePoint, since};
 use crate::stats::line::Line;
 
 /// Fewest samples that make a stick line.
@@ -15,18 +15,18 @@ const MOST_MEAN_TIME: f32 = 64.0;
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Stick {
     /// Index of the first sample: time zero of `first`.
-    pub origin: u64,
+    pub origin: u32,
     /// Where the line is now: ends at the next onset.
     pub line: Line,
     /// Index at time zero of `line`: stays near it, so that a block that rests for days
     /// costs no digits.
-    pub(super) line_origin: u64,
+    pub(super) line_origin: u32,
     /// The line up to where it was begun anew; `None` while it has not been.
     first: Option<Line>,
     /// The rate has broken off: the winch paused, or turned at another speed.
     pub broken: bool,
     /// Next index to be taken into the line.
-    pub next: u64,
+    pub next: u32,
     /// Highest sample since the re-stick.
     pub highest: ForcePoint,
     /// Samples in a row off the line, and how many of them on the last one's side: negative below it.
@@ -36,7 +36,7 @@ pub struct Stick {
 
 impl Stick {
     /// At rest from an index on.
-    pub(super) fn new(origin: u64, highest: ForcePoint) -> Self {
+    pub(super) fn new(origin: u32, highest: ForcePoint) -> Self {
         Self { origin, line_origin: origin, next: origin, highest, ..Self::default() }
     }
 
@@ -48,18 +48,18 @@ impl Stick {
 
     /// The line as it started, at the last re-stick; times from an index on.
     #[must_use]
-    pub fn first_from(&self, index: u64) -> Line {
+    pub fn first_from(&self, index: u32) -> Line {
         self.first.map_or_else(|| self.line_from(index), |first| moved(first, self.origin, index))
     }
 
     /// The line as it is now; times from an index on.
     #[must_use]
-    pub fn line_from(&self, index: u64) -> Line {
+    pub fn line_from(&self, index: u32) -> Line {
         moved(self.line, self.line_origin, index)
     }
 
     /// Keeps what the line was so far, and begins it anew from an index on.
-    pub(super) fn start_line(&mut self, index: u64) {
+    pub(super) fn start_line(&mut self, index: u32) {
         self.first = Some(self.first_from(self.origin));
         self.strikes = 0;
         (self.line, self.line_origin) = (Line::default(), index);
@@ -74,8 +74,8 @@ impl Stick {
 
     /// Time of an index in the line, periods.
     #[inline(always)]
-    pub(super) fn time(&self, index: u64) -> f32 {
-        near(self.line_origin, index) as f32
+    pub(super) fn time(&self, index: u32) -> f32 {
+        since(self.line_origin, index)
     }
 
     /// Sample at such a time minus the forecast, N. `None` with fewer than four samples.
@@ -97,13 +97,13 @@ impl Stick {
         self.line.take(time, force_n, weight, weight);
         if self.line.time >= MOST_MEAN_TIME {
             self.line.shift(MOST_MEAN_TIME);
-            self.line_origin += MOST_MEAN_TIME as u64;
+            self.line_origin += MOST_MEAN_TIME as u32;
         }
     }
 }
 
 /// A line whose time begins at one index, with times from another one on.
-fn moved(mut line: Line, from: u64, to: u64) -> Line {
+fn moved(mut line: Line, from: u32, to: u32) -> Line {
     line.shift(since(from, to));
     line
 }

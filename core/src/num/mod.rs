@@ -1,6 +1,5 @@
-//! Arithmetic: elementary functions, pairs of `f32`, division without the library's.
+//! Arithmetic: elementary functions, pairs of `f32`.
 
 mod bits;
 pub mod double_single;
-pub mod long_division;
 pub mod math;

@@ -35,7 +35,7 @@ pub struct Step {
     /// [`Step::spike`].
     pub sample: ForceSample,
     /// Index of an earlier sample that is now known to be a spike.
-    pub spike: Option<u64>,
+    pub spike: Option<u32>,
     /// Rate of the force, by the paper's central difference; two samples late.
     pub rate: Option<Rate>,
     /// What the block is doing. A slip shows at the first sample that is clearly below the stick
@@ -74,7 +74,7 @@ impl Step {
 #[repr(C)]
 pub struct Pipeline {
     /// The next index; before the first sample any index may come.
-    next: u64,
+    next: u32,
     counters: Counters,
     spikes: SpikeFilter,
     decimator: Decimator,
@@ -89,7 +89,7 @@ pub struct Pipeline {
     cycles: CycleTracker,
     config: Config,
     /// Block of the newest saturated sample.
-    last_hidden: Option<u64>,
+    last_hidden: Option<u32>,
     mu_s: Estimator,
     mu: Estimator,
     /// How far the zero may have moved.
@@ -292,7 +292,7 @@ impl Pipeline {
     /// Completes what is left of a test whose events have all been given, one stretch a call, until
     /// `None`.
     pub fn finish_stretch(&mut self) -> Option<Stretch> {
-        self.stretches.interrupt(Some(u64::MAX));
+        self.stretches.interrupt(Some(u32::MAX));
         self.stretches.close();
         self.stretches.next().map(|stretch| self.in_samples(stretch))
     }

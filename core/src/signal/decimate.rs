@@ -6,7 +6,8 @@
 //! fewer than half its samples is missing. Up to that rate a sample is a block and
 //! nothing is computed. Delay: one block.
 
-use crate::num::long_division::divide;
+use core::num::NonZeroU32;
+
 use crate::num::math;
 use crate::sample::{ForcePoint, SampleTime};
 
@@ -16,61 +17,63 @@ pub const FASTEST_HZ: f32 = 128.0;
 /// Averages blocks of samples.
 #[derive(Clone, Copy, Debug)]
 pub struct Decimator {
-    factor: u16,
-    block: u64,
+    factor: NonZeroU32,
+    block: u32,
     mean_n: f32,
-    count: u16,
+    count: u32,
 }
 
 impl Decimator {
     /// For a rate of 1 to 2000 Hz.
     #[must_use]
     pub fn new(rate_hz: f32) -> Self {
-        let factor = math::larger(-math::floor(-rate_hz / FASTEST_HZ), 1.0) as u16;
+        let factor = -math::floor(-rate_hz / FASTEST_HZ) as u32;
+        let factor = NonZeroU32::new(factor).unwrap_or(NonZeroU32::MIN);
         Self { factor, block: 0, mean_n: 0.0, count: 0 }
     }
 
     /// Samples per block.
     #[must_use]
     pub fn factor(&self) -> f32 {
-        f32::from(self.factor)
+        self.factor.get() as f32
     }
 
     /// Is a block more than a sample?
     #[must_use]
     pub fn averages(&self) -> bool {
-        self.factor > 1
+        self.factor > NonZeroU32::MIN
     }
 
     /// Block of an index.
     #[must_use]
-    pub fn block(&self, index: u64) -> u64 {
-        divide(index, self.factor).0
+    pub fn block(&self, index: u32) -> u32 {
+        index / self.factor
     }
 
     /// Takes a good sample with an index past all earlier ones; gives a block, with
     /// the block's number as its index, when one is complete.
     #[inline]
     pub fn step(&mut self, sample: ForcePoint) -> Option<ForcePoint> {
-        if self.factor == 1 { Some(sample) } else { self.average(sample) }
+        if self.averages() { self.average(sample) } else { Some(sample) }
     }
 
     fn average(&mut self, sample: ForcePoint) -> Option<ForcePoint> {
-        let (block, place) = divide(sample.index, self.factor);
+        let block = self.block(sample.index);
+        let place = sample.index % self.factor;
         let complete = if block == self.block { None } else { self.finish() };
         self.block = block;
         self.count += 1;
-        self.mean_n += (sample.force_n - self.mean_n) / f32::from(self.count);
+        self.mean_n += (sample.force_n - self.mean_n) / self.count as f32;
         // One block a step: if the block before has just been completed, this one, whose only
         // sample is its last, waits for the next step.
-        if place == self.factor - 1 && complete.is_none() { self.finish() } else { complete }
+        if place + 1 == self.factor.get() && complete.is_none() { self.finish() } else { complete }
     }
 
     /// Ends the block under way; `None` if it holds fewer than half its samples.
     #[inline(never)]
     pub fn finish(&mut self) -> Option<ForcePoint> {
         let block = ForcePoint { index: self.block, force_n: self.mean_n };
-        let enough = self.count * 2 >= self.factor && self.count > 0;
+        let enough = self.count * 2 >= self.factor.get() && self.count > 0;
         (self.count, self.mean_n) = (0, 0.0);
         enough.then_some(block)
     }
@@ -79,16 +82,13 @@ impl Decimator {
     /// of its samples.
     #[must_use]
     pub fn moment(&self, blocks: SampleTime) -> SampleTime {
-        if self.factor == 1 {
+        if !self.averages() {
             return blocks;
         }
         let after = blocks.fraction * self.factor() + 0.5 * (self.factor() - 1.0);
         let whole = math::floor(after);
         SampleTime {
-            index: blocks
-                .index
-                .saturating_mul(self.factor.into())
-                .saturating_add((whole as u32).into()),
+            index: blocks.index.saturating_mul(self.factor.get()).saturating_add(whole as u32),
             fraction: after - whole,
         }
     }
@@ -98,7 +98,7 @@ impl Decimator {
 mod tests {
     use super::*;
 
-    fn sample(index: u64) -> ForcePoint {
+    fn sample(index: u32) -> ForcePoint {
         ForcePoint { index, force_n: 100.0 + index as f32 }
     }
 
@@ -114,7 +114,7 @@ mod tests {
     #[test]
     fn a_block_is_the_line_at_its_middle() {
         let mut d = Decimator::new(512.0);
-        let blocks: [Option<ForcePoint>; 9] = core::array::from_fn(|i| d.step(sample(i as u64)));
+        let blocks: [Option<ForcePoint>; 9] = core::array::from_fn(|i| d.step(sample(i as u32)));
         assert_eq!(blocks.iter().flatten().count(), 2);
         let block = blocks[7].unwrap();
         let middle = d.moment(SampleTime { index: block.index, fraction: 0.0 });

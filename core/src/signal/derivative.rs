@@ -18,7 +18,7 @@
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Rate {
     /// Index of the sample it belongs to.
-    pub index: u64,
+    pub index: u32,
     /// Force of that sample, N.
     pub force_n: f32,
     /// Rate of the force, N/s.
@@ -34,7 +34,7 @@ pub struct Slope<const LEN: usize> {
     /// Samples in a row without a gap, of those before the newest; at most `LEN - 1`.
     filled: usize,
     /// Index of the next one in the row.
-    next: u64,
+    next: u32,
     rate_hz: f32,
 }
 
@@ -52,7 +52,7 @@ impl<const LEN: usize> Slope<LEN> {
 
     /// Takes a good sample; gives the rate at the middle of the last `LEN` ones, or
     /// `None` at the start and after a gap until enough are there in a row.
-    pub fn step(&mut self, index: u64, force_n: f32) -> Option<Rate> {
+    pub fn step(&mut self, index: u32, force_n: f32) -> Option<Rate> {
         if index != self.next {
             self.filled = 0;
         }
@@ -75,7 +75,7 @@ impl<const LEN: usize> Slope<LEN> {
         let at = |place: usize| self.forces_n.get(place).copied().unwrap_or_default();
         let pair = |m: usize| m as f32 * (at(LEN / 2 + m) - at(LEN / 2 - m));
         Rate {
-            index: self.next.wrapping_sub((LEN / 2 + 1) as u64),
+            index: self.next.wrapping_sub((LEN / 2 + 1) as u32),
             force_n: at(LEN / 2),
             rate_n_per_s: (1..=LEN / 2).map(pair).sum::<f32>() / norm * self.rate_hz,
         }
@@ -112,9 +112,9 @@ mod tests {
     #[test]
     fn a_line_is_exact_whatever_its_offset_and_a_gap_starts_anew() {
         let mut slope = LeastSquares::new(10.0);
-        let line = |i: u64| 3000.0 + 0.5 * i as f32;
+        let line = |i: u32| 3000.0 + 0.5 * i as f32;
         let rates: [Option<f32>; 5] =
-            core::array::from_fn(|i| slope.step(i as u64, line(i as u64)).map(|r| r.rate_n_per_s));
+            core::array::from_fn(|i| slope.step(i as u32, line(i as u32)).map(|r| r.rate_n_per_s));
         assert_eq!(rates[..4], [None; 4]);
         assert!((rates[4].unwrap() - 5.0).abs() < 1e-3);
         assert!(slope.step(6, line(6)).is_none());

@@ -20,7 +20,7 @@ const RISES: f32 = 3.0;
 /// Part of the largest recent rise that is left with the next one.
 const FADE: f32 = 0.5;
 /// Neighbours that are more periods apart say too little to judge a sample by.
-const LONGEST_SPAN: u64 = 4;
+const LONGEST_SPAN: u32 = 4;
 
 /// What the filter needs to know of the force.
 #[derive(Clone, Copy, Debug)]
@@ -99,12 +99,12 @@ impl SpikeFilter {
     /// Is a sample a spike, that differs from its neighbours, `span` periods apart, by these
     /// forces, N?
     #[inline(never)]
-    fn stands_out(&self, (left, right): (f32, f32), span: u64, usual: Usual) -> bool {
+    fn stands_out(&self, (left, right): (f32, f32), span: u32, usual: Usual) -> bool {
         if span > LONGEST_SPAN {
             return false;
         }
         let Some(rise_n) = self.rises.value() else { return false };
-        let rises = RISES * larger(rise_n, self.last_rise_n) * span as u32 as f32 / 2.0;
+        let rises = RISES * larger(rise_n, self.last_rise_n) * span as f32 / 2.0;
         let least = larger(larger(NOISES * usual.noise_n, PART_OF_DROP * usual.drop_n), rises);
         smaller(left.abs(), right.abs()) > least
     }
@@ -127,7 +127,7 @@ mod tests {
         let mut filter = SpikeFilter::new();
         let rise = (0..20).map(|i| 300.0 + 10.0 * i as f32);
         rise.chain(forces).enumerate().fold(None, |found, (i, force_n)| {
-            match filter.step(ForcePoint { index: i as u64, force_n }, || *usual) {
+            match filter.step(ForcePoint { index: i as u32, force_n }, || *usual) {
                 Judged::Spike(spike) => Some(spike.index as usize - 20),
                 Judged::Nothing | Judged::Good(_) => found,
             }
@@ -156,7 +156,7 @@ mod tests {
         let pulled = (1..4).map(|i| 300.0 + 370.0 * i as f32);
         let slip = [1500.0, 700.0, 200.0, 600.0, 970.0];
         for (i, force_n) in held.chain(pulled).chain(slip).enumerate() {
-            let judged = filter.step(ForcePoint { index: i as u64, force_n }, || unknown);
+            let judged = filter.step(ForcePoint { index: i as u32, force_n }, || unknown);
             assert!(!matches!(judged, Judged::Spike(_)), "{i}");
         }
     }

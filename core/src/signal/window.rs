@@ -1,7 +1,5 @@
 //! The last samples, by index.
 
-use crate::sample::near;
-
 /// How many sampling periods the window reaches back.
 pub const WINDOW: usize = 256;
 
@@ -10,9 +8,9 @@ pub const WINDOW: usize = 256;
 #[repr(C)]
 pub struct Window {
     /// One past the newest index.
-    end: u64,
+    end: u32,
     /// The first index of all.
-    first: u64,
+    first: u32,
     /// NaN where there is no good sample.
     forces_n: [f32; WINDOW],
 }
@@ -26,7 +24,7 @@ impl Window {
 
     /// Takes a sample with an index past all earlier ones; does it follow the one before?
     #[inline(always)]
-    pub fn push(&mut self, index: u64, force_n: f32) -> bool {
+    pub fn push(&mut self, index: u32, force_n: f32) -> bool {
         let in_a_row = index == self.end;
         if !in_a_row {
             self.skip_to(index);
@@ -39,44 +37,33 @@ impl Window {
     /// Marks the periods that were skipped as missing.
     #[cold]
     #[inline(never)]
-    fn skip_to(&mut self, index: u64) {
+    fn skip_to(&mut self, index: u32) {
         if self.end == 0 {
             self.first = index;
         }
-        for skipped in self.end.max(index.saturating_sub(WINDOW as u64))..index {
+        for skipped in self.end.max(index.saturating_sub(WINDOW as u32))..index {
             self.set(skipped, f32::NAN);
         }
     }
 
     /// One past the newest index; 0 before the first sample.
     #[must_use]
-    pub fn end(&self) -> u64 {
+    pub fn end(&self) -> u32 {
         self.end
     }
 
     /// Force at an index, if it is in the window and was good.
     #[must_use]
-    pub fn get(&self, index: u64) -> Option<f32> {
-        let inside = self.end.wrapping_sub(index).wrapping_sub(1) < WINDOW as u64;
-        self.force_n(index).filter(|_| inside)
-    }
-
-    /// As [`Self::get`], for an index within 2^31 of the newest one: on the path of every sample.
-    #[inline(always)]
-    pub(crate) fn get_near(&self, index: u64) -> Option<f32> {
-        let inside = (1..=WINDOW as i32).contains(&near(index, self.end));
-        self.force_n(index).filter(|_| inside)
-    }
-
-    #[inline(always)]
-    fn force_n(&self, index: u64) -> Option<f32> {
-        self.forces_n.get(slot(index)).copied().filter(|force_n| !force_n.is_nan())
+    pub fn get(&self, index: u32) -> Option<f32> {
+        let inside = self.end.wrapping_sub(index).wrapping_sub(1) < WINDOW as u32;
+        let force_n = self.forces_n.get(slot(index)).copied();
+        force_n.filter(|force_n| inside && !force_n.is_nan())
     }
 
     /// Forces from an index up to another one, in two parts where the ring begins anew; NaN is
     /// missing. Both indices have to lie within the window: beyond it other samples are in their
     /// places.
-    pub(crate) fn between(&self, from: u64, to: u64) -> [&[f32]; 2] {
+    pub(crate) fn between(&self, from: u32, to: u32) -> [&[f32]; 2] {
         let (from_slot, to_slot) = (slot(from), slot(to));
         let part = |range| self.forces_n.get(range).unwrap_or_default();
         if from_slot <= to_slot {
@@ -89,19 +76,19 @@ impl Window {
     /// The index, or the oldest one in the window if that is later.
     #[must_use]
     #[inline(never)]
-    pub fn first_from(&self, index: u64) -> u64 {
-        index.max(self.first).max(self.end.saturating_sub(WINDOW as u64))
+    pub fn first_from(&self, index: u32) -> u32 {
+        index.max(self.first).max(self.end.saturating_sub(WINDOW as u32))
     }
 
-    fn set(&mut self, index: u64, force_n: f32) {
+    fn set(&mut self, index: u32, force_n: f32) {
         if let Some(entry) = self.forces_n.get_mut(slot(index)) {
             *entry = force_n;
         }
     }
 }
 
-fn slot(index: u64) -> usize {
-    (index % WINDOW as u64) as usize
+fn slot(index: u32) -> usize {
+    (index % WINDOW as u32) as usize
 }
 
 impl Default for Window {
@@ -136,13 +123,13 @@ mod tests {
         assert_eq!(window.get(0), None);
         window.push(5, 1.0);
         window.push(8, 2.0);
-        let seen: [Option<f32>; 5] = core::array::from_fn(|i| window.get(5 + i as u64));
+        let seen: [Option<f32>; 5] = core::array::from_fn(|i| window.get(5 + i as u32));
         assert_eq!(seen, [Some(1.0), None, None, Some(2.0), None]);
-        window.push(8 + WINDOW as u64, 3.0);
+        window.push(8 + WINDOW as u32, 3.0);
         assert_eq!(window.get(8), None, "out of the window");
         assert_eq!(window.get(9), None, "missing");
-        window.push(u64::MAX - 1, 4.0);
-        assert_eq!(window.get(u64::MAX - 1), Some(4.0));
-        assert_eq!(window.get(8 + WINDOW as u64), None);
+        window.push(u32::MAX - 1, 4.0);
+        assert_eq!(window.get(u32::MAX - 1), Some(4.0));
+        assert_eq!(window.get(8 + WINDOW as u32), None);
     }
 }

@@ -151,7 +151,7 @@ impl<P: Read + ReadReady + Write, S: Store> App<'_, P, S> {
     }
 
     /// How cold the converter is and what feeds it, if it can tell.
-    pub(super) fn say_climate(&mut self, index: u64) {
+    pub(super) fn say_climate(&mut self, index: u32) {
         let Climate { temperature_256, supply_mv } = self.shared.climate();
         let temperature_c = temperature_256.map(|code| code as f32 / 256.0);
         let supply_v = supply_mv.map(|supply_mv| supply_mv as f32 / 1000.0);
@@ -172,7 +172,7 @@ impl<P: Read + ReadReady + Write, S: Store> App<'_, P, S> {
     pub(super) fn sync(&mut self, index: u32) {
         let Job::Test(test) = &self.job else { return };
         if let (Some(first), Some(unix_ms)) = (test.first_index, self.clock.at(index)) {
-            let index = u64::from(index.wrapping_sub(first));
+            let index = index.wrapping_sub(first);
             self.tell(&Line::Sync { index, unix_ms });
         }
     }

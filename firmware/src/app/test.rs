@@ -103,7 +103,7 @@ impl<P: Read + ReadReady + Write, S: Store> App<'_, P, S> {
     fn tell_event(&mut self, event: Event) {
         self.tell(&Line::Event(event));
         if let Job::Test(Test { first_index: Some(first), .. }) = self.job {
-            self.sync(first.wrapping_add(event.onset.index as u32));
+            self.sync(first.wrapping_add(event.onset.index));
         }
     }
 
@@ -136,7 +136,7 @@ impl<P: Read + ReadReady + Write, S: Store> App<'_, P, S> {
             self.date(sample.index);
         }
         // Their number in 32 bits: eight years.
-        if (step.sample.index as u32).is_multiple_of(CLIMATE_PERIODS) {
+        if step.sample.index.is_multiple_of(CLIMATE_PERIODS) {
             self.say_climate(step.sample.index);
         }
         if self.live {

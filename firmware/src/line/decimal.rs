@@ -3,7 +3,7 @@
 
 use core::fmt;
 
-use floe_core::num::long_division::divide;
+use crate::long_division::divide;
 use heapless::String;
 
 use crate::text::{Out, Show, whole};

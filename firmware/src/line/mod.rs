@@ -44,7 +44,7 @@ pub enum Line<'a> {
     /// `S`: a sample during a test.
     Sample(LiveSample),
     /// `P`: the earlier sample with this index was a spike.
-    Spike(u64),
+    Spike(u32),
     /// `A`: a first answer on a slip; its `E` follows.
     About(About),
     /// `E`: an event is complete.
@@ -71,21 +71,21 @@ pub enum Line<'a> {
     /// `W`: what the winch does from now on.
     Mark {
         /// From the start of the test.
-        index: u64,
+        index: u32,
         /// Taking up or held.
         winch: Winch,
     },
     /// `Y`: what time it is.
     Sync {
         /// From the start of the test.
-        index: u64,
+        index: u32,
         /// Milliseconds since 1970 (UTC).
         unix_ms: u64,
     },
     /// `K`: how cold the board is, and how its battery does.
     Climate {
         /// From the start of the test.
-        index: u64,
+        index: u32,
         /// Temperature of the converter, °C.
         temperature_c: Option<f32>,
         /// Supply, V.
@@ -101,7 +101,7 @@ pub enum Line<'a> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LiveSample {
     /// From the start of the test.
-    pub index: u64,
+    pub index: u32,
     /// N; `None` if unusable.
     pub force_n: Option<f32>,
     /// What the pipeline made of it.
@@ -127,7 +127,7 @@ pub struct Weighed {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct About {
     /// The newest sample when it was known.
-    pub index: u64,
+    pub index: u32,
     /// The coefficients so far.
     pub answer: Provisional,
 }
@@ -139,7 +139,7 @@ impl About {
     pub fn is_followed_by(&self, event: &Event) -> bool {
         // The shortest slip ends within the period before its first sample off the
         // line, and that one is believed when the next sample is no spike.
-        const LATEST: u64 = 2;
+        const LATEST: u32 = 2;
         event.stop.index.saturating_add(LATEST) >= self.index
     }
 }

@@ -34,7 +34,7 @@ pub struct Cutter {
     setup: Setup,
     started: bool,
     slips: bool,
-    last_index: u64,
+    last_index: u32,
     highest: Sample,
     lowest: Sample,
     usual_drop_n: Option<f32>,

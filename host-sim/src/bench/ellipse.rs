@@ -59,7 +59,7 @@ mod tests {
         let point = |i: u32| {
             let angle: f64 = start + f64::from(i) * 0.6;
             Point {
-                index: u64::from(i),
+                index: i,
                 force_n: dynamic_n + half_length_n * angle.cos(),
                 rate_n: -omega * half_length_n * angle.sin(),
             }

@@ -9,7 +9,7 @@ const KEPT: usize = 64;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Point {
     /// Index of the sample.
-    pub index: u64,
+    pub index: u32,
     /// `F`, N.
     pub force_n: f64,
     /// `F'` by central difference over the neighbours, N per period.
@@ -50,12 +50,12 @@ impl History {
 
     /// The points with an index from `from` on, oldest first; the newest sample
     /// has no point yet.
-    pub fn points(&self, from: u64) -> impl Iterator<Item = Point> + '_ {
+    pub fn points(&self, from: u32) -> impl Iterator<Item = Point> + '_ {
         let triples = self.iter().zip(self.iter().skip(1)).zip(self.iter().skip(2));
         let point = |((a, b), c): ((Sample, Sample), Sample)| Point {
             index: b.index,
             force_n: f64::from(b.force_n),
-            rate_n: f64::from(c.force_n - a.force_n) / (c.index - a.index) as f64,
+            rate_n: f64::from(c.force_n - a.force_n) / f64::from(c.index - a.index),
         };
         triples.map(point).filter(move |point| point.index >= from)
     }
@@ -63,10 +63,10 @@ impl History {
     /// Mean `F'` from index `from` to `to`, N per period: the level of the stick
     /// line in the phase plane.
     #[must_use]
-    pub fn level(&self, from: u64, to: u64) -> Option<f64> {
+    pub fn level(&self, from: u32, to: u32) -> Option<f64> {
         let mut rest = self.iter().filter(|s| (from..=to).contains(&s.index));
         let first = rest.next()?;
         let last = rest.last()?;
-        Some(f64::from(last.force_n - first.force_n) / (last.index - first.index) as f64)
+        Some(f64::from(last.force_n - first.force_n) / f64::from(last.index - first.index))
     }
 }

@@ -13,11 +13,11 @@ use super::method::{Found, Method, Sample, Setup, Tick, Value};
 /// Most events that the level of the stick line is averaged over.
 const MEMORY: f64 = 10.0;
 /// Samples after the rise that shows the rest, until the loop is closed.
-const CLOSING: u64 = 2;
+const CLOSING: u32 = 2;
 /// A point this deep below the stick line, parts of the loop's depth, is off it.
 const CLEARLY: f64 = 0.15;
 /// Periods around the turning points that a loop may reach into.
-const MARGIN: u64 = 4;
+const MARGIN: u32 = 4;
 
 /// A loop of the phase plane that is not closed yet.
 #[derive(Clone, Copy, Debug)]
@@ -25,7 +25,7 @@ struct Open {
     peak: Sample,
     low: Sample,
     /// Index at which it is read.
-    until: u64,
+    until: u32,
 }
 
 /// A loop as it lies in the phase plane.
@@ -45,7 +45,7 @@ struct Loops {
     cutter: Cutter,
     history: History,
     open: Option<Open>,
-    rest_from: u64,
+    rest_from: u32,
     level_n: f64,
     levels: f64,
 }

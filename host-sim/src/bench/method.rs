@@ -38,7 +38,7 @@ impl Setup {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Sample {
     /// Number of the sampling period.
-    pub index: u64,
+    pub index: u32,
     /// Force, N.
     pub force_n: f32,
 }

@@ -45,7 +45,7 @@ enum Form {
 }
 
 /// Samples between two looks at how far it is.
-const LOOK: u64 = 4096;
+const LOOK: u32 = 4096;
 
 /// Runs the command.
 ///
@@ -111,11 +111,11 @@ fn write_log(
     if let Form::Csv = form {
         write::csv_head(out, scene, args.seed, &command_line(args))?;
     }
-    let bar = progress::bar(scene.sample_count(), "{pos} of {len} samples, {eta} left");
+    let bar = progress::bar(scene.sample_count().into(), "{pos} of {len} samples, {eta} left");
     let force_decimals = write::force_decimals(scene);
     for sample in run {
         if sample.index % LOOK == 0 {
-            bar.set_position(sample.index);
+            bar.set_position(sample.index.into());
         }
         truth.push(&sample);
         match form {
@@ -140,7 +140,7 @@ fn summary(args: &Args, scene: &Scene, events: usize) -> String {
     format!(
         "{}: {} at {} Hz, {}, seed {}\nmethod: {}\nterms: {terms}\n",
         printable_line(&output),
-        counted(scene.sample_count(), "sample"),
+        counted(u64::from(scene.sample_count()), "sample"),
         scene.rate_hz,
         counted(events as u64, "event"),
         args.seed,

@@ -20,7 +20,7 @@ pub fn points(state: &State) -> Vec<(f64, f64, bool)> {
     let samples: Vec<_> = state.trace.iter().collect();
     let pairs = samples.iter().zip(samples.iter().skip(DELAY));
     let known = pairs.filter_map(|(at, later)| {
-        let in_a_row = later.index == at.index + DELAY as u64 && at.flag == SampleFlag::Good;
+        let in_a_row = later.index == at.index + DELAY as u32 && at.flag == SampleFlag::Good;
         let (force_n, rate_n_per_s) = at.force_n.zip(later.rate_n_per_s)?;
         let finite = force_n.is_finite() && rate_n_per_s.is_finite();
         let point = (f64::from(force_n), f64::from(rate_n_per_s), at.phase == Phase::Slip);

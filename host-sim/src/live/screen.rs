@@ -309,9 +309,9 @@ fn samples(state: &State) -> Vec<Span<'static>> {
     let mut spans = vec![Span::raw(card(state))];
     for (name, count) in [
         ("lost", u64::from(health.overruns)),
-        ("missing", counters.missing),
-        ("bad", counters.rejected),
-        ("out of range", counters.saturated),
+        ("missing", counters.missing.into()),
+        ("bad", counters.rejected.into()),
+        ("out of range", counters.saturated.into()),
         ("damaged lines", state.damaged),
         ("unknown lines", state.unknown),
     ] {

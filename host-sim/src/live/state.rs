@@ -210,7 +210,7 @@ impl State {
     }
 
     /// The first time of day in a test dates it, as it does on the card.
-    fn date(&mut self, index: u64, unix_ms: u64) {
+    fn date(&mut self, index: u32, unix_ms: u64) {
         let unix_s = unix_ms as f64 / 1e3 - index as f64 / self.rate_hz();
         self.began.get_or_insert(Start { unix_s, is_utc: true });
     }
@@ -234,7 +234,7 @@ impl State {
         self.testing = Some(true);
     }
 
-    fn spike(&mut self, index: u64) {
+    fn spike(&mut self, index: u32) {
         if let Some(sample) = self.trace.iter_mut().find(|sample| sample.index == index) {
             sample.flag = SampleFlag::Spike;
         }

@@ -46,12 +46,12 @@ pub(super) fn settings(run: u32, weight_n: f32) -> Line<'static> {
     Line::Start { run, settings }
 }
 
-pub(super) fn sample(index: u64, force_n: f32, phase: Phase) -> LiveSample {
+pub(super) fn sample(index: u32, force_n: f32, phase: Phase) -> LiveSample {
     let (force_n, rate_n_per_s) = (Some(force_n), None);
     LiveSample { index, force_n, flag: SampleFlag::Good, phase, gap: 0, rate_n_per_s }
 }
 
-pub(super) fn flagged(index: u64, flag: SampleFlag) -> LiveSample {
+pub(super) fn flagged(index: u32, flag: SampleFlag) -> LiveSample {
     let (force_n, rate_n_per_s) = (None, None);
     LiveSample { index, force_n, flag, phase: Phase::Stick, gap: 0, rate_n_per_s }
 }

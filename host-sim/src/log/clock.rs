@@ -1,5 +1,7 @@
 //! From time stamps to sample indices.
 
+use floe_core::RawSample;
+
 use super::timing::{Shared, Timing};
 
 /// A stamp this far from its sample, in periods, is told to the user.
@@ -34,9 +36,15 @@ pub struct Clock {
     dropped: u64,
     gaps: u64,
     rows: u64,
+    /// Gaps that count as [`Clock::FARTHEST`].
+    far: u64,
 }
 
 impl Clock {
+    /// A longer gap, in periods, counts as one of this length (half a year at 16 Hz): mostly the
+    /// clock was set anew, and an index has 31 bits. The times are the log's own.
+    pub const FARTHEST: u64 = 1 << 28;
+
     /// Starts before the first sample.
     #[must_use]
     pub fn new(timing: Timing) -> Self {
@@ -52,10 +60,11 @@ impl Clock {
             dropped: 0,
             gaps: 0,
             rows: 0,
+            far: 0,
         }
     }
 
-    /// Index and time of the row with this stamp. `records`: rows since the one
+    /// Index and time of the row with this stamp; `None` beyond [`RawSample::LAST_INDEX`]. `records`: rows since the one
     /// before, by the log's own numbers. `ahead`: the stamps that follow it, used
     /// (up to [`Self::lookahead`]) when stamps are shared.
     pub fn place(
@@ -63,7 +72,7 @@ impl Clock {
         stamp_s: f64,
         records: u32,
         ahead: impl Iterator<Item = f64>,
-    ) -> (u64, f64) {
+    ) -> Option<(u32, f64)> {
         let (records, start_s) = (f64::from(records), self.timing.start_s);
         let stamp_s = stamp_s - start_s;
         let ahead = ahead.map(|stamp| stamp - start_s);
@@ -74,8 +83,10 @@ impl Clock {
         self.rows += 1;
         self.dropped += u64::from(steps == 0);
         self.gaps += u64::from(steps > 1 && (steps as f64) < LONG_GAP);
-        self.next = self.next.saturating_add(steps);
-        (self.next.saturating_sub(1), start_s + self.time_s)
+        self.far += u64::from(steps > Self::FARTHEST);
+        self.next = self.next.saturating_add(steps.min(Self::FARTHEST));
+        let index = u32::try_from(self.next.saturating_sub(1)).ok()?;
+        (index <= RawSample::LAST_INDEX).then_some((index, start_s + self.time_s))
     }
 
     /// How many stamps beyond a row are needed.
@@ -97,6 +108,12 @@ impl Clock {
     #[must_use]
     pub fn misfits(&self) -> u64 {
         self.misfits
+    }
+
+    /// Gaps of which a part alone is counted as missing.
+    #[must_use]
+    pub fn far_gaps(&self) -> u64 {
+        self.far
     }
 
     /// Whether so many rows are dropped and missing beside each other that the rate, or the stamps,
@@ -192,20 +209,21 @@ fn mean_offset(
 mod tests {
     use super::*;
 
-    fn indices(timing: Timing, stamps: &[f64]) -> (Vec<u64>, u64) {
+    fn indices(timing: Timing, stamps: &[f64]) -> (Vec<u32>, u64) {
         let mut clock = Clock::new(timing);
-        let index =
-            |(i, &t): (usize, &f64)| clock.place(t, 1, stamps.iter().skip(i + 1).copied()).0;
+        let index = |(i, &t): (usize, &f64)| {
+            clock.place(t, 1, stamps.iter().skip(i + 1).copied()).unwrap().0
+        };
         let all = stamps.iter().enumerate().map(index).collect();
         (all, clock.misfits())
     }
 
-    fn fine(stamps: &[f64]) -> (Vec<u64>, u64) {
+    fn fine(stamps: &[f64]) -> (Vec<u32>, u64) {
         indices(Timing { rate_hz: 16.0, start_s: 0.0, shared: None }, stamps)
     }
 
     /// Two scans a stamp, as a CR10 writes them; scans in eighths of a second.
-    fn cr10(eighths: &[u32]) -> (Vec<u64>, u64) {
+    fn cr10(eighths: &[u32]) -> (Vec<u32>, u64) {
         let shared = Some(Shared { step: 2.0, centre: -0.5 });
         let stamps: Vec<f64> = eighths.iter().map(|&n| f64::from(n) * 0.125).collect();
         indices(Timing { rate_hz: 16.0, start_s: 0.0, shared }, &stamps)
@@ -225,8 +243,8 @@ mod tests {
     #[test]
     fn a_clock_that_is_slightly_off_is_followed_for_days() {
         let mut clock = Clock::new(Timing { rate_hz: 16.0, start_s: 0.0, shared: None });
-        for i in 0..2_000_000_u64 {
-            let (index, _) = clock.place(i as f64 / 16.001, 1, std::iter::empty());
+        for i in 0..2_000_000_u32 {
+            let (index, _) = clock.place(f64::from(i) / 16.001, 1, std::iter::empty()).unwrap();
             assert_eq!(index, i);
         }
     }
@@ -243,11 +261,11 @@ mod tests {
     fn a_jump_in_the_record_numbers_is_a_gap() {
         let mut clock = Clock::new(Timing { rate_hz: 16.0, start_s: 0.0, shared: None });
         let none = std::iter::empty::<f64>;
-        assert_eq!(clock.place(0.0, 1, none()).0, 0);
-        assert_eq!(clock.place(0.0625, 3, none()).0, 3);
+        let mut place = |stamp_s, records| clock.place(stamp_s, records, none()).unwrap().0;
+        assert_eq!((place(0.0, 1), place(0.0625, 3)), (0, 3));
         // Whatever the stamps say, no row behind it is lost.
         for row in 4..900_u32 {
-            assert_eq!(clock.place(f64::from(row - 2) / 16.0, 1, none()).0, u64::from(row));
+            assert_eq!(place(f64::from(row - 2) / 16.0, 1), row);
         }
     }
 
@@ -282,7 +300,7 @@ mod tests {
     fn a_long_gap_is_counted_from_the_stamps() {
         let mut stamps = pairs(0..10);
         stamps.extend(pairs(90..100));
-        let expected: Vec<u64> = (0..20).chain(180..200).collect();
+        let expected: Vec<u32> = (0..20).chain(180..200).collect();
         assert_eq!(cr10(&stamps), (expected, 0));
     }
 
@@ -292,5 +310,16 @@ mod tests {
         stamps.insert(10, 5);
         let (indices, _) = cr10(&stamps);
         assert_eq!(indices.last(), Some(&39));
+    }
+
+    #[test]
+    fn a_clock_that_is_set_anew_leaves_an_index_for_what_follows() {
+        let mut clock = Clock::new(Timing { rate_hz: 16.0, start_s: 0.0, shared: None });
+        let mut place = |stamp_s| clock.place(stamp_s, 1, std::iter::empty());
+        for years in 0..8_u32 {
+            let (index, time_s) = place(f64::from(years) * 3.2e7).unwrap();
+            assert_eq!((index, time_s), (years * (1 << 28), f64::from(years) * 3.2e7));
+        }
+        assert_eq!((place(1e9), clock.far_gaps()), (None, 8));
     }
 }

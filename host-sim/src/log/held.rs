@@ -13,7 +13,7 @@ const ENOUGH: u64 = 40;
 #[derive(Clone, Debug)]
 pub struct Held {
     last: Option<Reading>,
-    index: Option<u64>,
+    index: Option<u32>,
     length: usize,
     runs: [u64; LONGEST],
     left_out: u64,
@@ -27,7 +27,7 @@ impl Default for Held {
 
 impl Held {
     /// The next reading; a row that is there twice, and has the index of the one before, is none.
-    pub fn push(&mut self, index: u64, reading: Reading) {
+    pub fn push(&mut self, index: u32, reading: Reading) {
         if self.index.replace(index) == Some(index) {
             self.left_out += u64::from(self.last != Some(reading));
             return;

@@ -149,19 +149,19 @@ struct Seen {
     missing: u64,
     duplicates: u64,
     bad: u64,
-    next: u64,
+    next: u32,
     first_s: Option<f64>,
     last_s: f64,
     range: Option<(f64, f64)>,
 }
 
 impl Seen {
-    fn push(&mut self, index: u64, time_s: f64, reading: Reading) {
+    fn push(&mut self, index: u32, time_s: f64, reading: Reading) {
         if index < self.next {
             self.duplicates += 1;
             return;
         }
-        self.missing += if self.samples == 0 { 0 } else { index - self.next };
+        self.missing += if self.samples == 0 { 0 } else { u64::from(index - self.next) };
         (self.next, self.samples, self.last_s) = (index + 1, self.samples + 1, time_s);
         self.first_s.get_or_insert(time_s);
         let value = match reading {

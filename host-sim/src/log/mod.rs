@@ -186,7 +186,8 @@ impl Log {
             return self.intervals.as_ref().map_or(Ok(()), Intervals::end).map(|()| None);
         };
         let stamps = self.ahead.iter().map(|row| row.time_s);
-        let (index, time_s) = self.clock.place(row.time_s, row.records, stamps);
+        let place = self.clock.place(row.time_s, row.records, stamps);
+        let (index, time_s) = place.ok_or_else(|| too_long(row.line))?;
         self.intervals.as_mut().map_or(Ok(()), |intervals| intervals.push(&row))?;
         self.held.push(index, row.reading);
         let raw = RawSample { index, reading: row.reading };
@@ -273,10 +274,20 @@ impl Log {
                  samples per second; give --rate-hz R, or write them with more digits"
             )
         });
+        let far = Some(self.clock.far_gaps()).filter(|&count| count > 0).map(|count| {
+            let days = Clock::FARTHEST as f64 / self.rate_hz() / 86_400.0;
+            format!(
+                "{} longer than {days:.1} days: {} samples each are counted as missing; was the \
+                 clock set anew?",
+                counted(count, "gap"),
+                Clock::FARTHEST
+            )
+        });
         let found = self.head.notes.iter().cloned().chain(said).chain(truncated).chain(left_out);
         found
             .chain(misfits)
             .chain(uneven)
+            .chain(far)
             .chain(self.held.warnings(self.rate_hz()))
             .chain(self.told.iter().cloned())
             .collect()
@@ -325,6 +336,13 @@ impl Log {
             told: Vec::new(),
         })
     }
+}
+
+fn too_long(line: u64) -> InputError {
+    InputError::new(format!(
+        "line {line}: a test has {} sampling periods at most: cut the log before it",
+        RawSample::LAST_INDEX
+    ))
 }
 
 fn no_samples(rows: &Rows) -> InputError {

@@ -71,7 +71,7 @@ mod tests {
         let mut log = Log::from_reader(Box::new(input), &LogOptions::default()).unwrap();
         let mut count = 0;
         let result = for_each_sample(&mut log, |sample| {
-            assert_eq!(sample.raw.index, count as u64);
+            assert_eq!(sample.raw.index, count as u32);
             count += 1;
         });
         (count, result)

@@ -36,7 +36,7 @@ pub(super) fn has_no_force(samples: u64, rejected: u64, saturated: u64) -> bool 
 fn no_force(config: &Config, report: &Report) -> Option<String> {
     let Counters { samples, rejected, saturated, .. } = report.counters;
     let range = config.range_n.map(|range| format!(" of {range} N, its 'range_n'"));
-    has_no_force(samples, rejected, saturated).then(|| {
+    has_no_force(samples.into(), rejected.into(), saturated.into()).then(|| {
         format!(
             "no sample is a force: {rejected} of {samples} are no number, {saturated} lie at the end \
              of the cell's range{}",

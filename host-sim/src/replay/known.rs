@@ -230,9 +230,9 @@ mod tests {
 
     #[test]
     fn the_zero_goes_evenly_from_one_to_the_other() {
-        let sample = |index: u64| {
+        let sample = |index: u32| {
             let reading = Reading::Force(Newtons(100.0));
-            Sample { raw: RawSample { index, reading }, time_s: index as f64 }
+            Sample { raw: RawSample { index, reading }, time_s: index.into() }
         };
         let mut samples: Vec<Sample> = (0..5).map(sample).collect();
         Zero { before_n: 1.0, after_n: 9.0 }.take_off(&mut samples, &Config::default());

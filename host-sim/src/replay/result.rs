@@ -240,11 +240,11 @@ impl From<Counters> for LogSummary {
     /// Only the counts.
     fn from(counters: Counters) -> Self {
         Self {
-            samples: counters.samples,
-            missing: counters.missing,
-            duplicates: counters.duplicates,
-            rejected: counters.rejected,
-            saturated: counters.saturated,
+            samples: counters.samples.into(),
+            missing: counters.missing.into(),
+            duplicates: counters.duplicates.into(),
+            rejected: counters.rejected.into(),
+            saturated: counters.saturated.into(),
             ..Self::default()
         }
     }

@@ -28,7 +28,7 @@ const GROUP: usize = 1 << 18;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SampleRow {
     /// The sampling period it was taken in, from 0; what is missing leaves its number out.
-    pub index: u64,
+    pub index: u32,
     /// In the log's own time.
     pub time_s: f64,
     /// Force in the cable; `None` where there is none that can be used.
@@ -107,7 +107,7 @@ impl SampleRows {
         self.held.into_iter()
     }
 
-    fn row(&mut self, index: u64) -> Option<&mut SampleRow> {
+    fn row(&mut self, index: u32) -> Option<&mut SampleRow> {
         self.held.iter_mut().find(|row| row.index == index && row.flag != "duplicate")
     }
 

@@ -10,9 +10,9 @@ const REMEMBERED: usize = 4096;
 pub struct Timeline {
     rate_hz: f64,
     /// Index and time of sample `index`, at `index % REMEMBERED`.
-    recent: Vec<Option<(u64, f64)>>,
+    recent: Vec<Option<(u32, f64)>>,
     first_s: Option<f64>,
-    last: (u64, f64),
+    last: (u32, f64),
 }
 
 impl Timeline {
@@ -23,7 +23,7 @@ impl Timeline {
     }
 
     /// Takes the next sample.
-    pub fn push(&mut self, index: u64, time_s: f64) {
+    pub fn push(&mut self, index: u32, time_s: f64) {
         self.first_s.get_or_insert(time_s);
         self.last = (index, time_s);
         if let Some(place) = self.recent.get_mut(index as usize % REMEMBERED) {
@@ -35,10 +35,10 @@ impl Timeline {
     /// gap at the sampling rate.
     #[must_use]
     pub fn seconds(&self, moment: SampleTime) -> f64 {
-        let oldest = moment.index.saturating_sub(REMEMBERED as u64 - 1);
+        let oldest = moment.index.saturating_sub(REMEMBERED as u32 - 1);
         let before = (oldest..=moment.index).rev().find_map(|index| self.at(index));
         let (index, time_s) = before.unwrap_or(self.last);
-        let periods = moment.index as f64 - index as f64 + f64::from(moment.fraction);
+        let periods = f64::from(moment.index) - f64::from(index) + f64::from(moment.fraction);
         time_s + periods / self.rate_hz
     }
 
@@ -48,7 +48,7 @@ impl Timeline {
         self.first_s.map_or(0.0, |first_s| self.last.1 - first_s)
     }
 
-    fn at(&self, index: u64) -> Option<(u64, f64)> {
+    fn at(&self, index: u32) -> Option<(u32, f64)> {
         self.recent.get(index as usize % REMEMBERED).copied()?.filter(|&(i, _)| i == index)
     }
 }
@@ -76,7 +76,7 @@ mod tests {
     #[test]
     fn a_moment_before_all_that_is_remembered_is_extrapolated() {
         let mut timeline = Timeline::new(16.0);
-        for index in 0..3 * REMEMBERED as u64 {
+        for index in 0..3 * REMEMBERED as u32 {
             timeline.push(index, index as f64 / 16.0);
         }
         assert_eq!(timeline.seconds(SampleTime { index: 16, fraction: 0.0 }), 1.0);

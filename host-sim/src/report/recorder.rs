@@ -13,7 +13,7 @@ use super::envelope::Envelope;
 /// at 16 Hz completely).
 #[derive(Clone, Debug)]
 pub struct Recorder {
-    first_index: Option<u64>,
+    first_index: Option<u32>,
     period_s: f64,
     pub(super) envelope: Envelope,
     pub(super) clips: Clips,
@@ -36,12 +36,15 @@ impl Recorder {
     pub fn push(&mut self, time_s: f64, step: &Step) {
         let sample = &step.sample;
         let first = *self.first_index.get_or_insert(sample.index);
-        if let Some(spike) = step.spike.and_then(|index| index.checked_sub(first)) {
+        let offset = |index: u32| index.checked_sub(first).map(u64::from);
+        if let Some(spike) = step.spike.and_then(offset) {
             self.envelope.forget(spike);
             self.clips.forget(spike);
         }
-        let offset = sample.index.checked_sub(first);
-        let Some(offset) = offset.filter(|_| sample.flag != SampleFlag::Duplicate) else { return };
+        let Some(offset) = offset(sample.index).filter(|_| sample.flag != SampleFlag::Duplicate)
+        else {
+            return;
+        };
         let good = sample.flag == SampleFlag::Good && time_s.is_finite();
         let force_n = sample.force_n.filter(|force| good && force.is_finite());
         self.envelope.push(offset, time_s, force_n);
@@ -76,7 +79,7 @@ mod tests {
 
     use super::*;
 
-    fn step(index: u64, force_n: f32, flag: SampleFlag, spike: Option<u64>) -> Step {
+    fn step(index: u32, force_n: f32, flag: SampleFlag, spike: Option<u32>) -> Step {
         let sample = ForceSample { index, force_n: Some(force_n), flag, gap: 0 };
         Step { spike, ..Step::of(sample) }
     }

@@ -131,7 +131,7 @@ impl SampleLog {
         let times_s: Vec<f64> = (0..samples).map(|i| i as f64 / RATE_HZ).collect();
         let step = |(i, &t): (usize, &f64)| {
             let force = force_n(&events, t) + NOISE_N * noise.normal();
-            step(i as u64, force as f32)
+            step(i as u32, force as f32)
         };
         let steps = times_s.iter().enumerate().map(step).collect();
         events.retain(|e| e.stop_s < duration_s - 0.2);
@@ -223,7 +223,7 @@ impl SampleLog {
     }
 }
 
-fn step(index: u64, force_n: f32) -> Step {
+fn step(index: u32, force_n: f32) -> Step {
     Step::of(ForceSample { index, force_n: Some(force_n), flag: SampleFlag::Good, gap: 0 })
 }
 

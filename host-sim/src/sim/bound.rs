@@ -182,8 +182,8 @@ pub fn set_bounds(scene: &Scene, events: &mut [TrueEvent]) {
     let onsets: Vec<f64> = events.iter().map(|e| e.onset_s).collect();
     for (i, event) in events.iter_mut().enumerate() {
         let end_s = onsets.get(i + 1).copied().unwrap_or(scene.duration_s);
-        let first = ((event.onset_s - event.stick_s).max(0.0) * scene.rate_hz).ceil() as u64;
-        let last = (end_s * scene.rate_hz).ceil() as u64;
+        let first = ((event.onset_s - event.stick_s).max(0.0) * scene.rate_hz).ceil() as u32;
+        let last = (end_s * scene.rate_hz).ceil() as u32;
         let times_s = (first..last.min(scene.sample_count())).map(|n| n as f64 / scene.rate_hz);
         if let Some(bound) = event_bound(scene, event, times_s) {
             let force_of_one_n = event.weight_n * scene.slope_rad().cos();

@@ -12,7 +12,7 @@ use super::truth::{EventBuilder, TrueEvent};
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample {
     /// Number of the sampling period, from 0.
-    pub index: u64,
+    pub index: u32,
     /// Time as the log has it, s.
     pub time_s: f64,
     /// Force as the log has it, N.
@@ -35,8 +35,8 @@ pub struct Run {
     /// True seconds in one second of the log.
     clock: f64,
     aperture_s: f64,
-    next_index: u64,
-    count: u64,
+    next_index: u32,
+    count: u32,
 }
 
 impl Run {
@@ -87,7 +87,7 @@ impl Run {
         self.signal.failure()
     }
 
-    fn take(&mut self, index: u64) -> Sample {
+    fn take(&mut self, index: u32) -> Sample {
         let time_s = index as f64 / self.rate_hz;
         let true_s = time_s * self.clock;
         let delay_s = self.converter.delay_s();

@@ -199,8 +199,8 @@ impl Scene {
 
     /// Number of samples in the record.
     #[must_use]
-    pub fn sample_count(&self) -> u64 {
-        (self.duration_s * self.rate_hz + 1e-9).floor() as u64
+    pub fn sample_count(&self) -> u32 {
+        (self.duration_s * self.rate_hz + 1e-9).floor() as u32
     }
 
     /// Reads a scene in TOML and checks it.

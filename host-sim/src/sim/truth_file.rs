@@ -38,7 +38,7 @@ pub struct Truth {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct StateRun {
     /// Index of its first sample.
-    pub from_index: u64,
+    pub from_index: u32,
     /// The state.
     pub state: Phase,
 }

@@ -146,7 +146,7 @@ fn difference(samples: &[Sample]) -> Option<String> {
     let start = samples[0].time_s;
     (0..SAMPLES).zip(samples).find_map(|(i, sample)| {
         let force = force(sample)?;
-        let right = sample.raw.index == u64::from(i)
+        let right = sample.raw.index == i
             && (sample.time_s - start - seconds(i)).abs() < 1e-4
             && (force / force_n(i) - 1.0).abs() < 1e-6;
         (!right).then(|| format!("sample {i}: {sample:?}"))

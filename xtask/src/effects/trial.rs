@@ -223,17 +223,17 @@ fn changing(scene: &Scene, seed: u64) -> Record {
     let before = simulate(&scene, seed).expect("a scene");
     let rests = |event: &&TrueEvent| event.stop_s > 0.5 * scene.duration_s;
     let stop_s = before.events.iter().find(rests).map_or(0.0, |event| event.stop_s);
-    let cut = (stop_s * rate_hz) as u64 + 2;
+    let cut = (stop_s * rate_hz) as u32 + 2;
     let force_n = |index| before.samples.iter().find(|s| s.index == index).map(|s| s.true_force_n);
     let changed = Scene {
         mu_s: CHANGE * scene.mu_s,
         mu: CHANGE * scene.mu,
         start_force_n: force_n(cut).unwrap_or_default(),
-        duration_s: scene.duration_s - cut as f64 / rate_hz,
+        duration_s: scene.duration_s - f64::from(cut) / rate_hz,
         ..scene.clone()
     };
     let after = simulate(&changed, seed + RECORDS).expect("a scene");
-    let cut_s = cut as f64 / rate_hz;
+    let cut_s = f64::from(cut) / rate_hz;
     let mut truths = before.events;
     truths.retain(|event| event.stop_s < cut_s);
     truths.extend(after.events.into_iter().map(|event| TrueEvent {

@@ -31,7 +31,7 @@ pub struct Outcome {
     /// The last health.
     pub health: Health,
     /// Samples shown as unusable.
-    pub rejected: BTreeSet<u64>,
+    pub rejected: BTreeSet<u32>,
     /// What the board complained of, each thing once.
     pub troubles: Vec<String>,
 }
@@ -88,15 +88,15 @@ impl Outcome {
     /// The first event that differs.
     pub fn compare(&self, record: &Record, delivered: &[(u64, i32)]) -> Result<String> {
         let codes: BTreeMap<u64, i32> = delivered.iter().copied().collect();
-        let reading = |index: &u64| match codes.get(index) {
-            Some(&code) if !self.rejected.contains(index) => Reading::Counts(Counts(code)),
+        let reading = |index: u32| match codes.get(&index.into()) {
+            Some(&code) if !self.rejected.contains(&index) => Reading::Counts(Counts(code)),
             _ => Reading::Bad(Fault::Timeout),
         };
         // A board that is busy hears the end a sample or two later.
         let counters = &self.report.counters;
         let taken = counters.samples + counters.missing;
-        let periods = 0..taken.max(record.codes.len() as u64);
-        let samples = periods.map(|index| RawSample { index, reading: reading(&index) });
+        let periods = 0..taken.max(record.codes.len() as u32);
+        let samples = periods.map(|index| RawSample { index, reading: reading(index) });
         let (events, report) = host(&self.config, samples)?;
         if events.len() != self.events.len() {
             let (board, host) = (self.events.len(), events.len());
@@ -119,7 +119,7 @@ impl Outcome {
     #[must_use]
     pub fn is_whole(&self, record: &Record) -> bool {
         let counters = &self.report.counters;
-        counters.samples + counters.missing >= record.codes.len() as u64
+        counters.samples + counters.missing >= record.codes.len() as u32
     }
 
     /// In the emulator every tick comes to the clock's very count: a late one is the

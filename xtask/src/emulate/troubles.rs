@@ -61,7 +61,7 @@ fn check(machine: &Machine, name: &str, trouble: Trouble, end: u64) -> Result<()
     if let Some(stray) = bad.iter().find(|i| stray(i)) {
         return Err(format!("{name}: sample {stray} is bad long before or after"));
     }
-    if outcome.events.iter().filter(|e| e.onset.index > end + 64).count() < 10 {
+    if outcome.events.iter().filter(|e| u64::from(e.onset.index) > end + 64).count() < 10 {
         return Err(format!("{name}: no events afterwards"));
     }
     let (count, shown) = (bad.len(), outcome.troubles.iter().find(|t| t.starts_with("converter")));
@@ -74,7 +74,7 @@ fn check(machine: &Machine, name: &str, trouble: Trouble, end: u64) -> Result<()
 fn bad_sample(line: &str) -> Option<u64> {
     match Line::parse(line) {
         Ok(Line::Sample(sample)) => match sample.flag {
-            SampleFlag::Rejected | SampleFlag::Saturated => Some(sample.index),
+            SampleFlag::Rejected | SampleFlag::Saturated => Some(sample.index.into()),
             SampleFlag::Good | SampleFlag::Spike | SampleFlag::Duplicate => None,
         },
         _ => None,

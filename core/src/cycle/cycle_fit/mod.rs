@@ -139,8 +139,8 @@ impl CycleFit {
         &mut self,
         stick: &Stick,
         window: &Window,
-        next_peak: u64,
-        last: Option<u64>,
+        next_peak: u32,
+        last: Option<u32>,
     ) {
         self.slip.end_before(stick, window, next_peak, last);
         self.after = self.slip.line_after(stick, window, last);

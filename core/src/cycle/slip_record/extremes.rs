@@ -55,7 +55,7 @@ impl Rough {
         (peak, low): (ForcePoint, ForcePoint),
         noise_n: f32,
     ) -> Self {
-        let before = |back: u64| window.get(peak.index.checked_sub(back)?);
+        let before = |back: u32| window.get(peak.index.checked_sub(back)?);
         let newest = before(1).map(|before_n| peak.force_n - before_n);
         let older =
             before(2).zip(newest).map(|(earlier_n, rise_n)| peak.force_n - rise_n - earlier_n);

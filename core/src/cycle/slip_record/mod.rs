@@ -42,7 +42,7 @@ pub(crate) struct Extreme {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SlipRecord {
     /// Index of time zero, for the samples, `before` and all other times.
-    pub(crate) origin: u64,
+    pub(crate) origin: u32,
     pub(crate) before: Line,
     /// The samples between the lines, N, the first `length` of them; NaN where one is missing.
     forces_n: [f32; CORE],
@@ -81,7 +81,7 @@ impl SlipRecord {
     pub(crate) fn new(
         detector: &Detector,
         stick: &Stick,
-        start: u64,
+        start: u32,
         &Slip { peak, low, rest_weight, .. }: &Slip,
     ) -> Self {
         let (first, window) = (stick.next, detector.window());
@@ -137,12 +137,12 @@ impl SlipRecord {
 
     /// Appends the samples right after those that were taken, up to the index `to`, as many as there
     /// is room for.
-    fn take(&mut self, window: &Window, to: u64) {
-        let start = self.origin.saturating_add_signed((self.start as i32).into());
-        let from = start + self.length as u64;
+    fn take(&mut self, window: &Window, to: u32) {
+        let start = self.origin.saturating_add_signed(self.start as i32);
+        let from = start + self.length as u32;
         let room = self.forces_n.get_mut(self.length..).unwrap_or_default();
         for (entry, index) in room.iter_mut().zip(from..to + 1) {
-            *entry = window.get_near(index).unwrap_or(f32::NAN);
+            *entry = window.get(index).unwrap_or(f32::NAN);
             self.length += 1;
         }
     }
@@ -184,8 +184,8 @@ impl SlipRecord {
         &mut self,
         stick: &Stick,
         window: &Window,
-        next_peak: u64,
-        last: Option<u64>,
+        next_peak: u32,
+        last: Option<u32>,
     ) {
         if stick.first_from(stick.origin).count == 0 {
             self.take(window, next_peak.saturating_sub(1));
@@ -199,14 +199,14 @@ impl SlipRecord {
 
     /// The last index before the slip begins for sure, if there is a first answer; creep begins
     /// earlier.
-    pub(crate) fn last_before(&self, creep_periods: f32) -> Option<u64> {
+    pub(crate) fn last_before(&self, creep_periods: f32) -> Option<u32> {
         let begins = |cycle: CycleParams| cycle.onset - creep_periods - UNSURE;
         self.early.map(|cycle| SampleTime::after(self.origin, begins(cycle)).index)
     }
 
     /// The stick line after the slip, up to the last index before the next onset if that is known:
     /// the detector's own line stays behind.
-    pub(crate) fn line_after(&self, stick: &Stick, window: &Window, last: Option<u64>) -> Line {
+    pub(crate) fn line_after(&self, stick: &Stick, window: &Window, last: Option<u32>) -> Line {
         let mut line = stick.first_from(self.origin);
         // A first answer on a slip on a slack cable is rough.
         let is_straight = self.has_straight(stick, &line) && self.slack(&line).is_none();

@@ -56,10 +56,7 @@ fn new_pipeline() -> Pipeline {
 fn step() {
     static PIPELINE: StaticCell<Pipeline> = StaticCell::new();
     let pipeline = PIPELINE.init_with(new_pipeline);
-    let sample = |i: u32| RawSample {
-        index: u64::from(i),
-        reading: Reading::Counts(Counts(SawAdc::code(i))),
-    };
+    let sample = |i: u32| RawSample { index: i, reading: Reading::Counts(Counts(SawAdc::code(i))) };
     show("step", sample, |sample| pipeline.step(sample), 1920);
     show("report", |_| (), |()| pipeline.report(), 4);
 }
@@ -83,7 +80,7 @@ fn lines() {
     let mut i = 0;
     while event.is_none() && i < 1000 {
         let reading = Reading::Counts(Counts(SawAdc::code(i)));
-        event = pipeline.step(RawSample { index: u64::from(i), reading }).event;
+        event = pipeline.step(RawSample { index: i, reading }).event;
         i += 1;
     }
     let event = event.expect("an event within a minute");

@@ -49,7 +49,7 @@ pub fn stalls() {
     work(app, 40);
     let lost = 160 - QUEUE_DEPTH as u32;
     assert_eq!(SHARED.overruns(), lost);
-    assert_eq!(counters(app), (u64::from(lost), lost));
+    assert_eq!(counters(app), (lost, lost));
     assert_eq!(SHARED.deepest() as usize, QUEUE_DEPTH);
 
     let samples = app.view().health.samples;
@@ -62,7 +62,7 @@ pub fn stalls() {
 }
 
 /// Missing indices as the estimator sees them, and overruns.
-fn counters(app: &Logger) -> (u64, u32) {
+fn counters(app: &Logger) -> (u32, u32) {
     let view = app.view();
     let report = view.report.expect("the test is running");
     (report.counters.missing, view.health.overruns)

@@ -4,7 +4,7 @@
 /// Quotient and remainder; a divisor of zero counts as one.
 ///
 /// ```
-/// assert_eq!(floe_core::num::long_division::divide(1_000_000_000_000_007, 10), (100_000_000_000_000, 7));
+/// assert_eq!(floe_firmware::long_division::divide(1_000_000_000_000_007, 10), (100_000_000_000_000, 7));
 /// ```
 #[must_use]
 pub fn divide(number: u64, by: u16) -> (u64, u16) {
