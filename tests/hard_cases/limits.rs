@@ -82,11 +82,6 @@ pub fn limits(name: &str) -> Limits {
         },
         // Without the cable's stiffening `mu` would be 0.06 % low.
         "shortening" => Limits { bias: [0.06, 0.03], p95: [0.25, 0.2], ..AIM },
-        "sag_flop" => Limits {
-            p95: [1.5, 3.5],
-            why: "mu is up to 3.4 % high until a dozen rests told how soft the cable is; the interval says so",
-            ..AIM
-        },
         _ => AIM,
     }
 }

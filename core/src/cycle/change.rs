@@ -38,6 +38,7 @@ impl Expectations {
             [self.rate, self.rate_change] = [FadingTrend::default(); 2];
             self.mass.forget_all();
             self.corner = Kept::default();
+            self.sag = Kept::default();
         }
     }
 }

@@ -14,7 +14,7 @@ use crate::sample::{ForcePoint, SampleTime, since};
 /// The end of a stick line.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Ended {
-    stick: Stick,
+    pub(super) stick: Stick,
     by: By,
     pub(super) progress: Progress,
 }
@@ -86,6 +86,14 @@ impl Ended {
         matches!(self.progress, Progress::Waiting)
     }
 
+    /// Periods from the highest to the lowest sample of the slip, if that is what ended it.
+    pub(super) fn fall(&self) -> f32 {
+        match self.by {
+            By::Slip(Slip { peak, low, .. }) => since(peak.index, low.index),
+            By::Loss(_) => 0.0,
+        }
+    }
+
     /// Index of the highest sample before the slip, or where the loss was.
     fn end(&self) -> u32 {
         match self.by {
@@ -97,6 +105,8 @@ impl Ended {
 
 /// Time to gather a slip, in units of 160 instructions on the board.
 const SLIP: usize = 18;
+/// To follow both lines of a cable that sags anew.
+const SAG: usize = 36;
 /// To guess where its fit begins, and to compare several guesses.
 const GUESS: usize = 9;
 const GUESSES: usize = 33;
@@ -113,8 +123,9 @@ const BRIEF: u32 = 8;
 
 impl CycleTracker {
     /// Time that the next step takes, in those units.
-    pub(super) fn takes(&self, ended: &Ended) -> usize {
+    pub(super) fn takes(&self, ended: &Ended, detector: &Detector) -> usize {
         match (&ended.progress, &self.pending) {
+            (Progress::Waiting, _) if ended.may_sag(&self.learnt, detector) => SLIP + SAG,
             (Progress::Waiting, _) => SLIP,
             (Progress::Gathered, Some(slip)) if !self.learnt.knows_omega() => {
                 GUESSES + slip.samples().forces_n.len()
@@ -124,7 +135,8 @@ impl CycleTracker {
             (Progress::Answering(_) | Progress::Answered(_), _) => {
                 // Whether a long fall is even is asked of each of its samples.
                 let fall = self.finishing.as_ref().map_or(0.0, |fit| fit.slip.fall());
-                LINES + ANSWER + fall as usize
+                let sags = self.finishing.as_ref().is_some_and(|fit| fit.slip.elongation.sags());
+                LINES + ANSWER + fall as usize + if sags { SAG } else { 0 }
             }
         }
     }
@@ -145,8 +157,9 @@ impl CycleTracker {
     /// onset.
     #[inline(never)]
     fn take_up(&mut self, detector: &Detector) {
-        let Some(Ended { stick, by, .. }) = &self.ended else { return };
-        let start = self.start(stick);
+        let Some(ended) = &self.ended else { return };
+        let Ended { stick, by, .. } = ended;
+        let (start, may_sag) = (self.start(stick), ended.may_sag(&self.learnt, detector));
         // Not by `map`, so that it is made where it is kept.
         self.finishing = None;
         if let Some(before) = &self.pending {
@@ -154,8 +167,15 @@ impl CycleTracker {
         }
         let progress = match by {
             By::Slip(slip) => {
-                let next = self.pending.insert(SlipRecord::new(detector, stick, start, slip));
+                let (learnt, low_n) = (&self.learnt, slip.low.force_n);
+                let known = may_sag.then(|| learnt.sag.read(|sag| sag.elongation(low_n)));
+                let cable = known.unwrap_or_default();
+                let next =
+                    self.pending.insert(SlipRecord::new(detector, stick, start, slip, cable));
                 next.gather(detector.window(), slip);
+                if may_sag {
+                    next.take_late(detector.window(), stick);
+                }
                 Progress::Gathered
             }
             By::Loss(_) => {

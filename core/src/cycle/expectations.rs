@@ -31,8 +31,6 @@ pub(crate) struct Expectations {
     pub(super) rate_change: FadingTrend,
     pub(crate) corner: Kept<CornerEstimator, { Effect::Corner.room() }>,
     pub(crate) sag: Kept<Sag, { Effect::Sag.room() }>,
-    /// Loading rate as the newest event alone tells it, and its variance.
-    pub(crate) own_rate: Option<(f32, f32)>,
     pub(crate) residuals: Residuals,
     pub(crate) slip_scatter: SlipScatter,
     pub(crate) damping: Kept<Damping, { Effect::Damping.room() }>,
@@ -237,7 +235,6 @@ impl Expectations {
         let verdict = if watches { self.mass.judge(&evidence) } else { Verdict::Same };
         let on_trial = self.mass.is_on_trial();
         let own_rate = own(cycle.rate, rate, data.rate, LEAST_OWN).filter(positive);
-        self.own_rate = own_rate;
         if strained || (verdict == Verdict::Suspect && !on_trial) {
             return verdict;
         }

@@ -2,6 +2,7 @@
 //! first answer when the block rests again.
 
 use crate::cycle::CycleTracker;
+use crate::cycle::cable::relax;
 use crate::cycle::ended::{Answer, Progress};
 use crate::cycle::expected::Expected;
 use crate::cycle::slip_record::SlipRecord;
@@ -70,7 +71,10 @@ impl CycleTracker {
         let noise_n2 = self.learnt.fitted_noise_n2(slip);
         fit.widen_forces(slip.wander.alike);
         fit.widen(&Variances::UNSURE_OSCILLATION, self.learnt.unsure_oscillation(slip, noise_n2));
-        let at = Posterior::at(&fit, noise_n2);
+        let mut at = Posterior::at(&fit, noise_n2);
+        if slip.elongation.sags() {
+            relax(&slip.elongation, &mut at);
+        }
         let known = self.learnt.residuals.variance_n2().is_some();
         if !(at.is_resolved() && known && slip.hidden.is_none()) {
             return None;

@@ -75,9 +75,9 @@ pub struct CycleTracker {
     /// Stop of the last event, and the last index before its cable began to load again.
     last_stop: Option<SampleTime>,
     last_load: Option<u32>,
-    /// Stop of the last event, and the force there, N, if both were measured well enough to tell a
-    /// sag.
-    rested: Option<(SampleTime, f32)>,
+    /// Stop of the last event, the force there, N, and its variance, N², if a cable that sags can be
+    /// told by it.
+    rested: Option<(SampleTime, f32, f32)>,
     count: u32,
     /// A slip was seen to take time: the block slides, and it is no hand that lets the cable go.
     slides: bool,
@@ -160,7 +160,7 @@ impl CycleTracker {
         let time = if detector.waiting() > LATE { MOST_TIME } else { TIME };
         let mut left = time.saturating_sub(detector.spent());
         while answers.finished.is_none() {
-            let takes = self.next_takes();
+            let takes = self.next_takes(detector);
             if takes == 0 || (takes > left && left < TIME) {
                 break;
             }
@@ -185,9 +185,11 @@ impl CycleTracker {
 
     /// Time that the next step takes, in the units of [`TIME`]; zero if there is nothing to be
     /// done.
-    fn next_takes(&self) -> usize {
+    fn next_takes(&self, detector: &Detector) -> usize {
         match (&self.ended, &self.finishing) {
-            (Some(ended), finishing) if finishing.is_none() || !ended.waits() => self.takes(ended),
+            (Some(ended), finishing) if finishing.is_none() || !ended.waits() => {
+                self.takes(ended, detector)
+            }
             (_, Some(finishing)) => finishing.next_takes(self.learnt.knows_omega()),
             (_, None) => 0,
         }

@@ -40,6 +40,7 @@ impl CycleTracker {
                 (self.without_coefficients(slip, reason).into(), None)
             }
             Outcome::Fitted => {
+                measured.relax(&slip.elongation);
                 self.doubt_slack(&mut measured);
                 let (finished, load) = self.fitted(slip, &after, &measured);
                 (finished, Some(load))
@@ -69,7 +70,7 @@ impl CycleTracker {
     ) -> (Finished, SampleTime) {
         let site = self.site();
         let shape = posterior.cycle.shape();
-        self.learn_sag(slip, posterior, &shape);
+        self.learn_sag(slip, posterior, shape.stop());
         let loads = shape.loads();
         let shift = self.shift(slip, &posterior.cycle);
         let alone = alone.map(|forces| {
@@ -224,12 +225,13 @@ impl CycleTracker {
     fn without_coefficients(&self, slip: &SlipRecord, reason: Reason) -> Event {
         let (onset, stop) = slip.fall_edges();
         let fall = stop - onset;
-        let drop = slip.peak.force_n - slip.low.force_n;
+        let peak_n = slip.elongation.force_n(slip.peak.force_n);
+        let drop = peak_n - slip.low.force_n;
         let rate = self.learnt.rate.mean().or(slip.before.slope());
         let cycle = CycleParams {
             onset,
             rate: larger(rate.unwrap_or(0.0), 1e-6 * drop),
-            static_n: slip.peak.force_n,
+            static_n: peak_n,
             half_drop_n: 0.5 * drop,
             omega: core::f32::consts::PI / larger(fall, 1.0),
             rate_change: 0.0,
@@ -237,7 +239,7 @@ impl CycleTracker {
         let mut event = self.bare(slip, &cycle, &cycle.shape());
         event.stop = SampleTime::after(slip.origin, stop);
         event.slip_s = fall / self.site.rate_hz;
-        (event.peak_force_n, event.restick_force_n) = (slip.peak.force_n, slip.low.force_n);
+        (event.peak_force_n, event.restick_force_n) = (peak_n, slip.low.force_n);
         event.slack = false;
         event.quality =
             if reason == Reason::Hidden { Quality::Clipped } else { Quality::Unresolved };

@@ -1,27 +1,37 @@
 //! A cable that sags is softer at small forces.
 //!
-//! With `1/k_eff = (1 + S/F³)/k` (Ernst; `S = k q² L³/12`, `q` the cable's weight per length) a
-//! force stretches it by `y(F) = F − S/(2 F²)`, in units of force. At rest `y` grows at the steady
-//! rate `k w`, so a rest from `Fe` to `Fs` takes longer than the loading rate just before
-//! the slip would need: that tells `S`. And a slip ends where its work is done,
+//! At rest the elongation ([`Elongation`]) grows at the steady rate `k w`, so a rest from `Fe` to
+//! `Fs` takes longer than the rate towards its end would need: that tells the softness `S`. Once it
+//! counts, events are fitted in elongation, in which their lines are straight, and their forces are
+//! those that stretch the cable so far. And a slip ends where its work is done,
 //! `∫ (F − Fp) dy = 0` from `Fs` to `Fe`, whatever the winch does meanwhile:
 //!
 //! `Fp = (Fs + Fe)/2 − S Δ² / (4 (Fs² Fe² + S (Fs + Fe)/2))`, `Δ = Fs − Fe`.
 
 use crate::effect::Parameter;
 use crate::model::CycleParams;
+use crate::model::elongation::Elongation;
 use crate::num::math::{self, larger};
 use crate::stats::fading_trend::FadingTrend;
+
+/// Standard deviations of the softness beyond which it counts. Tuned: with 5 the events of a cable that
+/// flops as well are fitted in elongation from the fifteenth on only.
+const CLEAR: f32 = 2.0;
+
+/// Standard deviations of the softness between rests beyond which it counts.
+const ALIKE: f32 = 1.4;
 
 /// A rest between two slips.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Rest {
     /// How long, periods.
     pub(crate) time: f32,
-    /// Force at its start and at its end, N.
+    /// Force at its start, N, and its variance, N².
     pub(crate) from_n: f32,
+    pub(crate) from_n2: f32,
+    /// Force at its end, N.
     pub(crate) to_n: f32,
-    /// Loading rate towards its end, N per period, its variance, and the force that it
+    /// Rate of the elongation towards its end, N per period, its variance, and the force that it
     /// belongs to, N.
     pub(crate) rate: f32,
     pub(crate) rate_variance: f32,
@@ -29,8 +39,8 @@ pub(crate) struct Rest {
 }
 
 impl Rest {
-    /// Softness `S`, N³, and its variance.
-    fn softness(&self) -> Option<(f32, f32)> {
+    /// Softness `S`, N³, and its variance, from a rest that was followed in this elongation.
+    fn softness(&self, cable: &Elongation) -> Option<(f32, f32)> {
         let inverse_square = |force_n: f32| 1.0 / (force_n * force_n);
         let by_softness = 0.5 * (inverse_square(self.from_n) - inverse_square(self.to_n))
             - self.rate * self.time * inverse_square(self.rate_at_n) / self.rate_at_n;
@@ -38,9 +48,12 @@ impl Rest {
         if !loads || by_softness <= 0.0 {
             return None;
         }
-        let part = self.time / by_softness;
-        let longer_n = self.rate * self.time - (self.to_n - self.from_n);
-        Some((longer_n / by_softness, self.rate_variance * part * part))
+        let stretched_n = cable.of(self.to_n) - cable.of(self.from_n);
+        let longer_n = self.rate * self.time - stretched_n;
+        let soft = 1.0 / cable.stiffness(self.from_n);
+        let longer_n2 = self.rate_variance * self.time * self.time + self.from_n2 * soft * soft;
+        let part = 1.0 / by_softness;
+        Some((cable.softness + longer_n * part, longer_n2 * part * part))
     }
 }
 
@@ -56,25 +69,49 @@ impl Sag {
         self.softness.fade();
     }
 
-    /// Takes a rest.
-    pub(crate) fn learn(&mut self, rest: &Rest) {
-        if let Some((softness, variance)) = rest.softness() {
+    /// Has a rest told of it? Then all tell, also those that say that the cable does not sag.
+    pub(crate) fn has_begun(&self) -> bool {
+        self.softness.mean().is_some()
+    }
+
+    /// Takes a rest that was followed in this elongation.
+    pub(crate) fn learn(&mut self, rest: &Rest, cable: &Elongation) {
+        if let Some((softness, variance)) = rest.softness(cable) {
             // The trend moves on only with a rest that tells of it.
             self.softness.pass();
             self.softness.add(softness, variance);
         }
     }
 
+    /// The softness and its variance, if it counts: what a winch that ripples feigns scatters from
+    /// rest to rest.
+    fn clear(&self) -> Option<(f32, f32)> {
+        let (mean, variance) = self.softness.now();
+        let of_a_rest = 1.0 / self.softness.prior(1.0).weight;
+        let least = larger(CLEAR * CLEAR * variance, ALIKE * ALIKE * of_a_rest);
+        let counts = self.softness.is_known() && mean > 0.0 && mean * mean > least;
+        counts.then_some((mean, variance))
+    }
+
     /// The softness, once it counts.
     pub(crate) fn parameter(&self) -> Option<Parameter> {
-        let value = self.softness.mean().filter(|_| self.softness.is_well_known())?;
-        let std = 1.0 / math::sqrt(self.softness.prior(1.0).weight);
-        (value > std).then_some(Parameter { name: "softness_n3", value, std })
+        let (value, variance) = self.clear()?;
+        Some(Parameter { name: "softness_n3", value, std: math::sqrt(variance) })
+    }
+
+    /// The elongation in which an event with this lowest force, N, is to be fitted: the force itself
+    /// while the softness does not count, or where the cable is hardly taut at all.
+    pub(crate) fn elongation(&self, low_n: f32) -> Elongation {
+        /// Most softness, parts of the cube of the lowest force.
+        const MOST: f32 = 4.0;
+        let softness = self.clear().map_or(0.0, |(softness, _)| softness);
+        let is_taut = low_n > 0.0 && softness < MOST * low_n * low_n * low_n;
+        if is_taut { Elongation { softness, zero_n: low_n } } else { Elongation::default() }
     }
 
     /// How far `Fp` lies below `(Fs + Fe)/2`, N, and its variance. A mean that is itself uncertain
     /// shifts `Fp` by the part of it that its variance leaves (James and Stein), and by nothing
-    /// before several rests; what it does not shift is uncertainty.
+    /// before it counts; what it does not shift is uncertainty.
     pub(crate) fn shift(&self, cycle: &CycleParams) -> (f32, f32) {
         let (high_n, low_n) = (cycle.static_n, cycle.restick_n());
         let (product, drop_n) = (high_n * low_n, high_n - low_n);
@@ -82,10 +119,9 @@ impl Sag {
             return (0.0, 0.0);
         };
         let (mut sure, mut unsure) = (0.0, mean * mean);
-        let weight = self.softness.prior(1.0).weight;
-        if self.softness.is_well_known() {
-            sure = larger(mean - 1.0 / (weight * mean), 0.0);
-            unsure = (mean - sure) * (mean - sure) + 1.0 / weight;
+        if let Some((_, variance)) = self.clear() {
+            sure = larger(mean - variance / mean, 0.0);
+            unsure = (mean - sure) * (mean - sure) + variance;
         }
         let all = product * product + 0.5 * mean * (high_n + low_n);
         let by_softness = 0.25 * drop_n * drop_n / all;
@@ -97,17 +133,14 @@ impl Sag {
 mod tests {
     use super::*;
 
-    const SOFTNESS: f32 = 5.24e6;
+    const CABLE: Elongation = Elongation { softness: 5.24e6, zero_n: 226.0 };
 
-    fn stretch(force_n: f32) -> f32 {
-        force_n - 0.5 * SOFTNESS / (force_n * force_n)
-    }
-
-    fn rest(from_n: f32) -> Rest {
+    /// A rest on that cable, followed in another elongation.
+    fn rest(from_n: f32, followed: &Elongation) -> Rest {
         let (to_n, winch, rate_at_n) = (780.0, 22.5, 700.0);
-        let rate = winch / (1.0 + SOFTNESS / (rate_at_n * rate_at_n * rate_at_n));
-        let time = (stretch(to_n) - stretch(from_n)) / winch;
-        Rest { time, from_n, to_n, rate, rate_variance: 0.01, rate_at_n }
+        let time = (CABLE.of(to_n) - CABLE.of(from_n)) / winch;
+        let rate = winch * CABLE.stiffness(rate_at_n) / followed.stiffness(rate_at_n);
+        Rest { time, from_n, from_n2: 4.0, to_n, rate, rate_variance: 0.01, rate_at_n }
     }
 
     fn cycle() -> CycleParams {
@@ -116,29 +149,35 @@ mod tests {
     }
 
     #[test]
-    fn a_rest_tells_the_softness() {
-        let (softness, variance) = rest(226.0).softness().unwrap();
-        assert!((softness / SOFTNESS - 1.0).abs() < 0.01, "{softness}");
-        // Ten per cent more of the rate is ten standard deviations here.
-        let faster = Rest { rate: 1.1 * rest(226.0).rate, ..rest(226.0) };
-        let more = faster.softness().unwrap().0 - softness;
-        assert!(more > 0.8 * 22.0 * variance.sqrt(), "{more} {variance}");
+    fn a_rest_tells_the_softness_in_whatever_elongation_it_was_followed() {
+        for softness in [0.0, 3e6, 5.24e6, 7e6] {
+            let followed = Elongation { softness, zero_n: 230.0 };
+            let of = |rest: &Rest| rest.softness(&followed).unwrap();
+            let exact = rest(226.0, &followed);
+            let (got, variance) = of(&exact);
+            assert!((got / CABLE.softness - 1.0).abs() < 0.02, "{softness} {got}");
+            // Ten per cent more of the rate is twenty standard deviations of it here.
+            let more = of(&Rest { rate: 1.1 * exact.rate, ..exact }).0 - got;
+            let of_rate = of(&Rest { from_n2: 0.0, ..exact }).1.sqrt();
+            assert!(more > 0.8 * 22.0 * of_rate && of_rate < variance.sqrt(), "{more} {of_rate}");
+        }
     }
 
     #[test]
     fn a_rest_that_does_not_load_tells_nothing() {
         for from_n in [0.0, -5.0, 780.0, 900.0, f32::NAN] {
-            assert!(rest(from_n).softness().is_none(), "{from_n}");
+            let rest = Rest { from_n, ..rest(226.0, &CABLE) };
+            assert!(rest.softness(&CABLE).is_none(), "{from_n}");
         }
     }
 
-    /// Newton's law: the work against friction along the stretch.
+    /// Newton's law: the work against friction along the elongation.
     #[test]
     fn the_shift_is_where_the_work_is_done() {
         let mut sag = Sag::default();
         for _ in 0..8 {
             sag.forget();
-            sag.learn(&rest(226.0));
+            sag.learn(&rest(226.0, &CABLE), &CABLE);
         }
         let cycle = cycle();
         let (high_n, low_n) = (cycle.static_n, cycle.restick_n());
@@ -146,21 +185,26 @@ mod tests {
         let width_n = (high_n - low_n) / steps as f32;
         let (work, way) = (0..steps).fold((0.0_f64, 0.0_f64), |(work, way), i| {
             let force_n = low_n + (i as f32 + 0.5) * width_n;
-            let by = f64::from(1.0 + SOFTNESS / force_n.powi(3));
+            let by = f64::from(1.0 / CABLE.stiffness(force_n));
             (work + f64::from(force_n) * by, way + by)
         });
         let shift_n = cycle.dynamic_n() - (work / way) as f32;
         let (got_n, variance_n2) = sag.shift(&cycle);
         assert!((got_n / shift_n - 1.0).abs() < 0.02, "{got_n} {shift_n}");
         assert!(variance_n2 > 0.0 && variance_n2 < shift_n * shift_n);
+        let Elongation { softness, zero_n } = sag.elongation(226.0);
+        assert!((softness / CABLE.softness - 1.0).abs() < 0.01 && zero_n > 225.0, "{softness}");
+        // So low a force would hardly stretch the cable at all.
+        assert!(!sag.elongation(100.0).sags());
     }
 
     #[test]
     fn one_rest_is_an_uncertainty_and_none_is_nothing() {
         let mut sag = Sag::default();
         assert_eq!(sag.shift(&cycle()), (0.0, 0.0));
-        sag.learn(&rest(226.0));
+        sag.learn(&rest(226.0, &CABLE), &CABLE);
         let (shift_n, variance_n2) = sag.shift(&cycle());
         assert!(shift_n.abs() < 1e-6 && variance_n2 > 25.0, "{shift_n} {variance_n2}");
+        assert!(!sag.elongation(226.0).sags() && sag.parameter().is_none());
     }
 }

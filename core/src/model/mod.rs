@@ -21,6 +21,7 @@
 //! of motion by brute force and compares.
 
 pub mod corner;
+pub mod elongation;
 mod shape;
 pub(crate) mod slack;
 

@@ -1,6 +1,7 @@
 //! What follows an event's fit, a step each: how far its samples are from it, what the next events
 //! learn from its unknowns, and what its levels tell of the force terms that it lacks.
 
+use crate::cycle::cable::relax;
 use crate::cycle::cycle_fit::{CycleFit, FitStage, Measured, Outcome, Terms};
 use crate::cycle::expectations::{Expectations, is_clear, is_strained, own_residuals};
 use crate::cycle::slip_record::UNSURE;
@@ -13,6 +14,7 @@ use crate::fit::over_onset::OverOnset;
 use crate::fit::posterior::Posterior;
 use crate::fit::residuals::excess_ratio;
 use crate::fit::{Fit, Variances};
+use crate::model::elongation::Elongation;
 use crate::num::math::{larger, smaller};
 
 /// Part of the drop, beside what the line rises in a period, by which the ends of a strained fit
@@ -190,6 +192,22 @@ impl CycleFit {
 }
 
 impl Measured {
+    /// Takes it back to forces where it was fitted in the elongation of a cable that sags.
+    pub(crate) fn relax(&mut self, cable: &Elongation) {
+        if !cable.sags() {
+            return;
+        }
+        let middle_n = self.posterior.cycle.dynamic_n();
+        let (at_onset, mean) = relax(cable, &mut self.posterior);
+        if let Some(forces) = &mut self.alone {
+            let off_n = mean * (forces.dynamic_n - middle_n);
+            forces.static_n = cable.force_n(forces.static_n);
+            forces.dynamic_n = self.posterior.cycle.dynamic_n() + off_n;
+            forces.static_variance *= at_onset * at_onset;
+            forces.dynamic_variance *= mean * mean;
+        }
+    }
+
     /// Applies what became known after the fit, whose variances are the same in every event.
     fn share(&mut self, correction: &Correction) {
         self.apply(correction);

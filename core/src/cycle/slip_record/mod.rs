@@ -4,12 +4,15 @@ mod extremes;
 mod initial_guess;
 mod shorten;
 
+use core::ops::Range;
+
 use crate::cycle::ended::Slip;
 use crate::cycle::refusal::SURE;
 use crate::cycle::slip_record::extremes::Rough;
 use crate::detector::{Detector, Stick};
 use crate::event::Reason;
 use crate::fit::Samples;
+use crate::model::elongation::Elongation;
 use crate::model::{CycleParams, Shape};
 use crate::noise::ripple::ColoredNoise;
 use crate::num::math::{self, larger};
@@ -22,6 +25,9 @@ const PI: f32 = core::f32::consts::PI;
 
 /// Most samples between the two stick lines.
 const CORE: usize = 96;
+
+/// Most samples of a line in elongation: two of them take a tenth of a step's time.
+const MOST: u32 = 24;
 
 /// By how much onset and stop of a slip that is hardly resolved may be off before the last fit,
 /// periods.
@@ -44,6 +50,10 @@ pub(crate) struct SlipRecord {
     /// Index of time zero, for the samples, `before` and all other times.
     pub(crate) origin: u32,
     pub(crate) before: Line,
+    /// In which its forces are kept, and those of its lines: the elongation of the cable.
+    pub(crate) elongation: Elongation,
+    /// The later half of the rest before it, where that may tell that the cable sags.
+    pub(crate) late: Line,
     /// The samples between the lines, N, the first `length` of them; NaN where one is missing.
     forces_n: [f32; CORE],
     /// Time of the first of them, periods, and their number.
@@ -60,8 +70,6 @@ pub(crate) struct SlipRecord {
     /// Weight of the samples after the stop, and the time from which on they have it, periods.
     pub(crate) rest_weight: f32,
     rest_from: f32,
-    /// Was the line before it begun anew, because the rate had changed? The winch may have paused.
-    pub(crate) broken: bool,
     /// Why the samples between the lines are not all there: a gap, saturated ones, or too many.
     pub(crate) hidden: Option<Reason>,
     /// The cycle as the first answer has it, without the stick line after it.
@@ -83,15 +91,20 @@ impl SlipRecord {
         stick: &Stick,
         start: u32,
         &Slip { peak, low, rest_weight, .. }: &Slip,
+        elongation: Elongation,
     ) -> Self {
         let (first, window) = (stick.next, detector.window());
         let noise_n = detector.noise_n().unwrap_or(1.0);
         let rough = Rough::new(stick, window, (peak, low), noise_n);
-        let [peak, low] = [peak, low]
-            .map(|ForcePoint { index, force_n }| Extreme { time: since(first, index), force_n });
+        let [peak, low] = [peak, low].map(|ForcePoint { index, force_n }| Extreme {
+            time: since(first, index),
+            force_n: elongation.of(force_n),
+        });
         Self {
             origin: first,
             before: stick.line_from(first),
+            elongation,
+            late: Line::default(),
             forces_n: [0.0; CORE],
             start: since(first, start),
             length: 0,
@@ -102,7 +115,6 @@ impl SlipRecord {
             wander: detector.wander(),
             rest_weight,
             rest_from: low.time,
-            broken: stick.broken,
             hidden: None,
             early: None,
             slip: (peak.time, low.time),
@@ -140,9 +152,10 @@ impl SlipRecord {
     fn take(&mut self, window: &Window, to: u32) {
         let start = self.origin.saturating_add_signed(self.start as i32);
         let from = start + self.length as u32;
+        let cable = self.elongation;
         let room = self.forces_n.get_mut(self.length..).unwrap_or_default();
         for (entry, index) in room.iter_mut().zip(from..to + 1) {
-            *entry = window.get(index).unwrap_or(f32::NAN);
+            *entry = window.get(index).map_or(f32::NAN, |force_n| cable.of(force_n));
             self.length += 1;
         }
     }
@@ -207,6 +220,10 @@ impl SlipRecord {
     /// The stick line after the slip, up to the last index before the next onset if that is known:
     /// the detector's own line stays behind.
     pub(crate) fn line_after(&self, stick: &Stick, window: &Window, last: Option<u32>) -> Line {
+        if self.elongation.sags() {
+            let end = last.map_or(stick.next, |last| last + 1);
+            return self.line_of(window, stick.origin..end.max(stick.origin));
+        }
         let mut line = stick.first_from(self.origin);
         // A first answer on a slip on a slack cable is rough.
         let is_straight = self.has_straight(stick, &line) && self.slack(&line).is_none();
@@ -215,6 +232,30 @@ impl SlipRecord {
                 if let Some(force_n) = window.get(index) {
                     line.add(since(self.origin, index), force_n, 1.0, 1.0);
                 }
+            }
+        }
+        line
+    }
+
+    /// Takes the later half of the rest before it, whose rate tells how much softer the cable was in
+    /// the earlier one. Where it is known to sag the line before the slip is that of the whole rest in
+    /// elongation, for the detector's own is that of forces; and how that bends is then no ripple.
+    pub(crate) fn take_late(&mut self, window: &Window, stick: &Stick) {
+        let half = (stick.next - stick.origin) / 2;
+        self.late = self.line_of(window, stick.next - half..stick.next);
+        if self.elongation.sags() {
+            self.before = self.line_of(window, stick.origin..stick.next);
+            self.wander.slope = 0.0;
+        }
+    }
+
+    /// The line of a part of a rest: of a long one, of samples spread evenly over it.
+    fn line_of(&self, window: &Window, rest: Range<u32>) -> Line {
+        let mut line = Line::default();
+        let each = (rest.end - rest.start) / MOST + 1;
+        for index in rest.step_by(each as usize) {
+            if let Some(force_n) = window.get(index) {
+                line.add(since(self.origin, index), self.elongation.of(force_n), 1.0, 1.0);
             }
         }
         line
@@ -232,7 +273,9 @@ impl SlipRecord {
     /// there they are off it.
     pub(crate) fn lengthen_line(&mut self, previous: &Self, stick: &Stick) {
         let was_slack = previous.slack(&stick.first_from(previous.origin)).is_some();
-        let is_steady = self.rest_weight >= 1.0 && self.has_straight(stick, &self.before);
+        let is_steady = self.rest_weight >= 1.0
+            && !self.elongation.sags()
+            && self.has_straight(stick, &self.before);
         if previous.early.is_none() || !is_steady || was_slack {
             return;
         }

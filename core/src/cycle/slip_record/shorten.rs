@@ -39,6 +39,7 @@ mod tests {
     use crate::cycle::slip_record::{CORE, Extreme, Rough};
     use crate::fit::Data;
     use crate::model::corner::Corner;
+    use crate::model::elongation::Elongation;
     use crate::model::tests::dff8_13;
     use crate::noise::ripple::ColoredNoise;
     use crate::num::math;
@@ -76,7 +77,8 @@ mod tests {
             wander: ColoredNoise::NONE,
             rest_weight: 0.5,
             rest_from: shape.stop(),
-            broken: false,
+            elongation: Elongation::default(),
+            late: Line::default(),
             hidden: None,
             early: None,
             slip: (0.0, 0.0),

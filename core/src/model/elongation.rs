@@ -1,0 +1,83 @@
+//! How far a cable that sags is stretched by a force.
+//!
+//! With `1/k_eff = (1 + S/F³)/k` (Ernst; `S = k q² L³/12`, `q` the cable's weight per length) a
+//! force stretches it by `y(F) = F − S/(2 F²)`, in units of force and from any zero. At rest `y`
+//! grows at the steady rate `k w`: stick lines are straight in it.
+
+use crate::effect::{Effect, Effects};
+use crate::num::math::larger;
+
+/// The elongation of a cable by a force, in N: that of a straight one is the force itself.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Elongation {
+    /// `S`, N³; zero for a straight cable.
+    pub softness: f32,
+    /// The force that is its own elongation, N, above zero where the cable sags.
+    pub zero_n: f32,
+}
+
+impl Elongation {
+    /// Does the cable sag?
+    #[must_use]
+    pub fn sags(&self) -> bool {
+        Effects::COMPILED.has(Effect::Sag) && self.softness > 0.0
+    }
+
+    /// The elongation by a force, N.
+    #[must_use]
+    #[inline(always)]
+    pub fn of(&self, force_n: f32) -> f32 {
+        if self.sags() { self.of_sagging(force_n) } else { force_n }
+    }
+
+    #[inline(never)]
+    fn of_sagging(&self, force_n: f32) -> f32 {
+        force_n + self.slack_n(self.zero_n) - self.slack_n(force_n)
+    }
+
+    /// `S/(2 F²)`; of forces far below its zero that of half of it.
+    fn slack_n(&self, force_n: f32) -> f32 {
+        let force_n = larger(force_n, 0.5 * self.zero_n);
+        0.5 * self.softness / (force_n * force_n)
+    }
+
+    /// The force, N, that stretches the cable so far: Newton's method, from below.
+    #[must_use]
+    #[inline(never)]
+    pub fn force_n(&self, elongation_n: f32) -> f32 {
+        const STEPS: u8 = 4;
+        if !self.sags() {
+            return elongation_n;
+        }
+        let mut force_n = larger(elongation_n - self.slack_n(self.zero_n), 0.5 * self.zero_n);
+        for _ in 0..STEPS {
+            force_n += (elongation_n - self.of(force_n)) * self.stiffness(force_n);
+        }
+        force_n
+    }
+
+    /// By how much the force grows with the elongation.
+    #[must_use]
+    pub fn stiffness(&self, force_n: f32) -> f32 {
+        1.0 / (1.0 + self.softness / (force_n * force_n * force_n))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn force_and_elongation_are_each_others_inverse() {
+        let cable = Elongation { softness: 5.24e6, zero_n: 226.0 };
+        assert!((cable.of(226.0) - 226.0).abs() < 1e-3);
+        for force_n in [150.0, 226.0, 300.0, 500.0, 781.0, 2000.0] {
+            let back_n = cable.force_n(cable.of(force_n));
+            assert!((back_n - force_n).abs() < 0.02, "{force_n} {back_n}");
+            let quotient = (cable.of(force_n + 0.5) - cable.of(force_n - 0.5)).recip();
+            assert!((cable.stiffness(force_n) - quotient).abs() < 1e-3, "{force_n} {quotient}");
+        }
+        let straight = Elongation::default();
+        assert_eq!((straight.of(-3.0), straight.force_n(-3.0)), (-3.0, -3.0));
+    }
+}
