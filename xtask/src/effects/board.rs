@@ -32,7 +32,7 @@ fn own(effect: Effect) -> &'static str {
 fn files(effect: Effect) -> &'static [&'static str] {
     match effect {
         Effect::Corner => &["effects/corner/mod.rs", "effects/corner/score.rs", "model/corner.rs"],
-        Effect::Sag => &["effects/sag.rs"],
+        Effect::Sag => &["effects/sag.rs", "model/elongation.rs"],
         // A column of the fit: no file.
         Effect::Stiffening => &[],
         Effect::Mass => &["effects/mass_change/mod.rs", "effects/mass_change/swings.rs"],
