@@ -26,7 +26,7 @@ const PI: f32 = core::f32::consts::PI;
 /// Most samples between the two stick lines.
 const CORE: usize = 96;
 
-/// Most samples of a line in elongation: two of them take a tenth of a step's time.
+/// Most samples of a line in elongation: two such lines take a third of a step's time.
 const MOST: u32 = 24;
 
 /// By how much onset and stop of a slip that is hardly resolved may be off before the last fit,
