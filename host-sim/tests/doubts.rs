@@ -52,6 +52,17 @@ fn what_comes_too_late_is_said_and_not_called_given() {
     assert!(!said.contains("as given"), "{said}");
 }
 
+/// In the slip it is softer than where it is loaded: nothing is wrong with weight or winch speed.
+#[test]
+fn a_cable_that_sags_has_two_stiffnesses() {
+    let path = directory("sag").join("pull.csv");
+    let path = path.to_str().unwrap();
+    let made = floe(&["simulate", "scenes/hard/sag_flop.toml", "-o", path]);
+    assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
+    let said = text(&floe(&["replay", path, "--summary"]).stdout);
+    assert!(said.contains("of the two: a cable that sags is softer in the slip"), "{said}");
+}
+
 /// Both stiffnesses are those of one cable, if weight and winch speed are right.
 #[test]
 fn a_weight_that_the_winch_contradicts_is_asked_about() {

@@ -86,7 +86,7 @@ fn a_clock_that_is_set_anew_is_said() {
     assert_eq!(
         log.warnings(),
         [
-            "1 gap longer than 194.2 days: 268435456 samples each are counted as missing; was the clock set anew?"
+            "1 gap longer than 194.2 days: 268435455 samples each are counted as missing; was the clock set anew?"
         ]
     );
 }

@@ -280,7 +280,7 @@ impl Log {
                 "{} longer than {days:.1} days: {} samples each are counted as missing; was the \
                  clock set anew?",
                 counted(count, "gap"),
-                Clock::FARTHEST
+                Clock::FARTHEST - 1
             )
         });
         let found = self.head.notes.iter().cloned().chain(said).chain(truncated).chain(left_out);
@@ -340,7 +340,7 @@ impl Log {
 
 fn too_long(line: u64) -> InputError {
     InputError::new(format!(
-        "line {line}: a test has {} sampling periods at most: cut the log before it",
+        "line {line}: a test has {} sampling periods at most, gaps counted: cut the log before it",
         RawSample::LAST_INDEX
     ))
 }

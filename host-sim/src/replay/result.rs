@@ -3,7 +3,7 @@
 //! Forces in N, times in s, angles in rad. What is unknown is `None` (`null`);
 //! every number is finite.
 
-use floe_core::{Config, Counters, Estimate, Finding, Report};
+use floe_core::{Config, Counters, Effect, Estimate, Finding, Report};
 use serde::Serialize;
 
 mod change;
@@ -186,6 +186,13 @@ impl ReplayResult {
     /// The effects that the data show; none where no event counts.
     pub fn effects_found(&self) -> impl Iterator<Item = &EffectSummary> {
         self.effects.iter().filter(|it| it.found && self.estimate.events > 0)
+    }
+
+    /// Did the cable sag? Then it is softer in the slip than where it is loaded, and the two
+    /// stiffnesses are not the same.
+    #[must_use]
+    pub fn sags(&self) -> bool {
+        self.effects_found().any(|effect| effect.name == Effect::Sag.name())
     }
 
     /// Puts the parts together.

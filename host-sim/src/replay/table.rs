@@ -217,7 +217,11 @@ fn coefficient(out: &mut String, name: &str, value: &CoefficientSummary) -> std:
 
 fn quantities(out: &mut String, result: &ReplayResult) -> std::fmt::Result {
     let q = &result.quantities;
-    let checks = if q.disagree() { "of the two: they disagree" } else { "of the two: checks both" };
+    let checks = match (result.sags(), q.disagree()) {
+        (true, _) => "of the two: a cable that sags is softer in the slip",
+        (false, true) => "of the two: they disagree",
+        (false, false) => "of the two: checks both",
+    };
     let lines = [
         ("loading rate", q.loading_rate_n_per_s, q.loading_rate_n_per_s_std, "N/s"),
         ("omega", q.omega_rad_per_s, q.omega_rad_per_s_std, "rad/s"),

@@ -176,7 +176,7 @@ fn measured(result: &ReplayResult) -> Vec<Fact> {
         (
             "Ratio of the two",
             pair(quantities.stiffness_ratio, quantities.stiffness_ratio_std, ""),
-            quantities.disagree(),
+            quantities.disagree() && !result.sags(),
         ),
         ("Recurrence", pair(quantities.recurrence_s, quantities.recurrence_s_std, "s"), false),
         (
