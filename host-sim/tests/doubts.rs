@@ -52,27 +52,29 @@ fn what_comes_too_late_is_said_and_not_called_given() {
     assert!(!said.contains("as given"), "{said}");
 }
 
+/// A simulated log in a directory of its own.
+fn simulated(test: &str, scene: &str) -> String {
+    let path = directory(test).join("pull.csv").to_str().unwrap().to_string();
+    let made = floe(&["simulate", scene, "-o", &path]);
+    assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
+    path
+}
+
 /// In the slip it is softer than where it is loaded: nothing is wrong with weight or winch speed.
 #[test]
 fn a_cable_that_sags_has_two_stiffnesses() {
-    let path = directory("sag").join("pull.csv");
-    let path = path.to_str().unwrap();
-    let made = floe(&["simulate", "scenes/hard/sag_flop.toml", "-o", path]);
-    assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
-    let said = text(&floe(&["replay", path, "--summary"]).stdout);
+    let path = simulated("sag", "scenes/hard/sag_flop.toml");
+    let said = text(&floe(&["replay", &path, "--summary"]).stdout);
     assert!(said.contains("of the two: a cable that sags is softer in the slip"), "{said}");
 }
 
 /// Both stiffnesses are those of one cable, if weight and winch speed are right.
 #[test]
 fn a_weight_that_the_winch_contradicts_is_asked_about() {
-    let path = directory("stiffness").join("pull.csv");
-    let path = path.to_str().unwrap();
-    let made = floe(&["simulate", "scenes/dff8-13.toml", "-o", path]);
-    assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
+    let path = simulated("stiffness", "scenes/dff8-13.toml");
     let said = |weight: &str| {
-        let json = json_with_warnings(&floe(&["replay", path, "--weight-n", weight, "--json"]));
-        let summary = floe(&["replay", path, "--weight-n", weight, "--summary"]);
+        let json = json_with_warnings(&floe(&["replay", &path, "--weight-n", weight, "--json"]));
+        let summary = floe(&["replay", &path, "--weight-n", weight, "--summary"]);
         (json, text(&summary.stdout))
     };
     let (asked, line) = said("700");

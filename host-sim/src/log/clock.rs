@@ -64,9 +64,9 @@ impl Clock {
         }
     }
 
-    /// Index and time of the row with this stamp; `None` beyond [`RawSample::LAST_INDEX`]. `records`: rows since the one
-    /// before, by the log's own numbers. `ahead`: the stamps that follow it, used
-    /// (up to [`Self::lookahead`]) when stamps are shared.
+    /// Index and time of the row with this stamp; `None` beyond [`RawSample::LAST_INDEX`].
+    /// `records`: rows since the one before, by the log's own numbers. `ahead`: the stamps that
+    /// follow it, used (up to [`Self::lookahead`]) when stamps are shared.
     pub fn place(
         &mut self,
         stamp_s: f64,
