@@ -9,6 +9,7 @@ use crate::cycle::slip_record::SlipRecord;
 use crate::detector::{Detector, Stick};
 use crate::event::{Provisional, Reason};
 use crate::fit::{Fit, Fitting};
+use crate::model::elongation::Elongation;
 use crate::sample::{ForcePoint, SampleTime, since};
 
 /// The end of a stick line.
@@ -167,9 +168,11 @@ impl CycleTracker {
         }
         let progress = match by {
             By::Slip(slip) => {
-                let (learnt, low_n) = (&self.learnt, slip.low.force_n);
-                let known = may_sag.then(|| learnt.sag.read(|sag| sag.elongation(low_n)));
-                let cable = known.unwrap_or_default();
+                let cable = if may_sag {
+                    self.learnt.sag.read(|sag| sag.elongation(slip.low.force_n))
+                } else {
+                    Elongation::default()
+                };
                 let next =
                     self.pending.insert(SlipRecord::new(detector, stick, start, slip, cable));
                 next.gather(detector.window(), slip);
