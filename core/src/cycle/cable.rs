@@ -8,6 +8,7 @@ use crate::detector::Detector;
 use crate::effect::Effect;
 use crate::effects::corner::CornerEstimator;
 use crate::effects::sag::{Rest, Sag};
+use crate::effects::stiffening;
 use crate::fit::posterior::Posterior;
 use crate::model::CycleParams;
 use crate::model::elongation::Elongation;
@@ -86,7 +87,8 @@ impl CycleTracker {
         if !is_straight {
             return (sag_n, sag_n2);
         }
-        let stiffening_n = if stiffens { self.learnt.stiffening_n(cycle) } else { 0.0 };
+        let stiffening_n =
+            if stiffens { stiffening::shift_n(&self.learnt.rate_change, cycle) } else { 0.0 };
         (sag_n - stiffening_n, sag_n2)
     }
 }

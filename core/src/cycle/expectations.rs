@@ -3,7 +3,7 @@
 use crate::coefficient::Site;
 use crate::cycle::expected::Expected;
 use crate::cycle::slip_record::SlipRecord;
-use crate::effect::{Effect, Effects, Kept, Parameter};
+use crate::effect::{Effect, Effects, Kept};
 use crate::effects::corner::CornerEstimator;
 use crate::effects::damping::Damping;
 use crate::effects::mass_change::{Evidence, Mass, Verdict};
@@ -14,7 +14,6 @@ use crate::fit::posterior::{CLEAR, Posterior};
 use crate::fit::residuals::Residuals;
 use crate::fit::slip_scatter::SlipScatter;
 use crate::fit::{Data, Fit, rounding_n2};
-use crate::model::CycleParams;
 use crate::num::math::{self, larger};
 use crate::stats::fading_trend::FadingTrend;
 use crate::stats::line::Line;
@@ -136,31 +135,9 @@ impl Expectations {
         Prior { mean: 0.0, weight: noise_n2 / (spread * spread) }
     }
 
-    /// How far `Fp` lies above the middle of `Fs` and `Fe`, N, because a cable that gets shorter
-    /// gets stiffer as the block slides: `d b / 6 r`, from `∫ (F − Fp) dF / k = 0` with `k` going
-    /// evenly from one rate to the other. A rate change that stays is the cable's: a winch that
-    /// gained speed would do so in rests as well.
-    pub(crate) fn stiffening_n(&self, cycle: &CycleParams) -> f32 {
-        // Part of the rate: no cable becomes stiffer by more in a slip.
-        const MOST: f32 = 0.1;
-        let part = self.rate_change.prior_around_zero(1.0).mean / cycle.rate;
-        // False for a rate of zero as well.
-        if part.abs() < MOST { cycle.half_drop_n * part / 6.0 } else { 0.0 }
-    }
-
     /// Is the cable known to sag?
     pub(crate) fn sags(&self) -> bool {
         self.sag.read(Sag::parameter).is_some()
-    }
-
-    /// By which part of it the loading rate grows over a slip, if the events show that, and `Fp` has
-    /// it: what a cable that sags does to the rate is that.
-    pub(crate) fn stiffening(&self) -> Option<Parameter> {
-        let rate = self.rate.mean()?;
-        let gain = self.rate_change.prior_around_zero(1.0);
-        let std = 1.0 / math::sqrt(gain.weight) / rate;
-        let found = gain.mean.abs() > 0.0 && std.is_finite() && !self.sags();
-        found.then_some(Parameter { name: "rate_gain", value: gain.mean / rate, std })
     }
 
     /// Variances that `Fs` and `Fp` have, N², because a rate that changed by `b` over the slip may
@@ -306,28 +283,4 @@ pub(crate) fn own_residuals(data: &Data<'_>, fit: &Fit) -> (f32, f32) {
     }
     let lines = data.before.count.min(2) as f32 + data.after.weight;
     (larger(squares, 0.0), data.samples.good().count() as f32 + lines - unknowns)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn only_a_cable_gets_stiffer() {
-        let mut learnt = Expectations::default();
-        (0..20).for_each(|_| learnt.rate_change.add(0.2, 1e-6));
-        let cycle = |rate| CycleParams {
-            onset: 0.0,
-            rate,
-            static_n: 781.2,
-            half_drop_n: 289.8,
-            omega: 1.18,
-            rate_change: 0.0,
-        };
-        let expected_n = 289.8 * 0.2 / (6.0 * 22.5);
-        assert!((learnt.stiffening_n(&cycle(22.5)) / expected_n - 1.0).abs() < 0.01);
-        for rate in [1.0, 1e-9, 0.0, -1e-9] {
-            assert!(learnt.stiffening_n(&cycle(rate)).abs() < 1e-9, "{rate}");
-        }
-    }
 }

@@ -8,6 +8,7 @@ use crate::effects::damping::Damping;
 use crate::effects::onset::Onset;
 use crate::effects::oscillation::Oscillation;
 use crate::effects::sag::Sag;
+use crate::effects::stiffening;
 use crate::num::math;
 use crate::stats::quantity::Quantity;
 
@@ -62,7 +63,11 @@ impl CycleTracker {
             Effect::Damping => [self.learnt.damping.read(Damping::parameter), None],
             Effect::Onset => [self.learnt.onset.read(Onset::parameter), None],
             Effect::Sag => [self.learnt.sag.read(Sag::parameter), None],
-            Effect::Stiffening => [self.learnt.stiffening(), None],
+            // What a cable that sags does to the rate is the sag's.
+            Effect::Stiffening if self.learnt.sags() => [None; 2],
+            Effect::Stiffening => {
+                [stiffening::parameter(&self.learnt.rate, &self.learnt.rate_change), None]
+            }
             Effect::Mass => {
                 let (value, relative) = self.weight_ratio();
                 let ratio = Parameter { name: "weight_ratio", value, std: relative * value };

@@ -1,7 +1,8 @@
 //! What others may read of the detector, and what they tell it.
 
 use crate::detector::{Detector, Stick};
-use crate::effect::Effect;
+use crate::effect::{Effect, Parameter};
+use crate::noise::flop::FlopProfile;
 use crate::noise::ripple::{ColoredNoise, Ripple};
 use crate::num::math::{larger, smaller};
 use crate::sample::{ForcePoint, Phase, since};
@@ -81,15 +82,12 @@ impl Detector {
         self.usual_drop_n
     }
 
-    /// Do the rests of late show an effect that is one of the noise?
+    /// What the rests of late show of the two effects that are noise.
     #[must_use]
-    pub fn shows(&self, effect: Effect) -> bool {
+    pub fn parameter(&self, effect: Effect) -> Option<Parameter> {
         match effect {
-            Effect::Flop => self.profile.read(|profile| !profile.is_flat()),
-            Effect::Ripple => {
-                let ColoredNoise { level, alike, .. } = self.wander();
-                level + alike > 0.0
-            }
+            Effect::Flop => self.profile.read(FlopProfile::parameter),
+            Effect::Ripple => self.ripple.read(Ripple::parameter),
             Effect::Corner
             | Effect::Sag
             | Effect::Stiffening
@@ -97,7 +95,7 @@ impl Detector {
             | Effect::Level
             | Effect::Drift
             | Effect::Damping
-            | Effect::Onset => false,
+            | Effect::Onset => None,
         }
     }
 

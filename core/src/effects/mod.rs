@@ -8,6 +8,7 @@ pub(crate) mod onset;
 pub(crate) mod oscillation;
 pub(crate) mod sag;
 pub(crate) mod score;
+pub(crate) mod stiffening;
 pub(crate) mod zero_drift;
 
 #[cfg(test)]

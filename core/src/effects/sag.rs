@@ -120,7 +120,8 @@ impl Sag {
             return (0.0, 0.0);
         };
         let (mut sure, mut unsure) = (0.0, mean * mean);
-        if let Some((_, variance)) = self.clear() {
+        let clear = self.clear().filter(|_| self.elongation(low_n).sags());
+        if let Some((_, variance)) = clear {
             sure = larger(mean - variance / mean, 0.0);
             unsure = (mean - sure) * (mean - sure) + variance;
         }

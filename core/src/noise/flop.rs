@@ -7,6 +7,7 @@
 //! its mean age, tapered over the length of a stick. An excess within chance, or no more than 1,
 //! counts as none: then every sample counts alike.
 
+use crate::effect::Parameter;
 use crate::num::math::{self, larger, smaller};
 use crate::stats::line::Line;
 use crate::stats::prior::surely;
@@ -70,6 +71,17 @@ impl FlopProfile {
     #[must_use]
     pub fn weight(&self, age: f32) -> f32 {
         if self.is_flat() { 1.0 } else { 1.0 / self.variance(age) }
+    }
+
+    /// Noise of the first samples of a stick over that of late ones, once the sticks show it. The
+    /// excess variance is known as its moment is, whose terms scatter by their own mean square.
+    #[must_use]
+    pub fn parameter(&self) -> Option<Parameter> {
+        let (all, chance) = self.moment();
+        let scatter = math::sqrt(chance) * (1.0 + all / self.early.sums[0]);
+        let value = math::sqrt(1.0 + self.excess);
+        let std = 0.5 * self.excess / value * scatter / all;
+        (!self.is_flat()).then_some(Parameter { name: "early_noise_ratio", value, std })
     }
 
     /// Shall the stick that has ended be looked at?
@@ -160,14 +172,20 @@ impl FlopProfile {
         self.sticks / (self.late + half)
     }
 
+    /// `Σ v (r²/sigma² − 1)` over the first halves, and its variance by chance.
+    fn moment(&self) -> (f32, f32) {
+        let usual_n2 = self.late_n2 / self.late;
+        let Early { sums: [sum, _], squares_n2: [square_n2, _] } = self.early;
+        // Σ v² is about half of Σ v.
+        (square_n2 / usual_n2 - sum, sum + 2.0 * sum * sum / self.late)
+    }
+
     /// Excess and decay from the moments.
     fn solve(&mut self, taper: f32) {
+        let (all, chance) = self.moment();
         let usual_n2 = self.late_n2 / self.late;
-        let Early { sums, squares_n2: [square_n2, square_by_age_n2] } = self.early;
-        let all = square_n2 / usual_n2 - sums[0];
+        let Early { sums, squares_n2: [_, square_by_age_n2] } = self.early;
         let by_age = square_by_age_n2 / usual_n2 - sums[1];
-        // Variance of `all` by chance; Σ v² is about half of Σ v.
-        let chance = sums[0] + 2.0 * sums[0] * sums[0] / self.late;
         let limit = SIGNIFICANT * math::sqrt(chance);
         let is_new = self.is_flat() && self.sticks < FEWEST_STICKS;
         self.excess = 0.0;
@@ -236,7 +254,15 @@ mod tests {
                 assert!((0.4..2.5).contains(&ratio), "{age} {ratio} {profile:?}");
             }
             assert!(profile.variance(length as f32) < 1.2, "{profile:?}");
+            // An oscillation has the same size in every stick, and scatters less than noise.
+            let ratio = profile.parameter().unwrap();
+            let truth = (1.0 + 0.5 * amplitude_n * amplitude_n).sqrt();
+            assert!(
+                (ratio.value / truth - 1.0).abs() < 0.6 && ratio.std < 0.2 * truth,
+                "{ratio:?}"
+            );
         }
+        assert_eq!(seen(0.0, 1.0, 25, 50).parameter(), None);
     }
 
     #[test]

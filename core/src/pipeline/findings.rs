@@ -3,7 +3,7 @@
 use crate::budget::losses::values;
 use crate::budget::{Known, Losses};
 use crate::coefficient::{Coefficient, Estimate};
-use crate::effect::{Effect, Finding};
+use crate::effect::{Effect, Finding, Parameter};
 use crate::effects::level_shift::{Cause, Change};
 use crate::effects::zero_drift::Drift;
 use crate::num::math;
@@ -50,20 +50,31 @@ impl Pipeline {
     pub fn findings(&self) -> [Finding; Effect::ALL.len()] {
         Effect::ALL.map(|effect| {
             let enabled = self.config.effects.has(effect);
-            let parameters = self.cycles.parameters(effect);
+            let parameters = self.parameters(effect);
+            let has_changed = || self.change.is_some_and(|change| change.cause != Cause::Mass);
             let found = match effect {
-                Effect::Level => self.change.is_some_and(|change| change.cause != Cause::Mass),
-                Effect::Drift => self.zero_n().is_some(),
-                Effect::Flop | Effect::Ripple => self.detector.shows(effect),
-                Effect::Corner
-                | Effect::Sag
-                | Effect::Stiffening
-                | Effect::Mass
-                | Effect::Damping
-                | Effect::Onset => parameters.iter().any(Option::is_some),
+                Effect::Level => has_changed(),
+                _ => parameters.iter().any(Option::is_some),
             };
             Finding { effect, enabled, found: enabled && found, parameters }
         })
+    }
+
+    /// The numbers of an effect that the test shows. Those of a level are the means on either side
+    /// of its change.
+    fn parameters(&self, effect: Effect) -> [Option<Parameter>; 2] {
+        let of_noise = self.detector.parameter(effect);
+        let of_events = self.cycles.parameters(effect);
+        match effect {
+            Effect::Flop | Effect::Ripple => {
+                [of_noise, of_events[0].filter(|_| of_noise.is_some())]
+            }
+            // It widens and shifts nothing.
+            Effect::Drift => {
+                [self.zero_n().map(|std| Parameter { name: "zero_n", value: 0.0, std }), None]
+            }
+            _ => of_events,
+        }
     }
 
     /// The means, with their systematic parts.

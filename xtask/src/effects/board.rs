@@ -33,8 +33,7 @@ fn files(effect: Effect) -> &'static [&'static str] {
     match effect {
         Effect::Corner => &["effects/corner/mod.rs", "effects/corner/score.rs", "model/corner.rs"],
         Effect::Sag => &["effects/sag.rs", "model/elongation.rs"],
-        // A column of the fit: no file.
-        Effect::Stiffening => &[],
+        Effect::Stiffening => &["effects/stiffening.rs"],
         Effect::Mass => &["effects/mass_change/mod.rs", "effects/mass_change/swings.rs"],
         Effect::Level => &["effects/level_shift.rs"],
         Effect::Drift => &["effects/zero_drift.rs"],

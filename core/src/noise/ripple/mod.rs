@@ -8,6 +8,7 @@
 
 mod sums;
 
+use crate::effect::Parameter;
 use crate::num::math::{larger, smaller};
 use sums::Sums;
 
@@ -156,6 +157,13 @@ impl Ripple {
         self.rest = Sums::default();
     }
 
+    /// How much the force strays from its lines beside the white noise, if that is clear.
+    #[must_use]
+    pub fn parameter(&self) -> Option<Parameter> {
+        let (value, std) = self.past.stray_n()?;
+        Some(Parameter { name: "stray_n", value, std })
+    }
+
     /// What the innovations show; nothing unless it is clear.
     #[must_use]
     pub fn wander(&self) -> ColoredNoise {
@@ -176,7 +184,7 @@ mod tests {
     use crate::tests::Random;
 
     /// White noise of variance 1/12 and an oscillation.
-    fn seen(amplitude: f32, period: f32, samples: u32) -> ColoredNoise {
+    fn after(amplitude: f32, period: f32, samples: u32) -> Ripple {
         let (mut ripple, mut random) = (Ripple::default(), Random(1));
         for i in 0..samples {
             let noise = random.even() - 0.5;
@@ -184,7 +192,34 @@ mod tests {
             ripple.add(noise + amplitude * angle.sin(), 1.0);
         }
         ripple.settle();
-        ripple.wander()
+        ripple
+    }
+
+    /// Noise each of whose values has this part of the one before.
+    fn correlated(part: f32) -> Ripple {
+        let (mut ripple, mut random, mut last) = (Ripple::default(), Random(1), 0.0);
+        for _ in 0..4000 {
+            last = part * last + random.normal();
+            ripple.add(last, 1.0);
+        }
+        ripple.settle();
+        ripple
+    }
+
+    fn seen(amplitude: f32, period: f32, samples: u32) -> ColoredNoise {
+        after(amplitude, period, samples).wander()
+    }
+
+    /// Of oscillations of any number of samples, and of noise with correlated neighbours.
+    #[test]
+    fn how_much_the_force_strays_is_a_number() {
+        let stray = |samples: f32| after(1.0, samples, 4000).parameter().unwrap();
+        for samples in [2.5, 4.0, 8.0, 20.0] {
+            let Parameter { value, std, .. } = stray(samples);
+            assert!((value - 0.5_f32.sqrt()).abs() < 3.0 * std && std < 0.02, "{value} {std}");
+        }
+        let Parameter { value, std, .. } = correlated(0.5).parameter().unwrap();
+        assert!((value / (4.0_f32 / 3.0).sqrt() - 1.0).abs() < 0.1 && std < 0.05, "{value} {std}");
     }
 
     #[test]
@@ -226,19 +261,10 @@ mod tests {
 
     #[test]
     fn a_line_hides_what_is_alike_and_not_what_alternates() {
-        let noise = |correlation: f32| {
-            let (mut ripple, mut random, mut last) = (Ripple::default(), Random(1), 0.0);
-            for _ in 0..4000 {
-                last = correlation * last + random.normal();
-                ripple.add(last, 1.0);
-            }
-            ripple.settle();
-            ripple.wander()
-        };
         // `2 r / (1 − r)` times what a line hides.
-        let alike: [f32; 3] = [0.3, 0.5, 0.7].map(|it| noise(it).alike);
+        let alike: [f32; 3] = [0.3, 0.5, 0.7].map(|it| correlated(it).wander().alike);
         assert!(alike[0] < alike[1] && alike[1] > 2.0 && alike[2] > 4.7, "{alike:?}");
-        assert_eq!(noise(-0.5), ColoredNoise::NONE);
+        assert_eq!(correlated(-0.5).wander(), ColoredNoise::NONE);
     }
 
     #[test]

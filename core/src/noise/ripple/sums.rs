@@ -107,6 +107,25 @@ impl Sums {
         self.followed(part * surely(errors, LIKELY * LIKELY), false)
     }
 
+    /// Standard deviation of what strays from the lines beside the white noise, N, and its standard
+    /// error; `None` where nothing does.
+    ///
+    /// Of the mean square `V` an oscillation or a bend has a part that [`Self::wander`] gives, noise
+    /// whose correlation falls evenly `γ₁²/γ₂`. The standard error of `V` is at most `V / √count`.
+    pub(super) fn stray_n(&self) -> Option<(f32, f32)> {
+        let ColoredNoise { level, unsure, alike, .. } = self.wander();
+        let [first, second] = self.products;
+        let part = match (level > 0.0, alike > 0.0) {
+            (true, _) => level / (1.0 + level),
+            (_, true) => smaller(first * first / (second * self.squares), 1.0),
+            _ => smaller(unsure, 1.0),
+        };
+        let mean_n2 = self.squares / self.count;
+        let std_n = math::sqrt(part * mean_n2);
+        let error_n = 0.5 * mean_n2 / math::sqrt(self.count) / std_n;
+        (part > 0.0).then_some((std_n, error_n))
+    }
+
     /// What an oscillation or a bend is that can be followed; of another one what it leaves
     /// `unsure`.
     fn followed(&self, unsure: f32, bends: bool) -> ColoredNoise {

@@ -1,0 +1,83 @@
+//! A cable that gets shorter gets stiffer while the block slides (scene `shortening`).
+//!
+//! With the stiffness `k` its loading rate grows by `b` over a slip: a rate change that stays is the
+//! cable's, for a winch that gained speed would do so in rests as well. The slip ends where its work
+//! is done, `∫ (F − Fp) dF / k = 0`; with `k` going evenly from one rate to the other `Fp` lies
+//! `d b / 6 r` above the middle of `Fs` and `Fe`, `d` half the drop and `r` the rate.
+
+use crate::effect::Parameter;
+use crate::model::CycleParams;
+use crate::num::math;
+use crate::stats::fading_trend::FadingTrend;
+
+/// Part of the rate: no cable becomes stiffer by more in a slip.
+const MOST: f32 = 0.1;
+
+/// How far `Fp` lies above the middle of `Fs` and `Fe`, N, by the changes of the rate so far, N per
+/// period.
+pub(crate) fn shift_n(rate_change: &FadingTrend, cycle: &CycleParams) -> f32 {
+    let part = rate_change.prior_around_zero(1.0).mean / cycle.rate;
+    // False for a rate of zero as well.
+    if part.abs() < MOST { cycle.half_drop_n * part / 6.0 } else { 0.0 }
+}
+
+/// By which part of it the loading rate grows over a slip, if the events show that and a cable can.
+pub(crate) fn parameter(rate: &FadingTrend, rate_change: &FadingTrend) -> Option<Parameter> {
+    let (rate, gain) = (rate.mean()?, rate_change.prior_around_zero(1.0));
+    let (value, std) = (gain.mean / rate, 1.0 / math::sqrt(gain.weight) / rate);
+    let found = value.abs() > 0.0 && value.abs() < MOST && std.is_finite();
+    found.then_some(Parameter { name: "rate_gain", value, std })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn gaining(gain: f32) -> FadingTrend {
+        let mut rate_change = FadingTrend::default();
+        (0..20).for_each(|_| rate_change.add(gain, 1e-6));
+        rate_change
+    }
+
+    fn cycle(rate: f32) -> CycleParams {
+        let (static_n, half_drop_n) = (781.2, 289.8);
+        CycleParams { onset: 0.0, rate, static_n, half_drop_n, omega: 1.18, rate_change: 0.0 }
+    }
+
+    #[test]
+    fn only_a_cable_gets_stiffer() {
+        let rate_change = gaining(0.2);
+        let expected_n = 289.8 * 0.2 / (6.0 * 22.5);
+        assert!((shift_n(&rate_change, &cycle(22.5)) / expected_n - 1.0).abs() < 0.01);
+        for rate in [1.0, 1e-9, 0.0, -1e-9] {
+            assert!(shift_n(&rate_change, &cycle(rate)).abs() < 1e-9, "{rate}");
+        }
+    }
+
+    /// Newton's law: the work along the way, on a cable whose stiffness goes evenly with the force.
+    #[test]
+    fn the_shift_is_where_the_work_is_done() {
+        let (cycle, gain) = (cycle(22.5), 0.9);
+        let (low_n, drop_n, steps) = (cycle.restick_n(), 2.0 * cycle.half_drop_n, 10_000_u16);
+        let (work, way) = (0..steps).fold((0.0_f64, 0.0_f64), |(work, way), step| {
+            let part = (f32::from(step) + 0.5) / f32::from(steps);
+            // At first, where the force is large, the cable is softer.
+            let by = f64::from(1.0 / (cycle.rate + gain * (0.5 - part)));
+            (work + f64::from(low_n + part * drop_n) * by, way + by)
+        });
+        let exact_n = (work / way) as f32 - cycle.dynamic_n();
+        let shift_n = shift_n(&gaining(gain), &cycle);
+        assert!((shift_n / exact_n - 1.0).abs() < 0.01, "{shift_n} {exact_n}");
+    }
+
+    #[test]
+    fn a_gain_is_a_number_once_the_rate_is_known() {
+        let (mut rate, rate_change) = (FadingTrend::default(), gaining(0.225));
+        assert_eq!(parameter(&rate, &rate_change), None);
+        rate.add(22.5, 0.01);
+        let Parameter { value, std, .. } = parameter(&rate, &rate_change).unwrap();
+        assert!((value - 0.01).abs() < 1e-4 && std < 1e-3, "{value} {std}");
+        assert_eq!(parameter(&rate, &FadingTrend::default()), None);
+        assert_eq!(parameter(&rate, &gaining(9.0)), None);
+    }
+}
