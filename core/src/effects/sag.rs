@@ -196,8 +196,11 @@ mod tests {
         assert!(variance_n2 > 0.0 && variance_n2 < shift_n * shift_n);
         let Elongation { softness, zero_n } = sag.elongation(226.0);
         assert!((softness / CABLE.softness - 1.0).abs() < 0.01 && zero_n > 225.0, "{softness}");
-        // So low a force would hardly stretch the cable at all.
+        // So low a force would hardly stretch the cable at all: what no fit takes shifts nothing.
         assert!(!sag.elongation(100.0).sags());
+        let slips_to_low = CycleParams { half_drop_n: 340.0, ..cycle };
+        let (shift_n, variance_n2) = sag.shift(&slips_to_low);
+        assert!(shift_n.abs() < 1e-6 && variance_n2 > 25.0, "{shift_n} {variance_n2}");
     }
 
     #[test]
