@@ -260,6 +260,12 @@ impl Stretches {
         }
     }
 
+    /// The winch turns from now on, or is held. A constant force before was one of the other.
+    pub(crate) fn mark_winch(&mut self, turns: bool) {
+        self.interrupt(Some(u32::MAX));
+        self.moving = Some(turns);
+    }
+
     /// Takes a fall that is no slip.
     pub(crate) fn refuse(&mut self, start: SampleTime, stop: SampleTime, reason: Reason) {
         let kind = StretchKind::NotUnderstood(reason);

@@ -5,7 +5,7 @@ use heapless::String;
 
 use crate::console::INPUT_LEN;
 use crate::measuring::Task;
-use crate::notebook::{Kind, Track, WeightFrom, from_word};
+use crate::notebook::{Kind, Track, WeightFrom, Winch, from_word};
 use crate::settings::{NAME_LEN, fits_name};
 use crate::wall_clock::Moment;
 pub(crate) use number::NEGATIVE;
@@ -114,6 +114,8 @@ pub enum Command {
     Abort,
     /// `note WORDS`: written down with the test.
     Note(String<INPUT_LEN>),
+    /// `winch moving` and `winch held`: from now on.
+    Winch(Winch),
     /// `clock`: what time is it; `clock 2027-03-02T10:15:00Z`: it is this.
     Clock(Option<Moment>),
     /// `self-test`.
@@ -125,8 +127,8 @@ pub enum Command {
 /// One line of help.
 pub const HELP: &str = "clock [TIME]; self-test; tare; calibrate N; weigh; accept; abort; \
 set weight|slope|winch|range|span|tare|name|snow|kind|size|track|cable X; \
-set weight|slope|zero|span|damping|winch-std X; set weight-from same_cell|other; set effects auto|none|NAMES; note TEXT; start; \
-stop; status; live on|off";
+set weight|slope|zero|span|damping|winch-std X; set weight-from same_cell|other; set effects auto|none|NAMES; note TEXT; winch moving|held; \
+start; stop; status; live on|off";
 
 impl Command {
     /// Reads a line; words are separated by spaces.
@@ -161,6 +163,9 @@ impl Command {
             "self-test" => rest_is(Self::SelfTest),
             "note" if rest.is_empty() => Err("note, and what is to be written down"),
             "note" => String::try_from(rest).map(Self::Note).map_err(|_| "that is too long"),
+            "winch" => from_word(Winch::ALL, rest)
+                .map(Self::Winch)
+                .ok_or("unknown command; help lists them"),
             "clock" if rest.is_empty() => Ok(Self::Clock(None)),
             "clock" => match Moment::parse(rest) {
                 Some(moment) => Ok(Self::Clock(Some(moment))),

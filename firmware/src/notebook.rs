@@ -29,13 +29,19 @@ pub enum WeightFrom {
     Other,
 }
 
-/// What the cable did, by the eye of whoever wrote it down.
+/// What the winch does, by the eye of somebody beside it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Winch {
-    /// It is being taken up.
+    /// It takes the cable up.
     Moving,
-    /// It is held.
+    /// It holds it.
     Held,
+}
+
+impl Winch {
+    /// Both with their words.
+    pub const ALL: &'static [(Self, &'static str)] =
+        &[(Self::Moving, "moving"), (Self::Held, "held")];
 }
 
 impl Kind {

@@ -85,29 +85,30 @@ impl Sag {
     }
 
     /// The softness and its variance, if it counts: what a winch that ripples feigns scatters from
-    /// rest to rest.
-    fn clear(&self) -> Option<(f32, f32)> {
+    /// rest to rest. Not for an event with this lowest force, N, at which the cable would hardly be
+    /// taut at all.
+    fn clear(&self, low_n: f32) -> Option<(f32, f32)> {
+        /// Most softness, parts of the cube of the lowest force.
+        const MOST: f32 = 4.0;
         let (mean, variance) = self.softness.now();
         let of_a_rest = 1.0 / self.softness.prior(1.0).weight;
         let least = larger(CLEAR * CLEAR * variance, ALIKE * ALIKE * of_a_rest);
+        let is_taut = mean < MOST * low_n * low_n * low_n;
         let counts = self.softness.is_known() && mean > 0.0 && mean * mean > least;
-        counts.then_some((mean, variance))
+        (counts && is_taut).then_some((mean, variance))
     }
 
     /// The softness, once it counts.
     pub(crate) fn parameter(&self) -> Option<Parameter> {
-        let (value, variance) = self.clear()?;
+        let (value, variance) = self.clear(f32::INFINITY)?;
         Some(Parameter { name: "softness_n3", value, std: math::sqrt(variance) })
     }
 
     /// The elongation in which an event with this lowest force, N, is to be fitted: the force itself
-    /// while the softness does not count, or where the cable is hardly taut at all.
+    /// while the softness does not count.
     pub(crate) fn elongation(&self, low_n: f32) -> Elongation {
-        /// Most softness, parts of the cube of the lowest force.
-        const MOST: f32 = 4.0;
-        let softness = self.clear().map_or(0.0, |(softness, _)| softness);
-        let is_taut = low_n > 0.0 && softness < MOST * low_n * low_n * low_n;
-        if is_taut { Elongation { softness, zero_n: low_n } } else { Elongation::default() }
+        let of = |(softness, _)| Elongation { softness, zero_n: low_n };
+        self.clear(low_n).map_or_else(Elongation::default, of)
     }
 
     /// How far `Fp` lies below `(Fs + Fe)/2`, N, and its variance. A mean that is itself uncertain
@@ -120,8 +121,7 @@ impl Sag {
             return (0.0, 0.0);
         };
         let (mut sure, mut unsure) = (0.0, mean * mean);
-        let clear = self.clear().filter(|_| self.elongation(low_n).sags());
-        if let Some((_, variance)) = clear {
+        if let Some((_, variance)) = self.clear(low_n) {
             sure = larger(mean - variance / mean, 0.0);
             unsure = (mean - sure) * (mean - sure) + variance;
         }

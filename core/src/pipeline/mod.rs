@@ -247,6 +247,13 @@ impl Pipeline {
         }
     }
 
+    /// From the next sample on the winch turns, or is held: so says somebody beside it. In a constant
+    /// force the block moved or not, whatever the configuration says. Gives that sample's index.
+    pub fn mark_winch(&mut self, turns: bool) -> u32 {
+        self.stretches.mark_winch(turns);
+        self.next
+    }
+
     /// What the block is doing, with a first look at a sample that may still turn out to be a
     /// spike.
     fn phase(&self, ForceSample { index, force_n, .. }: ForceSample) -> Phase {

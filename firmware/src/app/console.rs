@@ -30,6 +30,7 @@ impl<P: Read + ReadReady + Write, S: Store> App<'_, P, S> {
             Command::Help => self.console.tell(&Line::Info(HELP)),
             Command::Stop => self.stop()?,
             Command::Note(words) => self.note(&words)?,
+            Command::Winch(winch) => self.mark_winch(winch)?,
             Command::Clock(moment) => self.set_clock(moment)?,
             _ if self.testing() => return Err("a test is running; stop ends it"),
             Command::Start if matches!(self.job, Job::Measuring(_)) => {

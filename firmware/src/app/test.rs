@@ -6,6 +6,7 @@ use floe_core::{Event, Phase, Pipeline, Step};
 use super::{App, Job, config_error};
 use crate::line::{About, Line, LiveSample};
 use crate::log;
+use crate::notebook::Winch;
 use crate::record::Part;
 use crate::sample::Sample;
 use crate::settings::Effects;
@@ -110,6 +111,16 @@ impl<P: Read + ReadReady + Write, S: Store> App<'_, P, S> {
     /// What the pipeline still holds back.
     fn finish_event(&mut self) -> Option<Event> {
         self.pipeline.as_mut().and_then(Pipeline::finish)
+    }
+
+    /// The winch turns from the next sample on, or is held.
+    pub(super) fn mark_winch(&mut self, winch: Winch) -> Result<(), &'static str> {
+        let (Job::Test(_), Some(pipeline)) = (&self.job, self.pipeline.as_mut()) else {
+            return Err("start first");
+        };
+        let index = pipeline.mark_winch(winch == Winch::Moving);
+        self.tell(&Line::Mark { index, winch });
+        Ok(())
     }
 
     pub(super) fn step(&mut self, sample: Sample) {

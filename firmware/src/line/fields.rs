@@ -173,8 +173,7 @@ impl Word for WeightFrom {
 }
 
 impl Word for Winch {
-    const WORDS: &'static [(Self, &'static str)] =
-        &[(Self::Moving, "moving"), (Self::Held, "held")];
+    const WORDS: &'static [(Self, &'static str)] = Self::ALL;
 }
 
 impl Word for Input {

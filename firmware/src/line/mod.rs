@@ -72,7 +72,7 @@ pub enum Line<'a> {
     Mark {
         /// From the start of the test.
         index: u32,
-        /// Taking up or held.
+        /// Moving or held.
         winch: Winch,
     },
     /// `Y`: what time it is.
