@@ -17,6 +17,7 @@ mod ended;
 mod expectations;
 mod expected;
 mod first_answer;
+mod follow_up;
 mod outcome;
 mod readings;
 mod refusal;
