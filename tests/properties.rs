@@ -98,7 +98,7 @@ fn wandering(events: &[Coefficient], mean: f64, variance: f64) -> f64 {
         let products = (lag..n).map(|i| from_mean(i) * from_mean(i - lag)).sum::<f64>();
         (products / (n - lag) as f64 / variance).min(1.0)
     };
-    let lags = 1..=(n / 4).min(floe_core::estimator::autocovariance::LAGS);
+    let lags = 1..=(n / 4).min(floe_core::estimator::LAGS);
     let n = n as f64;
     let seen: Vec<f64> = lags.map(correlation).take_while(|c| *c > 1.5 / n.sqrt()).collect();
     let (sum, missing) = (seen.iter().sum::<f64>(), seen.iter().map(|c| 1.0 - c).sum::<f64>());

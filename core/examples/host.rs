@@ -21,7 +21,7 @@ fn main() -> Result<(), ConfigError> {
 }
 
 /// A block of 630 N with `mu_s` 1.24 and `mu` 0.78: line, ellipse, line.
-fn force_n(time_s: f32) -> f32 {
+pub(crate) fn force_n(time_s: f32) -> f32 {
     const PULL_N_PER_S: f32 = 360.0;
     const OMEGA: f32 = 18.92;
     let (highest_n, centre_n) = (1.24 * 630.0, 0.78 * 630.0);

@@ -85,7 +85,7 @@ impl Estimate {
 
 /// What a test takes for given: it turns forces into coefficients.
 #[derive(Clone, Copy, Debug)]
-pub struct Site {
+pub(crate) struct Site {
     /// Weight of the block, N.
     pub weight_n: f32,
     /// Mass of the block times the speed of the winch, N periods; NaN where that speed is not

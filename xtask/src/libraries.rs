@@ -6,7 +6,7 @@ use std::process::Command;
 use toml::{Table, Value};
 
 use crate::Result;
-use crate::shell::{cargo, remove, root, run, run_quoted, say, target};
+use crate::shell::{cargo, output, remove, root, run, run_quoted, say, target};
 
 /// What can be published, in its order.
 const PACKAGES: [&str; 3] = ["floe-core", "floe-firmware", "floe"];
@@ -15,7 +15,8 @@ const PACKAGES: [&str; 3] = ["floe-core", "floe-firmware", "floe"];
 const OURS_ALONE: [&str; 2] = ["floe-board-model", "xtask"];
 
 /// Builds the documentation with every warning an error, tests `floe-core` with serde, runs
-/// its examples, and builds all three from the packages that would be published.
+/// its examples, tests it without any effect, and builds all three from the packages that would be
+/// published.
 ///
 /// # Errors
 /// The first of these that fails.
@@ -31,13 +32,38 @@ pub fn check() -> Result<()> {
         "serde",
     ]))?;
     for example in ["host", "microcontroller", "from_json"] {
-        let mut command = cargo();
-        command.args(["run", "--quiet", "--package", "floe-core", "--features", "serde"]);
-        run(command.args(["--example", example]))?;
+        run(core_example(&["--features", "serde"]).arg(example))?;
     }
+    linear()?;
     online_if_need_be(pack)?;
     let packages = unpack()?;
     online_if_need_be(|options| build(&packages, options))
+}
+
+/// Runs an example of the core, whose name is still to be given.
+fn core_example(features: &[&str]) -> Command {
+    let mut command = cargo();
+    command.args(["run", "--quiet", "--package", "floe-core"]).args(features).arg("--example");
+    command
+}
+
+/// The core without any effect: its unit tests, but for those of the elongation of a cable that
+/// sags, which it does not compute; and whether it says what the whole core says with every effect
+/// switched off. The same code makes both answers, so not a digit may differ.
+fn linear() -> Result<()> {
+    let mut tests = cargo();
+    tests.args(["test", "--package", "floe-core", "--no-default-features", "--lib"]);
+    run(tests.args(["--", "--skip", "sag::", "--skip", "elongation::"]))?;
+    let answers = [&["--features", "serde"][..], &["--no-default-features"]]
+        .map(|features| output(core_example(features).arg("linear")));
+    let [Some(whole), Some(without)] = answers else {
+        return Err("floe-core's example `linear` does not run".into());
+    };
+    if whole == without {
+        return Ok(());
+    }
+    let differs = whole.lines().zip(without.lines()).find(|(whole, without)| whole != without);
+    Err(format!("the core with effects off, and without them, says first: {differs:#?}"))
 }
 
 fn document() -> Result<()> {

@@ -56,7 +56,7 @@ pub enum Input {
 }
 
 /// Number of inputs.
-pub const INPUTS: usize = 9;
+pub(crate) const INPUTS: usize = 9;
 
 /// What an input does to a coefficient.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -21,7 +21,7 @@ impl CycleTracker {
     /// The slip has begun: a first value of `mu_s`, between the last sample on the line
     /// and the first one off it.
     #[must_use]
-    pub fn onset(&self, detector: &Detector) -> Option<Provisional> {
+    pub(crate) fn onset(&self, detector: &Detector) -> Option<Provisional> {
         let (stick, now) = (detector.stick(), detector.last());
         let line = stick.line_from(now.index);
         let (slope, noise_n, time) = (line.slope()?, detector.noise_n()?, -1.0);

@@ -17,6 +17,7 @@ mod ended;
 mod expectations;
 mod expected;
 mod first_answer;
+mod follow_up;
 mod outcome;
 mod readings;
 mod refusal;
@@ -39,7 +40,7 @@ use crate::sample::{ForcePoint, SampleTime};
 
 /// A complete event.
 #[derive(Clone, Copy, Debug)]
-pub struct Finished {
+pub(crate) struct Finished {
     /// The best that is known of it.
     pub event: Event,
     /// `mu_s` and `mu` without what other events told of the loading rate, for means over events:
@@ -60,7 +61,7 @@ impl From<Event> for Finished {
 
 /// Builds events.
 #[derive(Clone, Debug)]
-pub struct CycleTracker {
+pub(crate) struct CycleTracker {
     site: Site,
     learnt: Expectations,
     /// The last slip, whose second stick line still grows.
@@ -89,7 +90,7 @@ impl CycleTracker {
     #[must_use]
     // In one piece: field by field, where it is called, it takes some hundred bytes of flash more.
     #[inline(never)]
-    pub fn new(site: Site) -> Self {
+    pub(crate) fn new(site: Site) -> Self {
         Self {
             site,
             learnt: Expectations::new(&site),
@@ -108,13 +109,13 @@ impl CycleTracker {
     }
 
     /// Takes the number of the last event back: it was none.
-    pub fn withdraw(&mut self) {
+    pub(crate) fn withdraw(&mut self) {
         self.count = self.count.saturating_sub(1);
     }
 
     /// The block rests again; `last_hidden` is the newest saturated index. An event that has to be
     /// completed for that is in `answers`, see [`Self::end_line`].
-    pub fn restick(
+    pub(crate) fn restick(
         &mut self,
         detector: &Detector,
         extremes: (ForcePoint, ForcePoint),
@@ -129,7 +130,7 @@ impl CycleTracker {
     }
 
     /// A long gap: ends the pending event with the stick line that has ended.
-    pub fn lose(&mut self, detector: &Detector, answers: &mut Answers) {
+    pub(crate) fn lose(&mut self, detector: &Detector, answers: &mut Answers) {
         self.end_line(detector, Ended::by_loss(detector.ended(), detector.lost()), answers);
     }
 
@@ -145,18 +146,18 @@ impl CycleTracker {
 
     /// Is there nothing to be done?
     #[must_use]
-    pub fn is_idle(&self) -> bool {
+    pub(crate) fn is_idle(&self) -> bool {
         self.finishing.is_none() && self.ended.is_none()
     }
 
     /// Is there no room for the end of another stick line?
     #[must_use]
-    pub fn is_full(&self) -> bool {
+    pub(crate) fn is_full(&self) -> bool {
         self.ended.is_some()
     }
 
     /// Does as much of what is to be done as a sample has time for, and at least one step.
-    pub fn work(&mut self, detector: &Detector, answers: &mut Answers) {
+    pub(crate) fn work(&mut self, detector: &Detector, answers: &mut Answers) {
         let time = if detector.waiting() > LATE { MOST_TIME } else { TIME };
         let mut left = time.saturating_sub(detector.spent());
         while answers.finished.is_none() {
@@ -196,7 +197,7 @@ impl CycleTracker {
     }
 
     /// Ends the test: does all that is left, one event a call, until `None`.
-    pub fn finish(&mut self, detector: &Detector) -> Option<Finished> {
+    pub(crate) fn finish(&mut self, detector: &Detector) -> Option<Finished> {
         let mut answers = Answers::default();
         while answers.finished.is_none() {
             if self.is_idle() {
@@ -212,7 +213,7 @@ impl CycleTracker {
 
 /// What a step of the work led to.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Answers {
+pub(crate) struct Answers {
     /// A first answer on the last slip.
     pub first: Option<Provisional>,
     /// An event that is complete.

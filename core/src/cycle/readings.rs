@@ -15,20 +15,20 @@ use crate::stats::quantity::Quantity;
 impl CycleTracker {
     /// Standard deviation of the noise, N, by the residuals of all fits.
     #[must_use]
-    pub fn noise_n(&self) -> Option<f32> {
+    pub(crate) fn noise_n(&self) -> Option<f32> {
         self.learnt.residuals.variance_n2().map(math::sqrt)
     }
 
     /// Periods before the onset in which creep bends the stick line.
     #[must_use]
-    pub fn creep_periods(&self) -> f32 {
+    pub(crate) fn creep_periods(&self) -> f32 {
         self.learnt.creep_periods()
     }
 
     /// Loading rate, N/s, and omega, rad/s, that the next event is expected to have, each with its
     /// standard deviation; omega unless that is a third of it or more.
     #[must_use]
-    pub fn shared(&self) -> (Option<Quantity>, Option<Quantity>) {
+    pub(crate) fn shared(&self) -> (Option<Quantity>, Option<Quantity>) {
         let hz = self.site.rate_hz;
         let Expectations { rate, mass, .. } = &self.learnt;
         let omega = |inverse: Quantity| {
@@ -47,7 +47,7 @@ impl CycleTracker {
 
     /// Loading rate over omega, N; zero while one of them is unknown.
     #[must_use]
-    pub fn overshoot_n(&self) -> f32 {
+    pub(crate) fn overshoot_n(&self) -> f32 {
         let Expectations { rate, mass, .. } = &self.learnt;
         let swing = mass.usual().mean().filter(|_| self.tells_omega());
         rate.mean().zip(swing).map_or(0.0, |(rate, swing)| rate * swing)
@@ -55,7 +55,7 @@ impl CycleTracker {
 
     /// The parameters of an effect, as the events determine them.
     #[must_use]
-    pub fn parameters(&self, effect: Effect) -> [Option<Parameter>; 2] {
+    pub(crate) fn parameters(&self, effect: Effect) -> [Option<Parameter>; 2] {
         match effect {
             Effect::Corner => {
                 self.learnt.corner.read(|corner| corner.parameters(self.site.rate_hz))
@@ -87,26 +87,26 @@ impl CycleTracker {
 
     /// Sine and cosine of the slope.
     #[must_use]
-    pub fn slope(&self) -> (f32, f32) {
+    pub(crate) fn slope(&self) -> (f32, f32) {
         self.site.slope
     }
 
     /// The force, N, that a coefficient is at the weight in use.
     #[must_use]
-    pub fn force_n(&self, coefficient: f32) -> f32 {
+    pub(crate) fn force_n(&self, coefficient: f32) -> f32 {
         let site = self.site();
         coefficient * site.weight_n * site.slope.1
     }
 
     /// Standard deviation of the damping ratio: the stated one, widened by what the events show.
     #[must_use]
-    pub fn damping_std(&self, stated: f32) -> f32 {
+    pub(crate) fn damping_std(&self, stated: f32) -> f32 {
         self.learnt.damping.get().map_or(stated, |damping| damping.std(stated))
     }
 
     /// Weight in use over the given one, and its relative standard deviation.
     #[must_use]
-    pub fn weight_ratio(&self) -> (f32, f32) {
+    pub(crate) fn weight_ratio(&self) -> (f32, f32) {
         self.learnt.mass.weight_ratio_and_std()
     }
 }

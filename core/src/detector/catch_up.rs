@@ -31,7 +31,7 @@ impl Detector {
 
     /// Looks at samples that were taken and not yet looked at, as many as given, up
     /// to the first transition. At the end of a test: until it returns `None`.
-    pub fn catch_up(&mut self, most: u32) -> Option<Transition> {
+    pub(crate) fn catch_up(&mut self, most: u32) -> Option<Transition> {
         for _ in 0..most {
             if self.is_up_to_date() {
                 return None;
@@ -51,13 +51,13 @@ impl Detector {
 
     /// Has it looked at all that it was given?
     #[must_use]
-    pub fn is_up_to_date(&self) -> bool {
+    pub(crate) fn is_up_to_date(&self) -> bool {
         !self.is_behind
     }
 
     /// Samples that wait.
     #[must_use]
-    pub fn waiting(&self) -> u32 {
+    pub(crate) fn waiting(&self) -> u32 {
         if self.is_behind { self.put_off } else { 0 }
     }
 

@@ -3,9 +3,10 @@
 
 use core::ops::Range;
 
+use crate::detector::Detector;
 use crate::detector::onset::OFF_LINE;
+use crate::detector::slack_wait;
 use crate::detector::stick_line::Stick;
-use crate::detector::{Detector, slack_wait};
 use crate::effect::Effect;
 use crate::noise::flop::FlopProfile;
 use crate::noise::ripple::Ripple;

@@ -22,7 +22,7 @@
 //!
 //! Delay: an onset high on the line is known at the first sample that is clearly below
 //! the line, a re-stick two samples after the lowest one (half the slip's length for
-//! longer slips). The spike filter before adds a sample; [`Detector::foresees_slip`]
+//! longer slips). The spike filter before adds a sample; `Detector::foresees_slip`
 //! looks at the sample that it holds, so the phase that is shown has no such delay.
 //!
 //! Before the noise is known nothing can be told: once it is, and while there was no
@@ -38,7 +38,7 @@ mod slack_wait;
 mod stick_line;
 
 pub(crate) use crate::detector::catch_up::MOST_PUT_OFF;
-pub use crate::detector::stick_line::Stick;
+pub(crate) use crate::detector::stick_line::Stick;
 
 use crate::detector::catch_up::CATCH_UP;
 use crate::detector::line_following::{Look, SHORT, line_delay, whole};
@@ -64,7 +64,7 @@ const LONGEST_SLIP: u32 = WINDOW as u32 * 3 / 4;
 pub enum Transition {
     /// A slip has begun.
     Onset,
-    /// The block rests again; the stick line that ended is [`Detector::ended`].
+    /// The block rests again; the stick line that ended is `Detector::ended`.
     Restick {
         /// Highest sample before the slip.
         peak: ForcePoint,

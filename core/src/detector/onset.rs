@@ -111,7 +111,7 @@ impl Detector {
     /// Would this sample begin a slip, if it came next and is no spike? Asked before the sample is
     /// judged; nothing is changed. A fall much larger than usual is more likely a spike.
     #[must_use]
-    pub fn foresees_slip(&self, next: ForcePoint) -> bool {
+    pub(crate) fn foresees_slip(&self, next: ForcePoint) -> bool {
         let drop = self.stick.highest.force_n - next.force_n;
         drop > 0.0
             && self.phase == Phase::Stick

@@ -12,7 +12,7 @@ impl Detector {
     /// Work of the newest step beyond that of one at rest, in units of 160 instructions on the
     /// board.
     #[must_use]
-    pub fn spent(&self) -> usize {
+    pub(crate) fn spent(&self) -> usize {
         self.spent
     }
 
@@ -24,25 +24,25 @@ impl Detector {
 
     /// The newest sample looked at.
     #[must_use]
-    pub fn last(&self) -> ForcePoint {
+    pub(crate) fn last(&self) -> ForcePoint {
         self.last
     }
 
     /// The last samples.
     #[must_use]
-    pub fn window(&self) -> &Window {
+    pub(crate) fn window(&self) -> &Window {
         &self.window
     }
 
     /// The stick line since the last re-stick.
     #[must_use]
-    pub fn stick(&self) -> &Stick {
+    pub(crate) fn stick(&self) -> &Stick {
         &self.stick
     }
 
     /// The stick line before the last slip, or before the last long gap.
     #[must_use]
-    pub fn ended(&self) -> &Stick {
+    pub(crate) fn ended(&self) -> &Stick {
         &self.ended
     }
 
@@ -58,33 +58,33 @@ impl Detector {
 
     /// Standard deviation of the noise, N, to about 10 %; `None` before it is known.
     #[must_use]
-    pub fn noise_n(&self) -> Option<f32> {
+    pub(crate) fn noise_n(&self) -> Option<f32> {
         (self.std_n < f32::INFINITY).then_some(self.std_n)
     }
 
     /// How the force strays from a straight stick line, beside the noise.
     #[must_use]
-    pub fn wander(&self) -> ColoredNoise {
+    pub(crate) fn wander(&self) -> ColoredNoise {
         self.ripple.get().map_or(ColoredNoise::NONE, Ripple::wander)
     }
 
     /// One weight for all samples from the lowest one to the newest: that of the age, before the
     /// re-stick, of their middle.
     #[must_use]
-    pub fn rest_weight(&self) -> f32 {
+    pub(crate) fn rest_weight(&self) -> f32 {
         let age = -0.5 * since(self.lowest.index, self.last.index);
         self.profile.get().map_or(1.0, |profile| profile.weight(age))
     }
 
     /// Usual drop of a slip, N; zero before the first.
     #[must_use]
-    pub fn usual_drop_n(&self) -> f32 {
+    pub(crate) fn usual_drop_n(&self) -> f32 {
         self.usual_drop_n
     }
 
     /// What the rests of late show of the two effects that are noise.
     #[must_use]
-    pub fn parameter(&self, effect: Effect) -> Option<Parameter> {
+    pub(crate) fn parameter(&self, effect: Effect) -> Option<Parameter> {
         match effect {
             Effect::Flop => self.profile.read(FlopProfile::parameter),
             Effect::Ripple => self.ripple.read(Ripple::parameter),
@@ -101,12 +101,12 @@ impl Detector {
 
     /// Takes the noise, N, by the residuals of all events so far, the newest of which is `believed`
     /// if it has coefficients.
-    pub fn fitted_noise(&mut self, noise_n: f32, believed: bool) {
+    pub(crate) fn fitted_noise(&mut self, noise_n: f32, believed: bool) {
         self.noise.add_fit(noise_n, believed);
     }
 
     /// Keeps the samples of so many periods before an onset, which creep bends, out of the line.
-    pub fn creeps(&mut self, periods: f32) {
+    pub(crate) fn creeps(&mut self, periods: f32) {
         // Most periods: the fit takes those samples one by one, and its record has no more room.
         const ROOM: f32 = 48.0;
         // Half a sample: a smaller change moves no end of a line.
@@ -121,7 +121,7 @@ impl Detector {
     }
 
     /// Where the force is constant nothing slips before it has risen above this, N.
-    pub fn stays_below(&mut self, ceiling_n: Option<f32>) {
+    pub(crate) fn stays_below(&mut self, ceiling_n: Option<f32>) {
         self.ceiling_n = ceiling_n.unwrap_or(f32::NEG_INFINITY);
     }
 }

@@ -13,22 +13,22 @@ const MOST_MEAN_TIME: f32 = 64.0;
 
 /// The stick line since the last re-stick.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Stick {
+pub(crate) struct Stick {
     /// Index of the first sample: time zero of `first`.
-    pub origin: u32,
+    pub(crate) origin: u32,
     /// Where the line is now: ends at the next onset.
-    pub line: Line,
+    pub(crate) line: Line,
     /// Index at time zero of `line`: stays near it, so that a block that rests for days
     /// costs no digits.
     pub(super) line_origin: u32,
     /// The line up to where it was begun anew; `None` while it has not been.
     first: Option<Line>,
     /// The rate has broken off: the winch paused, or turned at another speed.
-    pub broken: bool,
+    pub(crate) broken: bool,
     /// Next index to be taken into the line.
-    pub next: u32,
+    pub(crate) next: u32,
     /// Highest sample since the re-stick.
-    pub highest: ForcePoint,
+    pub(crate) highest: ForcePoint,
     /// Samples in a row off the line, and how many of them on the last one's side: negative below it.
     pub(super) strikes: u8,
     pub(super) same_side: i8,
@@ -42,19 +42,19 @@ impl Stick {
 
     /// Are all samples so far on one line?
     #[must_use]
-    pub fn is_straight(&self) -> bool {
+    pub(crate) fn is_straight(&self) -> bool {
         self.first.is_none()
     }
 
     /// The line as it started, at the last re-stick; times from an index on.
     #[must_use]
-    pub fn first_from(&self, index: u32) -> Line {
+    pub(crate) fn first_from(&self, index: u32) -> Line {
         self.first.map_or_else(|| self.line_from(index), |first| moved(first, self.origin, index))
     }
 
     /// The line as it is now; times from an index on.
     #[must_use]
-    pub fn line_from(&self, index: u32) -> Line {
+    pub(crate) fn line_from(&self, index: u32) -> Line {
         moved(self.line, self.line_origin, index)
     }
 

@@ -128,7 +128,7 @@ fn middle_half(mut values: [f32; RECENT]) -> (f32, f32) {
 
 /// Follows the levels of `Fs` and `Fp`.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Levels {
+pub(crate) struct Levels {
     /// Values taken since the last change, and levels compared in all, which outlast a change.
     taken: f32,
     compared: f32,
@@ -138,7 +138,7 @@ pub struct Levels {
 
 /// Where the levels changed.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Shift {
+pub(crate) struct Shift {
     /// Number of events since the first one of the new level.
     pub events_ago: u32,
     /// `Fp` before, N.
@@ -147,7 +147,7 @@ pub struct Shift {
 
 impl Levels {
     /// Takes an event's forces; `None` unless the level has changed.
-    pub fn take(&mut self, static_n: f32, dynamic_n: f32) -> Option<Shift> {
+    pub(crate) fn take(&mut self, static_n: f32, dynamic_n: f32) -> Option<Shift> {
         let left = self.taken - RECENT as f32;
         self.taken += 1.0;
         self.static_n.add(static_n, left, self.compared);
@@ -171,7 +171,7 @@ impl Levels {
     /// How far a value of `Fp` lies below those of the last events, N, beyond what these scatter: by more
     /// than `WIDTHS` times the width of their middle half, which is about a standard deviation. Zero
     /// before there are six.
-    pub fn below_n(&self, dynamic_n: f32) -> f32 {
+    pub(crate) fn below_n(&self, dynamic_n: f32) -> f32 {
         const WIDTHS: f32 = 4.0;
         let (mean, width) = middle_half(self.dynamic_n.recent);
         let off_n = mean - dynamic_n;
@@ -179,7 +179,7 @@ impl Levels {
     }
 
     /// Nothing before counts any more, but how much the levels usually differ.
-    pub fn forget(&mut self) {
+    pub(crate) fn forget(&mut self) {
         self.taken = 0.0;
         self.static_n.forget();
         self.dynamic_n.forget();

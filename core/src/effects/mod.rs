@@ -1,9 +1,9 @@
 //! Effects: what makes an event depart from line, ellipse, line, and what changes between events.
 
-pub mod corner;
+pub(crate) mod corner;
 pub(crate) mod damping;
-pub mod level_shift;
-pub mod mass_change;
+pub(crate) mod level_shift;
+pub(crate) mod mass_change;
 pub(crate) mod onset;
 pub(crate) mod oscillation;
 pub(crate) mod sag;

@@ -13,7 +13,7 @@ pub const LAGS: usize = 24;
 
 /// Running sums of products of values `x_i` with `x_{i+k}`, relative to a reference.
 #[derive(Clone, Copy, Debug)]
-pub struct Correlation {
+pub(crate) struct Correlation {
     /// The first value: all others are kept relative to it.
     reference: f32,
     count: u32,
@@ -28,7 +28,7 @@ pub struct Correlation {
 impl Correlation {
     /// Nothing yet.
     #[must_use]
-    pub const fn new() -> Self {
+    pub(crate) const fn new() -> Self {
         Self {
             reference: 0.0,
             count: 0,
@@ -40,7 +40,7 @@ impl Correlation {
     }
 
     /// Takes the next value.
-    pub fn add(&mut self, value: f32) {
+    pub(crate) fn add(&mut self, value: f32) {
         if self.count == 0 {
             self.reference = value;
         }
@@ -76,7 +76,7 @@ impl Correlation {
     }
 
     /// Takes the values of another one, which came after its own.
-    pub fn merge(&mut self, later: &Self) {
+    pub(crate) fn merge(&mut self, later: &Self) {
         if self.count == 0 {
             *self = *later;
             return;
@@ -116,7 +116,7 @@ impl Correlation {
 
     /// Mean of `(x_i − mean)(x_{i+k} − mean)`; `None` beyond the lags or the values.
     #[must_use]
-    pub fn covariance(&self, lag: usize, mean: DoubleSingle) -> Option<f32> {
+    pub(crate) fn covariance(&self, lag: usize, mean: DoubleSingle) -> Option<f32> {
         let pairs = self.count.saturating_sub(lag as u32);
         if lag == 0 || lag > LAGS || pairs == 0 {
             return None;
@@ -137,7 +137,7 @@ impl Correlation {
     /// (1 − 2 (K − Σ ρ_k) / n)`, and the variance is `(n − 1) / (n − I)` times that of independent
     /// values.
     #[must_use]
-    pub fn inflation(&self, mean: DoubleSingle, variance: f32) -> f32 {
+    pub(crate) fn inflation(&self, mean: DoubleSingle, variance: f32) -> f32 {
         if variance <= 0.0 {
             return 1.0;
         }

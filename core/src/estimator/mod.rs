@@ -2,7 +2,7 @@
 //!
 //! The events differ by their own noise, whose size each states, and by real variation of the
 //! friction, which has to be found out: random effects. All sums are kept to 48 bits
-//! ([`DoubleSingle`]), relative to the running mean, so a million events lose nothing, and two
+//! (`DoubleSingle`), relative to the running mean, so a million events lose nothing, and two
 //! estimators can be merged. What one event adds is rounded to 24 bits, and so are the sums when
 //! they are read.
 //!
@@ -22,8 +22,10 @@
 //!   `ρ_k` of the events in order, and degrees of freedom divided by that: two neighbours share the
 //!   stick line between them, and real friction wanders.
 
-pub mod autocovariance;
+mod autocovariance;
 mod scatter;
+
+pub use crate::estimator::autocovariance::LAGS;
 
 use crate::coefficient::{Coefficient, Estimate};
 use crate::estimator::autocovariance::Correlation;

@@ -25,18 +25,18 @@ const STEPS: u8 = 16;
 
 /// Variance of an event's value about the mean, and its degrees of freedom.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Scatter {
+pub(crate) struct Scatter {
     /// Noise and friction together.
-    pub variance: f32,
+    pub(crate) variance: f32,
     /// 1 or more.
-    pub freedom: f32,
+    pub(crate) freedom: f32,
 }
 
 impl Scatter {
     /// From `count` values, two or more, with this mean and sum of squared deviations; `noise` is
     /// the variance of each by its noise.
     #[must_use]
-    pub fn of(count: u32, mean: f32, squares: f32, noise: f32) -> Self {
+    pub(crate) fn of(count: u32, mean: f32, squares: f32, noise: f32) -> Self {
         let free = (count.max(2) - 1) as f32;
         if count > FEW {
             Self::seen(free, squares, noise)

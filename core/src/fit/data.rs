@@ -13,7 +13,7 @@ use crate::stats::prior::{Prior, loosened};
 
 /// The samples of the slip and its surroundings, one a period.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Samples<'a> {
+pub(crate) struct Samples<'a> {
     /// Time of the first, sampling periods from the event's origin.
     pub start: f32,
     /// Forces, N; NaN where a sample is missing or bad.
@@ -29,14 +29,14 @@ pub struct Samples<'a> {
 impl<'a> Samples<'a> {
     /// Samples of equal weight, of a slip whose ends are not known.
     #[must_use]
-    pub fn new(start: f32, forces_n: &'a [f32]) -> Self {
+    pub(crate) fn new(start: f32, forces_n: &'a [f32]) -> Self {
         let (rest_from, slip) = (f32::INFINITY, (f32::INFINITY, f32::INFINITY));
         Self { start, forces_n, rest_weight: 1.0, rest_from, slip }
     }
 
     /// Time of the last sample, or before the first if there is none.
     #[must_use]
-    pub fn end(&self) -> f32 {
+    pub(crate) fn end(&self) -> f32 {
         self.start + self.forces_n.len() as f32 - 1.0
     }
 
@@ -50,7 +50,7 @@ impl<'a> Samples<'a> {
     }
 
     /// Times, periods, and forces, N, of the good samples.
-    pub fn good(&self) -> impl Iterator<Item = (f32, f32)> + use<'a> {
+    pub(crate) fn good(&self) -> impl Iterator<Item = (f32, f32)> + use<'a> {
         let (start, forces_n) = (self.start, self.forces_n);
         let timed = forces_n.iter().enumerate().map(move |(i, &f)| (start + i as f32, f));
         timed.filter(|(_, force_n)| !force_n.is_nan())
@@ -59,7 +59,7 @@ impl<'a> Samples<'a> {
 
 /// Everything one event's fit is made from.
 #[derive(Clone, Copy, Debug)]
-pub struct Data<'a> {
+pub(crate) struct Data<'a> {
     /// Stick line up to the first sample.
     pub before: &'a Line,
     /// The samples in between.
@@ -138,7 +138,7 @@ impl Data<'_> {
     /// of the swing has it too and does not help. For the forces, therefore, `A` is the one without
     /// that expectation.
     #[must_use]
-    pub fn slip_scatter(
+    pub(crate) fn slip_scatter(
         &self,
         fit: &Fit,
         knows_swing: bool,
@@ -250,7 +250,7 @@ impl Data<'_> {
     /// What is expected of each unknown, and its value.
     #[must_use]
     #[inline(never)]
-    pub fn priors(&self, cycle: &CycleParams) -> [(Prior, f32); UNKNOWNS] {
+    pub(crate) fn priors(&self, cycle: &CycleParams) -> [(Prior, f32); UNKNOWNS] {
         let free = Prior::default();
         [
             (self.onset, cycle.onset),

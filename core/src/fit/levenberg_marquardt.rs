@@ -34,7 +34,7 @@ pub(crate) const SAMPLES_A_STEP: usize = 20;
 /// known meanwhile. Its cost is bounded: `SAMPLES_A_STEP` samples, two lines, one
 /// factorisation.
 #[derive(Clone, Copy, Debug)]
-pub struct Fitting {
+pub(crate) struct Fitting {
     /// The best cycle so far, and the normal equations there.
     cycle: CycleParams,
     normal: Normal,
@@ -78,7 +78,7 @@ impl Pass {
 impl Fitting {
     /// Starts from a guess.
     #[must_use]
-    pub fn new(guess: &CycleParams) -> Self {
+    pub(crate) fn new(guess: &CycleParams) -> Self {
         let cycle = limited(*guess);
         // So the guess is taken, whatever it costs.
         let normal = Normal { cost: f32::INFINITY, ..Normal::default() };
@@ -88,7 +88,7 @@ impl Fitting {
 
     /// Starts from a guess, for so many steps at most.
     #[must_use]
-    pub fn brief(guess: &CycleParams, most_steps: u8) -> Self {
+    pub(crate) fn brief(guess: &CycleParams, most_steps: u8) -> Self {
         Self { steps: MOST_STEPS.saturating_sub(most_steps), ..Self::new(guess) }
     }
 
@@ -97,7 +97,7 @@ impl Fitting {
     ///
     /// `noise_n2` is the variance of a sample: it decides only when the iteration
     /// has settled.
-    pub fn step(&mut self, data: &Data<'_>, noise_n2: f32) -> ControlFlow<Option<Fit>> {
+    pub(crate) fn step(&mut self, data: &Data<'_>, noise_n2: f32) -> ControlFlow<Option<Fit>> {
         if let Some(pass) = &mut self.pass {
             if !pass.advance(data) {
                 return ControlFlow::Continue(());

@@ -6,16 +6,16 @@
 //! around the slip enter one by one; what earlier events told of the loading rate, of
 //! its change and of omega enters as three more, and a held onset as another.
 
-pub mod correction;
-pub mod data;
-pub mod levenberg_marquardt;
-pub mod over_onset;
-pub mod posterior;
-pub mod residuals;
-pub mod slip_scatter;
+pub(crate) mod correction;
+pub(crate) mod data;
+pub(crate) mod levenberg_marquardt;
+pub(crate) mod over_onset;
+pub(crate) mod posterior;
+pub(crate) mod residuals;
+pub(crate) mod slip_scatter;
 
-pub use data::{Data, Samples};
-pub use levenberg_marquardt::Fitting;
+pub(crate) use data::{Data, Samples};
+pub(crate) use levenberg_marquardt::Fitting;
 
 use crate::fit::correction::Correction;
 use crate::fit::levenberg_marquardt::Pass;
@@ -25,7 +25,7 @@ use crate::stats::prior::Prior;
 
 /// A fitted event.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Fit {
+pub(crate) struct Fit {
     /// The fitted cycle.
     pub shape: Shape,
     /// The normal equations at the fit.
@@ -43,7 +43,7 @@ pub struct Fit {
 
 /// Variances of the unknowns and of `Fs` and `Fp`, in units of the noise variance.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Variances {
+pub(crate) struct Variances {
     unknowns: Gradient,
     forces: (f32, f32),
 }
@@ -68,7 +68,7 @@ impl Variances {
 
 /// `Fs` and `Fp` with their variances, N and units of the noise variance.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Forces {
+pub(crate) struct Forces {
     /// `Fs`.
     pub static_n: f32,
     /// `Fp`.
@@ -120,13 +120,13 @@ fn forces_by([_, _, static_n, half_drop_n, ..]: &Gradient) -> (f32, f32) {
 impl Fit {
     /// The unknowns.
     #[must_use]
-    pub fn cycle(&self) -> &CycleParams {
+    pub(crate) fn cycle(&self) -> &CycleParams {
         self.shape.cycle()
     }
 
     /// Weighted sum of squared residuals, the priors' included, N².
     #[must_use]
-    pub fn cost(&self) -> f32 {
+    pub(crate) fn cost(&self) -> f32 {
         self.normal.cost
     }
 
@@ -176,7 +176,7 @@ impl Fit {
     ///
     /// `None` when the event alone does not determine them.
     #[must_use]
-    pub fn forces_alone(&self, rate: Prior) -> Option<Forces> {
+    pub(crate) fn forces_alone(&self, rate: Prior) -> Option<Forces> {
         let expected = [(1, (rate, self.cycle().rate))];
         let Alone { factor, right } = without(&self.normal, Gradient::default(), expected)?;
         let [_, _, by_static, by_drop, ..] = factor.solve(&right);

@@ -43,7 +43,7 @@ const UNLIKELY: f32 = 1.2e-7;
 /// Averages over places of the onset, weighted by likelihood: one iteration of one place's
 /// fit a step.
 #[derive(Clone, Copy, Debug)]
-pub struct OverOnset {
+pub(crate) struct OverOnset {
     sums: Sums,
     /// Places within the first step.
     fine: i16,
@@ -56,7 +56,7 @@ pub struct OverOnset {
 impl OverOnset {
     /// For a slip that its best fit does not resolve; `None`: the fit says it all.
     #[must_use]
-    pub fn new(best: &Fit, knows_omega: bool, noise_n2: f32) -> Option<Self> {
+    pub(crate) fn new(best: &Fit, knows_omega: bool, noise_n2: f32) -> Option<Self> {
         let fall = best.shape.fall_time();
         let clear = knows_omega && !is_at_edge(&best.shape, noise_n2);
         let least = if clear { RESOLVED } else { CLEARLY_RESOLVED };
@@ -66,7 +66,12 @@ impl OverOnset {
     }
 
     /// One iteration; breaks with the result after the last place.
-    pub fn step(&mut self, data: &Data<'_>, best: &Fit, noise_n2: f32) -> ControlFlow<Posterior> {
+    pub(crate) fn step(
+        &mut self,
+        data: &Data<'_>,
+        best: &Fit,
+        noise_n2: f32,
+    ) -> ControlFlow<Posterior> {
         let onset = best.cycle().onset + offset(self.place, self.fine).0;
         let steepest = self.from.rate + self.from.half_drop_n * self.from.omega;
         let held = Prior { mean: onset, weight: HELD * steepest * steepest };

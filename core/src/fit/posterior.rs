@@ -15,7 +15,7 @@ const SWING_KNOWN: f32 = 0.2;
 
 /// Means and variances of one event's unknowns; forces in N, times in periods.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Posterior {
+pub(crate) struct Posterior {
     /// The cycle of the means.
     pub cycle: CycleParams,
     /// How long the force tells of its slide, periods: up to the stop, or up to a slack cable.
@@ -36,7 +36,7 @@ impl Posterior {
     /// Is the slip long enough for the samples?
     #[must_use]
     #[inline(never)]
-    pub fn is_resolved(&self) -> bool {
+    pub(crate) fn is_resolved(&self) -> bool {
         let most = SWING_KNOWN * self.cycle.inverse_omega();
         self.fall_time >= RESOLVED && self.unknowns[4] < most * most
     }
@@ -103,7 +103,7 @@ impl Posterior {
     /// At the best fit, for a noise of this variance, N².
     #[must_use]
     #[inline(never)]
-    pub fn at(fit: &Fit, noise_n2: f32) -> Self {
+    pub(crate) fn at(fit: &Fit, noise_n2: f32) -> Self {
         let Fit { forces, .. } = fit;
         let unknowns = scaled(&fit.variances, noise_n2);
         let static_n2 = noise_n2 * forces.static_variance;

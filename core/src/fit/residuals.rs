@@ -10,7 +10,7 @@ use crate::stats::quantile::Quantile;
 /// The mean square over all degrees of freedom, without events that fit badly (a
 /// start in the middle of things, a slip that was none).
 #[derive(Clone, Copy, Debug)]
-pub struct Residuals {
+pub(crate) struct Residuals {
     squares_n2: f32,
     free: f32,
     median_n2: Quantile,
@@ -29,14 +29,14 @@ const ROUGH: f32 = 3.0;
 impl Residuals {
     /// Nothing yet.
     #[must_use]
-    pub const fn new() -> Self {
+    pub(crate) const fn new() -> Self {
         Self { squares_n2: 0.0, free: 0.0, median_n2: Quantile::new(0.5) }
     }
 
     /// Takes an event's squared residuals and their degrees of freedom.
     ///
     /// `rough_n2` is a rough variance of the noise, for the first events.
-    pub fn add(&mut self, squares_n2: f32, free: f32, rough_n2: f32) {
+    pub(crate) fn add(&mut self, squares_n2: f32, free: f32, rough_n2: f32) {
         // Median of χ²/ν over its mean (Wilson and Hilferty).
         let skew = 1.0 - 2.0 / (9.0 * math::larger(free, 1.0));
         // Limits foul events among the first ones to what the median comes back from.
@@ -64,7 +64,7 @@ impl Residuals {
     /// `rough_n2` is a rough variance of the noise, for the first events, `rounding_n2` the variance of
     /// what single precision leaves of its forces.
     #[must_use]
-    pub fn is_outlier(
+    pub(crate) fn is_outlier(
         &self,
         squares_n2: f32,
         free: f32,
@@ -82,13 +82,13 @@ impl Residuals {
 
     /// Degrees of freedom that count.
     #[must_use]
-    pub fn free(&self) -> f32 {
+    pub(crate) fn free(&self) -> f32 {
         self.free
     }
 
     /// Variance of the noise, N²; `None` before the first event.
     #[must_use]
-    pub fn variance_n2(&self) -> Option<f32> {
+    pub(crate) fn variance_n2(&self) -> Option<f32> {
         (self.free >= 1.0).then(|| self.squares_n2 / self.free)
     }
 }

@@ -20,7 +20,7 @@ const SIGNIFICANT: f32 = 2.0;
 /// Squared rate of the force at the part `part` of a slip's time, over its largest, without the
 /// winch's own rate: `(4 x (1 − x))²`, close to `sin² πx`; zero outside the slip.
 #[must_use]
-pub fn steepness(part: f32) -> f32 {
+pub(crate) fn steepness(part: f32) -> f32 {
     let root = 4.0 * part * (1.0 - part);
     if root > 0.0 { root * root } else { 0.0 }
 }
@@ -28,7 +28,7 @@ pub fn steepness(part: f32) -> f32 {
 /// The samples of one slip at its fit: `Σ g r²` in units of the noise's variance, `Σ g f`, and
 /// `Σ g R² g`.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct SlipResiduals {
+pub(crate) struct SlipResiduals {
     squares: f32,
     free: f32,
     shown: f32,
@@ -39,7 +39,7 @@ pub struct SlipResiduals {
 impl SlipResiduals {
     /// Takes a sample with its squared residual, in units of the noise's variance, and the degree
     /// of freedom that is left of it.
-    pub fn add(&mut self, steepness: f32, square: f32, left: f32) {
+    pub(crate) fn add(&mut self, steepness: f32, square: f32, left: f32) {
         self.squares += steepness * square;
         self.free += steepness * left;
         self.shown += steepness * steepness * left * left;
@@ -59,14 +59,14 @@ impl SlipResiduals {
 
     /// Takes two samples: the product of their steepnesses, and the part of either's error that
     /// the fit moves to the other's residual.
-    pub fn add_pair(&mut self, steepness: f32, part: f32) {
+    pub(crate) fn add_pair(&mut self, steepness: f32, part: f32) {
         self.shown += 2.0 * steepness * part * part;
     }
 }
 
 /// The swing as the samples of one slip alone tell it, periods; all zero where they tell none.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct OwnSwing {
+pub(crate) struct OwnSwing {
     /// `1/ω`.
     pub value: f32,
     /// Its variance by the noise.
@@ -84,7 +84,7 @@ impl OwnSwing {
 
 /// What the slips so far scatter.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct SlipScatter {
+pub(crate) struct SlipScatter {
     pooled: Residuals,
     /// Mean of `Σ g R² g` over `Σ g f`.
     shown: f32,
@@ -96,7 +96,7 @@ impl SlipScatter {
     /// Variance beyond the noise where the force is steepest, over that of the noise, as far as
     /// it is significant: `λ`.
     #[must_use]
-    pub fn excess(&self) -> f32 {
+    pub(crate) fn excess(&self) -> f32 {
         let more = self.pooled.variance_n2().map_or(0.0, |ratio| ratio - 1.0);
         if more <= 0.0 {
             return 0.0;
@@ -109,7 +109,7 @@ impl SlipScatter {
     }
 
     /// Takes a slip.
-    pub fn learn(&mut self, mut slip: SlipResiduals) {
+    pub(crate) fn learn(&mut self, mut slip: SlipResiduals) {
         // Fewest degrees of freedom of a slip that tell anything, and largest ratio that is
         // believed of the first slips.
         const LEAST: f32 = 0.2;

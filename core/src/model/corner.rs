@@ -13,7 +13,7 @@ use crate::model::Shape;
 use crate::num::math::{self, larger, smaller};
 
 /// Numbers that describe the corners: `κ`, `h` and `ln c`.
-pub const NUMBERS: usize = 3;
+pub(crate) const NUMBERS: usize = 3;
 pub(crate) type Numbers = [f32; NUMBERS];
 
 /// How much the corners are rounded off; nothing by default.
@@ -34,15 +34,15 @@ pub struct Shift {
     /// Force, N.
     pub force_n: f32,
     /// Its rate, N per period.
-    pub rate: f32,
+    pub(crate) rate: f32,
     /// Derivatives of the force by `κ`, `h` and `ln c`.
-    pub by: Numbers,
+    pub(crate) by: Numbers,
 }
 
 impl Corner {
     /// Are the corners sharp?
     #[must_use]
-    pub fn is_sharp(&self) -> bool {
+    pub(crate) fn is_sharp(&self) -> bool {
         self.smoothing <= 0.0 && self.missing_n <= 0.0
     }
 

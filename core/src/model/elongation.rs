@@ -9,24 +9,24 @@ use crate::num::math::larger;
 
 /// The elongation of a cable by a force, in N: that of a straight one is the force itself.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Elongation {
+pub(crate) struct Elongation {
     /// `S`, N³; zero for a straight cable.
-    pub softness: f32,
+    pub(crate) softness: f32,
     /// The force that is its own elongation, N, above zero where the cable sags.
-    pub zero_n: f32,
+    pub(crate) zero_n: f32,
 }
 
 impl Elongation {
     /// Does the cable sag?
     #[must_use]
-    pub fn sags(&self) -> bool {
+    pub(crate) fn sags(&self) -> bool {
         Effects::COMPILED.has(Effect::Sag) && self.softness > 0.0
     }
 
     /// The elongation by a force, N.
     #[must_use]
     #[inline(always)]
-    pub fn of(&self, force_n: f32) -> f32 {
+    pub(crate) fn of(&self, force_n: f32) -> f32 {
         if self.sags() { self.of_sagging(force_n) } else { force_n }
     }
 
@@ -44,7 +44,7 @@ impl Elongation {
     /// The force, N, that stretches the cable so far: Newton's method, from below.
     #[must_use]
     #[inline(never)]
-    pub fn force_n(&self, elongation_n: f32) -> f32 {
+    pub(crate) fn force_n(&self, elongation_n: f32) -> f32 {
         const STEPS: u8 = 4;
         if !self.sags() {
             return elongation_n;
@@ -58,7 +58,7 @@ impl Elongation {
 
     /// By how much the force grows with the elongation.
     #[must_use]
-    pub fn stiffness(&self, force_n: f32) -> f32 {
+    pub(crate) fn stiffness(&self, force_n: f32) -> f32 {
         1.0 / (1.0 + self.softness / (force_n * force_n * force_n))
     }
 }

@@ -21,7 +21,7 @@
 //! of motion by brute force and compares.
 
 pub mod corner;
-pub mod elongation;
+pub(crate) mod elongation;
 mod shape;
 pub(crate) mod slack;
 
@@ -77,13 +77,13 @@ impl CycleParams {
 
     /// Time from the onset to the largest force, `φ / ω`.
     #[must_use]
-    pub fn peak_time(&self) -> f32 {
+    pub(crate) fn peak_time(&self) -> f32 {
         math::atan2(self.rate / self.omega, self.half_drop_n) / self.omega
     }
 
     /// Swing `1/ω`: the time in which the slide turns by one radian of the ellipse.
     #[must_use]
-    pub fn inverse_omega(&self) -> f32 {
+    pub(crate) fn inverse_omega(&self) -> f32 {
         1.0 / self.omega
     }
 
@@ -96,7 +96,7 @@ impl CycleParams {
     /// Does the cable stay taut?
     #[must_use]
     #[inline(never)]
-    pub fn is_taut(&self) -> bool {
+    pub(crate) fn is_taut(&self) -> bool {
         let (q, centre_n) = (self.rate / self.omega, self.dynamic_n());
         centre_n >= 0.0 && self.half_drop_n * self.half_drop_n + q * q <= centre_n * centre_n
     }

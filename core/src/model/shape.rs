@@ -60,39 +60,39 @@ impl CycleParams {
 impl Shape {
     /// Time of sliding (25), or up to the stop on a slack cable.
     #[must_use]
-    pub fn slide_time(&self) -> f32 {
+    pub(crate) fn slide_time(&self) -> f32 {
         self.slide
     }
 
     /// Time from the onset in which the force tells of the slide: up to the stop, or up to where the
     /// cable goes slack.
     #[must_use]
-    pub fn fall_time(&self) -> f32 {
+    pub(crate) fn fall_time(&self) -> f32 {
         self.arc
     }
 
     /// Time from the onset to the largest force, `φ / ω`.
     #[must_use]
-    pub fn peak_time(&self) -> f32 {
+    pub(crate) fn peak_time(&self) -> f32 {
         self.phase / self.cycle.omega
     }
 
     /// Time at which the block rests again.
     #[must_use]
-    pub fn stop(&self) -> f32 {
+    pub(crate) fn stop(&self) -> f32 {
         self.cycle.onset + self.slide
     }
 
     /// Time at which the next stick line starts: later than the stop if the block
     /// stops on a slack cable.
     #[must_use]
-    pub fn loads(&self) -> f32 {
+    pub(crate) fn loads(&self) -> f32 {
         self.cycle.onset + self.slack.map_or(self.slide, |slack| larger(slack.stop, slack.taut))
     }
 
     /// The cycle.
     #[must_use]
-    pub fn cycle(&self) -> &CycleParams {
+    pub(crate) fn cycle(&self) -> &CycleParams {
         &self.cycle
     }
 
@@ -139,7 +139,7 @@ impl Shape {
 
     /// On the stick line before the slip, continued to any time.
     #[must_use]
-    pub fn before(&self, since_onset: f32) -> (f32, Gradient) {
+    pub(crate) fn before(&self, since_onset: f32) -> (f32, Gradient) {
         let c = &self.cycle;
         (c.static_n + c.rate * since_onset, [-c.rate, since_onset, 1.0, 0.0, 0.0, 0.0])
     }
@@ -159,7 +159,7 @@ impl Shape {
 
     /// On the stick line after the slip, continued to any time.
     #[must_use]
-    pub fn after(&self, since_onset: f32) -> (f32, Gradient) {
+    pub(crate) fn after(&self, since_onset: f32) -> (f32, Gradient) {
         let c = &self.cycle;
         let Rest { time, by, force_n, force_by } = self.rest();
         let [by_rate, by_static, by_drop, by_inverse_omega] = by;
@@ -200,7 +200,7 @@ impl Shape {
 
     /// Slope of the line after the slip, and its gradient.
     #[must_use]
-    pub fn slope_after(&self) -> (f32, Gradient) {
+    pub(crate) fn slope_after(&self) -> (f32, Gradient) {
         (self.cycle.rate + self.cycle.rate_change, [0.0, 1.0, 0.0, 0.0, 0.0, 1.0])
     }
 }

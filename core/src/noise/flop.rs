@@ -30,7 +30,7 @@ const LARGEST: f32 = 10.0;
 
 /// Scatter of a resting block's samples by their age since the re-stick, periods.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct FlopProfile {
+pub(crate) struct FlopProfile {
     /// Variance at age zero over that of late samples, less one; zero: all alike.
     excess: f32,
     /// Rate at which the excess dies away, per period.
@@ -57,26 +57,26 @@ struct Early {
 impl FlopProfile {
     /// Do all samples scatter alike?
     #[must_use]
-    pub fn is_flat(&self) -> bool {
+    pub(crate) fn is_flat(&self) -> bool {
         self.excess <= 0.0
     }
 
     /// Variance of a sample over that of a late one.
     #[must_use]
-    pub fn variance(&self, age: f32) -> f32 {
+    pub(crate) fn variance(&self, age: f32) -> f32 {
         if self.is_flat() { 1.0 } else { 1.0 + self.excess * math::exp(-self.decay * age) }
     }
 
     /// Weight of a sample, one over that.
     #[must_use]
-    pub fn weight(&self, age: f32) -> f32 {
+    pub(crate) fn weight(&self, age: f32) -> f32 {
         if self.is_flat() { 1.0 } else { 1.0 / self.variance(age) }
     }
 
     /// Noise of the first samples of a stick over that of late ones, once the sticks show it. The
     /// excess variance is known as its moment is, whose terms scatter by their own mean square.
     #[must_use]
-    pub fn parameter(&self) -> Option<Parameter> {
+    pub(crate) fn parameter(&self) -> Option<Parameter> {
         let (all, chance) = self.moment();
         let scatter = math::sqrt(chance) * (1.0 + all / self.early.sums[0]);
         let value = math::sqrt(1.0 + self.excess);
@@ -93,14 +93,14 @@ impl FlopProfile {
     /// Begins with a stick that has ended: keeps the line through all its samples, or fits one
     /// where the detector followed none. The forces, N, are one a period, in two parts; NaN is
     /// missing.
-    pub fn begin(&mut self, line: Option<Line>, forces_n: [&[f32]; 2]) {
+    pub(crate) fn begin(&mut self, line: Option<Line>, forces_n: [&[f32]; 2]) {
         let is_due = self.is_due();
         let line = || line.unwrap_or_else(|| self.line_through(forces_n));
         self.line = if is_due { line() } else { Line::default() };
     }
 
     /// Takes the forces of the stick that [`Self::begin`] was given.
-    pub fn learn(&mut self, forces_n: [&[f32]; 2]) {
+    pub(crate) fn learn(&mut self, forces_n: [&[f32]; 2]) {
         let line = self.line;
         let Some(slope) = line.slope().filter(|_| line.count >= FEWEST) else { return };
         let usual_n2 = if self.late > 0.0 { self.late_n2 / self.late } else { f32::INFINITY };

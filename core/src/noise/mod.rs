@@ -1,7 +1,7 @@
 //! How far the force strays from the stick line: how much, how long, and in which shape.
 
-pub mod flop;
+pub(crate) mod flop;
 mod oscillation;
-pub mod ripple;
-pub mod scale;
+pub(crate) mod ripple;
+pub(crate) mod scale;
 mod time_asymmetry;

@@ -22,7 +22,7 @@ use crate::stats::quantile::Quantile;
 // In this order: what every sample touches first.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
-pub struct Noise {
+pub(crate) struct Noise {
     /// The newest sample, N; no number before the first.
     newest_n: f32,
     /// Smallest step between samples that was seen, N: the resolution. Infinite before.
@@ -81,7 +81,7 @@ const ROUNDING: f32 = 4e-7;
 impl Noise {
     /// Nothing known.
     #[must_use]
-    pub const fn new() -> Self {
+    pub(crate) const fn new() -> Self {
         Self {
             newest_n: f32::NAN,
             resolution_n: f32::INFINITY,
@@ -100,7 +100,7 @@ impl Noise {
     }
 
     /// Takes an innovation, already divided by its own spread relative to a sample.
-    pub fn add_innovation(&mut self, innovation_n: f32) {
+    pub(crate) fn add_innovation(&mut self, innovation_n: f32) {
         self.innovation.add(innovation_n.abs());
         if self.fits == 0 {
             self.upper.add(innovation_n.abs());
@@ -109,13 +109,13 @@ impl Noise {
 
     /// Takes the noise, N, by the residuals of all events so far, the newest of which is `believed`
     /// if it has coefficients.
-    pub fn add_fit(&mut self, noise_n: f32, believed: bool) {
+    pub(crate) fn add_fit(&mut self, noise_n: f32, believed: bool) {
         self.fitted_n = BEYOND_FITS * noise_n;
         self.fits = (self.fits + if believed { BELIEVED } else { 1 }).min(TRUSTED);
     }
 
     /// Takes a sample; `in_a_row` if it follows the one before without a gap.
-    pub fn add_sample(&mut self, force_n: f32, in_a_row: bool) {
+    pub(crate) fn add_sample(&mut self, force_n: f32, in_a_row: bool) {
         let step_n = (force_n - self.newest_n).abs();
         if in_a_row && step_n < self.resolution_n {
             self.resolve(step_n);
@@ -161,7 +161,7 @@ impl Noise {
     /// Never below the resolution's own, nor below the rounding of a force of this
     /// size. Infinite until enough was seen.
     #[must_use]
-    pub fn std_n(&self, force_n: f32) -> (f32, f32) {
+    pub(crate) fn std_n(&self, force_n: f32) -> (f32, f32) {
         let floor = larger(self.hidden_n, ROUNDING * force_n.abs());
         let innovation = self.innovation.over(MEDIAN);
         let line = larger(innovation, floor);

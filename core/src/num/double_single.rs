@@ -10,16 +10,14 @@ use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
 /// The unevaluated sum of two numbers, the second at most half a unit in the last place
 /// of the first.
 #[derive(Clone, Copy, Debug, Default, PartialEq, PartialOrd)]
-pub struct DoubleSingle {
+pub(crate) struct DoubleSingle {
     high: f32,
     low: f32,
 }
 
 impl DoubleSingle {
     /// Nothing.
-    pub const ZERO: Self = Self { high: 0.0, low: 0.0 };
-    /// One.
-    pub const ONE: Self = Self { high: 1.0, low: 0.0 };
+    pub(crate) const ZERO: Self = Self { high: 0.0, low: 0.0 };
 
     /// `high + low`, where `low` is not the larger of them.
     fn renormed(high: f32, low: f32) -> Self {
@@ -47,7 +45,7 @@ impl DoubleSingle {
 
     /// The nearest number of single precision.
     #[must_use]
-    pub fn rounded(self) -> f32 {
+    pub(crate) fn rounded(self) -> f32 {
         self.high
     }
 }

@@ -1,5 +1,5 @@
 //! Arithmetic: elementary functions, pairs of `f32`.
 
 mod bits;
-pub mod double_single;
+pub(crate) mod double_single;
 pub mod math;

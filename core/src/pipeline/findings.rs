@@ -51,10 +51,10 @@ impl Pipeline {
         Effect::ALL.map(|effect| {
             let enabled = self.config.effects.has(effect);
             let parameters = self.parameters(effect);
-            let has_changed = || self.change.is_some_and(|change| change.cause != Cause::Mass);
-            let found = match effect {
-                Effect::Level => has_changed(),
-                _ => parameters.iter().any(Option::is_some),
+            let found = if effect == Effect::Level {
+                self.change.is_some_and(|change| change.cause != Cause::Mass)
+            } else {
+                parameters.iter().any(Option::is_some)
             };
             Finding { effect, enabled, found: enabled && found, parameters }
         })
@@ -63,18 +63,15 @@ impl Pipeline {
     /// The numbers of an effect that the test shows. Those of a level are the means on either side
     /// of its change.
     fn parameters(&self, effect: Effect) -> [Option<Parameter>; 2] {
-        let of_noise = self.detector.parameter(effect);
-        let of_events = self.cycles.parameters(effect);
-        match effect {
-            Effect::Flop | Effect::Ripple => {
-                [of_noise, of_events[0].filter(|_| of_noise.is_some())]
-            }
-            // It widens and shifts nothing.
-            Effect::Drift => {
-                [self.zero_n().map(|std| Parameter { name: "zero_n", value: 0.0, std }), None]
-            }
-            _ => of_events,
+        let [first, second] = self.cycles.parameters(effect);
+        if matches!(effect, Effect::Flop | Effect::Ripple) {
+            let of_noise = self.detector.parameter(effect);
+            return [of_noise, first.filter(|_| of_noise.is_some())];
         }
+        // It widens and shifts nothing.
+        let zero = |std| Parameter { name: "zero_n", value: 0.0, std };
+        let drift = self.zero_n().filter(|_| effect == Effect::Drift).map(zero);
+        [first.or(drift), second]
     }
 
     /// The means, with their systematic parts.

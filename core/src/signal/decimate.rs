@@ -12,11 +12,11 @@ use crate::num::math;
 use crate::sample::{ForcePoint, SampleTime};
 
 /// Fastest rate at which samples are taken as they come, Hz.
-pub const FASTEST_HZ: f32 = 128.0;
+pub(crate) const FASTEST_HZ: f32 = 128.0;
 
 /// Averages blocks of samples.
 #[derive(Clone, Copy, Debug)]
-pub struct Decimator {
+pub(crate) struct Decimator {
     factor: NonZeroU32,
     block: u32,
     mean_n: f32,
@@ -26,7 +26,7 @@ pub struct Decimator {
 impl Decimator {
     /// For a rate of 1 to 2000 Hz.
     #[must_use]
-    pub fn new(rate_hz: f32) -> Self {
+    pub(crate) fn new(rate_hz: f32) -> Self {
         let factor = -math::floor(-rate_hz / FASTEST_HZ) as u32;
         let factor = NonZeroU32::new(factor).unwrap_or(NonZeroU32::MIN);
         Self { factor, block: 0, mean_n: 0.0, count: 0 }
@@ -34,26 +34,26 @@ impl Decimator {
 
     /// Samples per block.
     #[must_use]
-    pub fn factor(&self) -> f32 {
+    pub(crate) fn factor(&self) -> f32 {
         self.factor.get() as f32
     }
 
     /// Is a block more than a sample?
     #[must_use]
-    pub fn averages(&self) -> bool {
+    pub(crate) fn averages(&self) -> bool {
         self.factor > NonZeroU32::MIN
     }
 
     /// Block of an index.
     #[must_use]
-    pub fn block(&self, index: u32) -> u32 {
+    pub(crate) fn block(&self, index: u32) -> u32 {
         index / self.factor
     }
 
     /// Takes a good sample with an index past all earlier ones; gives a block, with
     /// the block's number as its index, when one is complete.
     #[inline]
-    pub fn step(&mut self, sample: ForcePoint) -> Option<ForcePoint> {
+    pub(crate) fn step(&mut self, sample: ForcePoint) -> Option<ForcePoint> {
         if self.averages() { self.average(sample) } else { Some(sample) }
     }
 
@@ -71,7 +71,7 @@ impl Decimator {
 
     /// Ends the block under way; `None` if it holds fewer than half its samples.
     #[inline(never)]
-    pub fn finish(&mut self) -> Option<ForcePoint> {
+    pub(crate) fn finish(&mut self) -> Option<ForcePoint> {
         let block = ForcePoint { index: self.block, force_n: self.mean_n };
         let enough = self.count * 2 >= self.factor.get() && self.count > 0;
         (self.count, self.mean_n) = (0, 0.0);
@@ -81,7 +81,7 @@ impl Decimator {
     /// A moment in blocks, as a moment in samples: a block's mean belongs to the middle
     /// of its samples.
     #[must_use]
-    pub fn moment(&self, blocks: SampleTime) -> SampleTime {
+    pub(crate) fn moment(&self, blocks: SampleTime) -> SampleTime {
         if !self.averages() {
             return blocks;
         }

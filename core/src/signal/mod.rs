@@ -2,7 +2,7 @@
 //! the window of the last samples.
 
 pub mod calibrate;
-pub mod decimate;
+pub(crate) mod decimate;
 pub mod derivative;
-pub mod spike;
+pub(crate) mod spike;
 pub mod window;

@@ -24,16 +24,16 @@ const LONGEST_SPAN: u32 = 4;
 
 /// What the filter needs to know of the force.
 #[derive(Clone, Copy, Debug)]
-pub struct Usual {
+pub(crate) struct Usual {
     /// Standard deviation of the noise, N; infinite: nothing is a spike yet.
-    pub noise_n: f32,
+    pub(crate) noise_n: f32,
     /// Usual drop of a slip, N.
-    pub drop_n: f32,
+    pub(crate) drop_n: f32,
 }
 
 /// Holds one sample back.
 #[derive(Clone, Copy, Debug)]
-pub struct SpikeFilter {
+pub(crate) struct SpikeFilter {
     before: ForcePoint,
     held: ForcePoint,
     /// How many of these two there are.
@@ -46,7 +46,7 @@ pub struct SpikeFilter {
 
 /// What became of the sample held back.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Judged {
+pub(crate) enum Judged {
     /// There was none.
     Nothing,
     /// A good one.
@@ -58,7 +58,7 @@ pub enum Judged {
 impl SpikeFilter {
     /// Before the first sample.
     #[must_use]
-    pub const fn new() -> Self {
+    pub(crate) const fn new() -> Self {
         Self {
             before: ForcePoint::ZERO,
             held: ForcePoint::ZERO,
@@ -70,7 +70,7 @@ impl SpikeFilter {
 
     /// Takes a sample and gives the one before it; `usual` is called only if that is above or below
     /// both its neighbours.
-    pub fn step(&mut self, sample: ForcePoint, usual: impl FnOnce() -> Usual) -> Judged {
+    pub(crate) fn step(&mut self, sample: ForcePoint, usual: impl FnOnce() -> Usual) -> Judged {
         let (before, held) = (self.before, core::mem::replace(&mut self.held, sample));
         if self.count < 2 {
             (self.before, self.count) = (held, self.count + 1);
@@ -90,7 +90,7 @@ impl SpikeFilter {
     }
 
     /// Gives the last sample: without a neighbour it is good.
-    pub fn finish(&mut self) -> Option<ForcePoint> {
+    pub(crate) fn finish(&mut self) -> Option<ForcePoint> {
         let held = (self.count > 0).then_some(self.held);
         self.count = 0;
         held

@@ -6,7 +6,7 @@ pub const WINDOW: usize = 256;
 /// Ring of the newest forces; a period without a good sample reads as `None`.
 #[derive(Clone, Debug)]
 #[repr(C)]
-pub struct Window {
+pub(crate) struct Window {
     /// One past the newest index.
     end: u32,
     /// The first index of all.
@@ -18,13 +18,13 @@ pub struct Window {
 impl Window {
     /// An empty window.
     #[must_use]
-    pub fn new() -> Self {
+    pub(crate) fn new() -> Self {
         Self { forces_n: [f32::NAN; WINDOW], end: 0, first: 0 }
     }
 
     /// Takes a sample with an index past all earlier ones; does it follow the one before?
     #[inline(always)]
-    pub fn push(&mut self, index: u32, force_n: f32) -> bool {
+    pub(crate) fn push(&mut self, index: u32, force_n: f32) -> bool {
         let in_a_row = index == self.end;
         if !in_a_row {
             self.skip_to(index);
@@ -48,13 +48,13 @@ impl Window {
 
     /// One past the newest index; 0 before the first sample.
     #[must_use]
-    pub fn end(&self) -> u32 {
+    pub(crate) fn end(&self) -> u32 {
         self.end
     }
 
     /// Force at an index, if it is in the window and was good.
     #[must_use]
-    pub fn get(&self, index: u32) -> Option<f32> {
+    pub(crate) fn get(&self, index: u32) -> Option<f32> {
         let inside = self.end.wrapping_sub(index).wrapping_sub(1) < WINDOW as u32;
         let force_n = self.forces_n.get(slot(index)).copied();
         force_n.filter(|force_n| inside && !force_n.is_nan())
@@ -76,7 +76,7 @@ impl Window {
     /// The index, or the oldest one in the window if that is later.
     #[must_use]
     #[inline(never)]
-    pub fn first_from(&self, index: u32) -> u32 {
+    pub(crate) fn first_from(&self, index: u32) -> u32 {
         index.max(self.first).max(self.end.saturating_sub(WINDOW as u32))
     }
 

@@ -32,7 +32,7 @@ const CHANGED: u8 = 3;
 /// variance, `τ²` the variance between events, estimated alongside with the squared
 /// weights. The trend counts once it is significant.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct FadingTrend {
+pub(crate) struct FadingTrend {
     /// Over the events so far, the newest at time −1.
     line: Line,
     /// Variance of the first event: weights are in units of one over it, so that their squares
@@ -57,7 +57,7 @@ impl FadingTrend {
     /// Lets the past count for less, and moves the trend on by an event. Once an event, whether or
     /// not it tells anything, so that no expectation that is too sure of itself shuts out for good
     /// what could correct it.
-    pub fn forget(&mut self) {
+    pub(crate) fn forget(&mut self) {
         self.line.shift(1.0);
         self.fade();
     }
@@ -81,7 +81,7 @@ impl FadingTrend {
 
     /// Takes the newest event's own measurement and its variance. One that is no finite number, or
     /// far off, is ignored.
-    pub fn add(&mut self, value: f32, variance: f32) {
+    pub(crate) fn add(&mut self, value: f32, variance: f32) {
         if !(value.is_finite() && variance.is_normal() && variance > 0.0) {
             return;
         }
@@ -140,7 +140,7 @@ impl FadingTrend {
 
     /// The value that the next event may expect; `None` before the first event.
     #[must_use]
-    pub fn mean(&self) -> Option<f32> {
+    pub(crate) fn mean(&self) -> Option<f32> {
         (self.count > 0.0).then_some(self.now.0)
     }
 
@@ -162,7 +162,7 @@ impl FadingTrend {
 
     /// Have two events told it?
     #[must_use]
-    pub fn is_known(&self) -> bool {
+    pub(crate) fn is_known(&self) -> bool {
         self.count >= LEAST_EVENTS
     }
 
@@ -170,7 +170,7 @@ impl FadingTrend {
     /// plus that of the mean; zero before two events.
     #[must_use]
     #[inline(never)]
-    pub fn prior(&self, noise_n2: f32) -> Prior {
+    pub(crate) fn prior(&self, noise_n2: f32) -> Prior {
         if !self.is_known() {
             return Prior::default();
         }
@@ -179,14 +179,14 @@ impl FadingTrend {
     }
 
     /// Adds `by` to all values that were measured so far.
-    pub fn translate(&mut self, by: f32) {
+    pub(crate) fn translate(&mut self, by: f32) {
         self.line.level_n += by;
         self.now.0 += by;
     }
 
     /// As [`Self::prior`], for a quantity that is zero unless the events say otherwise.
     #[must_use]
-    pub fn prior_around_zero(&self, noise_n2: f32) -> Prior {
+    pub(crate) fn prior_around_zero(&self, noise_n2: f32) -> Prior {
         let prior = self.prior(noise_n2);
         let mean = self.line.level_n;
         let limit = SIGNIFICANT * SIGNIFICANT * self.unit / self.line.weight;

@@ -5,7 +5,7 @@
 /// as it is for numbers that lie anywhere. Every turn of the inner loop halves what is left: there
 /// are 32 turns and one a number at most.
 #[must_use]
-pub fn spacing(numbers: impl Iterator<Item = f32>, tolerance: f32) -> f32 {
+pub(crate) fn spacing(numbers: impl Iterator<Item = f32>, tolerance: f32) -> f32 {
     const CLEAR: f32 = 8.0;
     let (mut first, mut spacing) = (None, f32::INFINITY);
     for number in numbers {

@@ -10,7 +10,7 @@
 /// Times are in sampling periods from an origin that the owner keeps, forces in
 /// newtons. Without points every number is zero.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Line {
+pub(crate) struct Line {
     /// Sum of the weights.
     pub weight: f32,
     /// Weighted mean time, periods.
@@ -46,13 +46,13 @@ impl Line {
     /// weight and trust of one over the point's own variance, the sum of the squared residuals over
     /// that of the weights is the variance of a point of weight one.
     #[inline(never)]
-    pub fn add(&mut self, time: f32, force_n: f32, weight: f32, trust: f32) {
+    pub(crate) fn add(&mut self, time: f32, force_n: f32, weight: f32, trust: f32) {
         self.take(time, force_n, weight, trust);
     }
 
     /// As [`Self::add`], inlined: for the path of every sample.
     #[inline(always)]
-    pub fn take(&mut self, time: f32, force_n: f32, weight: f32, trust: f32) {
+    pub(crate) fn take(&mut self, time: f32, force_n: f32, weight: f32, trust: f32) {
         let total = self.weight + weight;
         let share = weight / total;
         let dt = time - self.time;
@@ -83,34 +83,34 @@ impl Line {
     }
 
     /// Multiplies all weights: the past counts for less.
-    pub fn fade(&mut self, factor: f32) {
+    pub(crate) fn fade(&mut self, factor: f32) {
         self.weight *= factor;
         self.tt *= factor;
         self.residual_n2 *= factor;
     }
 
     /// Moves the origin of time forward by `periods`: all times become less.
-    pub fn shift(&mut self, periods: f32) {
+    pub(crate) fn shift(&mut self, periods: f32) {
         self.time -= periods;
     }
 
     /// Slope, N per period; `None` with fewer than two different times.
     #[must_use]
     #[inline(always)]
-    pub fn slope(&self) -> Option<f32> {
+    pub(crate) fn slope(&self) -> Option<f32> {
         (self.tt > 0.0).then_some(self.slope)
     }
 
     /// Weight of the slope: Σ w (t − mean)².
     #[must_use]
-    pub fn slope_weight(&self) -> f32 {
+    pub(crate) fn slope_weight(&self) -> f32 {
         self.tt
     }
 
     /// Force on the line of the given slope through the mean point, N.
     #[must_use]
     #[inline(always)]
-    pub fn at(&self, time: f32, slope: f32) -> f32 {
+    pub(crate) fn at(&self, time: f32, slope: f32) -> f32 {
         self.level_n + slope * (time - self.time)
     }
 
@@ -118,7 +118,7 @@ impl Line {
     /// weight one; infinite without points.
     #[must_use]
     #[inline(always)]
-    pub fn leverage(&self, time: f32) -> f32 {
+    pub(crate) fn leverage(&self, time: f32) -> f32 {
         if self.weight <= 0.0 {
             return f32::INFINITY;
         }
@@ -129,7 +129,7 @@ impl Line {
 
     /// Weighted sum of squared residuals of the best line, N².
     #[must_use]
-    pub fn residual(&self) -> f32 {
+    pub(crate) fn residual(&self) -> f32 {
         self.residual_n2
     }
 }

@@ -1,10 +1,10 @@
 //! Small statistics that several rooms use.
 
-pub mod fading_trend;
-pub mod lattice;
-pub mod line;
-pub mod normal_equations;
-pub mod prior;
-pub mod quantile;
-pub mod quantity;
-pub mod student;
+pub(crate) mod fading_trend;
+pub(crate) mod lattice;
+pub(crate) mod line;
+pub(crate) mod normal_equations;
+pub(crate) mod prior;
+pub(crate) mod quantile;
+pub(crate) mod quantity;
+pub(crate) mod student;

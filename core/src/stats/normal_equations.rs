@@ -3,12 +3,12 @@
 use core::ops::{Index, IndexMut};
 
 /// Number of unknowns of a cycle.
-pub const UNKNOWNS: usize = 6;
+pub(crate) const UNKNOWNS: usize = 6;
 
 /// Gradient of the force with respect to the unknowns of the fit: onset, rate, `Fs`, `d`, swing
 /// `1/ω` and rate change. The swing, not ω: times are proportional to it, so what few samples tell
 /// of it is close to a normal distribution.
-pub type Gradient = [f32; UNKNOWNS];
+pub(crate) type Gradient = [f32; UNKNOWNS];
 
 /// The first unknowns, onset, rate and `Fs`: the stick line before the slip depends on no others.
 const FIRST: usize = 3;
@@ -21,7 +21,7 @@ pub(crate) const ENTRIES_OF_FIRST: usize = FIRST * (FIRST + 1) / 2;
 
 /// A symmetric matrix of the fit's size: its lower triangle, row by row.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Symmetric([f32; ENTRIES]);
+pub(crate) struct Symmetric([f32; ENTRIES]);
 
 impl Symmetric {
     /// A row up to the diagonal.
@@ -85,7 +85,7 @@ impl IndexMut<[usize; 2]> for Symmetric {
 
 /// `Σ w g gᵀ`, `Σ w g r` and `Σ w r²` of weighted residuals.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Normal {
+pub(crate) struct Normal {
     /// `Σ w g gᵀ`.
     pub matrix: Symmetric,
     /// `Σ w g r`.
@@ -96,7 +96,7 @@ pub struct Normal {
 
 impl Normal {
     /// Takes one residual (measured minus model) with its gradient and weight.
-    pub fn add(&mut self, residual: f32, gradient: &Gradient, weight: f32) {
+    pub(crate) fn add(&mut self, residual: f32, gradient: &Gradient, weight: f32) {
         self.cost += weight * residual * residual;
         (0..FIRST).for_each(|unknown| self.add_row(residual, gradient, weight, unknown));
         // Before the slip the force depends on the first ones alone.
@@ -116,7 +116,7 @@ impl Normal {
     }
 
     /// Takes a residual that depends on one unknown alone.
-    pub fn add_one(&mut self, residual: f32, unknown: usize, weight: f32) {
+    pub(crate) fn add_one(&mut self, residual: f32, unknown: usize, weight: f32) {
         self.cost += weight * residual * residual;
         self.matrix.add_to_diagonal(unknown, weight);
         if let Some(right) = self.right.get_mut(unknown) {
@@ -126,7 +126,7 @@ impl Normal {
 
     /// Factors the matrix, see [`Symmetric::factor`].
     #[must_use]
-    pub fn factor(&self, damping: f32) -> Option<Factor> {
+    pub(crate) fn factor(&self, damping: f32) -> Option<Factor> {
         self.matrix.factor(damping)
     }
 }
@@ -135,7 +135,7 @@ impl Normal {
 /// depends on the units of the unknowns, so newtons, periods and radians do not
 /// disturb each other in single precision.
 #[derive(Clone, Copy, Debug)]
-pub struct Factor {
+pub(crate) struct Factor {
     /// Below the diagonal, row by row.
     lower: [f32; ENTRIES - UNKNOWNS],
     /// One over the diagonal of `D`.
@@ -180,7 +180,7 @@ impl Factor {
 
     /// Solves `A x = right`.
     #[must_use]
-    pub fn solve(&self, right: &Gradient) -> Gradient {
+    pub(crate) fn solve(&self, right: &Gradient) -> Gradient {
         let mut x = *right;
         for i in 1..UNKNOWNS {
             for k in 0..i {
@@ -199,7 +199,7 @@ impl Factor {
     /// Variances of the unknowns, the diagonal of `A⁻¹`, in units of the variance of
     /// weight one.
     #[must_use]
-    pub fn variances(&self) -> Gradient {
+    pub(crate) fn variances(&self) -> Gradient {
         core::array::from_fn(|unknown| self.variance(unknown))
     }
 
@@ -230,14 +230,14 @@ impl Factor {
 /// A gradient times a number.
 #[must_use]
 #[inline(never)]
-pub fn scaled(u: &Gradient, by: f32) -> Gradient {
+pub(crate) fn scaled(u: &Gradient, by: f32) -> Gradient {
     u.map(|entry| by * entry)
 }
 
 /// Scalar product.
 #[must_use]
 #[inline(never)]
-pub fn dot(u: &Gradient, v: &Gradient) -> f32 {
+pub(crate) fn dot(u: &Gradient, v: &Gradient) -> f32 {
     u.iter().zip(v).fold(0.0, |sum, (a, b)| sum + a * b)
 }
 

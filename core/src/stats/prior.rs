@@ -4,7 +4,7 @@ use crate::num::math::smaller;
 
 /// What is known of a quantity beforehand.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Prior {
+pub(crate) struct Prior {
     /// Expected value.
     pub mean: f32,
     /// One over its variance, in units of one over the noise variance; zero: unknown.
@@ -35,7 +35,7 @@ pub(crate) fn surely(size: f32, limit: f32) -> f32 {
 /// part `least` of the fitted precision is the event's own; up to twice that part it counts for
 /// less.
 #[must_use]
-pub fn without_prior(
+pub(crate) fn without_prior(
     mean: f32,
     variance: f32,
     prior: Prior,

@@ -4,7 +4,7 @@ use crate::num::math::{larger, smaller};
 
 /// A running quantile of positive numbers.
 #[derive(Clone, Copy, Debug)]
-pub struct Quantile {
+pub(crate) struct Quantile {
     value: f32,
     count: u32,
     /// The largest half of the first numbers, in descending order: the quantile, of a probability
@@ -26,13 +26,13 @@ const FEWEST: u32 = 8;
 impl Quantile {
     /// For a probability of a half or more.
     #[must_use]
-    pub const fn new(part: f32) -> Self {
+    pub(crate) const fn new(part: f32) -> Self {
         Self { value: 0.0, count: 0, largest: [0.0; FEWEST as usize / 2], part }
     }
 
     /// Takes a number at or above zero.
     #[inline(never)]
-    pub fn add(&mut self, size: f32) {
+    pub(crate) fn add(&mut self, size: f32) {
         if self.count >= SETTLED { self.follow(size, SMALLEST_GAIN) } else { self.start(size) }
     }
 
@@ -73,7 +73,7 @@ impl Quantile {
     /// at the fortieth.
     #[must_use]
     #[inline(always)]
-    pub fn over(&self, number: f32) -> f32 {
+    pub(crate) fn over(&self, number: f32) -> f32 {
         if self.count >= SETTLED { self.value / number } else { self.early_over(number) }
     }
 
@@ -88,7 +88,7 @@ impl Quantile {
 
     /// The quantile so far; `None` until eight numbers were seen.
     #[must_use]
-    pub fn value(&self) -> Option<f32> {
+    pub(crate) fn value(&self) -> Option<f32> {
         (self.count >= FEWEST).then_some(self.value)
     }
 }

@@ -10,7 +10,7 @@ use crate::num::math;
 /// expansion of Cornish and Fisher has it; the other three factors are a least-squares fit
 /// from 1 to 300 degrees of freedom, right within 0.06 %.
 #[must_use]
-pub fn t95(freedom: f32) -> f32 {
+pub(crate) fn t95(freedom: f32) -> f32 {
     const MANY: f32 = 1.959_964;
     let x = 1.0 / math::larger(freedom, 1.0);
     let power = 1.210_365 + x * (0.734_509 + x * (0.030_429 - x * 0.106_508));

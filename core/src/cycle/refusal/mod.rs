@@ -7,7 +7,7 @@ mod recurrence;
 mod stiffness;
 
 use crate::coefficient::Coefficient;
-use crate::cycle::slip_record::SlipRecord;
+use crate::cycle::slip_record::{SURE, SlipRecord};
 use crate::event::{Event, Reason};
 use crate::num::math::{self, larger};
 use crate::stats::line::Line;
@@ -15,8 +15,6 @@ use crate::stats::line::Line;
 pub(super) use recurrence::{FAST, Recurrence};
 pub(super) use stiffness::RootStiffnessRatio;
 
-/// Standard deviations of the noise beyond which nothing is chance.
-pub(super) const SURE: f32 = 4.0;
 /// Part of the rise after it below which a fall is no slip: the first load on a cable that was
 /// quieter before makes one like that.
 const LEAST_FALL: f32 = 0.02;

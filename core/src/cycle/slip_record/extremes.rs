@@ -1,8 +1,7 @@
 //! What the highest and the lowest sample tell of a slip, where the samples between them hardly
 //! tell it.
 
-use crate::cycle::refusal::SURE;
-use crate::cycle::slip_record::{PI, SlipRecord, TELLING};
+use crate::cycle::slip_record::{PI, SURE, SlipRecord, TELLING};
 use crate::detector::Stick;
 use crate::fit::posterior::CLEAR;
 use crate::num::math::{self, larger, smaller};
@@ -10,6 +9,13 @@ use crate::sample::{ForcePoint, since};
 use crate::signal::window::Window;
 use crate::stats::line::Line;
 use crate::stats::prior::Prior;
+
+/// The highest or the lowest sample of a slip: its time, periods from the event's origin, and force.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Extreme {
+    pub(crate) time: f32,
+    pub(crate) force_n: f32,
+}
 
 /// Loading rate, N per period, to within a factor of two, and the length of the slip.
 #[derive(Clone, Copy, Debug, Default)]

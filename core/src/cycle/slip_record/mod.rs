@@ -6,9 +6,7 @@ mod shorten;
 
 use core::ops::Range;
 
-use crate::cycle::ended::Slip;
-use crate::cycle::refusal::SURE;
-use crate::cycle::slip_record::extremes::Rough;
+use crate::cycle::slip_record::extremes::{Extreme, Rough};
 use crate::detector::{Detector, Stick};
 use crate::event::Reason;
 use crate::fit::Samples;
@@ -29,6 +27,9 @@ const CORE: usize = 96;
 /// Most samples of a line in elongation: two such lines take a third of a step's time.
 const MOST: u32 = 24;
 
+/// Standard deviations of the noise beyond which nothing is chance.
+pub(crate) const SURE: f32 = 4.0;
+
 /// By how much onset and stop of a slip that is hardly resolved may be off before the last fit,
 /// periods.
 pub(crate) const UNSURE: f32 = 0.25;
@@ -37,11 +38,19 @@ pub(crate) const UNSURE: f32 = 0.25;
 /// took: a single sample in between could be anywhere in slips of many lengths.
 pub(crate) const TELLING: f32 = 3.0;
 
-/// The highest or the lowest sample of a slip: its time, periods from the event's origin, and force.
+/// A slip as the detector saw it.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Extreme {
-    pub(crate) time: f32,
-    pub(crate) force_n: f32,
+pub(crate) struct Slip {
+    /// Highest sample before it.
+    pub(crate) peak: ForcePoint,
+    /// Lowest sample.
+    pub(crate) low: ForcePoint,
+    /// Index of the newest sample then.
+    pub(crate) last: u32,
+    /// Weight of the samples since the lowest one.
+    pub(crate) rest_weight: f32,
+    /// Saturated samples hide a part of it.
+    pub(crate) hides: bool,
 }
 
 /// A slip, gathered while the stick line after it still grows.

@@ -13,7 +13,7 @@
 
 mod swings;
 
-pub use crate::effects::mass_change::swings::Evidence;
+pub(crate) use crate::effects::mass_change::swings::Evidence;
 
 use crate::effects::mass_change::swings::{LEAST, Ratio, Swings, is_nearer};
 use crate::num::math;
@@ -35,7 +35,7 @@ const SILENT: u32 = 8;
 
 /// What an event says of the mass.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Verdict {
+pub(crate) enum Verdict {
     /// Nothing new.
     #[default]
     Same,
@@ -61,7 +61,7 @@ enum State {
 
 /// Follows the swing, and the mass with it. Before the first event the weight is the given one.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Mass {
+pub(crate) struct Mass {
     /// What the next event may expect.
     inverse_omega: FadingTrend,
     state: State,
@@ -79,35 +79,35 @@ pub struct Mass {
 impl Mass {
     /// What the events since the last change tell of the swing.
     #[must_use]
-    pub fn inverse_omega(&self) -> &FadingTrend {
+    pub(crate) fn inverse_omega(&self) -> &FadingTrend {
         &self.inverse_omega
     }
 
     /// The same; while it is in doubt what was known before the suspect.
     #[must_use]
-    pub fn usual(&self) -> &FadingTrend {
+    pub(crate) fn usual(&self) -> &FadingTrend {
         if let State::Suspect(kept, _) = &self.state { kept } else { &self.inverse_omega }
     }
 
     /// Adds `by`, periods, to all swings that were learnt since the last change.
-    pub fn translate(&mut self, by: f32) {
+    pub(crate) fn translate(&mut self, by: f32) {
         self.inverse_omega.translate(by);
     }
 
     /// Lets the past swings count for less, see [`FadingTrend::forget`].
-    pub fn forget(&mut self) {
+    pub(crate) fn forget(&mut self) {
         self.inverse_omega.forget();
     }
 
     /// Forgets the swing, and what was under way; the weight's ratio stays.
-    pub fn forget_all(&mut self) {
+    pub(crate) fn forget_all(&mut self) {
         self.inverse_omega = FadingTrend::default();
         self.state = State::Steady;
         self.start(None);
     }
 
     /// Judges an event. What is [`Verdict::Suspect`] outside a trial is not learnt.
-    pub fn judge(&mut self, evidence: &Evidence) -> Verdict {
+    pub(crate) fn judge(&mut self, evidence: &Evidence) -> Verdict {
         match self.state {
             State::Trial(_) => Verdict::Suspect,
             State::Steady => self.judge_steady(evidence),
@@ -148,7 +148,7 @@ impl Mass {
     }
 
     /// Learns from an event, and may end the trial.
-    pub fn learn(&mut self, evidence: &Evidence) -> Option<Verdict> {
+    pub(crate) fn learn(&mut self, evidence: &Evidence) -> Option<Verdict> {
         self.seen = self.seen.saturating_add(1);
         if let Some((inverse_omega, variance)) = evidence.inverse_omega {
             self.inverse_omega.add(inverse_omega, variance);
@@ -172,7 +172,7 @@ impl Mass {
 
     /// The forces have changed; `dynamic_before_n` was `Fp` before: starts a trial. `false` if the
     /// swing is known too little for one to tell anything.
-    pub fn doubt(&mut self, dynamic_before_n: f32) -> bool {
+    pub(crate) fn doubt(&mut self, dynamic_before_n: f32) -> bool {
         let before = self.inverse_omega.prior(1.0);
         let known = before.weight * before.mean * before.mean * LEAST * LEAST > 1.0;
         if known && matches!(self.state, State::Steady) {
@@ -185,25 +185,25 @@ impl Mass {
     }
 
     /// The force has changed, and nothing tells why: the weight may have, by as much.
-    pub fn leave_open(&mut self, dynamic_n: f32, before_n: f32) {
+    pub(crate) fn leave_open(&mut self, dynamic_n: f32, before_n: f32) {
         let off = dynamic_n / before_n - 1.0;
         self.base.variance += off * off;
     }
 
     /// Is a trial under way?
-    pub fn is_on_trial(&self) -> bool {
+    pub(crate) fn is_on_trial(&self) -> bool {
         matches!(self.state, State::Trial(_))
     }
 
     /// The weight over the given one.
     #[must_use]
-    pub fn weight_ratio(&self) -> f32 {
+    pub(crate) fn weight_ratio(&self) -> f32 {
         self.weight().value
     }
 
     /// The weight over the given one, and its relative standard deviation.
     #[must_use]
-    pub fn weight_ratio_and_std(&self) -> (f32, f32) {
+    pub(crate) fn weight_ratio_and_std(&self) -> (f32, f32) {
         let Ratio { value, variance } = self.weight();
         (value, math::sqrt(variance))
     }

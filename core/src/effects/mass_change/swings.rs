@@ -10,7 +10,7 @@ pub(super) const LEAST: f32 = 0.05;
 
 /// What an event tells of the mass.
 #[derive(Clone, Copy, Debug)]
-pub struct Evidence {
+pub(crate) struct Evidence {
     /// Its swing and the variance of that, periods, with nothing from other events.
     pub inverse_omega: Option<(f32, f32)>,
     /// `Fp`, N.

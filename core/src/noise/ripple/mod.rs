@@ -159,7 +159,7 @@ impl Ripple {
 
     /// How much the force strays from its lines beside the white noise, if that is clear.
     #[must_use]
-    pub fn parameter(&self) -> Option<Parameter> {
+    pub(crate) fn parameter(&self) -> Option<Parameter> {
         let (value, std) = self.past.stray_n()?;
         Some(Parameter { name: "stray_n", value, std })
     }

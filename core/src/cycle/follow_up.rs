@@ -1,0 +1,154 @@
+//! What follows from the end of a stick line: it is taken up when the fit before it is done.
+
+use crate::cycle::CycleTracker;
+use crate::cycle::cycle_fit::CycleFit;
+use crate::cycle::ended::{By, Ended, Progress};
+use crate::cycle::refusal;
+use crate::cycle::slip_record::SlipRecord;
+use crate::detector::{Detector, Stick};
+use crate::event::{Provisional, Reason};
+use crate::model::elongation::Elongation;
+use crate::sample::{SampleTime, since};
+
+/// Time to gather a slip, in units of 160 instructions on the board.
+const SLIP: usize = 18;
+/// To follow both lines of a cable that sags anew.
+const SAG: usize = 36;
+/// To guess where its fit begins, and to compare several guesses.
+const GUESS: usize = 9;
+const GUESSES: usize = 33;
+/// To give the event before its lines, and for a first answer.
+const LINES: usize = 12;
+const ANSWER: usize = 12;
+
+/// Events from which on a stick line begins with the samples right after a slip: without any, nothing
+/// tells yet whether the cable flops there. Tuned: with none the mean `mu_s` of a record with flop is off
+/// at times, with two one more event of a thousand with stamps that jitter is far off.
+const FLOP_SEEN: u32 = 1;
+/// A line with fewer samples than this needs them from the first event on, and tells no flop.
+const BRIEF: u32 = 8;
+
+impl CycleTracker {
+    /// Time that the next step takes, in those units.
+    pub(super) fn takes(&self, ended: &Ended, detector: &Detector) -> usize {
+        match (&ended.progress, &self.pending) {
+            (Progress::Waiting, _) if ended.may_sag(&self.learnt, detector) => SLIP + SAG,
+            (Progress::Waiting, _) => SLIP,
+            (Progress::Gathered, Some(slip)) if !self.learnt.knows_omega() => {
+                GUESSES + slip.samples().forces_n.len()
+            }
+            (Progress::Gathered, _) => GUESS,
+            (Progress::Answering(answer), Some(slip)) => answer.expected.pass(slip),
+            (Progress::Answering(_) | Progress::Answered(_), _) => {
+                // Whether a long fall is even is asked of each of its samples.
+                let fall = self.finishing.as_ref().map_or(0.0, |fit| fit.slip.fall());
+                let sags = self.finishing.as_ref().is_some_and(|fit| fit.slip.elongation.sags());
+                LINES + ANSWER + fall as usize + if sags { SAG } else { 0 }
+            }
+        }
+    }
+
+    /// Takes the next step; the fit of the event before is done.
+    pub(super) fn follow_up(&mut self, detector: &Detector, first: &mut Option<Provisional>) {
+        match self.ended.as_ref().map(|ended| &ended.progress) {
+            Some(Progress::Waiting) => self.take_up(detector),
+            Some(Progress::Gathered) => self.begin_first(),
+            Some(Progress::Answering(_)) => self.step_first(),
+            Some(Progress::Answered(_)) => *first = self.give_lines(detector),
+            None => {}
+        }
+    }
+
+    /// Takes up what has ended: the pending event can be fitted soon, and the slip becomes the
+    /// pending one. The lines of the event are given when a first answer on the slip tells its
+    /// onset.
+    #[inline(never)]
+    fn take_up(&mut self, detector: &Detector) {
+        let Some(ended) = &self.ended else { return };
+        let Ended { stick, by, .. } = ended;
+        let (start, may_sag) = (self.start(stick), ended.may_sag(&self.learnt, detector));
+        // Not by `map`, so that it is made where it is kept.
+        self.finishing = None;
+        if let Some(before) = &self.pending {
+            self.finishing = Some(CycleFit::new(before));
+        }
+        let progress = match by {
+            By::Slip(slip) => {
+                let cable = if may_sag {
+                    self.learnt.sag.read(|sag| sag.elongation(slip.low.force_n))
+                } else {
+                    Elongation::default()
+                };
+                let next =
+                    self.pending.insert(SlipRecord::new(detector, stick, start, slip, cable));
+                next.gather(detector.window(), slip);
+                if may_sag {
+                    next.take_late(detector.window(), stick);
+                }
+                Progress::Gathered
+            }
+            By::Loss(_) => {
+                self.pending = None;
+                Progress::Answered(None)
+            }
+        };
+        if let (Some(next), Some(CycleFit { slip: before, .. })) =
+            (&mut self.pending, &mut self.finishing)
+        {
+            if self.count >= FLOP_SEEN || next.before.count < BRIEF {
+                next.lengthen_line(before, stick);
+            }
+            if self.recurrence.is_aliased(before.periods_to(next)) {
+                next.refused = Some(Reason::Aliased);
+                before.refused = next.refused;
+            }
+        }
+        if let Some(ended) = &mut self.ended {
+            ended.progress = progress;
+        }
+    }
+
+    /// First index of an event's samples: where the stick line ends, or right after
+    /// the cable began to load when the block rested too briefly for a line.
+    fn start(&self, stick: &Stick) -> u32 {
+        let load = if stick.line.count < 3 { self.newest_load() } else { None };
+        load.map_or(stick.next, |load| stick.next.min((load + 1).max(stick.next.saturating_sub(4))))
+    }
+
+    /// The last index before the cable of a resting block last began to load, as far as is known yet.
+    fn newest_load(&self) -> Option<u32> {
+        match &self.pending {
+            Some(slip) => {
+                slip.early.map(|cycle| SampleTime::after(slip.origin, cycle.shape().loads()).index)
+            }
+            None => self.last_load,
+        }
+    }
+
+    /// Gives the event before its lines, up to the next onset as a first answer has it, and that
+    /// answer. With that the end of the line has been followed up.
+    #[inline(never)]
+    fn give_lines(&mut self, detector: &Detector) -> Option<Provisional> {
+        let ended = self.ended.as_ref()?;
+        let Progress::Answered(first) = &ended.progress else { return None };
+        let first = first.as_ref().filter(|fit| self.shows_slip(fit));
+        if let Some(slip) = &mut self.pending {
+            slip.take_first_answer(first.map(|fit| *fit.cycle()));
+        }
+        if let Some(finishing) = &mut self.finishing {
+            let (stick, end) = (&ended.stick, ended.end());
+            let creep_periods = self.learnt.creep_periods();
+            let last = self.pending.as_ref().and_then(|slip| slip.last_before(creep_periods));
+            finishing.give_lines(stick, detector.window(), end, last);
+            let (slip, after) = (&mut finishing.slip, &finishing.after);
+            let periods = since(slip.origin, end) - slip.low.time;
+            let rest = (after, stick.highest.force_n);
+            let refused = refusal::of_fall(slip, rest, periods, self.slides, self.learnt.swing());
+            slip.refused = slip.refused.or(refused);
+            self.slides |= slip.refused.is_none() && refusal::takes_time(slip);
+        }
+        let answer = first.and_then(|fit| self.first_answer(*fit));
+        self.ended = None;
+        answer
+    }
+}
