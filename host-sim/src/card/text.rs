@@ -80,7 +80,7 @@ impl Text {
         };
         let mut told = told(&found, others);
         told.extend(zero_taken_after(test.settings.zero.after_n, settings.zero.after_n));
-        let text = head(&test.part, &settings).into_bytes();
+        let text = head(&test.part, &settings, &test.lines).into_bytes();
         let (first_index, samples) = (test.part.first_index, test.samples.into_iter());
         Ok((Self { settings, first_index, samples, text, given: 0 }, told))
     }

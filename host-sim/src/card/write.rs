@@ -11,6 +11,7 @@ use floe_firmware::settings::Settings;
 
 use crate::log::start::Start;
 use crate::log::toa5::UNDATED;
+use crate::log::winch_marks;
 
 use super::Test;
 use super::text::COLUMN;
@@ -22,7 +23,7 @@ const YEAR_2000_S: f64 = 946_684_800.0;
 #[must_use]
 pub fn csv(test: &Test) -> String {
     let rows = test.samples.iter().map(|s| row(&test.settings, test.part.first_index, s));
-    let heads = [said(&test.lines), head(&test.part, &test.settings)];
+    let heads = [said(&test.lines), head(&test.part, &test.settings, &test.lines)];
     heads.into_iter().chain(rows).collect()
 }
 
@@ -75,8 +76,8 @@ pub fn lines(test: &Test) -> &str {
     &test.lines
 }
 
-/// Comments and column names of a CSV log.
-pub(super) fn head(part: &Part, settings: &Settings) -> String {
+/// Comments and column names of a CSV log, with what the board's `lines` say of the winch.
+pub(super) fn head(part: &Part, settings: &Settings, lines: &str) -> String {
     let mut text = String::new();
     if !settings.name.is_empty() {
         let _ = writeln!(text, "# test_id: {}", settings.name);
@@ -96,6 +97,7 @@ pub(super) fn head(part: &Part, settings: &Settings) -> String {
     if settings.effects.enabled.is_some() {
         let _ = writeln!(text, "# effects: {}", names(settings.effects.in_use()));
     }
+    text += &winch_marks::comment(lines, config.rate_hz);
     put_part(&mut text, part);
     put_around(&mut text, settings);
     let _ = writeln!(text, "time_s,force_n,{COLUMN},state");

@@ -5,6 +5,7 @@ use std::time::Duration;
 
 use floe_core::{Cause, Change, Event, Report, SampleFlag, SampleTime};
 use floe_firmware::line::{About, Health, Line, LineError, LiveSample, Weighed};
+use floe_firmware::notebook::{Winch, word};
 use floe_firmware::settings::Settings;
 
 use super::lines::Received;
@@ -193,7 +194,10 @@ impl State {
             Line::Note(text) => self.answer = Some((format!("noted: {text}"), now)),
             Line::Climate { temperature_c, .. } => self.temperature_c = temperature_c,
             Line::Sync { index, unix_ms } => self.date(index, unix_ms),
-            Line::Mark { .. } => {}
+            Line::Mark { winch, .. } => {
+                let text = format!("the winch from now on: {}", word(Winch::ALL, &winch));
+                self.answer = Some((text, now));
+            }
             Line::Info(text) => self.answer = Some((text.to_string(), now)),
             Line::Trouble(text) => self.complaint = Some((text.to_string(), now)),
         }

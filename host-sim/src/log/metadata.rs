@@ -6,6 +6,7 @@ use crate::replay::known::{KnownMetadata, WeightFrom};
 use super::comment::comment;
 use super::meant::meant;
 use super::sense;
+use super::winch_marks::{self, WinchMark};
 
 /// The keys that are known; every other comment is skipped.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -26,6 +27,8 @@ pub struct Metadata {
     pub known: KnownMetadata,
     /// Take-up speed of the winch, m/s.
     pub winch_m_per_s: Option<f64>,
+    /// What was said of the winch during the test.
+    pub winch_marks: Option<Vec<WinchMark>>,
     /// Length of the cable, m.
     pub cable_length_m: Option<f64>,
     /// How the block was pulled: `sliding`, `rafting` or `over-riding`.
@@ -101,6 +104,10 @@ impl Metadata {
             }
             "weight_from" => {
                 replaced(&mut self.known.weight_from, Some(WeightFrom::from_word(value)?))
+            }
+            "winch_marks_s" => {
+                let marks = winch_marks::parse(value).map_err(refused)?;
+                replaced(&mut self.winch_marks, Some(marks))
             }
             "synthetic" => replaced(&mut self.synthetic, Some(value.to_string())),
             key => match self.field(key) {

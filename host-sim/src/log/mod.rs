@@ -54,6 +54,7 @@ pub mod start;
 pub mod time_column;
 pub mod timing;
 pub mod toa5;
+pub mod winch_marks;
 
 use clock::Clock;
 use header::Header;

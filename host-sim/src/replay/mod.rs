@@ -71,8 +71,12 @@ pub fn replay_with(
     let (mut events, mut changes, mut kept) = (Events::default(), Vec::new(), Ok(()));
     let (mut stretches, mut rails) = (Stretches::default(), Rails::default());
     let means = |pipeline: &Pipeline| if keeps_means { so_far(pipeline) } else { Means::default() };
+    let mut marks = log.metadata().winch_marks.clone().into_iter().flatten().peekable();
     let mut take = |sample: Sample| {
         timeline.push(sample.raw.index, sample.time_s);
+        while let Some(mark) = marks.next_if(|it| it.from_s < sample.time_s + 0.5 * period_s) {
+            pipeline.mark_winch(mark.turns);
+        }
         let step = pipeline.step(sample.raw);
         observe(sample.time_s, &step);
         if let Some(force_n) = step.sample.force_n {

@@ -1,0 +1,79 @@
+//! What somebody beside the winch said of it: from when on it turned, or was held.
+//!
+//! In a log `# winch_marks_s: held 60.25, moving 75.5`, seconds of its own time; on the board's card
+//! one `W` line each.
+
+use floe_firmware::line::Line;
+use floe_firmware::notebook::{Winch, from_word, word};
+
+/// From a moment on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WinchMark {
+    /// In the log's own time.
+    pub from_s: f64,
+    /// The winch turns; else it is held.
+    pub turns: bool,
+}
+
+/// The marks of a text like `held 60.25, moving 75.5`.
+pub(super) fn parse(text: &str) -> Result<Vec<WinchMark>, String> {
+    let mut words = text.split_whitespace();
+    let mut marks: Vec<WinchMark> = Vec::new();
+    while let Some(what) = words.next() {
+        let number = words.next().map(|word| word.trim_end_matches([',', ';']).replace(',', "."));
+        let from_s =
+            number.and_then(|it| it.parse().ok()).filter(|from_s: &f64| from_s.is_finite());
+        let (Some(winch), Some(from_s)) = (from_word(Winch::ALL, what), from_s) else {
+            return Err(format!(
+                "has '{text}': write moments in seconds, like 'held 60.25, moving 75.5'"
+            ));
+        };
+        if marks.last().is_some_and(|last| last.from_s > from_s) {
+            return Err(format!("has '{text}': write the moments in their order"));
+        }
+        marks.push(WinchMark { from_s, turns: winch == Winch::Moving });
+    }
+    Ok(marks)
+}
+
+/// The comment for what the board said; nothing if it said nothing of the winch.
+pub(crate) fn comment(lines: &str, rate_hz: f32) -> String {
+    let mark = |line| match Line::parse(line) {
+        Ok(Line::Mark { index, winch }) => {
+            Some(format!("{} {}", word(Winch::ALL, &winch), f64::from(index) / f64::from(rate_hz)))
+        }
+        _ => None,
+    };
+    let marks: Vec<String> = lines.lines().filter_map(mark).collect();
+    if marks.is_empty() {
+        String::new()
+    } else {
+        format!("# winch_marks_s: {}\n", marks.join(", "))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn marks_are_read_as_they_are_written() {
+        let marks = parse("held 60.25, moving 75,5; held 80").unwrap();
+        let [held, moving, again] = marks.as_slice() else { panic!("{marks:?}") };
+        assert_eq!(*held, WinchMark { from_s: 60.25, turns: false });
+        assert_eq!(*moving, WinchMark { from_s: 75.5, turns: true });
+        assert_eq!(again.from_s.to_bits(), 80.0_f64.to_bits());
+        let line = |index, winch| Line::Mark { index, winch }.to_text().unwrap();
+        let lines = format!("{}\n{}\n", line(964, Winch::Held), line(1208, Winch::Moving));
+        assert_eq!(comment(&lines, 16.0), "# winch_marks_s: held 60.25, moving 75.5\n");
+        assert_eq!(comment("nothing\n", 16.0), "");
+    }
+
+    #[test]
+    fn what_is_no_mark_is_refused() {
+        for text in ["held", "60.25", "stopped 60", "held nan", "moving 1, held x"] {
+            assert!(parse(text).unwrap_err().contains("'held 60.25, moving 75.5'"), "{text}");
+        }
+        assert!(parse("held 60, moving 50").unwrap_err().ends_with("in their order"));
+    }
+}
