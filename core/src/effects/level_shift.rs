@@ -39,18 +39,21 @@ pub struct Change {
     pub weight_ratio_std: f32,
 }
 
-/// Events that make a level.
+/// Events that make a level: two that are far off, to either side, do not move their middle half.
 const RECENT: usize = 8;
-/// Events over which the mean before, and the usual differences, fade.
+/// Events over which the mean before, and the usual differences, fade: so many that this mean is surer
+/// than the level that is compared with it (1/24 of the variance and .15). More follow less of what
+/// wanders.
 const MEMORY: f32 = 24.0;
-/// Events before which there is no mean to differ from.
+/// Events before which there is no mean to differ from: as many as make a level.
 const FEWEST: f32 = 8.0;
 /// Sum of both forces' squared differences, over their usual squares, beyond which the level
-/// changed.
+/// changed: seven standard deviations. Few levels tell what is usual, and every event is asked.
 const FAR: f32 = 49.0;
-/// Such a square beyond which a difference is no longer learnt as a usual one.
+/// Such a square beyond which a difference is no longer learnt as a usual one: two standard deviations.
 const MOST_USUAL: f32 = 4.0;
-/// A smaller relative difference is not worth telling.
+/// A smaller relative difference is not worth telling: as with a change of the mass (`LEAST` in
+/// `mass_change/swings.rs`).
 const LEAST: f32 = 0.05;
 
 /// The level of one force.

@@ -8,15 +8,15 @@
 
 use crate::num::math::larger;
 
-/// Samples over which the past is forgotten.
+/// Samples over which the past is forgotten: a variance from so many is right to a fifth, `√(2/64)`.
 const MEMORY: f32 = 64.0;
-/// Fewest samples, their number fading, that tell it.
+/// Fewest samples, their number fading, that tell it: to a quarter, `√(2/30)`.
 const FEWEST: f32 = 30.0;
 /// A smooth oscillation leaves less than this part of the squares of its second differences, both
 /// in units of what white noise has. Tuned: with more, noise is taken for an oscillation now and
 /// then.
 const LITTLE: f32 = 0.3;
-/// Least part of the squares that single precision leaves.
+/// Least part of the squares that single precision leaves: some seventy units of 2⁻²⁴.
 const ROUNDING: f32 = 4e-6;
 
 /// Running sums over the second differences of late.

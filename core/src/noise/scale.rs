@@ -64,7 +64,7 @@ const QUARTILE: f32 = 1.150_35;
 /// the time, as in a record that begins in mid-pull.
 const STD_PER_SECOND: f32 = 1.0 / 1.652;
 /// Most noise of slips, parts of their usual fall in a sample: with more of it none could
-/// be told from noise.
+/// be told from noise, for a first slip has to drop by eight times the noise.
 const SLIP: f32 = 1.0 / 12.0;
 /// A line is bent where [`CAUTION`] times the noise by the second differences is less than this part of
 /// its innovations. Tuned: a larger part takes a slow oscillation of the force for slips.

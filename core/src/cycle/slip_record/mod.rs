@@ -21,13 +21,13 @@ use crate::stats::line::Line;
 
 const PI: f32 = core::f32::consts::PI;
 
-/// Most samples between the two stick lines.
+/// Most samples between the two stick lines: 384 bytes; at 16 Hz a slip may take six seconds.
 const CORE: usize = 96;
 
 /// Most samples of a line in elongation: two such lines take a third of a step's time.
 const MOST: u32 = 24;
 
-/// Standard deviations of the noise beyond which nothing is chance.
+/// Standard deviations of the noise beyond which nothing is chance: of normal ones one in 16 000.
 pub(crate) const SURE: f32 = 4.0;
 
 /// By how much onset and stop of a slip that is hardly resolved may be off before the last fit,
