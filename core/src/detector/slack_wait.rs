@@ -20,7 +20,7 @@ const NEAR_ZERO: f32 = 0.1;
 const NEAR: f32 = 0.4;
 /// Part of the rise by which the force has surely risen since the cable became taut: the rest is room
 /// for noise, one and a half standard deviations of it.
-const SURE: f32 = 0.7;
+const SURE_PART: f32 = 0.7;
 
 /// Samples at zero in a row beyond which they are no turning point.
 const LONG: u32 = 5;
@@ -77,7 +77,7 @@ impl SlackWait {
 
 /// Periods since the cable became taut, from a rise, N, and a loading rate, N per period.
 pub(crate) fn periods_above(risen_n: f32, rate: f32) -> u32 {
-    ((SURE * risen_n / rate) as u32).min(MOST_PERIODS)
+    ((SURE_PART * risen_n / rate) as u32).min(MOST_PERIODS)
 }
 
 #[cfg(test)]

@@ -13,7 +13,7 @@
 //! the second differences leave, the line was bent before the noise was known, by a cable that was
 //! tightened, held, and pulled: then the second differences tell the noise.
 
-use crate::noise::oscillation::Oscillation;
+use crate::noise::oscillation::WithoutOscillation;
 use crate::noise::time_asymmetry::TimeAsymmetry;
 use crate::num::math::{self, larger, smaller};
 use crate::stats::quantile::Quantile;
@@ -44,7 +44,7 @@ pub(crate) struct Noise {
     time_asymmetry: TimeAsymmetry,
     /// Median of the second differences' sizes.
     second_difference: Quantile,
-    oscillation: Oscillation,
+    oscillation: WithoutOscillation,
     /// The samples before the newest, newest last.
     row: [f32; 3],
 }
@@ -94,7 +94,7 @@ impl Noise {
             upper: Quantile::new(0.75),
             time_asymmetry: TimeAsymmetry::new(),
             second_difference: Quantile::new(0.5),
-            oscillation: Oscillation::new(),
+            oscillation: WithoutOscillation::new(),
             row: [0.0; 3],
         }
     }
