@@ -180,7 +180,8 @@ fn is_at_least_zero(x: f32) -> bool {
 }
 
 impl Config {
-    /// Steepest slope of the ice, rad: 68.7°.
+    /// Steepest slope of the ice, rad: 68.7°, where a third of the weight (`cos α` = .36) still presses
+    /// on it.
     pub const STEEPEST_RAD: f32 = 1.2;
 
     /// Checks every value.

@@ -13,7 +13,8 @@ use crate::fit::rounding_n2;
 use crate::model::CycleParams;
 use crate::stats::fading_trend::FadingTrend;
 
-/// Events in a row that do not fit, after which all expectations are dropped.
+/// Events in a row that do not fit, after which all expectations are dropped: as with a single quantity
+/// (`stats/fading_trend.rs`).
 const CHANGED: u8 = 3;
 
 impl Expectations {

@@ -1,7 +1,7 @@
 //! A stick line that has ended, by a slip or a long gap, and how far that has been followed up.
 
 use crate::cycle::expected::Expected;
-use crate::cycle::slip_record::Slip;
+use crate::cycle::slip_record::SeenSlip;
 use crate::detector::{Detector, Stick};
 use crate::fit::{Fit, Fitting};
 use crate::sample::{ForcePoint, since};
@@ -23,21 +23,21 @@ pub(super) enum Progress {
     /// The slip that ended it is the pending one.
     Gathered,
     /// The first answer on it is under way.
-    Answering(Answer),
+    Answering(FirstAnswer),
     /// The first answer is there, if there is one; the event before has yet to be given its lines.
     Answered(Option<Fit>),
 }
 
 #[derive(Clone, Copy, Debug)]
 pub(super) enum By {
-    Slip(Slip),
+    Slip(SeenSlip),
     /// A gap or the end of the test, at an index.
     Loss(u32),
 }
 
 /// A first answer under way.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Answer {
+pub(super) struct FirstAnswer {
     pub(super) expected: Expected,
     pub(super) fitting: Fitting,
     /// Steps that it may still take.
@@ -52,7 +52,7 @@ impl Ended {
         hides: bool,
     ) -> Self {
         let (last, rest_weight) = (detector.last().index, detector.rest_weight());
-        let by = By::Slip(Slip { peak, low, last, rest_weight, hides });
+        let by = By::Slip(SeenSlip { peak, low, last, rest_weight, hides });
         Self { stick: *detector.ended(), by, progress: Progress::Waiting }
     }
 
@@ -69,7 +69,7 @@ impl Ended {
     /// Periods from the highest to the lowest sample of the slip, if that is what ended it.
     pub(super) fn fall(&self) -> f32 {
         match self.by {
-            By::Slip(Slip { peak, low, .. }) => since(peak.index, low.index),
+            By::Slip(SeenSlip { peak, low, .. }) => since(peak.index, low.index),
             By::Loss(_) => 0.0,
         }
     }
@@ -77,7 +77,7 @@ impl Ended {
     /// Index of the highest sample before the slip, or where the loss was.
     pub(super) fn end(&self) -> u32 {
         match self.by {
-            By::Slip(Slip { peak, .. }) => peak.index,
+            By::Slip(SeenSlip { peak, .. }) => peak.index,
             By::Loss(index) => index,
         }
     }

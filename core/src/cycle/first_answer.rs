@@ -3,7 +3,7 @@
 
 use crate::cycle::CycleTracker;
 use crate::cycle::cable::relax;
-use crate::cycle::ended::{Answer, Progress};
+use crate::cycle::ended::{FirstAnswer, Progress};
 use crate::cycle::expected::Expected;
 use crate::cycle::slip_record::SlipRecord;
 use crate::detector::Detector;
@@ -42,13 +42,14 @@ impl CycleTracker {
         let fitting = slip.guess(&data(&expected, slip, knows_omega), knows_omega);
         let is_long = slip.samples().forces_n.len() > MOST_SAMPLES;
         let left = if is_long { 0 } else { FIRST_STEPS };
-        ended.progress = Progress::Answering(Answer { expected, fitting, left });
+        ended.progress = Progress::Answering(FirstAnswer { expected, fitting, left });
     }
 
     /// One step of the fit for it.
     pub(super) fn step_first(&mut self) {
         let Some((ended, slip)) = self.ended.as_mut().zip(self.pending.as_ref()) else { return };
-        let Progress::Answering(Answer { expected, fitting, left }) = &mut ended.progress else {
+        let Progress::Answering(FirstAnswer { expected, fitting, left }) = &mut ended.progress
+        else {
             return;
         };
         let data = data(expected, slip, self.learnt.knows_omega());

@@ -223,6 +223,6 @@ pub(crate) struct Answers {
 /// Time of a sample, in units of 160 instructions on the board, as the emulator counts them
 /// (`docs/firmware.md`): with what the detector takes at rest, less than 12 000.
 const TIME: usize = 62;
-/// Samples that wait beyond which there is more of it.
+/// Samples that wait beyond which there is more of it: half of the window.
 const LATE: u32 = 128;
 const MOST_TIME: usize = 69;

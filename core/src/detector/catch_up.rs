@@ -8,7 +8,8 @@ use crate::num::math::larger;
 use crate::sample::{ForcePoint, Phase, periods_between};
 use crate::signal::window::WINDOW;
 
-/// Samples looked at in a step, while catching up.
+/// Samples looked at in a step, while catching up: of the whole window in half as many steps, for each
+/// brings another one.
 pub(super) const CATCH_UP: u32 = 3;
 /// It is worth looking at all samples again where the noise is less than this part of what was
 /// thought.

@@ -52,7 +52,8 @@ use crate::num::math::{larger, smaller};
 use crate::sample::{ForcePoint, Phase, since};
 use crate::signal::window::{WINDOW, Window};
 
-/// Most noise, parts of the usual drop: with more of it the drops could not have been seen.
+/// Most noise, parts of the usual drop: with more of it the drops could not have been seen, which have
+/// to be eight times the noise.
 const MOST_NOISE: f32 = 0.1;
 /// A gap longer than this starts anew, periods: a whole slip may hide in it.
 const LONGEST_GAP: u32 = 8;

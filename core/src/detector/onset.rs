@@ -13,7 +13,7 @@ pub(super) const OFF_LINE: f32 = 6.0;
 /// usual drop stands beside it yet. Tuned: with 6 noise with a correlation of .9 is taken for
 /// slips more than twice as often, with 8 one scene in 350 of `--example plane` has no event for it.
 const FIRST_DROP: f32 = 8.0;
-/// Least drop of a slip when the usual drop is known, or when there is no line.
+/// Least drop of a slip when the usual drop is known, or when there is no line: as [`OFF_LINE`].
 const LEAST_DROP: f32 = 6.0;
 /// Least drop of a slip that starts in the upper half of the usual range, parts of
 /// the usual drop: a part of the contact may slip. Flop of the cable starts in the
@@ -24,7 +24,8 @@ const LEAST_PART_BRIEF: f32 = 0.35;
 /// Least drop of a slip that starts in the lower half, usual drops. Tuned: a lower one takes
 /// flop for slips.
 const LEAST_PART_LOW: f32 = 0.5;
-/// Most samples of a slip before it is seen.
+/// Most samples of a slip before it is seen: going back over them takes 16 of the 62 units of
+/// its time.
 pub(super) const FARTHEST: i32 = 32;
 /// A larger fall in one sample, usual drops, is not taken for a slip beforehand: it is more
 /// likely a spike. Only the phase that is shown depends on it.

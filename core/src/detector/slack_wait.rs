@@ -7,7 +7,8 @@
 use crate::num::math::smaller;
 use crate::sample::ForcePoint;
 
-/// Rise that shows that the cable is taut, standard deviations of the noise.
+/// Rise that shows that the cable is taut, standard deviations of the noise: two samples in a row are
+/// as high by no chance.
 const RISE: f32 = 5.0;
 /// Most that it has to be, parts of the slip's drop: where the block never rests what
 /// is known of the noise is only a bound.
@@ -15,16 +16,16 @@ const MOST_RISE: f32 = 0.25;
 /// Part of a slip's drop within which of zero its lowest sample may be that of a slack cable: room for a
 /// small error of the cell's zero.
 const NEAR_ZERO: f32 = 0.1;
-/// Part of the rise that is added to that: room for the noise.
+/// Part of the rise that is added to that: room for two standard deviations of the noise.
 const NEAR: f32 = 0.4;
 /// Part of the rise by which the force has surely risen since the cable became taut: the rest is room
-/// for noise.
-const SURE: f32 = 0.7;
+/// for noise, one and a half standard deviations of it.
+const SURE_PART: f32 = 0.7;
 
 /// Samples at zero in a row beyond which they are no turning point.
 const LONG: u32 = 5;
 /// Samples at zero beyond which that is the level of something else, which a knock or a converter's
-/// overflow hid.
+/// overflow hid. A choice: a minute at 16 Hz.
 const LONGEST: u32 = 1024;
 /// Most periods that the line starts before the rise is seen: where the line before was flat its rate
 /// tells nothing.
@@ -76,7 +77,7 @@ impl SlackWait {
 
 /// Periods since the cable became taut, from a rise, N, and a loading rate, N per period.
 pub(crate) fn periods_above(risen_n: f32, rate: f32) -> u32 {
-    ((SURE * risen_n / rate) as u32).min(MOST_PERIODS)
+    ((SURE_PART * risen_n / rate) as u32).min(MOST_PERIODS)
 }
 
 #[cfg(test)]

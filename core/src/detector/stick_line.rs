@@ -5,10 +5,10 @@ use crate::num::math;
 use crate::sample::{ForcePoint, since};
 use crate::stats::line::Line;
 
-/// Fewest samples that make a stick line.
+/// Fewest samples that make a stick line: two for the line, and two that it can be wrong about.
 pub(super) const LINE_POINTS: u32 = 4;
 /// A line's mean time is kept below this, periods, so that times keep their digits however long
-/// the block rests.
+/// the block rests. A power of two: the move by it loses nothing.
 const MOST_MEAN_TIME: f32 = 64.0;
 
 /// The stick line since the last re-stick.

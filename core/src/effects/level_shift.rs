@@ -39,18 +39,21 @@ pub struct Change {
     pub weight_ratio_std: f32,
 }
 
-/// Events that make a level.
+/// Events that make a level: two that are far off, to either side, do not move their middle half.
 const RECENT: usize = 8;
-/// Events over which the mean before, and the usual differences, fade.
+/// Events over which the mean before, and the usual differences, fade: so many that this mean is surer
+/// than the level that is compared with it (1/24 of the variance and .15). More follow less of what
+/// wanders.
 const MEMORY: f32 = 24.0;
-/// Events before which there is no mean to differ from.
+/// Events before which there is no mean to differ from: as many as make a level.
 const FEWEST: f32 = 8.0;
 /// Sum of both forces' squared differences, over their usual squares, beyond which the level
-/// changed.
-const FAR: f32 = 49.0;
-/// Such a square beyond which a difference is no longer learnt as a usual one.
+/// changed: seven standard deviations. Few levels tell what is usual, and every event is asked.
+const FAR_SQUARED: f32 = 49.0;
+/// Such a square beyond which a difference is no longer learnt as a usual one: two standard deviations.
 const MOST_USUAL: f32 = 4.0;
-/// A smaller relative difference is not worth telling.
+/// A smaller relative difference is not worth telling: as with a change of the mass (`LEAST` in
+/// `mass_change/swings.rs`).
 const LEAST: f32 = 0.05;
 
 /// The level of one force.
@@ -138,7 +141,7 @@ pub(crate) struct Levels {
 
 /// Where the levels changed.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Shift {
+pub(crate) struct NewLevel {
     /// Number of events since the first one of the new level.
     pub events_ago: u32,
     /// `Fp` before, N.
@@ -147,7 +150,7 @@ pub(crate) struct Shift {
 
 impl Levels {
     /// Takes an event's forces; `None` unless the level has changed.
-    pub(crate) fn take(&mut self, static_n: f32, dynamic_n: f32) -> Option<Shift> {
+    pub(crate) fn take(&mut self, static_n: f32, dynamic_n: f32) -> Option<NewLevel> {
         let left = self.taken - RECENT as f32;
         self.taken += 1.0;
         self.static_n.add(static_n, left, self.compared);
@@ -157,13 +160,13 @@ impl Levels {
         }
         self.compared += 1.0;
         let (a, b) = (&self.static_n, &self.dynamic_n);
-        if a.score() + b.score() < FAR || !(a.is_worth_telling() || b.is_worth_telling()) {
+        if a.score() + b.score() < FAR_SQUARED || !(a.is_worth_telling() || b.is_worth_telling()) {
             return None;
         }
         let worst = if a.score() > b.score() { a } else { b };
         // The newest event is of the new level as well.
         let events_ago = worst.since().saturating_sub(1);
-        let shift = Shift { events_ago, dynamic_before_n: b.before };
+        let shift = NewLevel { events_ago, dynamic_before_n: b.before };
         self.forget();
         Some(shift)
     }

@@ -19,9 +19,10 @@ pub(crate) const TERMS: usize = 3;
 const LEAST_OWN: f32 = 1e-4;
 /// Events, their number fading, up to which nothing counts: from the third on it does.
 const LEAST_EVENTS: f32 = 2.0;
-/// Part that is left of the past with every event.
+/// Part that is left of the past with every event. A choice: a longer past tells smaller amplitudes, a
+/// shorter one follows a cable that changes.
 const FADE: f32 = 1.0 - 1.0 / 200.0;
-/// Standard errors beyond which an amplitude is found.
+/// Standard errors beyond which an amplitude is found: of normal ones one in 370.
 const SIGNIFICANT: f32 = 3.0;
 
 /// What an event's samples tell of some terms: normal equations of the amplitudes, with the event's

@@ -17,26 +17,30 @@ use crate::coefficient::Coefficient;
 use crate::num::math;
 use crate::stats::prior::surely;
 
-/// The first events, in which the core still learns what events share: they are no reference.
+/// The first events, in which the core still learns what events share (two tell it, see
+/// `stats/fading_trend.rs`): they are no reference.
 const LEARNING: f32 = 2.0;
-/// Events over which a mean is taken.
+/// Events over which a mean is taken, each four times as many: few see a quick move, many a small one.
 const SPANS: [f32; 3] = [1.0, 4.0, 16.0];
-/// Second differences that tell a scatter beyond the stated one; with fewer it is taken for more.
+/// Second differences that tell a scatter beyond the stated one; with fewer it is taken for more, with
+/// so many for twice what was seen.
 const FEW: f32 = 20.0;
 /// Least part of the drop's variance, the stated one and the scatter, that `mu` is taken to scatter
 /// by: a few events may happen to lie on a line.
 const LEAST_SHARE: f32 = 0.25;
 /// Part of the past that is left with every event: of how they scatter, and of a move that was
-/// seen.
+/// seen. As long a past as that of what events share.
 const FADE: f32 = 1.0 - 1.0 / 40.0;
-/// Standard errors beyond which a move of `mu` counts.
+/// Standard errors beyond which a move of `mu` counts: of normal ones one in 2000, and three means are
+/// asked with every event.
 const SIGNIFICANT: f32 = 3.5;
-/// Standard errors beyond which a move of the drop explains it.
+/// Standard errors beyond which a move of the drop explains it: fewer, for what friction may have done
+/// is not the zero's.
 const DROP_SIGNIFICANT: f32 = 2.0;
 /// Mean square of the zero's part of a move without a cause: all of it is the zero's or nothing,
 /// one as likely as the other.
 const SHARE: f32 = 0.5;
-/// Least part of the test that a move is extended from to the whole.
+/// Least part of the test that a move is extended from to the whole: with it twice the move.
 const LEAST_PART: f32 = 0.5;
 
 /// `mu`, the drop `mu_s − mu`, and the stated variances of the two: of an event, or means.

@@ -8,7 +8,8 @@
 use crate::num::double_single::DoubleSingle;
 use crate::num::math;
 
-/// Largest distance between two events whose correlation is followed.
+/// Largest distance between two events whose correlation is followed. A quarter of the events is used at
+/// most, so it limits records of more than 96; each takes 16 bytes of each mean's state.
 pub const LAGS: usize = 24;
 
 /// Running sums of products of values `x_i` with `x_{i+k}`, relative to a reference.

@@ -14,7 +14,7 @@
 
 use crate::num::math;
 
-/// Events up to which the prior counts.
+/// Events up to which the prior counts: nine tell their own variance to a half, `√(2/8)`.
 pub(super) const FEW: u32 = 8;
 /// Largest likely scatter, relative to the coefficient. Stated, not measured: with twice as much
 /// the interval of two events is a tenth wider, that of three hardly.

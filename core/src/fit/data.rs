@@ -144,6 +144,7 @@ impl Data<'_> {
         knows_swing: bool,
         noise_n2: f32,
     ) -> (SlipResiduals, Variances) {
+        // Their pairs, 28, grow with the square.
         const MOST: usize = 8;
         let (mut slip, mut wider) = (SlipResiduals::default(), Variances::default());
         let Some(factor) = fit.normal.factor(0.0) else { return (slip, wider) };

@@ -11,17 +11,17 @@ use crate::stats::normal_equations::{Factor, Gradient, Normal, dot};
 /// Most iterations before giving up; one or two are usual.
 const MOST_STEPS: u8 = 24;
 /// Part of the noise variance that decides: the fit has settled when the next step, which is still
-/// taken, would gain less, or leave less by its nonlinearity.
+/// taken, would gain less, or leave less by its nonlinearity: a tenth of a standard deviation.
 const SETTLED: f32 = 1e-2;
 /// As [`SETTLED`], when the iterations are used up: a sample may sit right on an end of the slip,
-/// where the sum of squares has a kink.
+/// where the sum of squares has a kink. A fifth of a standard deviation.
 const NEARLY_SETTLED: f32 = 0.05;
-/// Damping after the first refused step.
+/// Damping after the first refused step; ten times as much after every other one (Marquardt's factor).
 const DAMPING: f32 = 1e-3;
 /// Damping below which there is none. Tuned: where there is none after one good step, the next one goes
 /// too far again in a valley that bends, as that of a slip with one sample does.
 const LEAST_DAMPING: f32 = 1e-6;
-/// Damping beyond which the data do not determine the unknowns.
+/// Damping beyond which the data do not determine the unknowns: twelve refused steps more.
 const MOST_DAMPING: f32 = 1e9;
 
 /// Samples that one step looks at: most slips have fewer, and are passed over in one step.
@@ -202,6 +202,7 @@ pub(super) fn moved(cycle: &CycleParams, step: &Gradient) -> CycleParams {
 /// Keeps the unknowns where the formulas hold.
 #[inline(never)]
 fn limited(cycle: CycleParams) -> CycleParams {
+    // Above zero is all that the formulas need: far below what single precision can tell from it.
     const TINY: f32 = 1e-12;
     let least_n = larger(TINY * cycle.static_n.abs(), f32::MIN_POSITIVE);
     CycleParams {

@@ -258,6 +258,7 @@ fn without(
 /// Variance that rounding to single precision gives a force, N²: the noise of a quiet cell may be
 /// less.
 pub(crate) fn rounding_n2(force_n: f32) -> f32 {
+    // Fifty units of 2⁻²⁴, for all that a residual is computed from.
     const ROUNDING: f32 = 3e-6;
     let rounding_n = ROUNDING * force_n;
     rounding_n * rounding_n

@@ -18,7 +18,7 @@ use crate::stats::normal_equations::{UNKNOWNS, scaled};
 use crate::stats::prior::Prior;
 
 /// Length, periods, up to which a slip is averaged as well while no other event tells how long a
-/// slip is, or if it ends right at a sample on a slack cable.
+/// slip is, or if it ends right at a sample on a slack cable: a longer one has three samples.
 const CLEARLY_RESOLVED: f32 = 3.0;
 /// Distance between places of the onset, periods.
 const STEP: f32 = 0.125;
@@ -28,7 +28,7 @@ const STEPS: i16 = 8;
 /// an end of it leaves a tenth of a period open.
 const FINE: i16 = 4;
 /// Information that holds the onset in its place: so many times what one sample on
-/// the steepest part of the slip would tell.
+/// the steepest part of the slip would tell, so to a hundredth of what that leaves open.
 const HELD: f32 = 1e4;
 /// Most steps of the fit at a place: one or two are usual. A fit that has not settled by then has a
 /// kink, and is as good as it gets.
@@ -129,6 +129,7 @@ impl OverOnset {
 /// the cable had gone slack earlier, and of the end of the fall the fit knows only that this sample
 /// lies before it.
 fn is_at_edge(shape: &Shape, noise_n2: f32) -> bool {
+    // Standard deviations: of normal ones one in 16 000.
     const SURE: f32 = 4.0;
     if !shape.is_slack() {
         return false;

@@ -6,9 +6,9 @@ use crate::model::CycleParams;
 use crate::num::math::larger;
 use crate::stats::normal_equations::{Gradient, scaled};
 
-/// Slips shorter than this are averaged over the onset, periods.
+/// Slips shorter than this are averaged over the onset, periods: half of them or more have one sample at most.
 pub(crate) const RESOLVED: f32 = 1.5;
-/// Slips longer than this show their length whatever the samples fall on, periods.
+/// Slips longer than this show their length whatever the samples fall on, periods: they have two.
 pub(crate) const CLEAR: f32 = 2.0;
 /// A slip whose swing is less well known than this part of it is not resolved.
 const SWING_KNOWN: f32 = 0.2;
@@ -80,6 +80,7 @@ impl Posterior {
     /// The slip may have begun anywhere within a period before and after, and have any length that
     /// goes with it: `Fs` is as unsure as the onset makes it, `Fp` half as much.
     pub(crate) fn begin_anywhere(&mut self) {
+        // Variance of an even distribution from −1 to 1.
         const UNIFORM: f32 = 1.0 / 3.0;
         let CycleParams { rate, omega, .. } = self.cycle;
         let onset_n2 = UNIFORM * rate * rate;

@@ -16,11 +16,13 @@ pub(crate) struct Residuals {
     median_n2: Quantile,
 }
 
-/// Degrees of freedom after which old events fade.
+/// Degrees of freedom after which old events fade: they tell the noise to about 1 %, `1/√(2 × 4000)`.
 const MEMORY: f32 = 8000.0;
-/// An event whose residuals are so many times those of the median event is left out.
+/// An event whose residuals are so many times those of the median event is left out: with ten degrees
+/// of freedom chance does that once in 3e8.
 const LIMIT: f32 = 6.0;
-/// An event whose residuals are so many times the usual ones does not fit.
+/// An event whose residuals are so many times the usual ones does not fit: as if every sample were off
+/// by seven standard deviations.
 const MISFIT: f32 = 50.0;
 
 /// What the first events may leave in each degree of freedom, times the rough noise variance.
@@ -98,6 +100,7 @@ impl Residuals {
 /// lacks in the next.
 #[must_use]
 pub(crate) fn excess_ratio(squares_n2: f32, free: f32, noise_n2: f32) -> f32 {
+    // Standard errors.
     const SIGNIFICANT: f32 = 4.0;
     let free = math::larger(free, 1.0);
     let more = squares_n2 / (free * noise_n2) - 1.0;

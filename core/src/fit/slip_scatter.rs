@@ -14,7 +14,7 @@ use crate::fit::residuals::Residuals;
 use crate::num::math::{self, larger};
 use crate::stats::prior::surely;
 
-/// Standard errors beyond which the scatter counts.
+/// Standard errors beyond which the scatter counts, fully from twice as many on: it only widens.
 const SIGNIFICANT: f32 = 2.0;
 
 /// Squared rate of the force at the part `part` of a slip's time, over its largest, without the

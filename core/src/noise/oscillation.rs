@@ -8,20 +8,20 @@
 
 use crate::num::math::larger;
 
-/// Samples over which the past is forgotten.
+/// Samples over which the past is forgotten: a variance from so many is right to a fifth, `√(2/64)`.
 const MEMORY: f32 = 64.0;
-/// Fewest samples, their number fading, that tell it.
+/// Fewest samples, their number fading, that tell it: to a quarter, `√(2/30)`.
 const FEWEST: f32 = 30.0;
 /// A smooth oscillation leaves less than this part of the squares of its second differences, both
 /// in units of what white noise has. Tuned: with more, noise is taken for an oscillation now and
 /// then.
 const LITTLE: f32 = 0.3;
-/// Least part of the squares that single precision leaves.
+/// Least part of the squares that single precision leaves: some seventy units of 2⁻²⁴.
 const ROUNDING: f32 = 4e-6;
 
 /// Running sums over the second differences of late.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Oscillation {
+pub(crate) struct WithoutOscillation {
     /// Σ u'²: of the one in the middle.
     middle_n2: f32,
     /// Σ (u + u'') u'.
@@ -31,7 +31,7 @@ pub(crate) struct Oscillation {
     count: f32,
 }
 
-impl Oscillation {
+impl WithoutOscillation {
     pub(crate) const fn new() -> Self {
         Self { middle_n2: 0.0, product_n2: 0.0, outer_n2: 0.0, count: 0.0 }
     }
@@ -69,7 +69,7 @@ mod tests {
     /// Standard deviation of the noise, N, as it is seen, a mean: of noise of 2 N and an oscillation with
     /// this amplitude and this period in samples.
     fn seen(amplitude_n: f32, samples: f32) -> f32 {
-        let (mut oscillation, mut random) = (Oscillation::new(), Random(3));
+        let (mut oscillation, mut random) = (WithoutOscillation::new(), Random(3));
         let mut last = [0.0; 5];
         let mut mean_n2 = 0.0;
         for i in 0..1500_u16 {
@@ -98,10 +98,10 @@ mod tests {
 
     #[test]
     fn few_samples_and_a_force_that_stands_still_tell_nothing() {
-        let mut oscillation = Oscillation::new();
+        let mut oscillation = WithoutOscillation::new();
         (0..20_u8).for_each(|i| oscillation.add(f32::from(i % 3), f32::from(i % 2)));
         assert!(oscillation.noise_n2().is_none());
-        let mut still = Oscillation::new();
+        let mut still = WithoutOscillation::new();
         (0..200).for_each(|_| still.add(0.0, 0.0));
         assert!(still.noise_n2().is_none());
     }

@@ -13,7 +13,7 @@
 //! the second differences leave, the line was bent before the noise was known, by a cable that was
 //! tightened, held, and pulled: then the second differences tell the noise.
 
-use crate::noise::oscillation::Oscillation;
+use crate::noise::oscillation::WithoutOscillation;
 use crate::noise::time_asymmetry::TimeAsymmetry;
 use crate::num::math::{self, larger, smaller};
 use crate::stats::quantile::Quantile;
@@ -44,7 +44,7 @@ pub(crate) struct Noise {
     time_asymmetry: TimeAsymmetry,
     /// Median of the second differences' sizes.
     second_difference: Quantile,
-    oscillation: Oscillation,
+    oscillation: WithoutOscillation,
     /// The samples before the newest, newest last.
     row: [f32; 3],
 }
@@ -64,7 +64,7 @@ const QUARTILE: f32 = 1.150_35;
 /// the time, as in a record that begins in mid-pull.
 const STD_PER_SECOND: f32 = 1.0 / 1.652;
 /// Most noise of slips, parts of their usual fall in a sample: with more of it none could
-/// be told from noise.
+/// be told from noise, for a first slip has to drop by eight times the noise.
 const SLIP: f32 = 1.0 / 12.0;
 /// A line is bent where [`CAUTION`] times the noise by the second differences is less than this part of
 /// its innovations. Tuned: a larger part takes a slow oscillation of the force for slips.
@@ -94,7 +94,7 @@ impl Noise {
             upper: Quantile::new(0.75),
             time_asymmetry: TimeAsymmetry::new(),
             second_difference: Quantile::new(0.5),
-            oscillation: Oscillation::new(),
+            oscillation: WithoutOscillation::new(),
             row: [0.0; 3],
         }
     }

@@ -70,7 +70,7 @@ impl TimeAsymmetry {
     /// The usual steepest step of a fall, N, if the falls' scores are more than twice the rises',
     /// and beyond 3 standard errors.
     pub(crate) fn slip_n(&self) -> Option<f32> {
-        /// Standard errors.
+        /// Standard errors: of normal ones one in 370.
         const SURE: f32 = 3.0;
         let more = self.falls - self.rises;
         let sure = more > self.rises && more * more > SURE * SURE * self.squares;

@@ -11,7 +11,7 @@ use core::num::NonZeroU32;
 use crate::num::math;
 use crate::sample::{ForcePoint, SampleTime};
 
-/// Fastest rate at which samples are taken as they come, Hz.
+/// Fastest rate at which samples are taken as they come, Hz: the window then reaches back two seconds.
 pub(crate) const FASTEST_HZ: f32 = 128.0;
 
 /// Averages blocks of samples.

@@ -11,13 +11,15 @@ use crate::num::math::{larger, smaller};
 use crate::sample::ForcePoint;
 use crate::stats::quantile::Quantile;
 
-/// Standard deviations of the noise that a spike exceeds.
+/// Standard deviations of the noise that a spike exceeds. These three are choices: with less the highest
+/// sample before a slip is taken for a spike, with more smaller spikes are left in.
 const NOISES: f32 = 10.0;
 /// Part of the usual drop that a spike exceeds.
 const PART_OF_DROP: f32 = 0.25;
 /// Rises per sample that a spike exceeds, usual ones and recent ones.
 const RISES: f32 = 3.0;
-/// Part of the largest recent rise that is left with the next one.
+/// Part of the largest recent rise that is left with the next one: a steeper pull counts for a few
+/// samples.
 const FADE: f32 = 0.5;
 /// Neighbours that are more periods apart say too little to judge a sample by.
 const LONGEST_SPAN: u32 = 4;

@@ -1,6 +1,7 @@
 //! The last samples, by index.
 
-/// How many sampling periods the window reaches back.
+/// How many sampling periods the window reaches back: a power of two, for a sample's place is the end of
+/// its index. 1 KiB of state; the longest slip is three quarters of it.
 pub const WINDOW: usize = 256;
 
 /// Ring of the newest forces; a period without a good sample reads as `None`.

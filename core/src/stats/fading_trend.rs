@@ -13,17 +13,20 @@ use crate::stats::line::Line;
 use crate::stats::prior::{Prior, surely};
 use crate::stats::quantity::Quantity;
 
-/// Events over which the past is forgotten.
+/// Events over which the past is forgotten. A choice: more make expectations surer, fewer follow a cable
+/// that gets shorter.
 const MEMORY: f32 = 40.0;
 /// Fewest events, their number fading, that give an expectation: two.
 const LEAST_EVENTS: f32 = 1.5;
-/// Standard errors beyond which the mean of a quantity that should be zero counts.
+/// Standard errors beyond which the mean of a quantity that should be zero counts: of normal ones one
+/// in 370.
 const SIGNIFICANT: f32 = 3.0;
 /// Standard errors beyond which a trend counts: more, for it is looked at with every event.
 const TREND: f32 = 5.0;
-/// Standard deviations beyond which an event is far off.
+/// Standard deviations beyond which an event is far off: of normal ones one in 5e8.
 const FAR_OFF: f32 = 6.0;
-/// So many far off in a row: the quantity has changed, and the past is dropped.
+/// So many far off in a row: the quantity has changed, and the past is dropped. A pause of the winch
+/// spoils a stick line, and with it the two events that share it.
 const CHANGED: u8 = 3;
 
 /// Running mean of a quantity that events share, its trend, and how much it varies.

@@ -147,7 +147,7 @@ const fn below(row: usize, column: usize) -> usize {
     row * row.saturating_sub(1) / 2 + column
 }
 
-/// A pivot below this part of its diagonal element is lost in rounding.
+/// A pivot below this part of its diagonal element is lost in rounding: sixteen units of 2⁻²⁴.
 const SMALLEST_PIVOT: f32 = 1e-6;
 
 impl Factor {

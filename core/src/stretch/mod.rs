@@ -14,7 +14,7 @@ use steady_force::{Steady, SteadyForce};
 const LARGEST_SCATTER: f32 = 0.06;
 /// The same where the force has to rise before anything can slip: more of it may be slips.
 const QUIET_SCATTER: f32 = 0.01;
-/// Longest gap within a stretch, periods.
+/// Longest gap within a stretch, periods: as the detector's, for a slip may hide in a longer one.
 const LONGEST_GAP: u32 = 8;
 
 /// A stretch of samples that belongs to no event.

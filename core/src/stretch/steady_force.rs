@@ -6,16 +6,18 @@ use crate::num::math::{self, larger};
 use crate::sample::ForcePoint;
 use crate::stats::line::Line;
 
-/// Fewest samples of a block.
+/// Fewest samples of a block: their scatter tells its own size to a fifth, `1/√(2 × 15)`.
 const LEAST_BLOCK: f32 = 16.0;
 /// Fewest and most blocks of a stretch: a shorter one may be a slow stick line, a longer one is
 /// given in parts.
 const BLOCKS: (u32, u32) = (8, 128);
-/// Standard deviations beyond which a difference or a slope is no chance.
+/// Standard deviations beyond which a difference or a slope is no chance: of normal ones one in 16 000.
 const SURE: f32 = 4.0;
-/// Standard deviations of a rise with which a stretch is not given: it may be a slow stick line.
+/// Standard deviations of a rise with which a stretch is not given: it may be a slow stick line. Less
+/// than [`SURE`]: a stretch that is left out is no error.
 const UNLIKELY: f32 = 3.0;
-/// Block means that differ by less than this part of the force are equal.
+/// Block means that differ by less than this part of the force are equal. A choice: with less, friction
+/// that wanders ends a stretch where there is hardly any noise.
 const SAME: f32 = 0.01;
 /// Standard deviations by which the highest of 300 000 normal samples lies above their mean.
 const HIGHEST: f32 = 4.5;

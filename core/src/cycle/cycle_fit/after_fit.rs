@@ -21,7 +21,8 @@ use crate::num::math::{larger, smaller};
 /// may differ from the highest and the lowest sample. Tuned with the pauses of heavy blocks.
 const SPANNED: f32 = 0.03;
 
-/// Levels that one step asks for other force terms.
+/// Levels that one step asks for other force terms: with twelve it takes 60 of the 62 units of a
+/// sample's time (`next_takes`).
 pub(super) const LEVELS_A_STEP: usize = 12;
 
 impl CycleFit {

@@ -20,11 +20,13 @@ pub(super) use stiffness::RootStiffnessRatio;
 const LEAST_FALL: f32 = 0.02;
 /// Part of the mean rate after a fall; with a lower rate before it the force was held there.
 const FLAT: f32 = 0.25;
-/// Fall, periods, that shows no sample between its ends.
+/// Fall, periods, that shows no sample between its ends: samples in a row are one apart, two with
+/// another one in between.
 const INSTANT: f32 = 1.5;
 /// Largest force, parts of the drop, at the end of a fall to zero.
 const NEAR_ZERO: f32 = 0.08;
-/// Part of its drop by which the force rises again after a slip, at least.
+/// Part of its drop by which the force rises again after a slip, at least: to the same `Fs` by all of
+/// it, the rest is room for friction that scatters.
 const RISES: f32 = 0.6;
 /// A coefficient beyond this is no friction: tuned to nothing, ice stays below 2.
 const LARGEST: f32 = 3.0;

@@ -39,6 +39,7 @@ impl Recurrence {
 
     /// Is an event folded, by its own fit, or because most events of late were?
     pub(crate) fn is_folded(&mut self, fit_tells: bool) -> bool {
+        // Most events of late.
         const MOST: f32 = 0.5;
         let now = if fit_tells { 1.0 } else { 0.0 };
         self.folded += (now - self.folded) / MEMORY;

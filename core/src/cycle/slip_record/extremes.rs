@@ -138,6 +138,7 @@ impl SlipRecord {
     /// Variance of the noise about the stick lines before and after, N²; the detector's where both
     /// are brief.
     pub(crate) fn line_noise_n2(&self, after: &Line) -> f32 {
+        // Fewer tell it to no better than a half, `√(2/8)`.
         const BRIEF: f32 = 8.0;
         self.mean_n2(self.line_residuals(after), BRIEF)
     }

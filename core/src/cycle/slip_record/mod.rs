@@ -21,13 +21,13 @@ use crate::stats::line::Line;
 
 const PI: f32 = core::f32::consts::PI;
 
-/// Most samples between the two stick lines.
+/// Most samples between the two stick lines: 384 bytes; at 16 Hz a slip may take six seconds.
 const CORE: usize = 96;
 
 /// Most samples of a line in elongation: two such lines take a third of a step's time.
-const MOST: u32 = 24;
+const MOST_OF_LINE: u32 = 24;
 
-/// Standard deviations of the noise beyond which nothing is chance.
+/// Standard deviations of the noise beyond which nothing is chance: of normal ones one in 16 000.
 pub(crate) const SURE: f32 = 4.0;
 
 /// By how much onset and stop of a slip that is hardly resolved may be off before the last fit,
@@ -40,7 +40,7 @@ pub(crate) const TELLING: f32 = 3.0;
 
 /// A slip as the detector saw it.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Slip {
+pub(crate) struct SeenSlip {
     /// Highest sample before it.
     pub(crate) peak: ForcePoint,
     /// Lowest sample.
@@ -99,7 +99,7 @@ impl SlipRecord {
         detector: &Detector,
         stick: &Stick,
         start: u32,
-        &Slip { peak, low, rest_weight, .. }: &Slip,
+        &SeenSlip { peak, low, rest_weight, .. }: &SeenSlip,
         elongation: Elongation,
     ) -> Self {
         let (first, window) = (stick.next, detector.window());
@@ -133,7 +133,7 @@ impl SlipRecord {
     }
 
     /// Gathers its samples up to the last one that the detector had looked at.
-    pub(crate) fn gather(&mut self, window: &Window, slip: &Slip) {
+    pub(crate) fn gather(&mut self, window: &Window, slip: &SeenSlip) {
         self.take(window, slip.last);
         self.rough.middle = self.crossing();
         self.rough.edges = self.edges();
@@ -261,7 +261,7 @@ impl SlipRecord {
     /// The line of a part of a rest: of a long one, of samples spread evenly over it.
     fn line_of(&self, window: &Window, rest: Range<u32>) -> Line {
         let mut line = Line::default();
-        let each = (rest.end - rest.start) / MOST + 1;
+        let each = (rest.end - rest.start) / MOST_OF_LINE + 1;
         for index in rest.step_by(each as usize) {
             if let Some(force_n) = window.get(index) {
                 line.add(since(self.origin, index), self.elongation.of(force_n), 1.0, 1.0);

@@ -46,15 +46,15 @@ pub(crate) struct CornerEstimator {
     events: u32,
 }
 
-/// Events that are asked first, without any sign of a round corner.
+/// Events that are asked first, without any sign of a round corner: asking takes two passes of a fit.
 const FIRST: u32 = 12;
 /// Of those after them one in so many is asked.
 const SELDOM: u32 = 4;
-/// Part that is left of the past with every event that is asked.
+/// Part that is left of the past with every event that is asked: as of what events share.
 const FADE: f32 = 1.0 - 1.0 / 40.0;
 /// Events up to which no number counts: it may widen at most.
 const LEAST_EVENTS: f32 = 2.5;
-/// Standard errors beyond which a number counts.
+/// Standard errors beyond which a number counts: of normal ones one in 370.
 const SIGNIFICANT: f32 = 3.0;
 /// Standard errors beyond which it is possible, and widens. Tuned: a smaller one widens linear scenes, a
 /// larger one lets smooth onsets pass for sharp ones.
@@ -63,20 +63,20 @@ const POSSIBLE: f32 = 1.1;
 /// of noise up to 11 standard deviations off, 1.3 makes those of tests of one to three events twice
 /// as wide as they are off.
 const POSSIBLE_EARLY: f32 = 1.5;
-/// Information that holds a number that does not count at zero, times its own.
+/// Information that holds a number that does not count at zero, over its own: a millionth is left open.
 const HELD: f32 = 1e12;
 /// Range before the events tell it: the force by which the line rises in so many swings.
 const RANGE: f32 = 1.5;
-/// One over the variance of its logarithm then.
+/// One over the variance of its logarithm then: it is known to a factor of two, `e^√½`.
 const RANGE_KNOWN: f32 = 2.0;
 /// Part of the square of what the corners move `Fp` by that is in its variance where they may not
 /// be the cause. Tuned with the smooth onsets of the honesty scenes.
 const PART: f32 = 0.5;
-/// Largest `κ`, periods²: a mean over more than a period.
+/// Largest `κ`, periods²: a mean over one and a half periods, `√(24 κ)`.
 const MOST_SMOOTHING: f32 = 0.1;
 /// Least range, parts of `h`.
 const LEAST_RANGE: f32 = 0.125;
-/// Most that an event changes `ln c`: beyond that first order is not enough.
+/// Most that an event changes `ln c`, a factor of two: beyond that first order is not enough.
 const MOST_STEP: f32 = 0.7;
 /// Most that it moves its own onset by, swings.
 const MOST_ONSET: f32 = 0.4;

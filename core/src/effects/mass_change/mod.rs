@@ -28,9 +28,9 @@ const FAR_MEAN: f32 = 4.0;
 const FEWEST: u32 = 5;
 /// Events whose swings make the ratio; later ones may have another cable length.
 const MOST: u32 = 16;
-/// Suspects in a row without a mass that explains them: something else has changed.
+/// Suspects in a row without a mass that explains them: something else has changed (as `FadingTrend` has it).
 const ODD: u32 = 3;
-/// The same number for events that do not tell their swing.
+/// The same number for events that do not tell their swing: more, for each says less.
 const SILENT: u32 = 8;
 
 /// What an event says of the mass.

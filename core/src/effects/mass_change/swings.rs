@@ -2,7 +2,8 @@
 
 use crate::stats::prior::Prior;
 
-/// Standard deviations by which the swing of one event has to be off.
+/// Standard deviations by which the swing of one event has to be off: of normal ones one in 5e8, for a
+/// suspect has no coefficients.
 const FAR: f32 = 6.0;
 /// A smaller change of the mass is not claimed: sag and wear change the stiffness
 /// like that.
