@@ -14,13 +14,20 @@ const FRICTION: std::ops::RangeInclusive<f32> = 0.004..=20.0;
 const FAST: f64 = 16.0;
 /// Stiffnesses that differ less may be those of a cable that sags and flops, which `sag_flop` shows.
 const OTHER_STIFFNESS: f64 = 0.07;
-/// One sentence each.
+
+/// One sentence each, for a test whose cable `sags` or not.
 #[must_use]
-pub fn doubts(log: &Log, config: &Config, known: &KnownOptions, report: &Report) -> Vec<String> {
+pub fn doubts(
+    log: &Log,
+    (config, known): (&Config, &KnownOptions),
+    report: &Report,
+    sags: bool,
+) -> Vec<String> {
     let doubts = [
         no_friction(log, config, report),
         alias(log, config, report),
-        other_stiffness(config, report),
+        // A cable that sags has two.
+        other_stiffness(config, report).filter(|_| !sags),
     ];
     let doubts = doubts.into_iter().flatten();
     let instead = given::instead(log, config, known);

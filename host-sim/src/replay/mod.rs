@@ -130,8 +130,6 @@ pub fn replay_with(
         format: log.format().name().to_string(),
         rate_hz: log.rate_hz(),
         duration_s: timeline.duration_s(),
-        warnings: [log.warnings(), doubts::doubts(log, config, &known, &report), rails.warnings()]
-            .concat(),
         synthetic: log.metadata().synthetic.clone(),
         ..LogSummary::from(report.counters)
     };
@@ -143,7 +141,10 @@ pub fn replay_with(
     };
     let result = ReplayResult::new(log_summary, test, (config, &report), events, changes);
     let effects = pipeline.findings().iter().map(EffectSummary::from).collect();
-    Ok(ReplayResult { effects, stretches, ..result })
+    let mut result = ReplayResult { effects, stretches, ..result };
+    let doubts = doubts::doubts(log, (config, &known), &report, result.sags());
+    result.log.warnings = [log.warnings(), doubts, rails.warnings()].concat();
+    Ok(result)
 }
 
 /// Both means as they are known now.
