@@ -12,7 +12,8 @@ use crate::signal::window::WINDOW;
 /// brings another one.
 pub(super) const CATCH_UP: u32 = 3;
 /// It is worth looking at all samples again where the noise is less than this part of what was
-/// thought.
+/// thought. Tuned: with .2 an event of `tightened_low` is 4.4 standard deviations off (3.5), with .7 one
+/// of `tightened_held` 3.9 (2.8).
 const LESS_NOISE: f32 = 0.4;
 
 /// Samples that may have been put off: the others are room for what a slip looks back to.

@@ -26,7 +26,8 @@ const SPANS: [f32; 3] = [1.0, 4.0, 16.0];
 /// so many for twice what was seen.
 const FEW: f32 = 20.0;
 /// Least part of the drop's variance, the stated one and the scatter, that `mu` is taken to scatter
-/// by: a few events may happen to lie on a line.
+/// by: a few events may happen to lie on a line. Tuned: with .1 noise with a correlation of .9
+/// is given a fifteenth wider, with .5 friction that wanders is 3.8 standard deviations off (3.2).
 const LEAST_SHARE: f32 = 0.25;
 /// Part of the past that is left with every event: of how they scatter, and of a move that was
 /// seen. As long a past as that of what events share.

@@ -12,7 +12,8 @@ use crate::sample::ForcePoint;
 use crate::stats::quantile::Quantile;
 
 /// Standard deviations of the noise that a spike exceeds. These three are choices: with less the highest
-/// sample before a slip is taken for a spike, with more smaller spikes are left in.
+/// sample before a slip is taken for a spike, with more smaller spikes are left in. Half as much
+/// again, or about half, changes no class of `docs/honesty.md`.
 const NOISES: f32 = 10.0;
 /// Part of the usual drop that a spike exceeds.
 const PART_OF_DROP: f32 = 0.25;

@@ -16,14 +16,15 @@ pub(super) use recurrence::{FAST, Recurrence};
 pub(super) use stiffness::RootStiffnessRatio;
 
 /// Part of the rise after it below which a fall is no slip: the first load on a cable that was
-/// quieter before makes one like that.
+/// quieter before makes one like that. A choice: with half or twice as much those classes stay the same.
 const LEAST_FALL: f32 = 0.02;
-/// Part of the mean rate after a fall; with a lower rate before it the force was held there.
+/// Part of the mean rate after a fall; with a lower rate before it the force was held there. A choice:
+/// half or twice as much hardly changes a class of `docs/honesty.md`.
 const FLAT: f32 = 0.25;
 /// Fall, periods, that shows no sample between its ends: samples in a row are one apart, two with
 /// another one in between.
 const INSTANT: f32 = 1.5;
-/// Largest force, parts of the drop, at the end of a fall to zero.
+/// Largest force, parts of the drop, at the end of a fall to zero. A choice as well.
 const NEAR_ZERO: f32 = 0.08;
 /// Part of its drop by which the force rises again after a slip, at least: to the same `Fs` by all of
 /// it, the rest is room for friction that scatters.

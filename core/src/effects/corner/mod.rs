@@ -65,7 +65,8 @@ const POSSIBLE: f32 = 1.1;
 const POSSIBLE_EARLY: f32 = 1.5;
 /// Information that holds a number that does not count at zero, over its own: a millionth is left open.
 const HELD: f32 = 1e12;
-/// Range before the events tell it: the force by which the line rises in so many swings.
+/// Range before the events tell it: the force by which the line rises in so many swings. Tuned: with 3 the
+/// mean `mu` of `rate_and_state` is 2.3 standard deviations off at worst, with 1.5 one.
 const RANGE: f32 = 1.5;
 /// One over the variance of its logarithm then: it is known to a factor of two, `e^√½`.
 const RANGE_KNOWN: f32 = 2.0;
