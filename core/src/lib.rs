@@ -33,6 +33,7 @@
 //! variance or square of a force, N². A variance *in units of the noise* is over that of a sample.
 #![no_std]
 #![forbid(unsafe_code)]
+#![warn(unreachable_pub)]
 
 mod budget;
 mod coefficient;

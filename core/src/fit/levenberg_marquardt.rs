@@ -225,7 +225,7 @@ mod tests {
     impl Data<'_> {
         /// Starts from a guess and returns the best fit near it, see [`Fitting`].
         #[must_use]
-        pub fn fit(&self, guess: &CycleParams, noise_n2: f32) -> Option<Fit> {
+        pub(crate) fn fit(&self, guess: &CycleParams, noise_n2: f32) -> Option<Fit> {
             let mut fitting = Fitting::new(guess);
             loop {
                 if let ControlFlow::Break(fit) = fitting.step(self, noise_n2) {

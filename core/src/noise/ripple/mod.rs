@@ -14,7 +14,7 @@ use sums::Sums;
 
 /// How far the force wanders about its line; variances in units of that of the noise.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ColoredNoise {
+pub(crate) struct ColoredNoise {
     /// Variance of the force about the line.
     pub level: f32,
     /// Variance of the force's slope, per period squared.
@@ -34,32 +34,32 @@ pub struct ColoredNoise {
 
 impl ColoredNoise {
     /// The line is straight.
-    pub const NONE: Self =
+    pub(crate) const NONE: Self =
         Self { level: 0.0, slope: 0.0, unsure: 0.0, alike: 0.0, bends: false, creeps: false };
 
     /// Is it an oscillation that may be the cable's or the cell's?
     #[must_use]
     #[inline(never)]
-    pub fn is_disputed(&self) -> bool {
+    pub(crate) fn is_disputed(&self) -> bool {
         self.level > 0.0 && !self.bends
     }
 
     /// What a fit follows while it is not known whose an oscillation is: not a disputed one.
     #[must_use]
-    pub fn followed(self) -> Self {
+    pub(crate) fn followed(self) -> Self {
         if self.is_disputed() { Self::NONE } else { self }
     }
 
     /// The noise's part of the variance of a sample about the line.
     #[must_use]
-    pub fn white_share(&self) -> f32 {
+    pub(crate) fn white_share(&self) -> f32 {
         1.0 / (1.0 + self.level)
     }
 }
 
 /// Follows the innovations of a fading past, to tell colored noise from white.
 #[derive(Clone, Copy, Debug)]
-pub struct Ripple {
+pub(crate) struct Ripple {
     /// The last innovations, each times its weight, newest first; NaN where there is none.
     last: [f32; FAR],
     /// The newest innovation times its weight, and the weight: it counts once another has come.
@@ -94,7 +94,7 @@ impl Ripple {
     /// Takes the innovation of the sample after the last one, with its weight. The last innovation
     /// of a line never counts: a block that creeps bends the force down there, and if that were
     /// taken for a ripple, the corners would not be seen.
-    pub fn add(&mut self, innovation: f32, weight: f32) {
+    pub(crate) fn add(&mut self, innovation: f32, weight: f32) {
         let before = core::mem::replace(&mut self.held, (weight * innovation, weight));
         self.count(before);
     }
@@ -127,7 +127,7 @@ impl Ripple {
     }
 
     /// The next sample has no neighbour before it.
-    pub fn interrupt(&mut self) {
+    pub(crate) fn interrupt(&mut self) {
         self.last = [f32::NAN; FAR];
         self.held = (f32::NAN, 0.0);
     }
@@ -136,7 +136,7 @@ impl Ripple {
     /// that turns out to be foul itself is dropped.
     #[cold]
     #[inline(never)]
-    pub fn settle(&mut self) {
+    pub(crate) fn settle(&mut self) {
         let (rest, usual) = (&self.rest, self.usual);
         let mean = rest.squares / rest.count;
         let mut is_foul = usual > 0.0 && mean > FOUL * usual;
@@ -166,7 +166,7 @@ impl Ripple {
 
     /// What the innovations show; nothing unless it is clear.
     #[must_use]
-    pub fn wander(&self) -> ColoredNoise {
+    pub(crate) fn wander(&self) -> ColoredNoise {
         self.past.wander()
     }
 }
