@@ -22,6 +22,7 @@ use crate::error::InputError;
 use crate::rounding::{counted, significant};
 
 pub mod above;
+pub mod beat;
 pub mod cells;
 pub mod channels;
 pub mod clock;
