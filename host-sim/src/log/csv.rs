@@ -49,7 +49,7 @@ pub fn layout(
             None => return Err(columns.no_time(force)),
         },
     };
-    columns.refuse_channels(time, force)?;
+    columns.refuse_channels(time, force, options)?;
     notes.extend(columns.assumed_seconds(time, options));
     if header.names.is_none() {
         let time = if header.width > 1 { "the first column is the time, " } else { "" };
