@@ -24,6 +24,13 @@ pub fn significant(value: f64) -> String {
     text.trim_end_matches('0').trim_end_matches('.').to_string()
 }
 
+/// A number as it was given, without the hundreds of zeros that one may have.
+#[must_use]
+pub fn short(value: f64) -> String {
+    let is_short = value == 0.0 || (1e-9..1e9).contains(&value.abs());
+    if is_short { value.to_string() } else { format!("{value:e}") }
+}
+
 /// Decimals that show two digits of an uncertainty.
 #[must_use]
 pub fn digits(std: f64) -> usize {

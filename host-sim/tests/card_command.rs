@@ -168,3 +168,14 @@ fn a_card_has_neither_lines_nor_cells() {
     }
     assert!(json["metadata"][0]["line"].is_null(), "{json}");
 }
+
+#[test]
+fn columns_and_units_of_a_card_are_not_chosen() {
+    let dir = directory("columns");
+    fs::write(dir.join("card.log"), two_tests().concat()).unwrap();
+    for option in [["--column", "force_n"], ["--unit", "kN"]] {
+        let output = floe(&dir, &["replay", "card.log", option[0], option[1]]);
+        let said = format!("{} is for a csv log, and this is floe: leave it out\n", option[0]);
+        assert_refused(&output, &[&said]);
+    }
+}

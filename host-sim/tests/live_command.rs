@@ -269,3 +269,40 @@ fn a_unix_socket() {
     child.wait().unwrap();
     fs::remove_file(path).unwrap();
 }
+
+/// What the display writes on a terminal, up to its first question to the board.
+#[cfg(target_os = "linux")]
+fn on_a_terminal(no_color: &[(&str, &str)]) -> String {
+    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+    let (floe, port) = (env!("CARGO_BIN_EXE_floe"), listener.local_addr().unwrap());
+    let live = format!("stty rows 30 cols 100; exec '{floe}' live {port}");
+    let mut terminal = Command::new("script")
+        .args(["--quiet", "--command", &live, "/dev/null"])
+        .envs([("SHELL", "/bin/sh"), ("TERM", "xterm-256color")])
+        .env_remove("NO_COLOR")
+        .envs(no_color.iter().copied())
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let _board = listener.accept().unwrap();
+    let (mut keys, mut screen) = (terminal.stdin.take().unwrap(), terminal.stdout.take().unwrap());
+    let (mut shown, mut bytes) = (String::new(), [0; 4096]);
+    while !shown.contains("asking the board") {
+        let count = screen.read(&mut bytes).unwrap();
+        assert!(count > 0, "{shown}");
+        shown += &String::from_utf8_lossy(&bytes[..count]);
+    }
+    keys.write_all(b"q").unwrap();
+    screen.read_to_end(&mut Vec::new()).unwrap();
+    terminal.wait().unwrap();
+    shown
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_terminal_has_colours_unless_they_are_switched_off() {
+    let is_coloured = |shown: String| ["38;5;", "48;5;"].iter().any(|code| shown.contains(code));
+    assert!(is_coloured(on_a_terminal(&[])));
+    assert!(!is_coloured(on_a_terminal(&[("NO_COLOR", "1")])));
+}

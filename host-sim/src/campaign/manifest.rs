@@ -55,7 +55,7 @@ pub struct Notes {
 }
 
 /// The columns that there are.
-const COLUMNS: [&str; 13] = [
+pub(super) const COLUMNS: [&str; 13] = [
     "file",
     "array_id",
     "column",

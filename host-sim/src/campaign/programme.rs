@@ -100,15 +100,7 @@ pub fn evaluate(seed: u64, campaign: u32, test: u32) -> Result<TestRecord, Input
     let failed = |error: &dyn ToString| InputError::new(error.to_string());
     let mut run = Run::new(&scene, seed_of_test).map_err(|e| failed(&e))?;
     let mut pipeline = Pipeline::new(&config(&scene)).map_err(|e| failed(&e))?;
-    let mut events = Vec::new();
-    for sample in run.by_ref() {
-        let reading = Reading::Force(Newtons(sample.force_n as f32));
-        let step = pipeline.step(RawSample { index: sample.index, reading });
-        events.extend(step.event.map(|event| without_losses(&pipeline, event)));
-    }
-    while let Some(event) = pipeline.finish() {
-        events.push(without_losses(&pipeline, event));
-    }
+    let events = found(&mut pipeline, &mut run);
     if let Some(failure) = run.failure() {
         return Err(InputError::new(failure));
     }
@@ -146,6 +138,20 @@ pub fn evaluate(seed: u64, campaign: u32, test: u32) -> Result<TestRecord, Input
         forces: 0,
         events,
     })
+}
+
+/// The events that the core finds in a run.
+fn found(pipeline: &mut Pipeline, run: &mut Run) -> Vec<Event> {
+    let mut events = Vec::new();
+    for sample in run {
+        let reading = Reading::Force(Newtons(sample.force_n as f32));
+        let step = pipeline.step(RawSample { index: sample.index, reading });
+        events.extend(step.event.map(|event| without_losses(pipeline, event)));
+    }
+    while let Some(event) = pipeline.finish() {
+        events.push(without_losses(pipeline, event));
+    }
+    events
 }
 
 fn config(scene: &Scene) -> Config {

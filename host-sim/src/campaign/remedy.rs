@@ -2,9 +2,7 @@
 
 use crate::error::InputError;
 
-/// Options of a replay that are columns of the table.
-const COLUMNS: [&str; 7] =
-    ["array-id", "column", "mass-kg", "slope-deg", "unit", "weight-n", "winch-m-per-s"];
+use super::manifest::COLUMNS;
 
 /// A problem with what helps here.
 pub fn of_error(error: &InputError) -> InputError {
@@ -18,11 +16,11 @@ pub fn of_text(text: &str) -> String {
     for (place, part) in text.split("--").enumerate() {
         let end = part.find(|c: char| !c.is_ascii_lowercase() && c != '-').unwrap_or(part.len());
         let (option, rest) = part.split_at(end);
+        let column = option.replace('-', "_");
         if place == 0 || option.is_empty() {
             said += if place == 0 { "" } else { "--" };
             said += part;
-        } else if COLUMNS.contains(&option) {
-            let column = option.replace('-', "_");
+        } else if COLUMNS.contains(&column.as_str()) {
             said += &(column.clone() + rest);
             add(&mut columns, column);
         } else {

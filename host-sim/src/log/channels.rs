@@ -2,9 +2,12 @@
 
 use crate::error::InputError;
 
+use super::LogOptions;
 use super::columns::Columns;
 use super::label::Label;
 use super::layout::TimeCells;
+use super::number::finite;
+use super::timing::median;
 
 /// Times that have to stand equally often.
 const TIMES: usize = 4;
@@ -12,11 +15,17 @@ const TIMES: usize = 4;
 const MOST: usize = 8;
 
 impl Columns<'_> {
-    /// Refuses rows that say each time once for every channel that another column names.
+    /// Refuses rows that say each time once for every channel, which another column names or the
+    /// forces show.
     ///
     /// # Errors
     /// Names that column.
-    pub fn refuse_channels(&self, time: TimeCells, force: usize) -> Result<(), InputError> {
+    pub fn refuse_channels(
+        &self,
+        time: TimeCells,
+        force: usize,
+        options: &LogOptions,
+    ) -> Result<(), InputError> {
         let (date, clock) = match time {
             TimeCells::Number { cell, .. } => (None, cell),
             TimeCells::DateAndClock { date, clock } => (date, clock),
@@ -36,12 +45,16 @@ impl Columns<'_> {
             at == clock || Some(at) == date || self.labels.get(at).is_some_and(Label::is_in_time)
         };
         let mut others = (0..self.header.width).filter(|&at| at != force && !is_time(at));
-        let Some(channel) = others.find(|&at| names_channels(&groups, at)) else { return Ok(()) };
-        Err(InputError::new(format!(
-            "each time stands {times} times, and column {} differs within it: keep the rows of one \
-             channel",
-            self.said(channel)
-        )))
+        let why = match others.find(|&at| names_channels(&groups, at)) {
+            Some(channel) => format!("column {} differs within it: keep the rows of one channel", self.said(channel)),
+            None if options.rate_hz.is_none() && are_of_channels(&groups, force) => {
+                "the force goes to and fro between as many values: keep the rows of one channel, or \
+                 give --rate-hz R if all are of one force"
+                    .to_string()
+            }
+            None => return Ok(()),
+        };
+        Err(InputError::new(format!("each time stands {times} times, and {why}")))
     }
 
     pub(super) fn said(&self, column: usize) -> String {
@@ -66,4 +79,21 @@ fn names_channels(groups: &[&[Vec<String>]], column: usize) -> bool {
     sorted.len() == first.len()
         && (first.len() <= MOST || !are_numbers)
         && groups.iter().all(|group| cells(group) == first)
+}
+
+/// Whether a force goes up, or down, between the same rows of every time, by far more than from time
+/// to time: it is that of one channel in one row and of another in the next.
+fn are_of_channels(groups: &[&[Vec<String>]], column: usize) -> bool {
+    /// As noise alone never does over so many times; tuned: a force that rises has a half.
+    const FAR: f64 = 4.0;
+    let force = |row: &Vec<String>| finite(row.get(column)?.as_bytes());
+    let first = |group: &&[Vec<String>]| force(group.first()?);
+    let step = |group: &&[Vec<String>]| Some(force(group.get(1)?)? - force(group.first()?)?);
+    let steps: Vec<f64> = groups.iter().filter_map(step).collect();
+    let forces: Vec<f64> = groups.iter().filter_map(first).collect();
+    let changes = forces.windows(2).filter_map(|w| Some((w.last()? - w.first()?).abs()));
+    let change = median(changes.collect());
+    let size = median(steps.iter().map(|step| step.abs()).collect());
+    let one_way = steps.iter().all(|&step| step > 0.0) || steps.iter().all(|&step| step < 0.0);
+    one_way && size.zip(change).is_some_and(|(size, change)| size > FAR * change)
 }

@@ -3,6 +3,7 @@
 use floe_core::RawSample;
 
 use super::timing::{Shared, Timing};
+use crate::rounding::{counted, significant};
 
 /// A stamp this far from its sample, in periods, is told to the user.
 const MISFIT: f64 = 0.25;
@@ -110,16 +111,33 @@ impl Clock {
         self.misfits
     }
 
-    /// Gaps of which a part alone is counted as missing.
-    #[must_use]
-    pub fn far_gaps(&self) -> u64 {
-        self.far
+    /// What to say of the stamps.
+    pub fn warnings(&self) -> impl Iterator<Item = String> {
+        let rate_hz = significant(self.timing.rate_hz);
+        let misfits = (self.misfits > 0).then(|| {
+            format!("{} time stamps do not fit {rate_hz} samples per second", self.misfits)
+        });
+        let uneven = self.is_uneven().then(|| {
+            format!(
+                "many samples are missing and as many are dropped: the times do not fit {rate_hz} \
+                 samples per second; give --rate-hz R, or write them with more digits"
+            )
+        });
+        let far = (self.far > 0).then(|| {
+            let days = Self::FARTHEST as f64 * self.period_s / 86_400.0;
+            format!(
+                "{} longer than {days:.1} days: {} samples each are counted as missing; was the \
+                 clock set anew?",
+                counted(self.far, "gap"),
+                Self::FARTHEST - 1
+            )
+        });
+        [misfits, uneven, far].into_iter().flatten()
     }
 
     /// Whether so many rows are dropped and missing beside each other that the rate, or the stamps,
     /// must be wrong.
-    #[must_use]
-    pub fn is_uneven(&self) -> bool {
+    fn is_uneven(&self) -> bool {
         const FEW: u64 = 8;
         self.dropped.min(self.gaps) > FEW.max(self.rows / 200)
     }
@@ -320,6 +338,6 @@ mod tests {
             let (index, time_s) = place(f64::from(years) * 3.2e7).unwrap();
             assert_eq!((index, time_s), (years * (1 << 28), f64::from(years) * 3.2e7));
         }
-        assert_eq!((place(1e9), clock.far_gaps()), (None, 8));
+        assert_eq!((place(1e9), clock.far), (None, 8));
     }
 }

@@ -42,14 +42,12 @@ pub fn layout(
     if let (Some(time), None) = (time, &options.time_column) {
         columns.refuse_other_times(time, decimal)?;
     }
-    let time = match time {
-        Some(time) => columns.time_cells(time, options, decimal)?,
-        None => match rate_hz {
-            Some(rate_hz) => TimeCells::Count { rate_hz },
-            None => return Err(columns.no_time(force)),
-        },
+    let time = match (time, rate_hz) {
+        (Some(time), _) => columns.time_cells(time, options, decimal)?,
+        (None, Some(rate_hz)) => TimeCells::Count { rate_hz },
+        (None, None) => return Err(columns.no_time(force)),
     };
-    columns.refuse_channels(time, force)?;
+    columns.refuse_channels(time, force, options)?;
     notes.extend(columns.assumed_seconds(time, options));
     if header.names.is_none() {
         let time = if header.width > 1 { "the first column is the time, " } else { "" };

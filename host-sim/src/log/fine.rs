@@ -43,7 +43,7 @@ fn mean_steps(times: &[f64], span: usize) -> Vec<f64> {
 }
 
 /// The last digit to which stamps are written; 0 if they have many.
-fn digit_s(times: &[f64], unit_s: f64) -> f64 {
+pub(super) fn digit_s(times: &[f64], unit_s: f64) -> f64 {
     /// What an `f64` leaves of a time since 1970.
     const EXACT_S: f64 = 3e-7;
     let start_s = times.first().copied().unwrap_or(0.0);

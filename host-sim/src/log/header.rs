@@ -17,7 +17,7 @@ use super::cells::texts;
 use super::comment::comment;
 use super::label::{Label, bare_unit, is_unit_cell};
 use super::lines::MAX_LINE;
-use super::number::{Unit, finite};
+use super::number::{Unit, finite, is_missing};
 use super::stamp::{clock_seconds, date_seconds, date_time_seconds};
 
 /// Rows whose cells are looked at.
@@ -139,12 +139,13 @@ fn begin_of_rows(content: &[Content<'_>], separators: &[u8]) -> Option<(u8, usiz
     begins.map(|(separator, first)| (separator, with_broken_rows(content, separator, first)))
 }
 
-/// The first line from which on the lines are rows with values in the same places.
+/// The first line from which on the lines are rows with values in the same places, or with a word
+/// for a missing one.
 fn first_run(content: &[Content<'_>], separator: u8, is_row: fn(&[Kind]) -> bool) -> Option<usize> {
     let kinds: Vec<Vec<Kind>> = content
         .iter()
         .take(LOOKED_AT + IN_A_ROW + 200)
-        .map(|(_, line)| texts(line, separator).iter().map(|cell| kind(cell)).collect())
+        .map(|(_, line)| texts(line, separator).iter().map(|cell| kind_in_row(cell)).collect())
         .collect();
     let alike = |first: &[Kind], other: &[Kind]| {
         let fits = |(a, b): (&Kind, &Kind)| *a != Kind::Value || *b != Kind::Text;
@@ -155,6 +156,11 @@ fn first_run(content: &[Content<'_>], separator: u8, is_row: fn(&[Kind]) -> bool
         let mut run = kinds.iter().skip(at).take(IN_A_ROW);
         has_value(first) && is_row(first) && run.all(|row| alike(first, row))
     })
+}
+
+/// Above the rows `NA` may be a name.
+fn kind_in_row(cell: &str) -> Kind {
+    if is_missing(cell.as_bytes()) { Kind::Value } else { kind(cell) }
 }
 
 fn has_value(kinds: &[Kind]) -> bool {

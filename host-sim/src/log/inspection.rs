@@ -116,7 +116,7 @@ pub fn inspect(path: &str, log: &mut Log) -> Result<Inspection, InputError> {
         force_column: layout.force + 1,
         force_unit: layout.unit.name(),
         rate_hz: log.rate_hz(),
-        shared_stamps: log.clock.timing().shared.is_some(),
+        shared_stamps: log.clock.timing().shared.is_some_and(|shared| shared.step > 1.0),
         metadata: log.metadata().said.iter().cloned().map(known).collect(),
         samples: seen.samples,
         duration_s: seen.last_s - seen.first_s.unwrap_or_default(),

@@ -173,6 +173,11 @@ impl Layout {
         }
     }
 
+    /// Whether the force is all there is: a line below the rows is no row that is too short.
+    fn is_alone(&self) -> bool {
+        self.width == Some(1)
+    }
+
     #[cold]
     fn no_force(&self, cell: &[u8]) -> InputError {
         let kind = if self.unit == Unit::Counts { "whole number of counts" } else { "number" };
@@ -180,6 +185,11 @@ impl Layout {
         let remedy = if Label::new(text(cell)).holds_force() {
             "names again: take it out if the same columns go on below, else cut the log there"
                 .to_string()
+        } else if self.is_alone() && text(cell).starts_with(char::is_alphabetic) {
+            format!(
+                "{CORRECT}; NaN marks a bad reading; if a footer or another log begins there, cut the \
+                 log there"
+            )
         } else if number(cell, Decimal::Any).is_some() && self.unit != Unit::Counts {
             "the rows before have another decimal mark: write all with the same".to_string()
         } else if is_grouped(cell) {

@@ -2,25 +2,25 @@
 
 use super::number::finite;
 
-/// How such a line begins, and what to write; the longer beginning first.
-const MEANT: [(&str, &str); 12] = [
-    ("weight_std", "weight_std_n: 2"),
-    ("slope_std", "slope_std_deg: 0.2"),
-    ("zero_std", "zero_std_n: 0.5"),
-    ("span_std", "span_std_percent: 0.1"),
-    ("damping", "damping_std: 0.005"),
-    ("winch_std", "winch_std_m_per_s: 0.0002"),
-    ("zero_after", "zero_after_n: 1.2"),
-    ("weight", "weight_n: 630"),
-    ("mass", "mass_kg: 64.2"),
-    ("slope", "slope_deg: 1.5"),
-    ("winch", "winch_m_per_s: 0.0157"),
-    ("zero", "zero_before_n: 1.2"),
+/// How such a line begins, and key and value to write; the longer beginning first.
+const MEANT: [(&str, &str, &str); 12] = [
+    ("weight_std", "weight_std_n", "2"),
+    ("slope_std", "slope_std_deg", "0.2"),
+    ("zero_std", "zero_std_n", "0.5"),
+    ("span_std", "span_std_percent", "0.1"),
+    ("damping", "damping_std", "0.005"),
+    ("winch_std", "winch_std_m_per_s", "0.0002"),
+    ("zero_after", "zero_after_n", "1.2"),
+    ("weight", "weight_n", "630"),
+    ("mass", "mass_kg", "64.2"),
+    ("slope", "slope_deg", "1.5"),
+    ("winch", "winch_m_per_s", "0.0157"),
+    ("zero", "zero_before_n", "1.2"),
 ];
 
-/// What to write in place of a line, if a key was meant and is followed by a number.
+/// Key and value to write in place of a line, if a key was meant and is followed by a number.
 #[must_use]
-pub fn meant(text: &str, is_key: impl FnOnce(&str) -> bool) -> Option<String> {
+pub fn meant(text: &str, is_key: impl FnOnce(&str) -> bool) -> Option<(String, String)> {
     let cut = |marks: &[char]| text.split_once(marks);
     let (key, value) =
         cut(&[':', '=', ',', ';', '\t']).or_else(|| cut(&[' '])).unwrap_or((text, ""));
@@ -29,11 +29,10 @@ pub fn meant(text: &str, is_key: impl FnOnce(&str) -> bool) -> Option<String> {
         return None;
     }
     let is_key = is_key(&key);
-    match MEANT.iter().find(|(start, _)| key.starts_with(start)) {
-        Some((_, write)) if !is_key || finite(value.as_bytes()).is_none() => {
-            Some((*write).to_string())
-        }
-        _ => is_key.then(|| format!("{key}: {value}")),
+    let meant = MEANT.iter().find(|(start, ..)| key.starts_with(start));
+    match meant.filter(|_| !is_key || finite(value.as_bytes()).is_none()) {
+        Some((_, key, value)) => Some(((*key).to_string(), (*value).to_string())),
+        None => is_key.then(|| (key, value.to_string())),
     }
 }
 
@@ -56,7 +55,7 @@ mod tests {
         ] {
             let mut metadata = Metadata::default();
             metadata.take(line.as_bytes(), 1).unwrap();
-            let note = metadata.notes.first().expect(line);
+            let note = &metadata.notes.first().expect(line).text;
             assert!(note.ends_with(&format!("is not read: write '# {write}'")), "{note}");
         }
     }

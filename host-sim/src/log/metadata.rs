@@ -58,9 +58,18 @@ pub struct Metadata {
     /// Every known key in the order of the log.
     pub said: Vec<Said>,
     /// What looks like a known key and is none, or comes too late.
-    pub notes: Vec<String>,
+    pub notes: Vec<Note>,
     /// The keys that come too late.
     late: Vec<String>,
+}
+
+/// A line that says nothing that is used.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Note {
+    /// The key that was meant, or came too late.
+    pub key: String,
+    /// What is said of it.
+    pub text: String,
 }
 
 /// Where a key was said first.
@@ -143,10 +152,11 @@ impl Metadata {
         self.notes = with.notes;
         let Some(Said { key, value, .. }) = with.said.get(self.said.len()) else { return Ok(()) };
         if !self.late.contains(key) {
-            self.notes.push(format!(
+            let text = format!(
                 "line {number}: '# {key}: {value}' comes too late and is not used: write it above \
                  the rows"
-            ));
+            );
+            self.notes.push(Note { key: key.clone(), text });
             self.late.push(key.clone());
         }
         Ok(())
@@ -169,9 +179,10 @@ impl Metadata {
 
     /// Notes what was meant to say what a known key says.
     fn look_at(&mut self, text: &str, number: u64) {
-        let Some(write) = meant(text, |key| self.field(key).is_some()) else { return };
+        let Some((key, value)) = meant(text, |key| self.field(key).is_some()) else { return };
         let said = excerpt(text.as_bytes());
-        self.notes.push(format!("line {number}: {said} is not read: write '# {write}'"));
+        let text = format!("line {number}: {said} is not read: write '# {key}: {value}'");
+        self.notes.push(Note { key, text });
     }
 
     /// The line that says a key first.
@@ -286,11 +297,11 @@ mod tests {
             metadata.take(line.as_bytes(), number).unwrap();
         }
         assert_eq!(
-            metadata.notes[0],
+            metadata.notes[0].text,
             "line 1: 'weight_kn: 0.63' is not read: write '# weight_n: 630'"
         );
         assert_eq!(
-            metadata.notes[3],
+            metadata.notes[3].text,
             "line 4: 'zero_n: 3.5' is not read: write '# zero_before_n: 1.2'"
         );
         assert_eq!(metadata.notes.len(), 4);
@@ -311,7 +322,8 @@ mod tests {
         assert_eq!((metadata.slope_deg, metadata.said.len()), (None, 1));
         let late =
             "line 10: '# slope_deg: 5' comes too late and is not used: write it above the rows";
-        assert_eq!(metadata.notes, [late]);
+        let (key, text) = ("slope_deg".to_string(), late.to_string());
+        assert_eq!(metadata.notes, [Note { key, text }]);
         assert!(metadata.take_late(b"# weight_n: 700", 12).is_err());
     }
 

@@ -19,9 +19,10 @@ use floe_core::RawSample;
 
 use crate::card;
 use crate::error::InputError;
-use crate::rounding::{counted, significant};
+use crate::rounding::counted;
 
 pub mod above;
+pub mod beat;
 pub mod cells;
 pub mod channels;
 pub mod clock;
@@ -265,30 +266,10 @@ impl Log {
                 counted(count, "empty line")
             )
         });
-        let said = self.rows.metadata.notes.iter().cloned();
-        let (misfits, rate_hz) = (self.clock.misfits(), significant(self.rate_hz()));
-        let misfits = (misfits > 0)
-            .then(|| format!("{misfits} time stamps do not fit {rate_hz} samples per second"));
-        let uneven = self.clock.is_uneven().then(|| {
-            format!(
-                "many samples are missing and as many are dropped: the times do not fit {rate_hz} \
-                 samples per second; give --rate-hz R, or write them with more digits"
-            )
-        });
-        let far = Some(self.clock.far_gaps()).filter(|&count| count > 0).map(|count| {
-            let days = Clock::FARTHEST as f64 / self.rate_hz() / 86_400.0;
-            format!(
-                "{} longer than {days:.1} days: {} samples each are counted as missing; was the \
-                 clock set anew?",
-                counted(count, "gap"),
-                Clock::FARTHEST - 1
-            )
-        });
+        let said = self.rows.metadata.notes.iter().map(|note| note.text.clone());
         let found = self.head.notes.iter().cloned().chain(said).chain(truncated).chain(left_out);
         found
-            .chain(misfits)
-            .chain(uneven)
-            .chain(far)
+            .chain(self.clock.warnings())
             .chain(self.held.warnings(self.rate_hz()))
             .chain(self.told.iter().cloned())
             .collect()

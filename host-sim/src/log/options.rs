@@ -47,25 +47,27 @@ impl LogOptions {
     /// # Errors
     /// Names the option, and the format that is asked for.
     pub fn check(&self, format: Format) -> Result<(), InputError> {
-        use Format::{Cr10, Csv, Toa5};
-        let is_csv = format == Csv;
+        use Format::{Cr10, Csv, Floe, Toa5};
+        let (is_csv, is_floe) = (format == Csv, format == Floe);
         let unused = [
             ("--array-id", self.array_id.is_some() && format != Cr10, Cr10),
+            ("--column", self.column.is_some() && is_floe, Csv),
+            ("--unit", self.unit.is_some() && is_floe, Csv),
             ("--time-column", self.time_column.is_some() && !is_csv && format != Toa5, Csv),
             ("--time-unit", self.time_unit.is_some() && !is_csv, Csv),
             ("--skip-lines", self.skip_lines > 0 && !is_csv, Csv),
             ("--delimiter", self.delimiter.is_some() && !is_csv, Csv),
             ("--decimal", self.decimal.is_some() && !is_csv, Csv),
         ];
-        match unused.into_iter().find(|(_, is_unused, _)| *is_unused) {
-            Some((option, _, of)) => Err(InputError::new(format!(
-                "{option} is for a {} log, and this is {}: leave it out, or give --format {}",
-                of.name(),
-                format.name(),
-                of.name()
-            ))),
-            None => Ok(()),
-        }
+        let Some((option, _, of)) = unused.into_iter().find(|(_, is_unused, _)| *is_unused) else {
+            return Ok(());
+        };
+        let (of, this) = (of.name(), format.name());
+        // What a logger wrote is no text.
+        let remedy = if is_floe { "" } else { &format!(", or give --format {of}") };
+        Err(InputError::new(format!(
+            "{option} is for a {of} log, and this is {this}: leave it out{remedy}"
+        )))
     }
 }
 

@@ -6,6 +6,7 @@
 
 use crate::error::InputError;
 
+use super::beat::beating;
 use super::fine::fine;
 use super::groups::shared;
 use super::rows::Row;
@@ -31,7 +32,7 @@ pub struct Timing {
     pub shared: Option<Shared>,
 }
 
-/// Samples that share a stamp.
+/// Samples that share a stamp, or have one that is rounded by half a period.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shared {
     /// Step of the stamps in sampling periods.
@@ -59,7 +60,8 @@ pub fn find(
     let timing = if are_shared(rows, resolution_s.is_some()) {
         shared(&times, step_s, rate_hz, resolution_s)?
     } else {
-        fine(&times, step_s, rate_hz, unit_s)
+        beating(rows, rate_hz, step_s, unit_s)
+            .unwrap_or_else(|| fine(&times, step_s, rate_hz, unit_s))
     };
     if RATES_HZ.contains(&timing.rate_hz) {
         return Ok(timing);
@@ -154,6 +156,9 @@ mod tests {
         assert_eq!(rate(decimals(9.0, 0.1, 1920)), 9.0);
         assert_eq!(rate(decimals(33.0, 0.1, 1920)), 33.0);
         assert!((rate(decimals(9.4, 0.1, 1920)) - 9.4).abs() < 0.002);
+        for own in [98.0, 99.0, 99.5, 100.3, 100.5, 102.0, 103.0, 104.0, 105.0] {
+            assert!((rate(decimals(own, 0.01, 4096)) / own - 1.0).abs() < 2e-5, "{own}");
+        }
         let ticks = decimals(100.0, 0.015_625, 4096).map(|t| (t * 1e3).floor() / 1e3);
         assert_eq!(rate(ticks), 100.0);
         let minutes = rows(decimals(16.0, 0.06, 1920));
@@ -183,6 +188,10 @@ mod tests {
         assert!((rate(jittered) - 16.0).abs() < 1e-3);
         assert_eq!(rate((0..4096).filter(|i| i % 7 > 0).map(|i| f64::from(i) / 16.0)), 16.0);
         assert_eq!(rate((0..4096).map(|i| f64::from(i - i % 50 / 49) / 16.0)), 16.0);
+        assert_eq!(rate((0..4096).map(|i| f64::from(i - i % 50 / 49) / 100.0)), 100.0);
+        let twice = |i: u32| (i * i % 1009 < 30).then_some(i);
+        let now_and_then = (0..4096).flat_map(|i| std::iter::once(i).chain(twice(i)));
+        assert_eq!(rate(now_and_then.map(|i| f64::from(i) / 100.0)), 100.0);
     }
 
     #[test]

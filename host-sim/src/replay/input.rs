@@ -2,6 +2,7 @@
 
 use crate::error::InputError;
 use crate::log::Log;
+use crate::rounding::short;
 
 /// Largest number that a test can have: no block, and no winch, has more of anything.
 const LARGEST: f64 = 1e9;
@@ -58,12 +59,6 @@ impl Input {
             None => format!("{option} {must}"),
         }))
     }
-}
-
-/// A number as it was given, without the hundreds of zeros that one may have.
-fn short(value: f64) -> String {
-    let is_short = value == 0.0 || (1e-9..1e9).contains(&value.abs());
-    if is_short { value.to_string() } else { format!("{value:e}") }
 }
 
 #[cfg(test)]

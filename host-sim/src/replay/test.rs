@@ -3,6 +3,7 @@
 use floe_core::{Calibration, Config, Effect, Effects};
 
 use crate::error::InputError;
+use crate::log::metadata::Note;
 use crate::log::{Log, STANDARD_GRAVITY, Unit};
 use crate::replay::input::Input;
 use crate::replay::known::KnownOptions;
@@ -152,11 +153,10 @@ fn pressed(log: &Log, options: &TestOptions, slope_deg: f64) -> Result<Pressed, 
 }
 
 /// The block's weight is not known; a line of the log that was meant to say it is named.
-fn no_weight(notes: &[String]) -> InputError {
-    let meant =
-        notes.iter().find(|note| note.contains("'# weight_n:") || note.contains("'# mass_kg:"));
+fn no_weight(notes: &[Note]) -> InputError {
+    let meant = notes.iter().find(|note| ["weight_n", "mass_kg"].contains(&note.key.as_str()));
     InputError::new(match meant {
-        Some(note) => format!("the block's weight is not known: {note}"),
+        Some(note) => format!("the block's weight is not known: {}", note.text),
         None => "the block's weight is not known: give --weight-n W or --mass-kg M, \
                  or put '# weight_n: W' into the log"
             .to_string(),

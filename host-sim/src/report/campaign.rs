@@ -34,17 +34,12 @@ pub fn render_campaign(summary: &Summary, tests: &[TestRecord]) -> String {
         figures(summary, tests).iter().enumerate().map(|(i, f)| f.html(i + 1)).collect();
     let script = format!("\n{SCRIPT}");
     let policy = policy(&script);
-    let kind = match summary.synthetic_tests {
-        0 => "recorded",
-        all if all == summary.tests => "simulated",
-        _ => "recorded and simulated",
-    };
     format!(
         "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"/>{policy}\
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\
          <meta name=\"color-scheme\" content=\"light dark\"/>\
          <title>Campaign – sliding friction</title>\n<style>\n{STYLE}{TREND_STYLE}</style></head>\n\
-         <body><header><p class=\"kind\">Campaign of {kind} tests</p><h1>{}, {}</h1>{}</header>\n\
+         <body><header><p class=\"kind\">Campaign</p><h1>{}, {}</h1>{}</header>\n\
          <main><section>{}</section><section class=\"figures\">\n{figures}</section>{}</main>\n\
          <footer><p>Lines by least squares with the band of one standard error, from the \
          scatter between tests. Made by <b>floe {}</b>{}.</p></footer>\n\

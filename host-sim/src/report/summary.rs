@@ -117,81 +117,53 @@ fn coefficient(class: &str, symbol: &str, value: &CoefficientSummary, name: &str
 type Fact = (&'static str, String, bool);
 
 fn measured(result: &ReplayResult) -> Vec<Fact> {
-    let show = |value: Option<f64>, unit: &str| {
-        value.map_or_else(|| "–".into(), |value| quantity(value, unit))
-    };
-    let quantities = &result.quantities;
-    let pair = |value: Option<f64>, std: Option<f64>, unit: &str| match (value, std) {
-        (Some(value), Some(std)) => {
-            format!("{} {unit}", plus_minus(value, std).replace('-', "−"))
-        }
-        (Some(value), None) => format!("{} ± ?", quantity(value, unit)),
-        (None, _) => "–".into(),
-    };
-    let hertz = quantities.omega_rad_per_s.map_or_else(String::new, |omega| {
-        format!(" <small>{} Hz</small>", significant(omega / std::f64::consts::TAU))
-    });
     let (used, found) = (result.estimate.events, result.events.found() as u64);
     let without = found.saturating_sub(used);
     let events = match without {
         0 => count(used),
         n => format!("{} <small>and {} without a value</small>", count(used), count(n)),
     };
-    let mut facts = vec![
-        ("Events", events, without > 0),
-        ("Noise on the force", show(result.noise_n, "N"), false),
-    ];
-    if found == 0 {
-        return facts;
+    let noise = result.noise_n.map_or_else(|| "–".into(), |noise_n| quantity(noise_n, "N"));
+    let counts = [("Events", events, without > 0), ("Noise on the force", noise, false)];
+    let derived = if found > 0 { derived(result) } else { Vec::new() };
+    counts.into_iter().chain(derived).collect()
+}
+
+/// What the events tell of cable, winch and slips.
+fn derived(result: &ReplayResult) -> Vec<Fact> {
+    let q = &result.quantities;
+    let disagree = q.disagree() && !result.sags();
+    let hertz = q.omega_rad_per_s.map_or_else(String::new, |omega| {
+        format!(" <small>{} Hz</small>", significant(omega / std::f64::consts::TAU))
+    });
+    let (from_rate, from_omega) = (
+        with_std(q.stiffness_from_rate_n_per_m, q.stiffness_from_rate_n_per_m_std, "N/m"),
+        with_std(q.stiffness_from_omega_n_per_m, q.stiffness_from_omega_n_per_m_std, "N/m"),
+    );
+    let loading = with_std(q.loading_rate_n_per_s, q.loading_rate_n_per_s_std, "N/s");
+    let omega = with_std(q.omega_rad_per_s, q.omega_rad_per_s_std, "rad/s") + &hertz;
+    let predicted = with_std(q.recurrence_predicted_s, q.recurrence_predicted_s_std, "s");
+    vec![
+        ("Loading rate <i>k w</i>", loading, false),
+        ("Natural frequency <i>ω</i>", omega, false),
+        ("Stiffness from <i>k w</i>", from_rate, false),
+        ("Stiffness from <i>ω</i>", from_omega, false),
+        ("Ratio of the two", with_std(q.stiffness_ratio, q.stiffness_ratio_std, ""), disagree),
+        ("Recurrence", with_std(q.recurrence_s, q.recurrence_s_std, "s"), false),
+        ("Recurrence by the model", predicted, false),
+        ("Slip length, mean", with_std(q.slip_length_m, q.slip_length_m_std, "m"), false),
+        ("Energy of a slip, mean", with_std(q.energy_j, q.energy_j_std, "J"), false),
+    ]
+}
+
+fn with_std(value: Option<f64>, std: Option<f64>, unit: &str) -> String {
+    match (value, std) {
+        (Some(value), Some(std)) => {
+            format!("{} {unit}", plus_minus(value, std).replace('-', "−"))
+        }
+        (Some(value), None) => format!("{} ± ?", quantity(value, unit)),
+        (None, _) => "–".into(),
     }
-    facts.extend([
-        (
-            "Loading rate <i>k w</i>",
-            pair(quantities.loading_rate_n_per_s, quantities.loading_rate_n_per_s_std, "N/s"),
-            false,
-        ),
-        (
-            "Natural frequency <i>ω</i>",
-            pair(quantities.omega_rad_per_s, quantities.omega_rad_per_s_std, "rad/s") + &hertz,
-            false,
-        ),
-        (
-            "Stiffness from <i>k w</i>",
-            pair(
-                quantities.stiffness_from_rate_n_per_m,
-                quantities.stiffness_from_rate_n_per_m_std,
-                "N/m",
-            ),
-            false,
-        ),
-        (
-            "Stiffness from <i>ω</i>",
-            pair(
-                quantities.stiffness_from_omega_n_per_m,
-                quantities.stiffness_from_omega_n_per_m_std,
-                "N/m",
-            ),
-            false,
-        ),
-        (
-            "Ratio of the two",
-            pair(quantities.stiffness_ratio, quantities.stiffness_ratio_std, ""),
-            quantities.disagree() && !result.sags(),
-        ),
-        ("Recurrence", pair(quantities.recurrence_s, quantities.recurrence_s_std, "s"), false),
-        (
-            "Recurrence by the model",
-            pair(quantities.recurrence_predicted_s, quantities.recurrence_predicted_s_std, "s"),
-            false,
-        ),
-        (
-            "Slip length, mean",
-            pair(quantities.slip_length_m, quantities.slip_length_m_std, "m"),
-            false,
-        ),
-        ("Energy of a slip, mean", pair(quantities.energy_j, quantities.energy_j_std, "J"), false),
-    ]);
-    facts
 }
 
 fn log_health(result: &ReplayResult) -> String {

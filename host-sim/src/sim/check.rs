@@ -1,5 +1,7 @@
 //! The checks of a scene's values, and what they refuse with.
 
+use crate::rounding::short;
+
 /// Why a scene cannot be simulated, as one line.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct SceneError(pub(super) String);
@@ -36,9 +38,4 @@ pub(super) fn between(name: &str, value: f64, low: f64, high: f64) -> Result<(),
     require((low..=high).contains(&value), || {
         format!("{name} = {}: must be {} to {}", short(value), short(low), short(high))
     })
-}
-
-/// Without hundreds of digits.
-fn short(value: f64) -> String {
-    if value.abs() < 1e9 { format!("{value}") } else { format!("{value:e}") }
 }

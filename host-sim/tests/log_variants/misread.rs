@@ -14,6 +14,11 @@ pub fn columns() -> Vec<Form> {
             Refused(&["each time stands 2 times, and column 'channel' differs", "of one channel"]),
         ),
         form(
+            "two channels without a name",
+            table("", |t, _| format!("{t},{}\n{t},7", 300.0 + t)),
+            Refused(&["the force goes to and fro between as many values: keep the rows of one"]),
+        ),
+        form(
             "a temperature T beside dates",
             table("Stamp,T,force_n\n", |t, f| format!("{},{},{f}", iso(t), -2.0 + 0.01 * t)),
             Same,
@@ -161,6 +166,12 @@ pub fn ends() -> Vec<Form> {
         ),
         form("a footer", behind("Mean:,312.5\n"), Refused(&["line 202", "if a footer"])),
         form(
+            "a footer, forces alone",
+            table("force_n\n", |_, f| f.to_string()) + "Mean: 312.5\n",
+            Refused(&["line 202: force cell 1 holds 'Mean: 312.5'", "if a footer"]),
+        )
+        .with(|o| o.rate_hz = Some(16.0)),
+        form(
             "every row twice",
             table("time_s,force_n\n", |t, f| format!("{t},{f}\n{t},{f}")),
             Noted(""),
@@ -235,6 +246,18 @@ pub fn lines() -> Vec<Form> {
             "#N/A, forces alone",
             table("force_n\n", |_, f| f.to_string()).replacen("\n108.5\n", "\n#N/A\n", 1),
             Noted(""),
+        )
+        .with(|o| o.rate_hz = Some(16.0)),
+        form(
+            "NA in the first row, forces alone",
+            table("force_n\n", |_, f| f.to_string()).replacen("\n100\n", "\nNA\n", 1),
+            Noted(""),
+        )
+        .with(|o| o.rate_hz = Some(16.0)),
+        form(
+            "#N/A in the first rows, no header",
+            table("#N/A\n#N/A\n", |_, f| f.to_string()),
+            Noted("no header: column 1 is the force"),
         )
         .with(|o| o.rate_hz = Some(16.0)),
         form("12:00:00 CET", stamped(|t| clock(t) + " CET"), Refused(&["its zone as an offset"])),

@@ -3,8 +3,9 @@
 use std::fs;
 use std::process::{Command, Output};
 
-#[path = "support/command.rs"]
+#[path = "../support/command.rs"]
 mod command;
+mod given;
 use command::{assert_refused, directory, text};
 
 fn floe(arguments: &[&str]) -> Output {
@@ -37,21 +38,6 @@ fn what_hardly_belongs_together_is_asked_about() {
     );
 }
 
-/// What the first 4096 samples do not say the computation has begun without.
-#[test]
-fn what_comes_too_late_is_said_and_not_called_given() {
-    let path = directory("late").join("log.csv");
-    let row = |i: u32| format!("{},{}\n", f64::from(i) / 16.0, 100 + i % 50);
-    let (first, last): (String, String) =
-        ((0..4200).map(row).collect(), (4200..4300).map(row).collect());
-    let late = "# slope_deg: 5\n# zero_before_n: 50\n";
-    fs::write(&path, format!("# weight_n: 630\ntime_s,force_n\n{first}{late}{last}")).unwrap();
-    let said = json_with_warnings(&floe(&["replay", path.to_str().unwrap(), "--json"]));
-    assert!(said.contains("line 4203: '# slope_deg: 5' comes too late and is not used"), "{said}");
-    assert!(said.contains("'# zero_before_n: 50' comes too late"), "{said}");
-    assert!(!said.contains("as given"), "{said}");
-}
-
 /// A simulated log in a directory of its own.
 fn simulated(test: &str, scene: &str) -> String {
     let path = directory(test).join("pull.csv").to_str().unwrap().to_string();
@@ -64,8 +50,10 @@ fn simulated(test: &str, scene: &str) -> String {
 #[test]
 fn a_cable_that_sags_has_two_stiffnesses() {
     let path = simulated("sag", "scenes/hard/sag_flop.toml");
-    let said = text(&floe(&["replay", &path, "--summary"]).stdout);
+    let told = floe(&["replay", &path, "--summary"]);
+    let said = text(&told.stdout);
     assert!(said.contains("of the two: a cable that sags is softer in the slip"), "{said}");
+    assert!(!text(&told.stderr).contains("stiffness"), "{}", text(&told.stderr));
 }
 
 /// Both stiffnesses are those of one cable, if weight and winch speed are right.
@@ -251,117 +239,4 @@ fn samples_that_cannot_be_used_are_said() {
         let json = json_with_warnings(&floe(&["replay", path.to_str().unwrap(), "--json"]));
         assert!(json.contains(&why), "{json}");
     }
-}
-
-/// Two claims about one test: the caller's counts, and both are said.
-#[test]
-fn what_is_given_against_the_log_is_said() {
-    let dir = directory("given");
-    let path = dir.join("counts.csv");
-    let path = path.to_str().unwrap();
-    let rows = fs::read_to_string("logs/dff8-13.csv").unwrap();
-    let counts = |row: &str| {
-        let (time_s, force_n) = row.split_once(',')?;
-        Some(format!("{time_s},{:.0}\n", 800.0 * force_n.parse::<f64>().ok()? + 8000.0))
-    };
-    let rows: String = rows.lines().filter_map(counts).collect();
-    let said = |head: &str, arguments: &[&str]| {
-        let head = head.replace("; ", "\n");
-        fs::write(path, format!("{head}\ntime_s,counts\n{rows}")).unwrap();
-        json_with_warnings(&floe(&[&["replay", path, "--json"], arguments].concat()))
-    };
-    let calibrated = "# tare_counts: 8000; # counts_per_n: 800; # weight_n: 630";
-    assert_eq!(said(calibrated, &["--weight-n", "630", "--counts-per-n", "800"]), "[]");
-    for (option, number, expected) in [
-        (
-            "--counts-per-n",
-            "400.5",
-            "span 400.5 counts/N as given, not the '# counts_per_n: 800' of line 2",
-        ),
-        ("--tare-counts", "7", "tare 7 counts as given, not the '# tare_counts: 8000' of line 1"),
-        ("--mass-kg", "70", "weight 686.5 N as given, not the '# weight_n: 630' of line 3"),
-    ] {
-        let asked = said(calibrated, &[option, number]);
-        assert!(asked.contains(expected), "{option}: {asked}");
-    }
-    let more = format!("{calibrated}; # slope_deg: 3; # range_n: 5000; # winch_m_per_s: 0.0157");
-    let asked =
-        said(&more, &["--slope-deg", "0", "--range-n", "4000", "--winch-m-per-s", "0.0156"]);
-    for expected in [
-        "slope 0.00° as given, not the '# slope_deg: 3' of line 4",
-        "range 4000 N as given, not the '# range_n: 5000' of line 5",
-        "winch at 0.0156 m/s as given, not the '# winch_m_per_s: 0.0157' of line 6",
-    ] {
-        assert!(asked.contains(expected), "{asked}");
-    }
-    let known = format!(
-        "{calibrated}; # weight_std_n: 2; # zero_before_n: 1.5; # span_std_percent: 1; \
-                          # weight_from: other"
-    );
-    let options = ["--weight-std-n", "3", "--zero-before-n", "2.5", "--span-std", "1"];
-    let options = [&options[..], &["--weight-from", "same_cell"]].concat();
-    let asked = said(&known, &options);
-    for expected in [
-        "weight_std_n 3 as given, not the '# weight_std_n: 2' of line 4",
-        "zero_before_n 2.5 as given, not the '# zero_before_n: 1.5' of line 5",
-        "weight_from same_cell as given, not the '# weight_from: other' of line 7",
-    ] {
-        assert!(asked.contains(expected), "{asked}");
-    }
-    assert!(!asked.contains("span"), "{asked}");
-    let massive = "# tare_counts: 8000; # counts_per_n: 800; # mass_kg: 70";
-    let asked = said(massive, &["--weight-n", "630"]);
-    assert!(
-        asked.contains("weight 630.0 N as given, not the '# mass_kg: 70' of line 3"),
-        "{asked}"
-    );
-    // The weight of a block under the ice is not what presses it.
-    let below = ["--normal-n", "600", "--mass-kg", "64.242"];
-    assert_eq!(said(calibrated, &below), "[]");
-    let asked = said(&format!("{massive}; # normal_n: 500"), &below);
-    assert!(asked.contains("normal force 600.0 N as given, not the '# normal_n: 500' of line 4"));
-    assert!(asked.contains("mass 64.2 kg as given, not the '# mass_kg: 70' of line 3"), "{asked}");
-}
-
-/// A number that cannot be is named by its line, unless another is given in its place.
-#[test]
-fn what_the_log_says_and_cannot_be_is_refused_by_its_line() {
-    let path = directory("said").join("pull.csv");
-    let path = path.to_str().unwrap();
-    for (key, value, option) in [
-        ("weight_n", "-3", "--weight-n"),
-        ("mass_kg", "0", "--mass-kg"),
-        ("normal_n", "-1", "--normal-n"),
-        ("slope_deg", "89", "--slope-deg"),
-        ("winch_m_per_s", "-1", "--winch-m-per-s"),
-        ("range_n", "0", "--range-n"),
-        ("weight_std_n", "-3", "--weight-std-n"),
-        ("span_std_percent", "-3", "--span-std"),
-        ("damping_std", "5", "--damping-std"),
-        ("zero_after_n", "1e300", "--zero-after-n"),
-    ] {
-        let rows = "time_s,force_n\n0,1\n0.0625,2\n0.125,3\n";
-        fs::write(path, format!("# test_id: A\n# {key}: {value}\n{rows}")).unwrap();
-        let named = format!("pull.csv: line 2: '# {key}:' must be a number ");
-        let remedy = format!(", not {value}: correct it, or give {option}");
-        assert_refused(&floe(&["replay", path]), &[&named, &remedy]);
-        let number = if option == "--damping-std" { "0.1" } else { "1" };
-        let given = floe(&["replay", path, option, number]);
-        assert!(!text(&given.stderr).contains("must be"), "{}", text(&given.stderr));
-    }
-    // Nobody asks for what the caller's own weight replaces.
-    fs::write(path, "# weight_n: -3\ntime_s,force_n\n0,1\n0.0625,2\n").unwrap();
-    let given = floe(&["replay", path, "--mass-kg", "64.2", "--quiet"]);
-    assert_eq!(given.status.code(), Some(0), "{}", text(&given.stderr));
-}
-
-/// A line that was meant to say the weight is named where the weight is missing.
-#[test]
-fn a_weight_that_is_not_read_is_named() {
-    let path = directory("meant").join("pull.csv");
-    let path = path.to_str().unwrap();
-    fs::write(path, "# weight_n=630\ntime_s,force_n\n0,1\n0.0625,2\n").unwrap();
-    let missing =
-        "weight is not known: line 1: 'weight_n=630' is not read: write '# weight_n: 630'";
-    assert_refused(&floe(&["replay", path]), &[missing]);
 }

@@ -1,0 +1,58 @@
+//! Logs of every format through the readers.
+#![allow(clippy::float_cmp)] // exact by construction
+
+mod anything;
+mod campbell;
+mod rates;
+
+use floe::log::{Format, Log, LogOptions, Sample};
+use floe_core::{Counts, Fault, Newtons, Reading};
+
+fn open(content: &[u8], options: &LogOptions) -> Result<Log, String> {
+    let input = std::io::Cursor::new(content.to_vec());
+    Log::from_reader(Box::new(input), options).map_err(|e| e.to_string())
+}
+
+fn samples(log: &mut Log) -> Result<Vec<Sample>, String> {
+    std::iter::from_fn(|| log.next_sample().map_err(|e| e.to_string()).transpose()).collect()
+}
+
+fn read(content: &str) -> (Log, Vec<Sample>) {
+    let mut log = open(content.as_bytes(), &LogOptions::default()).unwrap();
+    let samples = samples(&mut log).unwrap();
+    (log, samples)
+}
+
+fn indices(samples: &[Sample]) -> Vec<u32> {
+    samples.iter().map(|sample| sample.raw.index).collect()
+}
+
+fn consecutive(samples: &[Sample]) -> bool {
+    samples.iter().enumerate().all(|(i, sample)| sample.raw.index == i as u32)
+}
+
+#[test]
+fn csv_keeps_the_logs_own_time_and_marks_bad_samples() {
+    let (log, samples) = read(
+        "t,force_kn\n10,1\n10.0625,-6999\n10.125,NAN\n10.1875,\n10.25,inf\n10.375,2\n10.375,3\n",
+    );
+    assert_eq!(log.format(), Format::Csv);
+    assert_eq!(indices(&samples), [0, 1, 2, 3, 4, 6, 6]);
+    assert!((samples[5].time_s - 10.375).abs() < 1e-9);
+    let readings: Vec<Reading> = samples.iter().map(|sample| sample.raw.reading).collect();
+    let bad = Reading::Bad(Fault::Sentinel);
+    let force = |newtons| Reading::Force(Newtons(newtons));
+    assert_eq!(readings, [force(1e3), bad, bad, bad, bad, force(2e3), force(3e3)]);
+}
+
+#[test]
+fn csv_in_counts() {
+    let options = LogOptions {
+        column: Some("adc".to_string()),
+        unit: Some(floe::log::Unit::Counts),
+        ..LogOptions::default()
+    };
+    let mut log = open(b"time;adc\n0;6999\n0,0625;-8388608\n", &options).unwrap();
+    let readings: Vec<Reading> = samples(&mut log).unwrap().iter().map(|s| s.raw.reading).collect();
+    assert_eq!(readings, [Reading::Counts(Counts(6999)), Reading::Counts(Counts(-8_388_608))]);
+}

@@ -1,0 +1,113 @@
+//! Rates: of the stamps, said or given.
+
+use floe::log::LogOptions;
+
+use super::{consecutive, indices, open, read, samples};
+
+#[test]
+fn a_clock_that_is_set_anew_is_said() {
+    let row = |i: u32| format!("{},500\n", f64::from(i) / 16.0 + if i < 50 { 0.0 } else { 8e8 });
+    let text = "time_s,force_n\n".to_string() + &(0..100).map(row).collect::<String>();
+    let mut log = open(text.as_bytes(), &LogOptions::default()).unwrap();
+    let samples = samples(&mut log).unwrap();
+    assert_eq!(
+        samples.last().map(|it| (it.raw.index, it.time_s)),
+        Some(((1 << 28) + 98, 8e8 + 6.1875))
+    );
+    assert_eq!(
+        log.warnings(),
+        [
+            "1 gap longer than 194.2 days: 268435455 samples each are counted as missing; was the clock set anew?"
+        ]
+    );
+}
+
+#[test]
+fn a_given_rate_stands_over_the_stamps() {
+    let content = b"# rate_hz: 8\nt,force_n\n0,1\n0.125,2\n0.25,3\n";
+    assert!((open(content, &LogOptions::default()).unwrap().rate_hz() - 8.0).abs() < 1e-12);
+    let options = LogOptions { rate_hz: Some(16.0), ..LogOptions::default() };
+    let mut log = open(content, &options).unwrap();
+    assert_eq!(indices(&samples(&mut log).unwrap()), [0, 2, 4]);
+}
+
+#[test]
+fn jitter_within_half_a_period_makes_neither_gaps_nor_duplicates() {
+    let mut state = 1_u64;
+    let mut jitter = || {
+        state =
+            state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        ((state >> 33) as f64 / f64::from(1_u32 << 31) - 0.5) * 0.9
+    };
+    let row = |i: i32| format!("{:.6},{i}\n", (f64::from(i) + jitter()) / 16.0 + 1.0);
+    let content = "t,force_n\n".to_string() + &(0..50_000).map(row).collect::<String>();
+    let (log, samples) = read(&content);
+    assert!(consecutive(&samples));
+    assert!((log.rate_hz() - 16.0).abs() < 1e-9);
+    assert!(log.warnings()[0].contains("do not fit"));
+}
+
+#[test]
+fn stamps_of_a_clock_that_is_off_do_not_drift_over_hours() {
+    let row = |i: u32| format!("{:.3},5\n", f64::from(i) / 16.0003);
+    let content = "t,force_n\n".to_string() + &(0..400_000).map(row).collect::<String>();
+    let (log, samples) = read(&content);
+    assert!(consecutive(&samples));
+    assert_eq!(log.warnings(), Vec::<String>::new());
+    let last = samples.last().unwrap();
+    assert!((last.time_s - 399_999.0 / 16.0003).abs() < 0.001);
+}
+
+/// A rate that a logger is set to is hardly ever the one it keeps.
+#[test]
+fn a_rate_that_is_only_called_so_gives_way_to_the_one_of_the_stamps() {
+    let log_of = |head: &str, rate_hz: f64, late_s: f64| {
+        let stamp = |i: u32| f64::from(i) / rate_hz + if i < 900 { 0.0 } else { late_s };
+        let rows = (0..1920).map(|i| format!("{:.4},{}\n", stamp(i), i % 40));
+        format!("{head}time_s,force_n\n{}", rows.collect::<String>())
+    };
+    for own_hz in [16.005, 16.1] {
+        let (log, samples) = read(&log_of("# rate_hz: 16\n", own_hz, 0.0));
+        assert!((log.rate_hz() - own_hz).abs() < 1e-4 && consecutive(&samples), "{own_hz}");
+        let said =
+            format!("come {own_hz:.4} times a second, and are taken so, not as '# rate_hz: 16'");
+        assert!(log.warnings()[0].contains(&said), "{:?}", log.warnings());
+        let given = LogOptions { rate_hz: Some(16.0), ..LogOptions::default() };
+        let refused = open(log_of("", own_hz, 0.0).as_bytes(), &given).unwrap_err();
+        assert!(refused.contains("--rate-hz says 16") && refused.contains("leave --rate-hz out"));
+    }
+    let (log, samples) = read(&log_of("# rate_hz: 16\n", 16.0, 0.0));
+    assert!(log.rate_hz() == 16.0 && consecutive(&samples) && log.warnings().is_empty());
+    // A clock that was set on the way tells no other rate.
+    let (log, _) = read(&log_of("# rate_hz: 16\n", 16.0, 0.53));
+    assert_eq!(log.rate_hz(), 16.0);
+}
+
+/// Samples that come a little faster or slower than the last digit of their stamps, which goes to the
+/// nearest or down.
+#[test]
+fn a_rate_near_that_of_the_last_digit_is_that_of_all_stamps() {
+    for (rate_hz, up) in [
+        (98.0, 0.0),
+        (99.0, 0.5),
+        (100.5, 0.5),
+        (102.0, 0.5),
+        (103.0, 0.0),
+        (104.0, 0.5),
+        (105.0, 0.0),
+    ] {
+        let stamp = |i: u32| (f64::from(i) / rate_hz * 100.0 + up).floor() / 100.0;
+        let row = |i: u32| format!("{:.2},{}\n", stamp(i), i % 40);
+        let log_of = |lost: u32| {
+            let rows = (0..6000).filter(|&i| i != lost).map(row);
+            format!("time_s,force_n\n{}", rows.collect::<String>())
+        };
+        let (log, all) = read(&log_of(6000));
+        assert!((log.rate_hz() / rate_hz - 1.0).abs() < 3e-5 && consecutive(&all), "{rate_hz}");
+        assert_eq!(log.warnings(), Vec::<String>::new());
+        let (log, samples) = read(&log_of(2500));
+        assert!((log.rate_hz() / rate_hz - 1.0).abs() < 3e-5, "{rate_hz}: {}", log.rate_hz());
+        assert_eq!(samples.last().unwrap().raw, all.last().unwrap().raw);
+        assert_eq!(log.warnings(), Vec::<String>::new());
+    }
+}
