@@ -71,7 +71,7 @@ fn in_groups(found: &Timing, rate_hz: f64, head: &[Row]) -> Ordering {
 
 /// Whether stamps keep a rate of their own beside a near one: with that many lie off their
 /// samples, with their own fewer than half of these, and they keep it all the time. A clock that
-/// is set on the way does not.
+/// is set on the way does not. Stamps that stand twice evenly keep theirs.
 fn keeps_its_own(
     found: &Timing,
     near_hz: f64,
@@ -81,7 +81,12 @@ fn keeps_its_own(
     /// One row in so many off is where a drift begins to cost samples, not a stamp that came late;
     /// tuned: more rows let smaller drifts pass.
     const MANY: usize = 20;
+    /// Rates that differ less are the same.
+    const SAME: f64 = 1e-3;
     let is_near = (found.rate_hz / near_hz - 1.0).abs() < NEAR;
+    if found.is_hardly_shared() {
+        return Ok(is_near && found.rate_hz > near_hz * (1.0 + SAME));
+    }
     if !is_near || found.shared.is_some() || head.len() < ENOUGH {
         return Ok(false);
     }

@@ -110,4 +110,12 @@ fn a_rate_near_that_of_the_last_digit_is_that_of_all_stamps() {
         assert_eq!(samples.last().unwrap().raw, all.last().unwrap().raw);
         assert_eq!(log.warnings(), Vec::<String>::new());
     }
+    let row = |i: u32| format!("{:.2},{}\n", f64::from(i) / 101.0, i % 40);
+    let rows = (0..6000).map(row).collect::<String>();
+    let (log, samples) = read(&format!("# rate_hz: 100\ntime_s,force_n\n{rows}"));
+    assert!((log.rate_hz() / 101.0 - 1.0).abs() < 3e-5 && consecutive(&samples));
+    assert!(log.warnings()[0].contains("and are taken so, not as '# rate_hz: 100' in line 1"));
+    let given = LogOptions { rate_hz: Some(100.0), ..LogOptions::default() };
+    let refused = open(format!("time_s,force_n\n{rows}").as_bytes(), &given).unwrap_err();
+    assert!(refused.contains("leave --rate-hz out"), "{refused}");
 }
