@@ -3,6 +3,7 @@
 use std::cmp::Ordering;
 
 use crate::error::InputError;
+use crate::rounding::significant;
 
 use super::clock::Clock;
 use super::rows::{Row, Rows};
@@ -44,6 +45,22 @@ pub fn keeps_up(given: f64, head: &[Row], rows: &Rows) -> Result<Option<String>,
         "--rate-hz says {given}, and the samples come {found_hz:.3} times a second: those in between \
          would be lost; leave --rate-hz out"
     )))
+}
+
+/// What to say of times of which some are left out evenly: the log does not tell whether their digits
+/// are too few or samples are lost.
+#[must_use]
+pub fn left_out(timing: &Timing) -> Option<String> {
+    let step = timing.shared?.step;
+    (step < 1.0).then(|| {
+        format!(
+            "of the times one in {:.0} is left out, evenly: taken for the digits of {:.3} samples per \
+             second; if samples are lost there, give --rate-hz {}",
+            (1.0 - step).recip(),
+            timing.rate_hz,
+            significant(timing.rate_hz / step)
+        )
+    })
 }
 
 /// How many the samples of shared stamps are beside a rate: more than it has, or fewer in each
