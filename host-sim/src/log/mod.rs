@@ -67,7 +67,7 @@ use metadata::Metadata;
 pub use number::{Decimal, STANDARD_GRAVITY, Unit};
 use open::{begin, no_floe, peek, recognise, refuse_binary, utf8};
 pub use options::LogOptions;
-use rate::{keeps_up, of_stamps};
+use rate::{keeps_up, left_out, of_stamps};
 use rows::{LastLine, Row, Rows};
 use start::Start;
 
@@ -304,6 +304,7 @@ impl Log {
             }
         }
         let timing = rows.layout().timing(&head, rate_hz)?;
+        recognised.notes.extend(left_out(&timing).filter(|_| options.rate_hz.is_none()));
         let keeps_one = options.rate_hz.is_none() && timing.shared.is_none();
         let origin_s = if rows.layout().time.is_calendar() { timing.start_s } else { 0.0 };
         Ok(Self {

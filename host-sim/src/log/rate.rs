@@ -3,6 +3,7 @@
 use std::cmp::Ordering;
 
 use crate::error::InputError;
+use crate::rounding::significant;
 
 use super::clock::Clock;
 use super::rows::{Row, Rows};
@@ -46,6 +47,22 @@ pub fn keeps_up(given: f64, head: &[Row], rows: &Rows) -> Result<Option<String>,
     )))
 }
 
+/// What to say of times of which some are left out evenly: the log does not tell whether their digits
+/// are too few or samples are lost.
+#[must_use]
+pub fn left_out(timing: &Timing) -> Option<String> {
+    let step = timing.shared?.step;
+    (step < 1.0).then(|| {
+        format!(
+            "of the times one in {:.0} is left out, evenly: taken for the digits of {:.3} samples per \
+             second; if samples are lost there, give --rate-hz {}",
+            (1.0 - step).recip(),
+            timing.rate_hz,
+            significant(timing.rate_hz / step)
+        )
+    })
+}
+
 /// How many the samples of shared stamps are beside a rate: more than it has, or fewer in each
 /// stamp. Fewer in some of them are lost.
 #[allow(clippy::float_cmp)] // a stamp that is repeated is repeated exactly
@@ -71,7 +88,7 @@ fn in_groups(found: &Timing, rate_hz: f64, head: &[Row]) -> Ordering {
 
 /// Whether stamps keep a rate of their own beside a near one: with that many lie off their
 /// samples, with their own fewer than half of these, and they keep it all the time. A clock that
-/// is set on the way does not.
+/// is set on the way does not. Stamps that stand twice evenly keep theirs.
 fn keeps_its_own(
     found: &Timing,
     near_hz: f64,
@@ -81,7 +98,12 @@ fn keeps_its_own(
     /// One row in so many off is where a drift begins to cost samples, not a stamp that came late;
     /// tuned: more rows let smaller drifts pass.
     const MANY: usize = 20;
+    /// Rates that differ less are the same.
+    const SAME: f64 = 1e-3;
     let is_near = (found.rate_hz / near_hz - 1.0).abs() < NEAR;
+    if found.is_hardly_shared() {
+        return Ok(is_near && found.rate_hz > near_hz * (1.0 + SAME));
+    }
     if !is_near || found.shared.is_some() || head.len() < ENOUGH {
         return Ok(false);
     }

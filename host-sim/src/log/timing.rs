@@ -32,6 +32,15 @@ pub struct Timing {
     pub shared: Option<Shared>,
 }
 
+impl Timing {
+    /// Whether a stamp stands twice now and then because samples come a little faster than its last
+    /// digit goes up.
+    #[must_use]
+    pub fn is_hardly_shared(&self) -> bool {
+        self.shared.is_some_and(|it| it.step > 1.0 && it.step * (1.0 - SHARED_FROM) < 1.0)
+    }
+}
+
 /// Samples that share a stamp, or have one that is rounded by half a period.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shared {

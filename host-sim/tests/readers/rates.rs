@@ -1,6 +1,6 @@
 //! Rates: of the stamps, said or given.
 
-use floe::log::LogOptions;
+use floe::log::{Log, LogOptions};
 
 use super::{consecutive, indices, open, read, samples};
 
@@ -104,10 +104,24 @@ fn a_rate_near_that_of_the_last_digit_is_that_of_all_stamps() {
         };
         let (log, all) = read(&log_of(6000));
         assert!((log.rate_hz() / rate_hz - 1.0).abs() < 3e-5 && consecutive(&all), "{rate_hz}");
-        assert_eq!(log.warnings(), Vec::<String>::new());
+        let said =
+            if rate_hz < 100.0 { "is left out, evenly: taken for the digits of" } else { "" };
+        let all_said = |log: &Log| {
+            let warnings = log.warnings();
+            warnings.iter().all(|it| it.contains(said)) && warnings.is_empty() == said.is_empty()
+        };
+        assert!(all_said(&log), "{rate_hz}: {:?}", log.warnings());
         let (log, samples) = read(&log_of(2500));
         assert!((log.rate_hz() / rate_hz - 1.0).abs() < 3e-5, "{rate_hz}: {}", log.rate_hz());
         assert_eq!(samples.last().unwrap().raw, all.last().unwrap().raw);
-        assert_eq!(log.warnings(), Vec::<String>::new());
+        assert!(all_said(&log), "{rate_hz}: {:?}", log.warnings());
     }
+    let row = |i: u32| format!("{:.2},{}\n", f64::from(i) / 101.0, i % 40);
+    let rows = (0..6000).map(row).collect::<String>();
+    let (log, samples) = read(&format!("# rate_hz: 100\ntime_s,force_n\n{rows}"));
+    assert!((log.rate_hz() / 101.0 - 1.0).abs() < 3e-5 && consecutive(&samples));
+    assert!(log.warnings()[0].contains("and are taken so, not as '# rate_hz: 100' in line 1"));
+    let given = LogOptions { rate_hz: Some(100.0), ..LogOptions::default() };
+    let refused = open(format!("time_s,force_n\n{rows}").as_bytes(), &given).unwrap_err();
+    assert!(refused.contains("leave --rate-hz out"), "{refused}");
 }
