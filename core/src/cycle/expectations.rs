@@ -173,14 +173,16 @@ impl Expectations {
     }
 
     /// Learns the event's own loading rate, swing and rate change, unless it is a suspect.
-    /// `strained` as from [`is_strained`].
+    /// `strained` as from [`is_strained`]; `excess` is what the variances were multiplied by because the
+    /// model is far from the samples. Gives as well how far `Fp` is off the usual one, N, if the
+    /// weight may be why ([`Mass::unexplained_n`]).
     pub(crate) fn learn(
         &mut self,
         data: &Data<'_>,
         posterior: &Posterior,
         noise_n2: f32,
-        strained: bool,
-    ) -> Verdict {
+        (strained, excess): (bool, f32),
+    ) -> (Verdict, f32) {
         let Posterior { cycle, unknowns: [_, rate, _, _, inverse_omega, rate_change], .. } =
             *posterior;
         self.rate.forget();
@@ -194,26 +196,31 @@ impl Expectations {
         // The loading rate and the swing are above zero; the rate change may have any sign.
         let positive = |own: &(f32, f32)| own.0 > 0.0;
         // What slips that are hardly resolved tell of the swing is what was expected of them.
-        let own_swing = |least| {
-            let own = own(cycle.inverse_omega(), inverse_omega, data.inverse_omega, least)
-                .filter(positive);
+        let own_swing = |variance, least| {
+            let own =
+                own(cycle.inverse_omega(), variance, data.inverse_omega, least).filter(positive);
             own.filter(|own| posterior.tells_swing(own.1))
         };
         let mut evidence = Evidence {
             // Little of its own is enough to judge by: an expected swing hides another one. Not on
-            // a slack cable, which cannot push.
-            inverse_omega: own_swing(LEAST_JUDGED).filter(|_| cycle.restick_n() > 0.0),
+            // a slack cable, which cannot push. With another mass the model would be as near as ever.
+            inverse_omega: own_swing(inverse_omega / excess, LEAST_JUDGED)
+                .filter(|_| cycle.restick_n() > 0.0),
             dynamic_n: cycle.dynamic_n(),
             // Without a line before it its rate is the one that was expected.
             same_cable: data.before.count > 0 && self.is_usual_rate(cycle.rate),
             strained: strained && cycle.restick_n() > 0.0,
         };
         let watches = self.effects.has(Effect::Mass);
-        let verdict = if watches { self.mass.judge(&evidence) } else { Verdict::Same };
+        let (verdict, off_n) = if watches {
+            (self.mass.judge(&evidence), self.mass.unexplained_n(&evidence))
+        } else {
+            (Verdict::Same, 0.0)
+        };
         let on_trial = self.mass.is_on_trial();
         let own_rate = own(cycle.rate, rate, data.rate, LEAST_OWN).filter(positive);
         if strained || (verdict == Verdict::Suspect && !on_trial) {
-            return verdict;
+            return (verdict, off_n);
         }
         // A first rate that did not last is not that of the events to come, nor is its change
         // theirs. Where the force wanders that may be why: then the rate is taken, and no change.
@@ -226,8 +233,9 @@ impl Expectations {
         if let Some((value, variance)) = own_change.filter(|_| steady) {
             self.rate_change.add(value, variance);
         }
-        evidence.inverse_omega = own_swing(LEAST_OWN).filter(|_| !on_trial || is_clear(posterior));
-        self.mass.learn(&evidence).unwrap_or(verdict)
+        evidence.inverse_omega =
+            own_swing(inverse_omega, LEAST_OWN).filter(|_| !on_trial || is_clear(posterior));
+        (self.mass.learn(&evidence).unwrap_or(verdict), off_n)
     }
 
     /// Periods before an onset in which the force lacks more than a fifth of the noise's standard

@@ -5,7 +5,6 @@ use crate::cycle::refusal::{self, FAST, RootStiffnessRatio};
 use crate::cycle::slip_record::SlipRecord;
 use crate::cycle::{CycleTracker, Finished};
 use crate::event::{Event, Quality, Reason};
-use crate::fit::correction::Correction;
 use crate::fit::posterior::{CLEAR, Posterior};
 use crate::model::{CycleParams, Shape};
 use crate::num::math::larger;
@@ -41,7 +40,6 @@ impl CycleTracker {
             }
             Outcome::Fitted => {
                 measured.relax(&slip.elongation);
-                self.doubt_slack(&mut measured);
                 let (finished, load) = self.fitted(slip, &after, &measured);
                 (finished, Some(load))
             }
@@ -86,24 +84,6 @@ impl CycleTracker {
             finished.event.reason = finished.event.reason.or(Some(Reason::TooShort));
         }
         (finished, SampleTime::after(slip.origin, loads))
-    }
-
-    /// A winch that stands while the cable hangs slack, or while the force is low, makes the slack
-    /// last longer, and the fitted `Fp` too low. Where that lies far below those of the events
-    /// before, `Fp` is as unsure as the difference. By a fall to a lower `Fp` the onset is later by
-    /// at most the difference over `d omega`, and `Fs` as much higher as the line rises in that
-    /// time.
-    fn doubt_slack(&self, measured: &mut Measured) {
-        let cycle = &measured.posterior.cycle;
-        if cycle.is_taut() {
-            return;
-        }
-        let off_n = self.levels.read(|levels| levels.below_n(cycle.dynamic_n()));
-        if off_n > 0.0 {
-            let static_n = off_n * cycle.rate * cycle.inverse_omega() / cycle.half_drop_n;
-            let (static_n2, dynamic_n2) = (static_n * static_n, off_n * off_n);
-            measured.apply(&Correction { static_n2, dynamic_n2, ..Correction::default() });
-        }
     }
 
     /// Why an event that has no reason yet is not believed: by all events of late, or, where the

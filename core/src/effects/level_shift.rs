@@ -171,16 +171,6 @@ impl Levels {
         Some(shift)
     }
 
-    /// How far a value of `Fp` lies below those of the last events, N, beyond what these scatter: by more
-    /// than `WIDTHS` times the width of their middle half, which is about a standard deviation. Zero
-    /// before there are six.
-    pub(crate) fn below_n(&self, dynamic_n: f32) -> f32 {
-        const WIDTHS: f32 = 4.0;
-        let (mean, width) = middle_half(self.dynamic_n.recent);
-        let off_n = mean - dynamic_n;
-        if off_n > WIDTHS * width { off_n } else { 0.0 }
-    }
-
     /// Nothing before counts any more, but how much the levels usually differ.
     pub(crate) fn forget(&mut self) {
         self.taken = 0.0;
@@ -222,20 +212,5 @@ mod tests {
         assert_eq!(told((0..400).map(|i| force(i, 490.0 + i as f32))).count(), 0);
         let odd = |i: usize| force(i, if i % 10 == 7 { 150.0 } else { 490.0 });
         assert_eq!(told((0..400).map(odd)).count(), 0);
-    }
-
-    #[test]
-    fn a_force_far_below_those_before_is_seen_and_one_within_their_scatter_is_not() {
-        let mut levels = Levels::default();
-        assert!(levels.below_n(10.0) <= 0.0);
-        for i in 0..8 {
-            let force_n = force(i, 200.0);
-            // Too few before.
-            assert!(i > 4 || levels.below_n(20.0) <= 0.0, "{i}");
-            levels.take(400.0, force_n);
-        }
-        assert!(levels.below_n(180.0) <= 0.0 && levels.below_n(400.0) <= 0.0);
-        let far_n = levels.below_n(20.0);
-        assert!((150.0..200.0).contains(&far_n), "{far_n}");
     }
 }

@@ -50,8 +50,10 @@ pub(crate) struct CycleFit {
     expected: Expected,
     /// The fit, once there is one.
     fit: Fit,
-    /// How far the samples around the slip are from it.
+    /// How far the samples around the slip are from it, and by what its variances were multiplied for
+    /// that.
     strain: Strain,
+    excess: f32,
     /// What is known of the event so far.
     pub(crate) measured: Measured,
 }
@@ -129,6 +131,7 @@ impl CycleFit {
             expected: Expected::default(),
             fit: Fit::default(),
             strain: Strain::None,
+            excess: 1.0,
             measured: Measured::default(),
         }
     }
@@ -270,6 +273,7 @@ impl CycleFit {
             posterior
         };
         self.measured.posterior = self.strain.around(posterior, fit, noise_n2);
+        self.excess = 1.0;
         self.stage = FitStage::Learning;
     }
 }

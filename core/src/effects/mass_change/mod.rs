@@ -16,13 +16,18 @@ mod swings;
 pub(crate) use crate::effects::mass_change::swings::Evidence;
 
 use crate::effects::mass_change::swings::{LEAST, Ratio, Swings, is_nearer};
-use crate::num::math;
+use crate::num::math::{self, larger, smaller};
 use crate::stats::fading_trend::FadingTrend;
 use crate::stats::prior::Prior;
 
 /// Standard deviations by which the mean swing of a trial has to be off. Tuned: fewer than for
 /// one event, since a trial is only begun where the forces have changed as well.
 const FAR_MEAN: f32 = 4.0;
+
+/// Standard deviations of `Fp` beyond which one is no usual one.
+const FAR_FORCE: f32 = 5.0;
+/// Those, beside a change of [`LEAST`], beyond which a difference is not learnt as a usual one.
+const USUAL: f32 = 2.0;
 
 /// Events since the last change before which no swing is judged.
 const FEWEST: u32 = 5;
@@ -67,8 +72,9 @@ pub(crate) struct Mass {
     state: State,
     /// Events since the last change.
     seen: u32,
-    /// Mean `Fp` of the recent events, N.
+    /// Mean `Fp` of the recent events, N, and its mean squared deviation, N².
     dynamic_n: f32,
+    scatter_n2: f32,
     /// The weight in use over the given one, up to the last change.
     base: Ratio,
     /// The swing before the last change of mass or the trial, and the swings since.
@@ -116,9 +122,8 @@ impl Mass {
     }
 
     fn judge_steady(&mut self, evidence: &Evidence) -> Verdict {
-        if self.seen < FEWEST
-            || !(evidence.strained || evidence.is_off(self.inverse_omega.prior(1.0)))
-        {
+        let is_off = || evidence.is_off(self.inverse_omega.prior(1.0), self.forces(evidence));
+        if self.seen < FEWEST || !(evidence.strained || is_off()) {
             return Verdict::Same;
         }
         self.state = State::Suspect(core::mem::take(&mut self.inverse_omega), 1);
@@ -129,7 +134,7 @@ impl Mass {
     fn judge_suspect(&mut self, evidence: &Evidence, kept: &FadingTrend, odd: u32) -> Verdict {
         let before = kept.prior(1.0);
         let (verdict, state) = if evidence.strained
-            || (evidence.inverse_omega.is_some() && !evidence.is_off(before))
+            || (evidence.inverse_omega.is_some() && !evidence.is_off(before, self.forces(evidence)))
         {
             self.inverse_omega = *kept;
             // One that the model cannot describe is not to be learnt from either.
@@ -166,8 +171,31 @@ impl Mass {
             return Some(verdict);
         }
         let share = 1.0 / self.seen.clamp(1, 8) as f32;
-        self.dynamic_n += share * (evidence.dynamic_n - self.dynamic_n);
+        let mut off_n = evidence.dynamic_n - self.dynamic_n;
+        if self.seen > FEWEST {
+            let most_n = USUAL * math::sqrt(self.scatter_n2) + LEAST * self.dynamic_n.abs();
+            off_n = larger(smaller(off_n, most_n), -most_n);
+        }
+        self.dynamic_n += share * off_n;
+        self.scatter_n2 += share * (off_n * off_n * (1.0 - share) - self.scatter_n2);
         None
+    }
+
+    /// An event's `Fp` over the usual one, if events differ from that by far less.
+    fn forces(&self, evidence: &Evidence) -> Option<f32> {
+        let off_n = evidence.dynamic_n - self.dynamic_n;
+        let is_far = off_n * off_n > FAR_FORCE * FAR_FORCE * self.scatter_n2
+            && off_n.abs() > LEAST * self.dynamic_n.abs();
+        (self.seen >= FEWEST && is_far).then_some(evidence.dynamic_n / self.dynamic_n)
+    }
+
+    /// How far an event's `Fp` lies from the usual one, N, if by far more than events do and if its swing
+    /// does not tell that the mass is the usual one, and so that it is friction's: else zero.
+    pub(crate) fn unexplained_n(&self, evidence: &Evidence) -> f32 {
+        let Some(forces) = self.forces(evidence) else { return 0.0 };
+        let before = self.inverse_omega.prior(1.0);
+        let other = Prior { mean: before.mean * math::sqrt(larger(forces, 0.0)), ..before };
+        if evidence.excludes(other) { 0.0 } else { evidence.dynamic_n - self.dynamic_n }
     }
 
     /// The forces have changed; `dynamic_before_n` was `Fp` before: starts a trial. `false` if the

@@ -5,6 +5,8 @@ use crate::stats::prior::Prior;
 /// Standard deviations by which the swing of one event has to be off: of normal ones one in 5e8, for a
 /// suspect has no coefficients.
 const FAR: f32 = 6.0;
+/// The same where its forces are as far off: what is left is one in 400.
+const LIKELY: f32 = 3.0;
 /// A smaller change of the mass is not claimed: sag and wear change the stiffness
 /// like that.
 pub(super) const LEAST: f32 = 0.05;
@@ -62,15 +64,25 @@ impl Swings {
 }
 
 impl Evidence {
-    /// Is the swing off by more than its noise, and by more than a cable may vary?
-    pub(super) fn is_off(&self, expected: Prior) -> bool {
-        let Some((inverse_omega, variance)) = self.inverse_omega.filter(|_| expected.weight > 0.0)
-        else {
-            return false;
-        };
-        let off = inverse_omega - expected.mean;
-        off * off > FAR * FAR * (variance + 1.0 / expected.weight)
-            && (self.mass_ratio(expected) - 1.0).abs() > LEAST
+    /// Is the swing off by more than its noise, and by more than a cable may vary? Less is enough where
+    /// `Fp` is an unusual one, `forces` times the usual one, as that mass would have it.
+    pub(super) fn is_off(&self, expected: Prior, forces: Option<f32>) -> bool {
+        let masses = self.mass_ratio(expected);
+        let agree = forces.is_some_and(|forces| is_nearer(forces, masses));
+        self.is_far(expected, if agree { LIKELY } else { FAR }) && (masses - 1.0).abs() > LEAST
+    }
+
+    /// Does the swing tell that the mass is not the one with this swing?
+    pub(super) fn excludes(&self, other: Prior) -> bool {
+        self.is_far(other, LIKELY)
+    }
+
+    fn is_far(&self, expected: Prior, far: f32) -> bool {
+        let told = self.inverse_omega.filter(|_| expected.weight > 0.0);
+        told.is_some_and(|(inverse_omega, variance)| {
+            let off = inverse_omega - expected.mean;
+            off * off > far * far * (variance + 1.0 / expected.weight)
+        })
     }
 
     /// Has the mass changed: with the same cable, and the force with it?
