@@ -16,7 +16,7 @@ mod swings;
 pub(crate) use crate::effects::mass_change::swings::Evidence;
 
 use crate::effects::mass_change::swings::{LEAST, Ratio, Swings, is_nearer};
-use crate::num::math::{self, larger, smaller};
+use crate::num::math;
 use crate::stats::fading_trend::FadingTrend;
 use crate::stats::prior::Prior;
 
@@ -26,8 +26,6 @@ const FAR_MEAN: f32 = 4.0;
 
 /// Standard deviations of `Fp` beyond which one is no usual one.
 const FAR_FORCE: f32 = 5.0;
-/// Those, beside a change of [`LEAST`], beyond which a difference is not learnt as a usual one.
-const USUAL: f32 = 2.0;
 
 /// Events since the last change before which no swing is judged.
 const FEWEST: u32 = 5;
@@ -170,18 +168,18 @@ impl Mass {
             self.dynamic_n = self.since.dynamic_n_or(self.dynamic_n);
             return Some(verdict);
         }
-        let share = 1.0 / self.seen.clamp(1, 8) as f32;
-        let mut off_n = evidence.dynamic_n - self.dynamic_n;
-        if self.seen > FEWEST {
-            let most_n = USUAL * math::sqrt(self.scatter_n2) + LEAST * self.dynamic_n.abs();
-            off_n = larger(smaller(off_n, most_n), -most_n);
+        // What is far from usual is another level, or none: a change starts anew.
+        if self.forces(evidence).is_none() {
+            let share = 1.0 / self.seen.clamp(1, 8) as f32;
+            let off_n = evidence.dynamic_n - self.dynamic_n;
+            self.dynamic_n += share * off_n;
+            self.scatter_n2 += share * (off_n * off_n * (1.0 - share) - self.scatter_n2);
         }
-        self.dynamic_n += share * off_n;
-        self.scatter_n2 += share * (off_n * off_n * (1.0 - share) - self.scatter_n2);
         None
     }
 
     /// An event's `Fp` over the usual one, if events differ from that by far less.
+    #[inline(never)]
     fn forces(&self, evidence: &Evidence) -> Option<f32> {
         let off_n = evidence.dynamic_n - self.dynamic_n;
         let is_far = off_n * off_n > FAR_FORCE * FAR_FORCE * self.scatter_n2
@@ -191,11 +189,11 @@ impl Mass {
 
     /// How far an event's `Fp` lies from the usual one, N, if by far more than events do and if its swing
     /// does not tell that the mass is the usual one, and so that it is friction's: else zero.
+    #[inline(never)]
     pub(crate) fn unexplained_n(&self, evidence: &Evidence) -> f32 {
         let Some(forces) = self.forces(evidence) else { return 0.0 };
-        let before = self.inverse_omega.prior(1.0);
-        let other = Prior { mean: before.mean * math::sqrt(larger(forces, 0.0)), ..before };
-        if evidence.excludes(other) { 0.0 } else { evidence.dynamic_n - self.dynamic_n }
+        let is_friction = evidence.excludes(self.inverse_omega.prior(1.0), forces);
+        if is_friction { 0.0 } else { evidence.dynamic_n - self.dynamic_n }
     }
 
     /// The forces have changed; `dynamic_before_n` was `Fp` before: starts a trial. `false` if the
@@ -216,6 +214,7 @@ impl Mass {
     pub(crate) fn leave_open(&mut self, dynamic_n: f32, before_n: f32) {
         let off = dynamic_n / before_n - 1.0;
         self.base.variance += off * off;
+        self.dynamic_n = dynamic_n;
     }
 
     /// Is a trial under way?

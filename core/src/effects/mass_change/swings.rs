@@ -66,22 +66,27 @@ impl Swings {
 impl Evidence {
     /// Is the swing off by more than its noise, and by more than a cable may vary? Less is enough where
     /// `Fp` is an unusual one, `forces` times the usual one, as that mass would have it.
+    #[inline(never)]
     pub(super) fn is_off(&self, expected: Prior, forces: Option<f32>) -> bool {
         let masses = self.mass_ratio(expected);
         let agree = forces.is_some_and(|forces| is_nearer(forces, masses));
-        self.is_far(expected, if agree { LIKELY } else { FAR }) && (masses - 1.0).abs() > LEAST
+        self.is_far(expected, 1.0, if agree { LIKELY } else { FAR }) && (masses - 1.0).abs() > LEAST
     }
 
-    /// Does the swing tell that the mass is not the one with this swing?
-    pub(super) fn excludes(&self, other: Prior) -> bool {
-        self.is_far(other, LIKELY)
+    /// Does the swing tell that the mass is not `ratio` times the one with the expected swing?
+    pub(super) fn excludes(&self, expected: Prior, ratio: f32) -> bool {
+        self.is_far(expected, ratio, LIKELY)
     }
 
-    fn is_far(&self, expected: Prior, far: f32) -> bool {
+    /// Is the mass ratio so many standard deviations from `ratio`? Its variance is four times itself,
+    /// times the variance of the swing over the square of the expected one.
+    #[inline(never)]
+    fn is_far(&self, expected: Prior, ratio: f32, far: f32) -> bool {
         let told = self.inverse_omega.filter(|_| expected.weight > 0.0);
-        told.is_some_and(|(inverse_omega, variance)| {
-            let off = inverse_omega - expected.mean;
-            off * off > far * far * (variance + 1.0 / expected.weight)
+        told.is_some_and(|(_, variance)| {
+            let masses = self.mass_ratio(expected);
+            let off = (masses - ratio) * expected.mean;
+            off * off > 4.0 * far * far * masses * (variance + 1.0 / expected.weight)
         })
     }
 
