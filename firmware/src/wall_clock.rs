@@ -93,25 +93,41 @@ impl Moment {
     /// Of year, month and day; hour, minute and second.
     #[inline(never)]
     fn of([year, month, day]: [u32; 3], [hour, minute, second]: [u32; 3]) -> Option<Self> {
-        let leap = u32::from(year.is_multiple_of(4));
-        let days = DAYS_BEFORE.get(month.checked_sub(1)? as usize)?;
-        let last = DAYS_BEFORE.get(month as usize).copied().unwrap_or(365) - days;
-        let last = if month == 2 { last + leap } else { last };
-        let good = (2000..2100).contains(&year) && (1..=last).contains(&day);
+        let good =
+            (2000..2100).contains(&year) && (1..=12).contains(&month) && (1..=31).contains(&day);
         if !good || hour > 23 || minute > 59 || second > 59 {
             return None;
         }
-        let years = year - 2000;
-        let extra = years.div_ceil(4) + if month > 2 { leap } else { 0 };
-        let days = DAYS_TO_2000 + 365 * years + extra + days + day - 1;
+        // The year begins in March: so its last month is the one that has another day.
+        let since_march = (month + 9) % 12;
+        let years = year - MARCH_YEAR - u32::from(since_march >= 10);
+        let days = 1461 * years / 4 + (153 * since_march + 2) / 5 + day - 1 - MARCH_TO_1970;
+        if date(days) != [year, month, day] {
+            return None;
+        }
         let seconds = 3600 * hour + 60 * minute + second;
         Some(Self(u64::from(days) * DAY_MS + u64::from(seconds) * 1000))
     }
 }
 
-const DAYS_TO_2000: u32 = 10_957;
-/// Days of a common year before each month.
-const DAYS_BEFORE: [u32; 12] = [0, 31, 59, 90, 120, 151, 181, 212, 243, 273, 304, 334];
+/// A leap year whose first of March all days are counted from, and the days from there to 1970.
+const MARCH_YEAR: u32 = 1968;
+const MARCH_TO_1970: u32 = 671;
+
+/// Year, month and day of a day since 1970. Up to 2099 every fourth year has a day more; all later days
+/// are the last one. From March on 153 days are five months.
+#[inline(never)]
+fn date(day: u32) -> [u32; 3] {
+    const LAST: u32 = 47_481;
+    let day = day.min(LAST) + MARCH_TO_1970;
+    let years = (4 * day + 3) / 1461;
+    let day = day - 1461 * years / 4;
+    let since_march = (5 * day + 2) / 153;
+    let day = day - (153 * since_march + 2) / 5 + 1;
+    let is_next = since_march >= 10;
+    let month = if is_next { since_march - 9 } else { since_march + 3 };
+    [MARCH_YEAR + years + u32::from(is_next), month, day]
+}
 
 /// Two decimal digits of four bits.
 #[inline(never)]
@@ -146,23 +162,10 @@ fn parts(unix_ms: u64) -> (u32, u32, u16) {
 
 impl Show for Moment {
     fn show(&self, out: &mut Out<'_>) {
-        let (mut day, _, ms) = parts(self.0);
-        let mut year = 1970;
-        let leap = |year: u32| {
-            let by = |years: u32| year.is_multiple_of(years);
-            u32::from(by(4) && (!by(100) || by(400)))
-        };
-        while day >= 365 + leap(year) {
-            day -= 365 + leap(year);
-            year += 1;
-        }
-        let before = |month: usize| {
-            let days = DAYS_BEFORE.get(month).copied().unwrap_or(365);
-            if month > 1 { days + leap(year) } else { days }
-        };
-        let month = (0..12).rev().find(|&month| before(month) <= day).unwrap_or(0);
+        let (day, _, ms) = parts(self.0);
+        let [year, month, day] = date(day);
         whole(out, year.into(), 4);
-        for number in [month as u32 + 1, day - before(month) + 1] {
+        for number in [month, day] {
             "-".show(out);
             whole(out, number.into(), 2);
         }

@@ -169,7 +169,7 @@ impl Mass {
             return Some(verdict);
         }
         // What is far from usual is another level, or none: a change starts anew.
-        if self.forces(evidence).is_none() {
+        if self.off_n(evidence).abs() <= 0.0 {
             let share = 1.0 / self.seen.clamp(1, 8) as f32;
             let off_n = evidence.dynamic_n - self.dynamic_n;
             self.dynamic_n += share * off_n;
@@ -178,22 +178,27 @@ impl Mass {
         None
     }
 
-    /// An event's `Fp` over the usual one, if events differ from that by far less.
+    /// How far an event's `Fp` lies from the usual one, N, if by far more than events do; else zero.
     #[inline(never)]
-    fn forces(&self, evidence: &Evidence) -> Option<f32> {
+    fn off_n(&self, evidence: &Evidence) -> f32 {
         let off_n = evidence.dynamic_n - self.dynamic_n;
         let is_far = off_n * off_n > FAR_FORCE * FAR_FORCE * self.scatter_n2
             && off_n.abs() > LEAST * self.dynamic_n.abs();
-        (self.seen >= FEWEST && is_far).then_some(evidence.dynamic_n / self.dynamic_n)
+        if self.seen >= FEWEST && is_far { off_n } else { 0.0 }
     }
 
-    /// How far an event's `Fp` lies from the usual one, N, if by far more than events do and if its swing
-    /// does not tell that the mass is the usual one, and so that it is friction's: else zero.
+    /// An event's `Fp` over the usual one; 1 for a usual one.
+    fn forces(&self, evidence: &Evidence) -> f32 {
+        1.0 + self.off_n(evidence) / self.dynamic_n
+    }
+
+    /// As [`Self::off_n`], unless the event's swing tells that its mass is not that of its force: then the
+    /// friction is another one.
     #[inline(never)]
     pub(crate) fn unexplained_n(&self, evidence: &Evidence) -> f32 {
-        let Some(forces) = self.forces(evidence) else { return 0.0 };
-        let is_friction = evidence.excludes(self.inverse_omega.prior(1.0), forces);
-        if is_friction { 0.0 } else { evidence.dynamic_n - self.dynamic_n }
+        let is_friction =
+            evidence.excludes(self.inverse_omega.prior(1.0), evidence.dynamic_n / self.dynamic_n);
+        if is_friction { 0.0 } else { self.off_n(evidence) }
     }
 
     /// The forces have changed; `dynamic_before_n` was `Fp` before: starts a trial. `false` if the

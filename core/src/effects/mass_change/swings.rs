@@ -65,11 +65,11 @@ impl Swings {
 
 impl Evidence {
     /// Is the swing off by more than its noise, and by more than a cable may vary? Less is enough where
-    /// `Fp` is an unusual one, `forces` times the usual one, as that mass would have it.
+    /// `Fp` is `forces` times the usual one as that mass would have it.
     #[inline(never)]
-    pub(super) fn is_off(&self, expected: Prior, forces: Option<f32>) -> bool {
+    pub(super) fn is_off(&self, expected: Prior, forces: f32) -> bool {
         let masses = self.mass_ratio(expected);
-        let agree = forces.is_some_and(|forces| is_nearer(forces, masses));
+        let agree = is_nearer(forces, masses);
         self.is_far(expected, 1.0, if agree { LIKELY } else { FAR }) && (masses - 1.0).abs() > LEAST
     }
 
