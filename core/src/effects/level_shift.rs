@@ -84,7 +84,7 @@ impl Level {
         self.before += share * off;
         self.scatter += share * (off * off * (1.0 - share) - self.scatter);
         if left >= FEWEST {
-            self.off = middle_half(self.recent).0 - self.before;
+            self.off = middle_half(&self.recent) - self.before;
             let share = 1.0 / smaller(compared + 1.0, MEMORY);
             // A change is not usual: what exceeds the usual by far counts for less.
             let square = smaller(self.off * self.off, MOST_USUAL * self.usual());
@@ -122,11 +122,14 @@ impl Level {
     }
 }
 
-/// Mean of the middle half of the values, and from its lowest to its highest.
-fn middle_half(mut values: [f32; RECENT]) -> (f32, f32) {
-    values.sort_unstable_by(f32::total_cmp);
-    let [_, _, low, a, b, high, _, _] = values;
-    (0.25 * (low + a + b + high), high - low)
+/// Mean of the middle half of the values.
+fn middle_half(values: &[f32; RECENT]) -> f32 {
+    let rank = |value: f32, place: usize| {
+        values.iter().zip(0..).filter(|&(&other, at)| (other, at) < (value, place)).count()
+    };
+    let ranked =
+        values.iter().zip(0..).filter(|&(&value, place)| (2..6).contains(&rank(value, place)));
+    0.25 * ranked.map(|(value, _)| value).sum::<f32>()
 }
 
 /// Follows the levels of `Fs` and `Fp`.
