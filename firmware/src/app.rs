@@ -26,6 +26,9 @@ mod test;
 use console::config_error;
 use test::Test;
 
+/// For a note or a mark without one.
+const NO_TEST: &str = "start a test first";
+
 /// Everything but the sampling interrupt and the board.
 // The small fields first: their distance from the beginning is a part of every instruction
 // that uses them, and a small one makes it a short one.

@@ -163,9 +163,9 @@ impl Command {
             "self-test" => rest_is(Self::SelfTest),
             "note" if rest.is_empty() => Err("note, and what is to be written down"),
             "note" => String::try_from(rest).map(Self::Note).map_err(|_| "that is too long"),
-            "winch" => {
-                from_word(Winch::ALL, rest).map(Self::Winch).ok_or("winch moving, or winch held")
-            }
+            "winch" => from_word(Winch::ALL, rest)
+                .map(Self::Winch)
+                .ok_or("unknown command; help lists them"),
             "clock" if rest.is_empty() => Ok(Self::Clock(None)),
             "clock" => match Moment::parse(rest) {
                 Some(moment) => Ok(Self::Clock(Some(moment))),

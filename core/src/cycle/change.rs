@@ -89,7 +89,7 @@ impl CycleTracker {
                 let first = (event.index.saturating_sub(shift.events_ago), event.onset);
                 let watches = self.site.effects.has(Effect::Mass);
                 let (mass, before_n) = (&mut self.learnt.mass, shift.dynamic_before_n);
-                if watches && is_clear(posterior) && mass.doubt(before_n) {
+                if watches && is_clear(posterior) && mass.try_weight(before_n) {
                     self.suspect = Some(first);
                     return None;
                 }

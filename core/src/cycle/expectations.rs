@@ -174,15 +174,14 @@ impl Expectations {
 
     /// Learns the event's own loading rate, swing and rate change, unless it is a suspect.
     /// `strained` as from [`is_strained`]; `excess` is what the variances were multiplied by because the
-    /// model is far from the samples. Gives as well how far `Fp` is off the usual one, N, if the
-    /// weight may be why ([`Mass::unexplained_n`]).
+    /// model is far from the samples.
     pub(crate) fn learn(
         &mut self,
         data: &Data<'_>,
         posterior: &Posterior,
         noise_n2: f32,
         (strained, excess): (bool, f32),
-    ) -> (Verdict, f32) {
+    ) -> Verdict {
         let Posterior { cycle, unknowns: [_, rate, _, _, inverse_omega, rate_change], .. } =
             *posterior;
         self.rate.forget();
@@ -212,15 +211,11 @@ impl Expectations {
             strained: strained && cycle.restick_n() > 0.0,
         };
         let watches = self.effects.has(Effect::Mass);
-        let (verdict, off_n) = if watches {
-            (self.mass.judge(&evidence), self.mass.unexplained_n(&evidence))
-        } else {
-            (Verdict::Same, 0.0)
-        };
+        let verdict = if watches { self.mass.judge(&evidence) } else { Verdict::Same };
         let on_trial = self.mass.is_on_trial();
         let own_rate = own(cycle.rate, rate, data.rate, LEAST_OWN).filter(positive);
         if strained || (verdict == Verdict::Suspect && !on_trial) {
-            return (verdict, off_n);
+            return verdict;
         }
         // A first rate that did not last is not that of the events to come, nor is its change
         // theirs. Where the force wanders that may be why: then the rate is taken, and no change.
@@ -235,7 +230,7 @@ impl Expectations {
         }
         evidence.inverse_omega =
             own_swing(inverse_omega, LEAST_OWN).filter(|_| !on_trial || is_clear(posterior));
-        (self.mass.learn(&evidence).unwrap_or(verdict), off_n)
+        self.mass.learn(&evidence).unwrap_or(verdict)
     }
 
     /// Periods before an onset in which the force lacks more than a fifth of the noise's standard

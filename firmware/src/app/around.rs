@@ -3,7 +3,7 @@
 use embedded_io::{Read, ReadReady, Write};
 use heapless::String;
 
-use super::{App, Job, config_error};
+use super::{App, Job, NO_TEST, config_error};
 use crate::adc::Climate;
 use crate::console::INPUT_LEN;
 use crate::line::Line;
@@ -90,7 +90,7 @@ impl<P: Read + ReadReady + Write, S: Store> App<'_, P, S> {
     #[inline(never)]
     pub(super) fn note(&mut self, words: &String<INPUT_LEN>) -> Result<(), &'static str> {
         if !self.testing() && !self.pulled {
-            return Err("a note belongs to a test: start first");
+            return Err(NO_TEST);
         }
         let line = Line::Note(words);
         let Ok(line) = line.to_text() else { return Err("that is too long") };

@@ -85,9 +85,9 @@ pub(super) fn config_error(error: floe_core::ConfigError) -> &'static str {
     match error {
         Rate => "rate: 1 to 2000 Hz",
         Weight => "set weight N, above 0",
-        Slope => "the slope must be within 68 degrees",
-        Winch => "the winch speed must be above zero, in m/s",
-        Range => "the range must be above zero",
+        Slope => "slope: 68 degrees at most",
+        Winch => "set winch m/s, above 0",
+        Range => "set range N, above 0",
         Calibration => "the span is zero",
         Std => NEGATIVE,
     }

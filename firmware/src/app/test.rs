@@ -3,7 +3,7 @@
 use embedded_io::{Read, ReadReady, Write};
 use floe_core::{Event, Phase, Pipeline, Step};
 
-use super::{App, Job, config_error};
+use super::{App, Job, NO_TEST, config_error};
 use crate::line::{About, Line, LiveSample};
 use crate::log;
 use crate::notebook::Winch;
@@ -116,7 +116,7 @@ impl<P: Read + ReadReady + Write, S: Store> App<'_, P, S> {
     /// The winch turns from the next sample on, or is held.
     pub(super) fn mark_winch(&mut self, winch: Winch) -> Result<(), &'static str> {
         let (Job::Test(_), Some(pipeline)) = (&self.job, self.pipeline.as_mut()) else {
-            return Err("start first");
+            return Err(NO_TEST);
         };
         let index = pipeline.mark_winch(winch == Winch::Moving);
         self.tell(&Line::Mark { index, winch });

@@ -34,7 +34,11 @@ fn files(effect: Effect) -> &'static [&'static str] {
         Effect::Corner => &["effects/corner/mod.rs", "effects/corner/score.rs", "model/corner.rs"],
         Effect::Sag => &["effects/sag.rs", "model/elongation.rs"],
         Effect::Stiffening => &["effects/stiffening.rs"],
-        Effect::Mass => &["effects/mass_change/mod.rs", "effects/mass_change/swings.rs"],
+        Effect::Mass => &[
+            "effects/mass_change/mod.rs",
+            "effects/mass_change/swings.rs",
+            "effects/mass_change/trial.rs",
+        ],
         Effect::Level => &["effects/level_shift.rs"],
         Effect::Drift => &["effects/zero_drift.rs"],
         Effect::Flop => &["noise/flop.rs"],

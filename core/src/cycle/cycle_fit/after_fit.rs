@@ -14,7 +14,6 @@ use crate::fit::over_onset::OverOnset;
 use crate::fit::posterior::Posterior;
 use crate::fit::residuals::excess_ratio;
 use crate::fit::{Fit, Variances};
-use crate::model::CycleParams;
 use crate::model::elongation::Elongation;
 use crate::num::math::{larger, smaller};
 
@@ -119,11 +118,7 @@ impl CycleFit {
         }
         *alone = fit.forces_alone(data.rate).filter(|_| is_resolved);
         let strained = is_resolved && self.strain != Strain::None;
-        let (now, off_n) = learnt.learn(&data, posterior, noise_n2, (strained, self.excess));
-        *verdict = now;
-        let correction = doubt(&posterior.cycle, off_n);
-        self.measured.apply(&correction);
-        let Measured { posterior, verdict, .. } = &mut self.measured;
+        *verdict = learnt.learn(&data, posterior, noise_n2, (strained, self.excess));
         if slip.wander.is_disputed() {
             let teaches = *verdict == Verdict::Same && is_resolved && !strained;
             let correction =
@@ -195,23 +190,6 @@ impl CycleFit {
             Strain::Misfit => *verdict == Verdict::Suspect,
         };
         if fits { Outcome::Fitted } else { Outcome::Failed(Reason::NoFit) }
-    }
-}
-
-/// How much less sure the forces of an event are whose `Fp` is off the usual one by so many newtons. On
-/// a taut cable the weight may be another one, in both forces alike. On a slack cable a winch that stood
-/// made the slack last longer, and the fitted `Fp` too low: by a fall to a lower one the onset is later
-/// by at most the difference over `d ω`, and `Fs` as much higher as the line rises in that time.
-fn doubt(cycle: &CycleParams, off_n: f32) -> Correction {
-    let static_n = if cycle.is_taut() {
-        off_n * cycle.static_n / cycle.dynamic_n()
-    } else {
-        off_n * cycle.rate * cycle.inverse_omega() / cycle.half_drop_n
-    };
-    Correction {
-        static_n2: static_n * static_n,
-        dynamic_n2: off_n * off_n,
-        ..Correction::default()
     }
 }
 

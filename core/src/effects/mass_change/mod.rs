@@ -4,19 +4,20 @@
 //! the next (the loading rate `k w` would show it), so the swing `1/ω` goes with the
 //! square root of the mass: `M'/M = (ω/ω')²`, whatever the friction does.
 //!
-//! An event far off is a suspect and gives no coefficient; the next one is fitted
-//! without what was known of the swing. If it is off as well, and its force `Fp` is
-//! nearer to the new weight's than to the old one's, the mass has changed, and the
-//! weight is corrected by the measured ratio, whose uncertainty is common to all later
-//! events. Where single events tell too little of the swing, a change of the forces'
-//! level starts a trial: the swings before and after it decide.
+//! An event far off is a suspect and gives no coefficient; where its force `Fp` is far off as well, as
+//! that mass would have it, less is enough. The next one is fitted without what was known of the swing.
+//! If it is off as well, and its force is nearer to the new weight's than to the old one's, the mass has
+//! changed, and the weight is corrected by the measured ratio, whose uncertainty is common to all later
+//! events. An event whose force is far off and whose swing does not tell why has a weight as unsure as
+//! that. Where single events tell too little of the swing, a change of the forces' level starts a trial
+//! (`trial`).
 
 mod swings;
+mod trial;
 
 pub(crate) use crate::effects::mass_change::swings::Evidence;
 
-use crate::effects::mass_change::swings::{LEAST, Ratio, Swings, is_nearer};
-use crate::num::math;
+use crate::effects::mass_change::swings::{LEAST, Ratio, Swings};
 use crate::stats::fading_trend::FadingTrend;
 use crate::stats::prior::Prior;
 
@@ -75,6 +76,8 @@ pub(crate) struct Mass {
     scatter_n2: f32,
     /// The weight in use over the given one, up to the last change.
     base: Ratio,
+    /// By which part another weight may be in the newest event.
+    doubt: f32,
     /// The swing before the last change of mass or the trial, and the swings since.
     before: Option<Prior>,
     since: Swings,
@@ -112,15 +115,20 @@ impl Mass {
 
     /// Judges an event. What is [`Verdict::Suspect`] outside a trial is not learnt.
     pub(crate) fn judge(&mut self, evidence: &Evidence) -> Verdict {
+        let off = self.off(evidence);
+        let forces = 1.0 + off;
+        // The friction is another one if the swing tells that the mass is not that of the force.
+        let is_friction = evidence.excludes(self.inverse_omega.prior(1.0), forces);
+        self.doubt = if is_friction { 0.0 } else { off };
         match self.state {
             State::Trial(_) => Verdict::Suspect,
-            State::Steady => self.judge_steady(evidence),
-            State::Suspect(kept, odd) => self.judge_suspect(evidence, &kept, odd),
+            State::Steady => self.judge_steady(evidence, forces),
+            State::Suspect(kept, odd) => self.judge_suspect(evidence, forces, &kept, odd),
         }
     }
 
-    fn judge_steady(&mut self, evidence: &Evidence) -> Verdict {
-        let is_off = || evidence.is_off(self.inverse_omega.prior(1.0), self.forces(evidence));
+    fn judge_steady(&mut self, evidence: &Evidence, forces: f32) -> Verdict {
+        let is_off = || evidence.is_off(self.inverse_omega.prior(1.0), forces);
         if self.seen < FEWEST || !(evidence.strained || is_off()) {
             return Verdict::Same;
         }
@@ -129,10 +137,16 @@ impl Mass {
     }
 
     /// The event after a suspect.
-    fn judge_suspect(&mut self, evidence: &Evidence, kept: &FadingTrend, odd: u32) -> Verdict {
+    fn judge_suspect(
+        &mut self,
+        evidence: &Evidence,
+        forces: f32,
+        kept: &FadingTrend,
+        odd: u32,
+    ) -> Verdict {
         let before = kept.prior(1.0);
         let (verdict, state) = if evidence.strained
-            || (evidence.inverse_omega.is_some() && !evidence.is_off(before, self.forces(evidence)))
+            || (evidence.inverse_omega.is_some() && !evidence.is_off(before, forces))
         {
             self.inverse_omega = *kept;
             // One that the model cannot describe is not to be learnt from either.
@@ -168,8 +182,8 @@ impl Mass {
             self.dynamic_n = self.since.dynamic_n_or(self.dynamic_n);
             return Some(verdict);
         }
-        // What is far from usual is another level, or none: a change starts anew.
-        if self.off_n(evidence).abs() <= 0.0 {
+        // What another weight may be in is no usual one.
+        if self.doubt.abs() <= 0.0 {
             let share = 1.0 / self.seen.clamp(1, 8) as f32;
             let off_n = evidence.dynamic_n - self.dynamic_n;
             self.dynamic_n += share * off_n;
@@ -178,111 +192,12 @@ impl Mass {
         None
     }
 
-    /// How far an event's `Fp` lies from the usual one, N, if by far more than events do; else zero.
-    #[inline(never)]
-    fn off_n(&self, evidence: &Evidence) -> f32 {
+    /// By which part of the usual one an event's `Fp` is off it, if by far more than events are; else zero.
+    fn off(&self, evidence: &Evidence) -> f32 {
         let off_n = evidence.dynamic_n - self.dynamic_n;
-        let is_far = off_n * off_n > FAR_FORCE * FAR_FORCE * self.scatter_n2
-            && off_n.abs() > LEAST * self.dynamic_n.abs();
-        if self.seen >= FEWEST && is_far { off_n } else { 0.0 }
-    }
-
-    /// An event's `Fp` over the usual one; 1 for a usual one.
-    fn forces(&self, evidence: &Evidence) -> f32 {
-        1.0 + self.off_n(evidence) / self.dynamic_n
-    }
-
-    /// As [`Self::off_n`], unless the event's swing tells that its mass is not that of its force: then the
-    /// friction is another one.
-    #[inline(never)]
-    pub(crate) fn unexplained_n(&self, evidence: &Evidence) -> f32 {
-        let is_friction =
-            evidence.excludes(self.inverse_omega.prior(1.0), evidence.dynamic_n / self.dynamic_n);
-        if is_friction { 0.0 } else { self.off_n(evidence) }
-    }
-
-    /// The forces have changed; `dynamic_before_n` was `Fp` before: starts a trial. `false` if the
-    /// swing is known too little for one to tell anything.
-    pub(crate) fn doubt(&mut self, dynamic_before_n: f32) -> bool {
-        let before = self.inverse_omega.prior(1.0);
-        let known = before.weight * before.mean * before.mean * LEAST * LEAST > 1.0;
-        if known && matches!(self.state, State::Steady) {
-            self.start(Some(before));
-            self.dynamic_n = dynamic_before_n;
-            self.inverse_omega = FadingTrend::default();
-            self.state = State::Trial(0);
-        }
-        known
-    }
-
-    /// The force has changed, and nothing tells why: the weight may have, by as much.
-    pub(crate) fn leave_open(&mut self, dynamic_n: f32, before_n: f32) {
-        let off = dynamic_n / before_n - 1.0;
-        self.base.variance += off * off;
-        self.dynamic_n = dynamic_n;
-    }
-
-    /// Is a trial under way?
-    pub(crate) fn is_on_trial(&self) -> bool {
-        matches!(self.state, State::Trial(_))
-    }
-
-    /// The weight over the given one.
-    #[must_use]
-    pub(crate) fn weight_ratio(&self) -> f32 {
-        self.weight().value
-    }
-
-    /// The weight over the given one, and its relative standard deviation.
-    #[must_use]
-    pub(crate) fn weight_ratio_and_std(&self) -> (f32, f32) {
-        let Ratio { value, variance } = self.weight();
-        (value, math::sqrt(variance))
-    }
-
-    fn weight(&self) -> Ratio {
-        if self.is_on_trial() { self.base } else { self.ratio() }
-    }
-
-    /// What the trial says so far; `None` while it goes on.
-    fn tried(&mut self, events: u32) -> Option<Verdict> {
-        let Ratio { value, variance } = self.ratio();
-        let (value, variance) = (value / self.base.value, variance - self.base.variance);
-        let (off, forces) = (value - 1.0, self.since.dynamic_n / self.dynamic_n);
-        let is_off =
-            self.since.count > 1 && off * off > FAR_MEAN * FAR_MEAN * variance * value * value;
-        let verdict = if is_off && off.abs() > LEAST && is_nearer(forces, value) {
-            Verdict::Mass
-        } else if self.since.count > 1 && variance < 0.25 * LEAST * LEAST && off.abs() < LEAST {
-            Verdict::SameMass
-        } else if is_off || events >= MOST {
-            Verdict::Unknown
-        } else {
-            return None;
-        };
-        if verdict != Verdict::Mass {
-            self.before = None;
-        }
-        self.state = State::Steady;
-        Some(verdict)
-    }
-
-    /// Weight in use over the given one, if the mass is the cause of what the swings show.
-    fn ratio(&self) -> Ratio {
-        let Some(before) = self.before.filter(|_| self.since.count > 0) else { return self.base };
-        let inverse_omega = self.since.mean / before.mean;
-        let since = 1.0 / (self.since.weight * self.since.mean * self.since.mean);
-        let variance = since + 1.0 / (before.weight * before.mean * before.mean);
-        Ratio {
-            value: self.base.value * inverse_omega * inverse_omega,
-            variance: self.base.variance + 4.0 * variance,
-        }
-    }
-
-    /// Begins to count the swings anew; what they showed so far stays in the weight's ratio.
-    fn start(&mut self, before: Option<Prior>) {
-        self.base = self.ratio();
-        (self.before, self.seen, self.since) = (before, 0, Swings::default());
+        let is_far = off_n * off_n > FAR_FORCE * FAR_FORCE * self.scatter_n2;
+        let off = off_n / self.dynamic_n;
+        if self.seen >= FEWEST && is_far && off.abs() > LEAST { off } else { 0.0 }
     }
 }
 
@@ -370,12 +285,35 @@ mod tests {
         for (inverse_omega, expected) in [(0.69, Verdict::Mass), (0.845, Verdict::SameMass)] {
             let mut mass = Mass::default();
             (0..30).for_each(|i| assert_eq!(mass.learn(&measured(i, 0.845, 0.02, 490.0)), None));
-            assert!(mass.doubt(490.0));
+            assert!(mass.try_weight(490.0));
             let ended = (0..60).find_map(|i| mass.learn(&measured(i, inverse_omega, 0.02, 327.0)));
             assert_eq!(ended, Some(expected));
             let (ratio, std) = mass.weight_ratio_and_std();
             let truth = if expected == Verdict::Mass { 0.6667 } else { 1.0 };
             assert!((ratio / truth - 1.0).abs() <= 2.5 * std && std < 0.15, "{ratio} {std}");
         }
+    }
+
+    /// The forces of a block that broke by an eighth are far off, and so is the swing, by four deviations: its
+    /// first event is enough. Without a swing of its own it is as unsure as the force is off.
+    #[test]
+    fn forces_that_go_with_the_mass_tell_it_sooner() {
+        let ratio = 0.87_f32;
+        let (mut mass, swing) = (Mass::default(), 0.845 * ratio.sqrt());
+        (0..12).for_each(|i| {
+            assert_eq!(take(&mut mass, &measured(i, 0.845, 0.008, 500.0 + i as f32)), Verdict::Same)
+        });
+        let broken = measured(2, swing, 0.008, 500.0 * ratio);
+        let held = Evidence { dynamic_n: 505.0, ..broken };
+        assert_eq!(mass.clone().judge(&held), Verdict::Same);
+        let silent = Evidence { inverse_omega: None, ..broken };
+        let mut unsure = mass.clone();
+        assert_eq!(unsure.judge(&silent), Verdict::Same);
+        assert!((unsure.weight_ratio_and_std().1 - 0.14).abs() < 0.02);
+        // A swing that stays is friction's doing.
+        let slippery = Evidence { dynamic_n: 300.0, ..measured(2, 0.845, 0.008, 0.0) };
+        assert_eq!(unsure.judge(&slippery), Verdict::Same);
+        assert!(unsure.weight_ratio_and_std().1 < 1e-6);
+        assert_eq!(mass.judge(&broken), Verdict::Suspect);
     }
 }

@@ -1,0 +1,94 @@
+//! Where single events tell too little of the swing: a change of the forces' level starts a trial, and the
+//! swings before and after it decide. Also the weight that follows from them.
+
+use crate::effects::mass_change::swings::{LEAST, Ratio, Swings, is_nearer};
+use crate::effects::mass_change::{FAR_MEAN, MOST, Mass, State, Verdict};
+use crate::num::math;
+use crate::stats::fading_trend::FadingTrend;
+use crate::stats::prior::Prior;
+
+impl Mass {
+    /// The forces have changed; `dynamic_before_n` was `Fp` before: starts a trial. `false` if the
+    /// swing is known too little for one to tell anything.
+    pub(crate) fn try_weight(&mut self, dynamic_before_n: f32) -> bool {
+        let before = self.inverse_omega.prior(1.0);
+        let known = before.weight * before.mean * before.mean * LEAST * LEAST > 1.0;
+        if known && matches!(self.state, State::Steady) {
+            self.start(Some(before));
+            self.dynamic_n = dynamic_before_n;
+            self.inverse_omega = FadingTrend::default();
+            self.state = State::Trial(0);
+        }
+        known
+    }
+
+    /// The force has changed, and nothing tells why: the weight may have, by as much.
+    pub(crate) fn leave_open(&mut self, dynamic_n: f32, before_n: f32) {
+        let off = dynamic_n / before_n - 1.0;
+        self.base.variance += off * off;
+        self.dynamic_n = dynamic_n;
+    }
+
+    /// Is a trial under way?
+    pub(crate) fn is_on_trial(&self) -> bool {
+        matches!(self.state, State::Trial(_))
+    }
+
+    /// The weight over the given one.
+    #[must_use]
+    pub(crate) fn weight_ratio(&self) -> f32 {
+        self.weight().value
+    }
+
+    /// The weight over the given one, and its relative standard deviation.
+    #[must_use]
+    pub(crate) fn weight_ratio_and_std(&self) -> (f32, f32) {
+        let Ratio { value, variance } = self.weight();
+        (value, math::sqrt(variance + self.doubt * self.doubt))
+    }
+
+    fn weight(&self) -> Ratio {
+        if self.is_on_trial() { self.base } else { self.ratio() }
+    }
+
+    /// What the trial says so far; `None` while it goes on.
+    pub(super) fn tried(&mut self, events: u32) -> Option<Verdict> {
+        let Ratio { value, variance } = self.ratio();
+        let (value, variance) = (value / self.base.value, variance - self.base.variance);
+        let (off, forces) = (value - 1.0, self.since.dynamic_n / self.dynamic_n);
+        let is_off =
+            self.since.count > 1 && off * off > FAR_MEAN * FAR_MEAN * variance * value * value;
+        let verdict = if is_off && off.abs() > LEAST && is_nearer(forces, value) {
+            Verdict::Mass
+        } else if self.since.count > 1 && variance < 0.25 * LEAST * LEAST && off.abs() < LEAST {
+            Verdict::SameMass
+        } else if is_off || events >= MOST {
+            Verdict::Unknown
+        } else {
+            return None;
+        };
+        if verdict != Verdict::Mass {
+            self.before = None;
+        }
+        self.state = State::Steady;
+        Some(verdict)
+    }
+
+    /// Weight in use over the given one, if the mass is the cause of what the swings show.
+    fn ratio(&self) -> Ratio {
+        let Some(before) = self.before.filter(|_| self.since.count > 0) else { return self.base };
+        let inverse_omega = self.since.mean / before.mean;
+        let since = 1.0 / (self.since.weight * self.since.mean * self.since.mean);
+        let variance = since + 1.0 / (before.weight * before.mean * before.mean);
+        Ratio {
+            value: self.base.value * inverse_omega * inverse_omega,
+            variance: self.base.variance + 4.0 * variance,
+        }
+    }
+
+    /// Begins to count the swings anew; what they showed so far stays in the weight's ratio.
+    pub(super) fn start(&mut self, before: Option<Prior>) {
+        self.base = self.ratio();
+        (self.before, self.seen, self.since) = (before, 0, Swings::default());
+    }
+}
