@@ -305,9 +305,9 @@ mod tests {
         });
         let broken = measured(2, swing, 0.008, 500.0 * ratio);
         let held = Evidence { dynamic_n: 505.0, ..broken };
-        assert_eq!(mass.clone().judge(&held), Verdict::Same);
+        assert_eq!({ mass }.judge(&held), Verdict::Same);
         let silent = Evidence { inverse_omega: None, ..broken };
-        let mut unsure = mass.clone();
+        let mut unsure = mass;
         assert_eq!(unsure.judge(&silent), Verdict::Same);
         assert!((unsure.weight_ratio_and_std().1 - 0.14).abs() < 0.02);
         // A swing that stays is friction's doing.
