@@ -269,6 +269,7 @@ impl Log {
         let said = self.rows.metadata.notes.iter().map(|note| note.text.clone());
         let found = self.head.notes.iter().cloned().chain(said).chain(truncated).chain(left_out);
         found
+            .chain(self.rows.summer_time())
             .chain(self.clock.warnings())
             .chain(self.held.warnings(self.rate_hz()))
             .chain(self.told.iter().cloned())
