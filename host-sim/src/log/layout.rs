@@ -142,7 +142,7 @@ impl Layout {
         let reading =
             reading(force, self.unit, self.decimal).ok_or_else(|| self.no_force(force))?;
         if self.decimal == Decimal::Any {
-            self.settle(force)?;
+            self.settle(force, line, cells)?;
         }
         let row = Row { time_s: self.time_s(line, cells)?, reading, records: 1, line: 0 };
         let record = self.record.and_then(|cell| finite(cells.get(line, cell)?));
@@ -150,9 +150,11 @@ impl Layout {
     }
 
     /// Takes the decimal mark from the first force that has one.
-    fn settle(&mut self, force: &[u8]) -> Result<(), InputError> {
+    fn settle(&mut self, force: &[u8], line: &[u8], cells: &Cells) -> Result<(), InputError> {
         let Some(mark) = force.iter().find(|byte| b".,".contains(byte)) else { return Ok(()) };
         if is_thousand(text(force)) {
+            // A time that cannot be read is why no rows were found that tell the mark.
+            self.time_s(line, cells)?;
             return Err(thousand(text(force)));
         }
         if finite(force).is_some() {
