@@ -70,6 +70,32 @@ fn a_still_block_has_no_swing() {
     assert!((json["weight_n"].as_f64().expect("a number") - 98.1).abs() < 0.1, "{json}");
 }
 
+/// Noise as of dice, ±2 N.
+fn rough(t: f64) -> f64 {
+    4.0 * ((t * 207.8368).sin() * 43_758.545_3).rem_euclid(1.0) - 2.0
+}
+
+/// One that is not sure, four of its standard deviations, is no reason to refuse.
+#[test]
+fn a_slow_drift_is_in_the_standard_deviation() {
+    let std_n = |path: &str| {
+        let output = floe(&["weigh", path, "--json"]).stdout;
+        let json: serde_json::Value = serde_json::from_slice(&output).expect("JSON");
+        json["weight_std_n"].as_f64().expect("a number")
+    };
+    let still = std_n(&log("slow-not.csv", 40, |t| 630.0 + rough(t)));
+    let drifting = std_n(&log("slow.csv", 40, |t| 630.0 + rough(t) + 0.01 * t));
+    // Noise of 1.15 N / sqrt(640) and a swing unseen; 0.4 N / sqrt(12) and what noise makes of it.
+    assert!(still < 0.09 && (0.1..0.25).contains(&drifting), "{still} {drifting}");
+}
+
+#[test]
+fn a_weight_is_never_exact() {
+    let path = log("heavy.csv", 40, |t| 1e7 + rough(t));
+    let text = String::from_utf8(floe(&["weigh", &path]).stdout).expect("text");
+    assert!(text.contains(" ± 0.") && text.starts_with("weight        1000000"), "{text}");
+}
+
 #[test]
 fn a_reading_far_from_all_others_is_left_out_and_said() {
     let spiked = |t: f64| if (t - 18.75).abs() < 0.01 { 9999.0 } else { 630.0 };

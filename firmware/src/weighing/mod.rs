@@ -22,7 +22,7 @@ mod window;
 pub use load::{Load, Swing};
 pub use sine::Oscillation;
 
-use floe_core::num::math::{larger, sqrt};
+use floe_core::num::math::{hypotenuse, larger, sqrt};
 use sine::Fit;
 pub use window::MEANS;
 use window::Window;
@@ -33,6 +33,10 @@ const BLOCKS_PER_S: f32 = 4.0;
 const SHORTEST_S: f32 = 8.0;
 /// A slope so many standard deviations from zero is one: by chance in one of a million.
 const SURE: f32 = 5.0;
+/// One of so many may be one, and counts in the standard deviation: by chance in one of 400.
+const LIKELY: f32 = 3.0;
+/// Root of a twelfth: standard deviation of what is anywhere along a drift.
+const ALONG: f32 = 0.289;
 /// A drift over the record that matters, as a part of the mean: half of what a weighing
 /// of 0.02 % may be off.
 const DRIFT_THAT_MATTERS: f32 = 1e-4;
@@ -60,7 +64,8 @@ pub struct Weighing {
 pub struct Rest {
     /// Mean over the record, what a swing adds included.
     pub mean: f32,
-    /// One standard deviation of the mean, from the readings' own scatter.
+    /// One standard deviation of the mean, from the readings' own scatter, and of a drift that is
+    /// likely but not sure.
     pub std: f32,
     /// Standard deviation of a reading about the fit, as averaged over a quarter of a second.
     pub scatter: f32,
@@ -120,7 +125,9 @@ impl Weighing {
         if moved && fit.mean_std > MOVE_THAT_MATTERS * mean.abs() {
             return Err(Unrest::Moves);
         }
-        let (std, scatter) = (fit.mean_std, sqrt(fit.variance));
+        let is_likely = fit.slope.abs() > LIKELY * fit.slope_std;
+        let along = if is_likely { ALONG * drift } else { 0.0 };
+        let (std, scatter) = (hypotenuse(fit.mean_std, along), sqrt(fit.variance));
         Ok(Rest { mean, std, scatter, oscillation: fit.oscillation, duration_s })
     }
 }

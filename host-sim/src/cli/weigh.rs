@@ -9,7 +9,7 @@ use crate::error::InputError;
 use crate::log::{Log, LogOptions};
 use crate::replay::given;
 use crate::replay::test::{TestOptions, calibration};
-use crate::rounding::{counted, plus_minus};
+use crate::rounding::{counted, digits, own_digits};
 use crate::weigh::record::sentence;
 use crate::weigh::{Weight, weigh};
 
@@ -25,7 +25,8 @@ Examples:
   floe weigh tripod.csv --unit counts --tare-counts 4120 --counts-per-n 812.5 --json
 
 The last 64 s count. What a steady swing adds is taken off; a load that drifts or is pulled is
-refused. The standard deviation is that of the weighing, without the zero's and the span's: when
+refused, and a drift that is likely (over 3 standard deviations) but not sure (over 5) is in the
+standard deviation, as if the weight were anywhere along it. The standard deviation is that of the weighing, without the zero's and the span's: when
 the same cell pulls the block afterwards, the span cancels. Where the noise is no larger than the
 step of the readings, the step is in it: step / sqrt(12). Readings far from all others and
 readings at the end of the range, one in fifty at most, are left out, and that is said. A zero in
@@ -83,7 +84,9 @@ fn text(weight: &Weight) -> String {
         None => "none seen".to_string(),
     };
     let Weight { duration_s, scatter_n, .. } = weight;
-    let weight_n = plus_minus(weight.weight_n, weight.weight_std_n);
+    // Shown however small beside the weight: a weighing is never exact.
+    let std_n = weight.weight_std_n;
+    let weight_n = format!("{:.*} ± {}", digits(std_n), weight.weight_n, own_digits(std_n));
     let mut rest = String::new();
     if weight.zero_n != 0.0 {
         rest += &format!("zero          {:.2} N taken off, as the log says\n", weight.zero_n);
