@@ -257,6 +257,7 @@ fn no_time(cell: &[u8]) -> InputError {
             "write its zone as an offset, such as +01:00"
         }
         _ if text(cell).to_lowercase().contains(".m.") => "write AM or PM without points",
+        _ if text(cell).contains('\u{2212}') => "write the minus of its zone as -",
         (3, _) => "write parts of a second behind a point: 12:00:00.5",
         (2, false) => "a time of day ends with 24:00:00; write a time that runs on in seconds",
         (0, _) if !is_basic(cell) => CORRECT,

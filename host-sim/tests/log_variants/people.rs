@@ -47,6 +47,11 @@ pub fn dates() -> Vec<Form> {
             stamped(|t| format!("29.02.12 {}", clock(t))),
             Refused(&["no time can be read from '29.02.12", "write 2012-02-29"]),
         ),
+        form(
+            "a zone with a minus sign of its own",
+            stamped(|t| format!("2012-02-29T{}\u{2212}01:00", clock(t))),
+            Refused(&["write the minus of its zone as -"]),
+        ),
         form("times of day over midnight", stamped(late), Same),
         form("a zone that changes on the way", stamped(summer_time), Same),
         form("negative times", table("time_s,force_n\n", |t, f| format!("{},{f}", t - 5.0)), Same),
