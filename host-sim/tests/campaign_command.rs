@@ -88,7 +88,7 @@ fn bad_input_is_one_clear_line() {
     fs::write(folder.join("scene.toml"), "weight_n = 1\n").unwrap();
     for (arguments, expected) in [
         (&["campaign", "nowhere"][..], "nowhere"),
-        (&["campaign", "empty"], "no logs"),
+        (&["campaign", "empty"], "no logs: give a directory with .csv, .dat, .txt or .log"),
         (&["campaign", "list"], "missing.csv"),
         (&["campaign", "."], "weight"),
         (&["campaign", "no-weight.csv"], "a log itself goes to floe replay"),

@@ -10,6 +10,8 @@ mod command;
 use command::{assert_refused, text};
 
 const REPLACED: &str = "the file that was there has been replaced";
+/// An older result, as far as its beginning goes.
+const OLD: &str = "{\n  \"schema\": \"floe-replay/2\"";
 
 /// A directory with the bundled log in it, a rest and a pull against a post.
 fn directory(test: &str) -> PathBuf {
@@ -84,7 +86,7 @@ fn json_is_the_same_option_everywhere() {
 fn outputs_are_written_whole_and_never_over_the_log() {
     let dir = directory("outputs");
     let log = fs::read(dir.join("log.csv")).unwrap();
-    fs::write(dir.join("a.json"), "old").unwrap();
+    fs::write(dir.join("a.json"), OLD).unwrap();
     let files =
         ["replay", "log.csv", "--json", "a.json", "--events", "a.csv", "--report", "a.html"];
     let said = text(&floe(&dir, &files).stdout);
@@ -120,9 +122,77 @@ fn outputs_are_written_whole_and_never_over_the_log() {
     }
     assert!(fs::read(dir.join("log.csv")).unwrap() == log);
     fs::write(dir.join("log.csv"), "time_s,force_n\n0,oops\n1,2\n").unwrap();
-    fs::write(dir.join("a.json"), "old").unwrap();
+    fs::write(dir.join("a.json"), OLD).unwrap();
     assert_refused(&run(&dir, &["replay", "log.csv", "--json", "a.json"]), &["line 2"]);
-    assert_eq!(fs::read_to_string(dir.join("a.json")).unwrap(), "old");
+    assert_eq!(fs::read_to_string(dir.join("a.json")).unwrap(), OLD);
+}
+
+/// As `replay --events *.csv` does, whose first file a shell makes the output.
+#[test]
+fn no_result_replaces_a_file_that_is_none() {
+    let dir = directory("theirs");
+    fs::copy(dir.join("log.csv"), dir.join("a.csv")).unwrap();
+    let simulated = "# SYNTHETIC: computed\ntime_s,force_n\n";
+    for (name, text) in [("s.csv", simulated), ("n.html", "<html>"), ("p.parquet", "PAR1 PAR1")] {
+        fs::write(dir.join(name), text).unwrap();
+    }
+    let said = "is there already and is no result of floe; name another file, or remove it";
+    for (option, file) in [
+        ("--events", "a.csv"),
+        ("--samples", "p.parquet"),
+        ("--report", "n.html"),
+        ("--json", "s.csv"),
+    ] {
+        let before = fs::read(dir.join(file)).unwrap();
+        assert_refused(&run(&dir, &["replay", "--quiet", option, file, "log.csv"]), &[file, said]);
+        assert!(fs::read(dir.join(file)).unwrap() == before, "{file}");
+    }
+    fs::create_dir(dir.join("figures")).unwrap();
+    fs::write(dir.join("figures/history.svg"), "<svg xmlns=\"http://www.w3.org/2000/svg\">")
+        .unwrap();
+    assert_refused(
+        &run(&dir, &["replay", "log.csv", "--figures", "figures"]),
+        &["history.svg", said],
+    );
+}
+
+/// Every kind of result, and an empty file.
+#[test]
+fn results_replace_results_of_any_kind() {
+    let dir = directory("ours");
+    fs::create_dir(dir.join("logs")).unwrap();
+    fs::copy(dir.join("log.csv"), dir.join("logs/log.csv")).unwrap();
+    fs::write(dir.join("x"), "").unwrap();
+    floe(&dir, &["replay", "log.csv", "--quiet", "--samples", "s.parquet"]);
+    floe(&dir, &["replay", "log.csv", "--quiet", "--events", "s.parquet"]);
+    let commands: [&[&str]; 7] = [
+        &["replay", "log.csv", "--quiet", "--events", "x"],
+        &["replay", "log.csv", "--quiet", "--samples", "x"],
+        &["replay", "log.csv", "--quiet", "--report", "x"],
+        &["stiffness", "post.csv", "--extension", "x"],
+        &["campaign", "logs", "--report", "x"],
+        &["campaign", "logs", "--parquet", "x"],
+        &["weigh", "rest.csv", "--json", "x"],
+    ];
+    for command in commands.into_iter().chain(commands) {
+        floe(&dir, command);
+    }
+}
+
+#[test]
+fn a_simulated_log_replaces_simulated_ones_alone() {
+    let dir = directory("simulated");
+    let scene = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/dff8-13.toml");
+    let scene = scene.to_str().unwrap();
+    let simulate = |log: &str| run(&dir, &["simulate", scene, "--duration-s", "9", "-o", log]);
+    for log in ["new.csv", "new.dat"] {
+        assert_eq!(simulate(log).status.code(), Some(0), "{log}");
+    }
+    assert!(text(&simulate("new.csv").stderr).contains(REPLACED));
+    let why = "is there already and does not begin with '# SYNTHETIC:'";
+    for log in ["rest.csv", "new.dat"] {
+        assert_refused(&simulate(log), &[log, why]);
+    }
 }
 
 #[test]

@@ -223,7 +223,7 @@ fn what_is_replaced_is_said_and_keeps_its_mode() {
     let dir = directory("replaced");
     fs::write(dir.join("log.csv"), ramp("# weight_n: 100\n")).unwrap();
     let result = dir.join("result.json");
-    fs::write(&result, "old").unwrap();
+    fs::write(&result, "{\n  \"schema\": \"floe-replay/2\"").unwrap();
     fs::set_permissions(&result, fs::Permissions::from_mode(0o640)).unwrap();
     let run = |more: &[&str]| {
         floe(&dir, &[&["replay", "log.csv", "--json", "result.json"], more].concat())
@@ -241,7 +241,7 @@ fn a_signal_leaves_no_half_file() {
     let scene = "weight_n = 630\nmu_s = 1.24\nmu = 0.78\nstiffness_n_per_m = 23000\n\
                  winch_m_per_s = 0.0157\nduration_s = 3e6\n";
     fs::write(dir.join("scene.toml"), scene).unwrap();
-    fs::write(dir.join("log.csv"), "old").unwrap();
+    fs::write(dir.join("log.csv"), "# SYNTHETIC: old").unwrap();
     for signal in ["-INT", "-TERM"] {
         let mut child = Command::new(env!("CARGO_BIN_EXE_floe"))
             .current_dir(&dir)
@@ -262,7 +262,7 @@ fn a_signal_leaves_no_half_file() {
         assert!(Command::new("kill").args([signal, &pid]).status().unwrap().success());
         assert_eq!(child.wait().unwrap().code(), Some(130));
         assert_eq!(unfinished(), 0);
-        assert_eq!(fs::read_to_string(dir.join("log.csv")).unwrap(), "old");
+        assert_eq!(fs::read_to_string(dir.join("log.csv")).unwrap(), "# SYNTHETIC: old");
     }
 }
 

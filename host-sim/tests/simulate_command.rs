@@ -90,6 +90,9 @@ fn a_name_of_several_lines_is_refused_and_a_path_of_several_stays_a_comment() {
     let log = fs::read_to_string(folder.join("log.csv")).unwrap();
     let head = log.lines().take_while(|line| *line != "time_s,force_n");
     assert!(head.clone().count() > 3 && head.clone().all(|line| line.starts_with('#')), "{log}");
+    let short = ["simulate", "a\nb.toml", "-o", "x.csv", "--duration-s", "0.01"];
+    let said = refused(&folder, &short);
+    assert_eq!(said, "floe: --duration-s: duration_s = 0.01: no sample at 16 Hz\n");
     let said = refused(&folder, &["simulate", "a\nb.toml", "-o", "x.csv", "--duration-s", "0"]);
     assert!(said.starts_with("floe: --duration-s: duration_s = 0: must be"), "{said}");
     fs::remove_dir_all(folder).unwrap();

@@ -70,6 +70,18 @@ fn a_still_block_has_no_swing() {
     assert!((json["weight_n"].as_f64().expect("a number") - 98.1).abs() < 0.1, "{json}");
 }
 
+/// Noise as of dice, ±2 N.
+fn rough(t: f64) -> f64 {
+    4.0 * ((t * 207.8368).sin() * 43_758.545_3).rem_euclid(1.0) - 2.0
+}
+
+#[test]
+fn a_weight_is_never_exact() {
+    let path = log("heavy.csv", 40, |t| 1e7 + rough(t));
+    let text = String::from_utf8(floe(&["weigh", &path]).stdout).expect("text");
+    assert!(text.contains(" ± 0.") && text.starts_with("weight        1000000"), "{text}");
+}
+
 #[test]
 fn a_reading_far_from_all_others_is_left_out_and_said() {
     let spiked = |t: f64| if (t - 18.75).abs() < 0.01 { 9999.0 } else { 630.0 };

@@ -43,7 +43,7 @@ pub fn logs(path: &Path) -> Result<Logs, InputError> {
     let found = if path.is_dir() { in_directory(path) } else { listed(path) };
     let logs = found.map_err(|error| error.within(path.display()))?;
     if logs.entries.is_empty() {
-        let none = "no logs: give a directory with .csv or .dat files, or a list";
+        let none = "no logs: give a directory with .csv, .dat, .txt or .log files, or a list";
         return Err(InputError::new(none).within(path.display()));
     }
     Ok(logs)

@@ -25,6 +25,7 @@ mod recover;
 mod replay;
 pub mod simulate;
 mod stiffness;
+mod theirs;
 mod weigh;
 
 /// Friction of sea ice from the force in the cable: replays, simulates, compares.
@@ -39,7 +40,8 @@ Examples:
 
 Files: --json FILE, --report FILE and their like write a file; --json alone writes to standard output, and
 nothing else goes there. No output is ever an input. A result that was there is replaced once the new one is
-whole, and that is said, but for replay --quiet; a recording (live -o, recover -o) replaces nothing.
+whole, and that is said, but for replay --quiet; a simulated log (simulate -o) replaces a simulated one; any other
+file that is there and not empty is refused. A recording (live -o, recover -o) replaces nothing.
 
 Exit: 0 done, 2 bad usage or a file that cannot be read or written, with one line that says what to do.
 

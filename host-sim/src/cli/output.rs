@@ -2,8 +2,9 @@
 //! that is not text.
 //!
 //! One rule for every command. Before any work [`check`] refuses an output that is an
-//! input or another output, by whatever path or link; an older output is replaced as a
-//! whole once the new one is complete, keeps its mode, and [`Older::tell`] says so.
+//! input or another output, by whatever path or link, or a file that is no older result;
+//! one that is is replaced as a whole once the new one is complete, keeps its mode, and
+//! [`Older::tell`] says so.
 
 use std::collections::BTreeSet;
 use std::fs::{self, File, Metadata};
@@ -14,6 +15,7 @@ use std::sync::{Mutex, Once};
 use crate::error::{InputError, printable_line, printable_text};
 
 use super::input::STANDARD;
+use super::theirs;
 
 /// Bytes that are written to a file at once.
 const BUFFER: usize = 1 << 16;
@@ -113,11 +115,27 @@ impl Older {
 }
 
 /// Refuses outputs that cannot be written, or that are one of `inputs`, standard input
-/// or output, or each other. Gives those that are there already.
+/// or output, each other, or a file that is none of floe's. Gives those that are there already.
 ///
 /// # Errors
 /// Names the first such output and what is wrong with it.
 pub fn check(outputs: &[&Path], inputs: &[&Path]) -> Result<Older, InputError> {
+    let older = apart(outputs, inputs)?;
+    outputs.iter().try_for_each(|path| theirs::refuse(path)).map(|()| older)
+}
+
+/// The same of a log and of what is written beside it: it may replace a simulated log only.
+///
+/// # Errors
+/// As [`check`].
+pub fn check_log(log: &Path, beside: &[&Path], inputs: &[&Path]) -> Result<Older, InputError> {
+    let older = apart(&[&[log], beside].concat(), inputs)?;
+    theirs::refuse_but_simulated(log)?;
+    beside.iter().try_for_each(|path| theirs::refuse(path)).map(|()| older)
+}
+
+/// Refuses outputs that cannot be written, or are read or written already.
+fn apart(outputs: &[&Path], inputs: &[&Path]) -> Result<Older, InputError> {
     let standard = ["/dev/stdin", "/dev/stdout"].map(Path::new);
     let taken = inputs.iter().copied().chain(standard);
     let mut taken: Vec<Identity> = taken.filter_map(Identity::of).collect();

@@ -28,8 +28,8 @@ Examples:
   floe replay pull.dat --array-id 101 --column 6 --weight-n 630 --json | jq .estimate
 
 'floe inspect LOG' shows what is recognised in a log; '# key: value' in it gives weight_n, mass_kg,
-normal_n, slope_deg, winch_m_per_s, cable_length_m, snow_mm, range_n, rate_hz, tare_counts,
-counts_per_n, test_id, when the winch was held or turned (winch_marks_s: held 60.25, moving 75.5), and
+normal_n, slope_deg, winch_m_per_s, cable_length_m, snow_mm, range_n, rate_hz, unit (of the force),
+tare_counts, counts_per_n, test_id, when the winch was held or turned (winch_marks_s: held 60.25, moving 75.5), and
 how well all this is known (weight_std_n, slope_std_deg, zero_std_n, span_std_percent, damping_std,
 winch_std_m_per_s, weight_from, zero_before_n, zero_after_n), before or among the first 4096 samples.
 Readings of -6999, 6999, -9999, -99999, NaN, infinity or nothing are bad samples: counted, not used (in counts

@@ -53,9 +53,8 @@ const LOOK: u32 = 4096;
 /// One line for the user.
 pub fn run(args: &Args) -> Result<(), InputError> {
     let form = form(&args.output)?;
-    let outputs: Vec<&Path> =
-        std::iter::once(&args.output).chain(&args.truth).map(PathBuf::as_path).collect();
-    let older = output::check(&outputs, &[&args.scene])?;
+    let truth_file: Vec<&Path> = args.truth.iter().map(PathBuf::as_path).collect();
+    let older = output::check_log(&args.output, &truth_file, &[&args.scene])?;
     let scene = read_scene(&args.scene, args.duration_s)?;
     let in_scene =
         |error: &dyn ToString| InputError::new(error.to_string()).within(args.scene.display());

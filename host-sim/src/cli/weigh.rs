@@ -9,7 +9,7 @@ use crate::error::InputError;
 use crate::log::{Log, LogOptions};
 use crate::replay::given;
 use crate::replay::test::{TestOptions, calibration};
-use crate::rounding::{counted, plus_minus};
+use crate::rounding::{counted, digits, own_digits};
 use crate::weigh::record::sentence;
 use crate::weigh::{Weight, weigh};
 
@@ -83,7 +83,9 @@ fn text(weight: &Weight) -> String {
         None => "none seen".to_string(),
     };
     let Weight { duration_s, scatter_n, .. } = weight;
-    let weight_n = plus_minus(weight.weight_n, weight.weight_std_n);
+    // Shown however small beside the weight: a weighing is never exact.
+    let std_n = weight.weight_std_n;
+    let weight_n = format!("{:.*} ± {}", digits(std_n), weight.weight_n, own_digits(std_n));
     let mut rest = String::new();
     if weight.zero_n != 0.0 {
         rest += &format!("zero          {:.2} N taken off, as the log says\n", weight.zero_n);

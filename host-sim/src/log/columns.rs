@@ -6,6 +6,7 @@ use super::LogOptions;
 use super::csv::{agreed, find, there_are};
 use super::header::Header;
 use super::label::{Label, bare_unit, is_foreign, unit_within};
+use super::metadata::Said;
 use super::number::{Decimal, Unit, finite, is_thousand, number, thousand};
 
 /// Names that are taken before any other, in this order.
@@ -81,7 +82,8 @@ impl<'a> Columns<'a> {
         }
         let others = || (0..self.names.len()).filter(|&place| Some(place) != time);
         let named = others().filter(|&i| self.labels.get(i).is_some_and(Label::is_force));
-        let in_newtons = others().filter(|&i| self.stated_force(i).is_some());
+        let unit = |i| self.stated_force(i).or_else(|| self.force_unit_behind(i));
+        let in_newtons = others().filter(|&i| unit(i).is_some());
         let named: Vec<usize> = named.collect();
         let found = if named.is_empty() { in_newtons.collect() } else { named };
         match found.as_slice() {
@@ -104,7 +106,7 @@ impl<'a> Columns<'a> {
         InputError::new(format!("which column is the force? give {by}; {}", there_are(&self.names)))
     }
 
-    /// The unit of the force, and a note if it is assumed.
+    /// The unit of the force, and a note if it is assumed. `said`: what a comment says of it.
     ///
     /// # Errors
     /// Units that contradict each other, or one that is not of force.
@@ -112,11 +114,13 @@ impl<'a> Columns<'a> {
         &self,
         column: usize,
         options: &LogOptions,
+        said: Option<&Said>,
     ) -> Result<(Unit, Vec<String>), InputError> {
         let name = self.header.name(column);
-        let mut stated = self.stated(column);
-        let units: Vec<Unit> = stated.by_ref().filter_map(Unit::from_label).collect();
-        let unknown = self.stated(column).find(|unit| Unit::from_label(unit).is_none());
+        let in_rows = self.unit_in_rows(column)?;
+        let stated = || self.stated(column).chain(in_rows);
+        let units: Vec<Unit> = stated().filter_map(Unit::from_label).collect();
+        let unknown = stated().find(|unit| Unit::from_label(unit).is_none());
         agreed(name, &units, options.unit).map(|unit| match (unit, unknown) {
             (Some(unit), Some(label)) if options.unit.is_none() && is_foreign(label) => {
                 Err(InputError::new(format!(
@@ -129,7 +133,7 @@ impl<'a> Columns<'a> {
                 "the unit of column '{name}' is '{label}', which is not read: turn it into N, or give \
                  --unit N|kN|lbf|kgf|counts if it is one of these"
             ))),
-            (None, None) => assumed(name),
+            (None, None) => said.map_or_else(|| assumed(name), commented),
         })?
     }
 
@@ -201,6 +205,18 @@ impl<'a> Columns<'a> {
         }
         Ok(())
     }
+}
+
+/// The unit that a comment says.
+fn commented(said: &Said) -> Result<(Unit, Vec<String>), InputError> {
+    let Said { key, value, line } = said;
+    let unit = Unit::from_label(value).ok_or_else(|| {
+        InputError::new(format!(
+            "'# {key}: {value}' in line {line} is no unit that is read: write N, kN, lbf, kgf or counts, \
+             or give --unit"
+        ))
+    })?;
+    Ok((unit, Vec::new()))
 }
 
 /// A force without a unit is in N, unless its name holds another one.

@@ -6,6 +6,7 @@ use super::LogOptions;
 use super::columns::Columns;
 use super::header::Header;
 use super::layout::{Layout, TimeCells};
+use super::metadata::Metadata;
 use super::number::Unit;
 use super::stamp::TimeUnit;
 
@@ -14,7 +15,7 @@ pub type Found = (Layout, Vec<String>);
 
 /// Finds the columns below a header.
 ///
-/// `rate_hz` is the rate that the user or the log states: without it, rows need a time.
+/// `metadata` is what comments above the rows say: without a rate, rows need a time.
 ///
 /// # Errors
 /// A column that is not there or not to be told from another, units that contradict
@@ -22,7 +23,7 @@ pub type Found = (Layout, Vec<String>);
 pub fn layout(
     header: &Header,
     options: &LogOptions,
-    rate_hz: Option<f64>,
+    metadata: &Metadata,
 ) -> Result<Found, InputError> {
     let columns = Columns::new(header);
     let time = columns.time(options)?;
@@ -33,7 +34,7 @@ pub fn layout(
             force + 1
         )));
     }
-    let (unit, mut notes) = columns.force_unit(force, options)?;
+    let (unit, mut notes) = columns.force_unit(force, options, metadata.first("unit"))?;
     let decimal = columns.decimal(force, time, options)?;
     if options.column.is_none() {
         notes.extend(columns.only_force(force)?);
@@ -42,7 +43,7 @@ pub fn layout(
     if let (Some(time), None) = (time, &options.time_column) {
         columns.refuse_other_times(time, decimal)?;
     }
-    let time = match (time, rate_hz) {
+    let time = match (time, options.rate_hz.or(metadata.rate_hz)) {
         (Some(time), _) => columns.time_cells(time, options, decimal)?,
         (None, Some(rate_hz)) => TimeCells::Count { rate_hz },
         (None, None) => return Err(columns.no_time(force)),
@@ -102,7 +103,7 @@ fn one_of<T: Copy + PartialEq>(
     let Some(first) = stated.first().copied() else { return Ok(given) };
     if let Some(other) = stated.iter().find(|&&other| other != first) {
         return Err(InputError::new(format!(
-            "column '{name}' is in {} by its name and in {} by the row below; correct the log",
+            "column '{name}' is in {} by its name and in {} below it; correct the log",
             text(first),
             text(*other)
         )));
@@ -186,7 +187,8 @@ mod tests {
     fn places(text: &str, column: Option<&str>) -> Result<(usize, usize, Unit), String> {
         let options = LogOptions { column: column.map(str::to_string), ..LogOptions::default() };
         let header = header::find(text.as_bytes(), b'\n', 0, None).map_err(|e| e.to_string())?;
-        let (layout, _) = layout(&header, &options, None).map_err(|e| e.to_string())?;
+        let (layout, _) =
+            layout(&header, &options, &Metadata::default()).map_err(|e| e.to_string())?;
         let TimeCells::Number { cell, unit: TimeUnit::Second } = layout.time else {
             panic!("not seconds")
         };

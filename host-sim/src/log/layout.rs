@@ -142,7 +142,7 @@ impl Layout {
         let reading =
             reading(force, self.unit, self.decimal).ok_or_else(|| self.no_force(force))?;
         if self.decimal == Decimal::Any {
-            self.settle(force)?;
+            self.settle(force, line, cells)?;
         }
         let row = Row { time_s: self.time_s(line, cells)?, reading, records: 1, line: 0 };
         let record = self.record.and_then(|cell| finite(cells.get(line, cell)?));
@@ -150,9 +150,11 @@ impl Layout {
     }
 
     /// Takes the decimal mark from the first force that has one.
-    fn settle(&mut self, force: &[u8]) -> Result<(), InputError> {
+    fn settle(&mut self, force: &[u8], line: &[u8], cells: &Cells) -> Result<(), InputError> {
         let Some(mark) = force.iter().find(|byte| b".,".contains(byte)) else { return Ok(()) };
         if is_thousand(text(force)) {
+            // A time that cannot be read is why no rows were found that tell the mark.
+            self.time_s(line, cells)?;
             return Err(thousand(text(force)));
         }
         if finite(force).is_some() {
@@ -255,6 +257,7 @@ fn no_time(cell: &[u8]) -> InputError {
             "write its zone as an offset, such as +01:00"
         }
         _ if text(cell).to_lowercase().contains(".m.") => "write AM or PM without points",
+        _ if text(cell).contains('\u{2212}') => "write the minus of its zone as -",
         (3, _) => "write parts of a second behind a point: 12:00:00.5",
         (2, false) => "a time of day ends with 24:00:00; write a time that runs on in seconds",
         (0, _) if !is_basic(cell) => CORRECT,

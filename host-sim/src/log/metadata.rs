@@ -53,6 +53,8 @@ pub struct Metadata {
     pub tare_counts: Option<f64>,
     /// Converter codes per newton.
     pub counts_per_n: Option<f64>,
+    /// Unit of the force where its column says none, as it is written.
+    pub unit: Option<String>,
     /// What a simulator says of a log that it made.
     pub synthetic: Option<String>,
     /// Every known key in the order of the log.
@@ -118,6 +120,7 @@ impl Metadata {
                 let marks = winch_marks::parse(value).map_err(refused)?;
                 replaced(&mut self.winch_marks, Some(marks))
             }
+            "unit" => replaced(&mut self.unit, Some(value.to_string())),
             "synthetic" => replaced(&mut self.synthetic, Some(value.to_string())),
             key => match self.field(key) {
                 Some(field) => replaced(field, Some(sense::number(key, value).map_err(refused)?)),

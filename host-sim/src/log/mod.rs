@@ -55,6 +55,7 @@ pub mod start;
 pub mod time_column;
 pub mod timing;
 pub mod toa5;
+pub mod unit_cells;
 pub mod winch_marks;
 
 use clock::Clock;
@@ -63,7 +64,7 @@ use held::Held;
 use interval::Intervals;
 use layout::Layout;
 use lines::Lines;
-use metadata::Metadata;
+use metadata::{Metadata, Said};
 pub use number::{Decimal, STANDARD_GRAVITY, Unit};
 use open::{begin, no_floe, peek, recognise, refuse_binary, utf8};
 pub use options::LogOptions;
@@ -269,6 +270,7 @@ impl Log {
         let said = self.rows.metadata.notes.iter().map(|note| note.text.clone());
         let found = self.head.notes.iter().cloned().chain(said).chain(truncated).chain(left_out);
         found
+            .chain(self.rows.summer_time())
             .chain(self.clock.warnings())
             .chain(self.held.warnings(self.rate_hz()))
             .chain(self.told.iter().cloned())
@@ -290,6 +292,7 @@ impl Log {
         if head.is_empty() {
             return Err(no_samples(&rows));
         }
+        refuse_other_unit(&rows, options)?;
         let mut rate_hz = options.rate_hz.or(rows.metadata.rate_hz);
         if let Some(wrong) = rate_hz.filter(|rate| !timing::RATES_HZ.contains(rate)) {
             return Err(InputError::new(format!("a rate of {wrong} Hz is not within 1 to 2000")));
@@ -326,6 +329,25 @@ fn too_long(line: u64) -> InputError {
         "line {line}: a test has {} sampling periods at most, gaps counted: cut the log before it",
         RawSample::LAST_INDEX
     ))
+}
+
+/// Refuses a `# unit:` that the forces are not read in.
+fn refuse_other_unit(rows: &Rows, options: &LogOptions) -> Result<(), InputError> {
+    let Some(Said { value, line, .. }) = rows.metadata.first("unit") else { return Ok(()) };
+    let read = rows.layout().unit;
+    if Unit::from_label(value).is_none_or(|said| said == read) {
+        return Ok(());
+    }
+    let why = match options.unit {
+        Some(unit) => {
+            format!("--unit says {}: leave --unit out, or correct the comment", unit.name())
+        }
+        None => format!(
+            "the forces are read in {}: correct it, or write it above the rows",
+            read.name()
+        ),
+    };
+    Err(InputError::new(format!("line {line}: '# unit: {value}', and {why}")))
 }
 
 fn no_samples(rows: &Rows) -> InputError {

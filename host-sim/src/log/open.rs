@@ -193,7 +193,7 @@ fn table(
         taken.map_err(|error| error.within(format_args!("line {number}")))?;
     }
     let line = header.names.as_ref().map_or(header.first_row, |(number, _)| *number);
-    let found = csv::layout(&header, options, options.rate_hz.or(metadata.rate_hz));
+    let found = csv::layout(&header, options, metadata);
     let (layout, notes) = found.map_err(|error| error.within(format_args!("line {line}")))?;
     Ok((layout, Recognised { header: Some(header), notes }))
 }

@@ -118,11 +118,11 @@ pub(super) fn shown(value: f64) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{LogOptions, csv, header};
+    use super::super::{LogOptions, Metadata, csv, header};
 
     fn notes(text: &str) -> Result<Vec<String>, String> {
         let header = header::find(text.as_bytes(), b'\n', 0, None).map_err(|e| e.to_string())?;
-        let found = csv::layout(&header, &LogOptions::default(), None);
+        let found = csv::layout(&header, &LogOptions::default(), &Metadata::default());
         found.map(|(_, notes)| notes).map_err(|e| e.to_string())
     }
 

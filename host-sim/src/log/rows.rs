@@ -77,6 +77,8 @@ pub struct Rows {
     empty: u64,
     /// Whether the first row's time is in UTC; `None` before that.
     utc: Option<bool>,
+    /// The first line whose time is an hour beyond where it should be.
+    hour_on: Option<u64>,
 }
 
 impl Rows {
@@ -100,6 +102,7 @@ impl Rows {
             left_out: 0,
             empty: 0,
             utc: None,
+            hour_on: None,
         }
     }
 
@@ -188,6 +191,18 @@ impl Rows {
         self.left_out
     }
 
+    /// A clock of the day, in no zone, that was set forward by an hour.
+    #[must_use]
+    pub fn summer_time(&self) -> Option<String> {
+        let time = self.layout.time;
+        let of_day = time.is_calendar() || matches!(time, TimeCells::DateAndClock { .. });
+        let line = self.hour_on.filter(|_| of_day && !self.is_utc())?;
+        Some(format!(
+            "line {line}: the clock jumps forward by one hour: summer time? what it leaves out counts as \
+             missing; if so, write its zone with each time"
+        ))
+    }
+
     /// Whether times are UTC: counted from 1970, or in a zone that the first row says.
     #[must_use]
     pub fn is_utc(&self) -> bool {
@@ -227,6 +242,9 @@ impl Rows {
         if self.layout.seconds_unsaid && leaves_out_40(self.last_time_s, row.time_s) {
             return Err(time_of_day(self.last_time_s, row.time_s));
         }
+        if jumps_an_hour(row.time_s - self.last_time_s) {
+            self.hour_on.get_or_insert(row.line);
+        }
         self.before_s = self.last_time_s;
         (self.last_time_s, self.last_line) = (row.time_s, row.line);
         if let (Some(last), Some(record)) = (self.last_record, record) {
@@ -241,6 +259,11 @@ impl Rows {
         let undated = matches!(self.layout.time, TimeCells::DateAndClock { date: None, .. });
         undated && self.last_time_s - time_s > 0.5 * DAY_S
     }
+}
+
+/// Whether a step is one hour more than one between samples, 1 s at most.
+fn jumps_an_hour(step_s: f64) -> bool {
+    (3599.5..3601.5).contains(&step_s)
 }
 
 /// Whether the time goes on as a time of day written as a number does behind 59 seconds, and behind

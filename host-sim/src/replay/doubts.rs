@@ -31,7 +31,8 @@ pub fn doubts(
     ];
     let doubts = doubts.into_iter().flatten();
     let instead = given::instead(log, config, known);
-    no_force(config, report).into_iter().chain(instead).chain(doubts).collect()
+    let none = no_force(config, report).or_else(|| cut_off(config, report));
+    none.into_iter().chain(instead).chain(doubts).collect()
 }
 
 /// Whether a record has samples and none of them is a force.
@@ -42,12 +43,31 @@ pub(super) fn has_no_force(samples: u64, rejected: u64, saturated: u64) -> bool 
 /// No sample can be used.
 fn no_force(config: &Config, report: &Report) -> Option<String> {
     let Counters { samples, rejected, saturated, .. } = report.counters;
-    let range = config.range_n.map(|range| format!(" of {range} N, its 'range_n'"));
     has_no_force(samples.into(), rejected.into(), saturated.into()).then(|| {
         format!(
             "no sample is a force: {rejected} of {samples} are no number, {saturated} lie at the end \
              of the cell's range{}",
-            range.unwrap_or_default()
+            range(config)
+        )
+    })
+}
+
+fn range(config: &Config) -> String {
+    let said = config.range_n.map(|range| format!(" of {range} N, its 'range_n'"));
+    said.unwrap_or_default()
+}
+
+/// No slip gives a coefficient, and many samples are saturated.
+fn cut_off(config: &Config, report: &Report) -> Option<String> {
+    /// One sample in so many.
+    const MANY: u32 = 100;
+    let Counters { samples, saturated, .. } = report.counters;
+    let many = saturated > 0 && saturated >= samples / MANY;
+    (many && report.mu_s.is_none() && report.mu.is_none()).then(|| {
+        format!(
+            "{saturated} of {samples} samples lie at the end of the cell's range{}: the tops of the \
+             slips may hide there, and no such slip gives a coefficient",
+            range(config)
         )
     })
 }

@@ -46,7 +46,16 @@ const WEIGHT: Used = Used {
 pub fn instead(log: &Log, config: &Config, known: &KnownOptions) -> Vec<String> {
     let of_test = block(log, config).into_iter().chain(pull(log, config));
     let of_test = of_test.chain(how_well(log, known)).filter_map(|it| it.sentence(log));
-    of_test.chain(weighed_by(log, known)).chain(calibration(log, &config.calibration)).collect()
+    let others = weighed_by(log, known).into_iter().chain(without_winch(log, config, known));
+    of_test.chain(others).chain(calibration(log, &config.calibration)).collect()
+}
+
+/// How well a speed is known that nobody says.
+fn without_winch(log: &Log, config: &Config, known: &KnownOptions) -> Option<String> {
+    let inputs = known.inputs(&log.metadata().known);
+    let std = inputs.iter().find(|input| input.key == "winch_std_m_per_s")?;
+    std.given.or(std.said).filter(|_| config.winch_m_per_s.is_none())?;
+    Some(format!("{} is not used without the speed of the winch: --winch-m-per-s V", std.key))
 }
 
 /// The same of a calibration.

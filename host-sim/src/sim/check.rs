@@ -26,6 +26,14 @@ pub(super) fn positive(name: &str, value: f64) -> Result<(), SceneError> {
     })
 }
 
+/// Refuses unless `value` is above zero and `most` at most.
+pub(super) fn above_zero(name: &str, value: f64, most: f64) -> Result<(), SceneError> {
+    positive(name, value)?;
+    require(value <= most, || {
+        format!("{name} = {}: must be above zero, at most {}", short(value), short(most))
+    })
+}
+
 /// Refuses unless `value` is finite and not negative.
 pub(super) fn not_negative(name: &str, value: f64) -> Result<(), SceneError> {
     require(value.is_finite() && value >= 0.0, || {

@@ -11,6 +11,9 @@ use super::scene::{Scene, Start};
 /// Array ID of the simulated CR10 logs.
 pub const CR10_ARRAY_ID: u32 = 101;
 
+/// How a simulated CSV log begins.
+pub const SYNTHETIC: &str = "# SYNTHETIC:";
+
 /// What a simulator says of what it made, in a log and in JSON.
 #[must_use]
 pub fn said_of(seed: u64) -> String {
@@ -24,7 +27,7 @@ pub fn said_of(seed: u64) -> String {
 /// # Errors
 /// Of the writer.
 pub fn csv_head(out: &mut impl Write, scene: &Scene, seed: u64, command: &str) -> io::Result<()> {
-    writeln!(out, "# SYNTHETIC: {}", said_of(seed))?;
+    writeln!(out, "{SYNTHETIC} {}", said_of(seed))?;
     writeln!(out, "# made_by: {}", printable_line(command))?;
     if let Some(id) = &scene.test_id {
         writeln!(out, "# test_id: {id}")?;

@@ -64,6 +64,15 @@ fn how_well_it_is_known_against_the_log_is_said() {
     assert!(!asked.contains("span"), "{asked}");
 }
 
+#[test]
+fn how_well_a_speed_is_known_that_nobody_says_is_said() {
+    let std = ["--winch-std-m-per-s", "0.0001"];
+    let without = "winch_std_m_per_s is not used without the speed of the winch";
+    assert!(asked("no-winch", CALIBRATED, &std).contains(without));
+    let head = format!("{CALIBRATED}; # winch_m_per_s: 0.0157");
+    assert!(!asked("winch", &head, &std).contains(without));
+}
+
 /// The weight of a block under the ice is not what presses it.
 #[test]
 fn weight_and_mass_are_told_apart() {

@@ -127,6 +127,8 @@ fn a_limit_that_the_log_does_not_name_is_asked_about() {
         let refused = floe(&["replay", path, "--range-n", "400", "--json"]);
         let refused: serde_json::Value = serde_json::from_slice(&refused.stdout).unwrap();
         assert_eq!(refused["estimate"]["events"], 0);
+        let hidden = "samples lie at the end of the cell's range of 400 N, its 'range_n': the tops of the slips";
+        assert!(refused["log"]["warnings"].to_string().contains(hidden), "{}", refused["log"]);
         assert!(refused["log"]["saturated"].as_u64().unwrap() > 900, "{}", refused["log"]);
     }
     let output = floe(&["replay", path, "--report", report.to_str().unwrap()]);

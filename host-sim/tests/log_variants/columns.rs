@@ -75,6 +75,60 @@ pub fn force_forms() -> Vec<Form> {
     ]
 }
 
+/// Units in the rows and in comments.
+pub fn unit_forms() -> Vec<Form> {
+    let beside = |unit: &'static str| {
+        let row = move |t: f64, f: f64| format!("{t},{},{unit}", f * 1e-3);
+        table("Time (s),Load,Unit\n", row)
+    };
+    let said = |unit: &str, column: &str| {
+        let head = format!("# unit: {unit}\ntime_s,{column}\n");
+        table(&head, |t, f| format!("{t},{}", f * 1e-3))
+    };
+    let mark_10 = |t: f64, f: f64| format!("{f},N,{t},{t},mm");
+    let newton = Some(Unit::Newton);
+    vec![
+        form("a column Unit", beside("KN"), Same),
+        form(
+            "a force that only Units tell",
+            beside("kN").replacen("Load", "Tracking Value", 1),
+            Same,
+        ),
+        form("two columns of units", table("Load,Unit,Time,Travel,Units\n", mark_10), Same),
+        form("a column Unit, unknown", beside("ozF"), Refused(&["'Load' is 'ozF'", "--unit"])),
+        form(
+            "a column Unit that changes",
+            beside("kN").replacen(",kN\n5,", ",N\n5,", 1).replacen(",kN\n", ",N\n", 1),
+            Refused(&["column 'Unit' says 'N' and 'kN'"]),
+        ),
+        form(
+            "a column Unit against the name",
+            beside("kN").replacen("Load", "Load [N]", 1),
+            Refused(&["in N", "in kN"]),
+        ),
+        form("a column Unit against --unit", beside("kN"), Refused(&["in kN", "--unit says N"]))
+            .with(|o| o.unit = newton),
+        form("# unit: kN", said("kN", "force"), Same),
+        form("# unit: ozf", said("ozf", "force"), Refused(&["'# unit: ozf' in line 1", "--unit"])),
+        form(
+            "# unit: N above force_kn",
+            said("N", "force_kn"),
+            Refused(&["line 1: '# unit: N'", "read in kN"]),
+        ),
+        form("# unit: kN, --unit N", said("kN", "force"), Refused(&["line 1", "--unit says N"]))
+            .with(|o| o.unit = newton),
+        form(
+            "# unit: kN below the first row",
+            said("N", "force").replacen("# unit: N\n", "", 1).replacen(
+                "\n5,",
+                "\n# unit: kN\n5,",
+                1,
+            ),
+            Refused(&["line 82: '# unit: kN'", "above the rows"]),
+        ),
+    ]
+}
+
 pub fn whole_forms() -> Vec<Form> {
     let labview = "LabVIEW Measurement\nWriter_Version\t2\nSeparator\tTab\nDecimal_Separator\t.\n\
         Date\t2012/02/29\nTime\t12:00:00.0\n***End_of_Header***\n\nChannels\t1\nSamples\t200\n\

@@ -210,9 +210,11 @@ pub fn more() -> Vec<Form> {
         })
     };
     let noon = |t: f64| if t < 5.0 { "12" } else { "01" };
+    let forth = |t: f64| if t < 5.0 { "01" } else { "03" };
     let days = |t: f64| t / 86_400.0 + 0.5;
     vec![
         form("the end of summer time", back(|_| "02"), Refused(&["set back by an hour?", "zone"])),
+        form("the beginning of summer time", back(forth), Noted("jumps forward by one hour")),
         form("twelve o'clock, then one", back(noon), Refused(&["are AM and PM missing?"])),
         form(
             "parts of a day",

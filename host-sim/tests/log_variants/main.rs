@@ -100,6 +100,7 @@ fn forms() -> Vec<Form> {
         texts::text_forms(),
         texts::time_forms(),
         columns::force_forms(),
+        columns::unit_forms(),
         columns::whole_forms(),
         people::dates(),
         people::cells(),

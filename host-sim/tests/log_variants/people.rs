@@ -36,9 +36,21 @@ pub fn dates() -> Vec<Form> {
             Refused(&["no time can be read from '02/29/2012", "write 2012-02-29"]),
         ),
         form(
+            "02/29/2012 12:00:00 PM, forces of three decimals",
+            table("Time,Force (N)\n", |t, f| {
+                format!("02/29/2012 {} PM,{:.3}", clock(t), f / 100.0)
+            }),
+            Refused(&["no time can be read from '02/29/2012"]),
+        ),
+        form(
             "29.02.12",
             stamped(|t| format!("29.02.12 {}", clock(t))),
             Refused(&["no time can be read from '29.02.12", "write 2012-02-29"]),
+        ),
+        form(
+            "a zone with a minus sign of its own",
+            stamped(|t| format!("2012-02-29T{}\u{2212}01:00", clock(t))),
+            Refused(&["write the minus of its zone as -"]),
         ),
         form("times of day over midnight", stamped(late), Same),
         form("a zone that changes on the way", stamped(summer_time), Same),

@@ -1,7 +1,7 @@
 //! What a scene must satisfy before it is computed.
 
 use super::{Scene, SceneError, WinchProfile};
-use crate::sim::check::{between, not_negative, positive, require};
+use crate::sim::check::{above_zero, between, not_negative, positive, require};
 
 /// Forces, stiffnesses and lengths beyond it are a slip of the pen.
 const LARGEST: f64 = 1e12;
@@ -18,25 +18,19 @@ impl Scene {
     pub fn validate(&self) -> Result<(), SceneError> {
         let one_line = self.test_id.as_deref().is_none_or(|id| !id.contains(char::is_control));
         require(one_line, || "test_id: must be one line of plain text".to_owned())?;
-        positive("duration_s", self.duration_s)?;
-        between("duration_s", self.duration_s, 0.0, 1e8)?;
-        for (name, value) in [
-            ("stiffness_n_per_m", self.stiffness_n_per_m),
-            ("start_force_n", self.start_force_n),
-            ("cable_length_m", self.cable_length_m),
+        for (name, value, most) in [
+            ("duration_s", self.duration_s, 1e8),
+            ("stiffness_n_per_m", self.stiffness_n_per_m, LARGEST),
+            ("cable_length_m", self.cable_length_m, LARGEST),
+            ("winch_m_per_s", self.winch_m_per_s, 100.0),
         ] {
-            between(name, value, 0.0, LARGEST)?;
+            above_zero(name, value, most)?;
         }
+        between("start_force_n", self.start_force_n, 0.0, LARGEST)?;
         between("weight_n", self.weight_n, 1e-3, LARGEST)?;
-        between("winch_m_per_s", self.winch_m_per_s, 0.0, 100.0)?;
         between("mu_s", self.mu_s, 0.0, 100.0)?;
         between("rate_hz", self.rate_hz, 1.0, 2000.0)?;
-        positive("weight_n", self.weight_n)?;
-        positive("stiffness_n_per_m", self.stiffness_n_per_m)?;
-        positive("winch_m_per_s", self.winch_m_per_s)?;
-        positive("cable_length_m", self.cable_length_m)?;
         between("slope_deg", self.slope_deg, -60.0, 60.0)?;
-        not_negative("start_force_n", self.start_force_n)?;
         self.validate_start()?;
         self.validate_terms()?;
         self.validate_friction()?;
@@ -152,6 +146,9 @@ impl Scene {
     /// It must come to an end, and its log fit a disk.
     fn validate_work(&self) -> Result<(), SceneError> {
         let samples = self.duration_s * self.rate_hz;
+        require(self.sample_count() > 0, || {
+            format!("duration_s = {}: no sample at {} Hz", self.duration_s, self.rate_hz)
+        })?;
         require(samples <= MOST_SAMPLES, || {
             format!(
                 "duration_s = {}: {samples:.0} samples, at most {MOST_SAMPLES:e}",

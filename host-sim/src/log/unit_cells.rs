@@ -1,0 +1,48 @@
+//! Units that stand in the rows, in a column of their own: `Force,Unit,Time (s)` and `7.94,N,0.0`.
+
+use crate::error::{InputError, excerpt};
+
+use super::columns::Columns;
+use super::number::{Unit, finite};
+
+/// What such a column is called.
+const NAMES: [&str; 4] = ["unit", "units", "einheit", "force unit"];
+
+impl Columns<'_> {
+    /// The unit that the column right behind one says, where that is a unit of force.
+    #[must_use]
+    pub fn force_unit_behind(&self, column: usize) -> Option<Unit> {
+        self.cells(self.behind(column)?).find_map(Unit::from_label)
+    }
+
+    /// What the first rows say of the force's unit: behind it, or in the only such column.
+    ///
+    /// # Errors
+    /// They say several units.
+    pub fn unit_in_rows(&self, force: usize) -> Result<Option<&str>, InputError> {
+        let mut all = (0..self.names.len()).filter(|&at| self.holds_units(at));
+        let only = all.next().filter(|_| all.next().is_none());
+        let Some(column) = self.behind(force).or(only) else { return Ok(None) };
+        let said = |cell: &&str| !cell.is_empty() && finite(cell.as_bytes()).is_none();
+        let mut cells = self.cells(column).filter(said);
+        let Some(first) = cells.next() else { return Ok(None) };
+        match cells.find(|cell| !cell.eq_ignore_ascii_case(first)) {
+            None => Ok(Some(first)),
+            Some(other) => Err(InputError::new(format!(
+                "column {} says {} and {}: write all forces in one unit",
+                self.said(column),
+                excerpt(first.as_bytes()),
+                excerpt(other.as_bytes())
+            ))),
+        }
+    }
+
+    fn behind(&self, column: usize) -> Option<usize> {
+        Some(column + 1).filter(|&next| self.holds_units(next))
+    }
+
+    fn holds_units(&self, column: usize) -> bool {
+        let name = self.labels.get(column).map(|label| label.quantity.as_str());
+        name.is_some_and(|name| NAMES.contains(&name))
+    }
+}
