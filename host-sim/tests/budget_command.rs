@@ -197,3 +197,37 @@ fn a_standard_deviation_that_cannot_be_is_refused() {
         assert_eq!(said, format!("floe: {LOG}: {option} must be {why}\n"));
     }
 }
+
+/// A drift that shows late is in the rows of the events before it as well.
+#[test]
+fn what_the_test_tells_of_the_zero_reaches_its_first_events() {
+    let folder = TempDir::new().unwrap();
+    let scene = format!("{}/scenes/honesty/drift_1.toml", env!("CARGO_MANIFEST_DIR"));
+    let text = std::fs::read_to_string(scene).unwrap();
+    let text = text.replace("_fraction = 0.01", "_fraction = 0.03");
+    let text = text.replace("zero_n_per_s = 0.125", "zero_n_per_s = 0.5");
+    let path = |name: &str| folder.path().join(name);
+    std::fs::write(path("scene.toml"), text).unwrap();
+    let made = Command::new(env!("CARGO_BIN_EXE_floe"))
+        .args(["simulate", "scene.toml", "-o", "log.csv", "--truth", "truth.json"])
+        .current_dir(folder.path())
+        .output()
+        .unwrap();
+    assert!(made.status.success(), "{}", String::from_utf8_lossy(&made.stderr));
+    let truth: Value =
+        serde_json::from_str(&std::fs::read_to_string(path("truth.json")).unwrap()).unwrap();
+    let result = replay_of(&path("log.csv"), &[]);
+    let (found, truths) =
+        (result["events"].as_array().unwrap(), truth["events"].as_array().unwrap());
+    assert!(result["zero_n"].as_f64().unwrap() > 20.0 && found.len() > 50, "{}", result["zero_n"]);
+    let number = |event: &Value, key: &str| event[key].as_f64().unwrap();
+    for event in found.iter().filter(|event| !event["mu"].is_null()) {
+        let is_same = |it: &&Value| (number(it, "onset_s") - number(event, "onset_s")).abs() < 0.3;
+        let Some(truth) = truths.iter().find(is_same) else { continue };
+        for key in ["mu_s", "mu"] {
+            let off = number(event, key) - number(truth, key);
+            let std = number(event, &format!("{key}_combined_std"));
+            assert!(off.abs() < 4.0 * std, "{key}: {off} {std} in {event}");
+        }
+    }
+}

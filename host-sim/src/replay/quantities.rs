@@ -75,6 +75,16 @@ pub struct Quantities {
     /// The losses as the whole test tells them, for [`Quantities::complete`].
     #[serde(skip)]
     pub(crate) losses: Losses,
+    /// How far the zero may have moved by the end, a standard deviation in units of the coefficients,
+    /// and the number of events until then; likewise.
+    #[serde(skip)]
+    pub(crate) drift: (f32, u32),
+}
+
+/// What a zero that may have moved does to a coefficient, one standard deviation.
+fn drift_std(config: &Config, report: &Report) -> f32 {
+    let normal_n = report.weight_ratio * config.weight_n * config.slope_rad.cos();
+    report.zero_n.map_or(0.0, |zero_n| zero_n / normal_n)
 }
 
 /// A number with its relative standard deviation.
@@ -123,6 +133,7 @@ impl Quantities {
                 unsure,
             }),
             losses: Losses::of(config, report),
+            drift: (drift_std(config, report), report.events),
             ..Self::default()
         }
     }
@@ -171,9 +182,13 @@ impl Quantities {
         Self { slide, ..Self::default() }
     }
 
-    /// Gives an event, which has none yet, the losses of the cable, and what [`Self::slide`] does.
+    /// Gives an event, which has none yet, the losses of the cable, what the whole test tells of a drift
+    /// that the event did not know of yet, and what [`Self::slide`] does.
     pub fn complete(&self, event: &mut EventSummary) {
         event.put_on(self.losses);
+        // As if it had grown evenly: the zero was known at the beginning.
+        let (std, events) = self.drift;
+        event.may_have_drifted(std * (event.index + 1) as f32 / events.max(1) as f32);
         self.slide(event);
     }
 
