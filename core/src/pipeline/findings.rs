@@ -60,8 +60,7 @@ impl Pipeline {
         })
     }
 
-    /// The numbers of an effect that the test shows. Those of a level are the means on either side
-    /// of its change.
+    /// The numbers of an effect that the test shows. A level has none.
     fn parameters(&self, effect: Effect) -> [Option<Parameter>; 2] {
         let [first, second] = self.cycles.parameters(effect);
         if matches!(effect, Effect::Flop | Effect::Ripple) {

@@ -110,7 +110,7 @@ pub fn evaluate(seed: u64, campaign: u32, test: u32) -> Result<TestRecord, Input
     let losses = pipeline.losses();
     let measured = |event: &Event| {
         let mut measured = EventSummary::new(event, seconds(event.onset), seconds(event.stop));
-        measured.put_on(losses);
+        measured.put_on(losses, 0.0);
         with_truth(measured, run.events())
     };
     let events: Vec<EventRecord> = events.iter().map(measured).collect();

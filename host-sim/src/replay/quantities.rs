@@ -185,10 +185,9 @@ impl Quantities {
     /// Gives an event, which has none yet, the losses of the cable, what the whole test tells of a drift
     /// that the event did not know of yet, and what [`Self::slide`] does.
     pub fn complete(&self, event: &mut EventSummary) {
-        event.put_on(self.losses);
         // As if it had grown evenly: the zero was known at the beginning.
         let (std, events) = self.drift;
-        event.may_have_drifted(std * (event.index + 1) as f32 / events.max(1) as f32);
+        event.put_on(self.losses, std * (event.index + 1) as f32 / events.max(1) as f32);
         self.slide(event);
     }
 

@@ -128,36 +128,14 @@ impl EventSummary {
         }
     }
 
-    /// Puts losses of the cable on an event that has none.
-    pub fn put_on(&mut self, losses: Losses) {
-        let coefficients = self.coefficients();
-        self.know(losses.put_on(coefficients));
-    }
-
-    /// Puts a drift of the zero, a standard deviation in units of the coefficients, on those that know
-    /// of less.
-    pub(crate) fn may_have_drifted(&mut self, std: f32) {
-        let coefficients = self.coefficients().map(|it| {
-            let it = it?;
-            let systematic_std = if it.systematic_std < std {
-                it.systematic_std.hypot(std)
-            } else {
-                it.systematic_std
-            };
-            Some(Coefficient { systematic_std, ..it })
-        });
-        self.know(coefficients);
-    }
-
-    fn coefficients(&self) -> [Option<Coefficient>; 2] {
-        [
+    /// Puts losses of the cable on an event that has none, and a drift of the zero, a standard deviation
+    /// in units of the coefficients, on those of them that know of less.
+    pub fn put_on(&mut self, losses: Losses, drift_std: f32) {
+        let coefficients = losses.put_on([
             coefficient(self.mu_s, self.mu_s_std, self.mu_s_systematic_std),
             coefficient(self.mu, self.mu_std, self.mu_systematic_std),
-        ]
-    }
-
-    /// Takes what is systematic in the coefficients.
-    fn know(&mut self, [mu_s, mu]: [Option<Coefficient>; 2]) {
+        ]);
+        let [mu_s, mu] = coefficients.map(|it| it.map(|it| may_have_drifted(it, drift_std)));
         if let Some(it) = mu_s {
             self.mu_s_systematic_std = known(Some(it.systematic_std));
             self.mu_s_combined_std = known(Some(it.combined_std()));
@@ -175,6 +153,12 @@ impl EventSummary {
     pub fn is_odd(&self) -> bool {
         self.reason.is_some() || self.quality != "good"
     }
+}
+
+fn may_have_drifted(it: Coefficient, std: f32) -> Coefficient {
+    let known_std = it.systematic_std;
+    let systematic_std = if known_std < std { known_std.hypot(std) } else { known_std };
+    Coefficient { systematic_std, ..it }
 }
 
 fn coefficient(
