@@ -2,10 +2,10 @@
 
 use std::path::Path;
 
-use floe::sim::Scene;
-use floe_core::{Effect, Effects};
-use floe_tests::scenes;
+use floe::sim::{Scene, simulate};
+use floe_core::{Effect, Effects, Pipeline};
 use floe_tests::score::{self, rms};
+use floe_tests::{both, feed, scenes};
 
 const RECORDS: u64 = 60;
 /// In so many first ones no answer may differ by more than [`MOST`], whatever the others do.
@@ -90,4 +90,28 @@ fn the_page_of_effects_has_every_one() {
     for effect in Effect::ALL {
         assert!(page.lines().any(|line| line.starts_with(&format!("| {effect} |"))), "{effect}");
     }
+}
+
+/// What the report and the display name has numbers, but for levels, and nothing else has.
+#[test]
+fn what_is_found_has_numbers() {
+    let names = ["creep", "sag_flop", "shortening", "breaking", "drift", "flop", "ripple", "all"];
+    let mut seen = Effects::NONE;
+    for name in names {
+        let scene = scenes::stored(&format!("hard/{name}"));
+        let mut pipeline = Pipeline::new(&both::config(&scene)).expect("a scene");
+        for sample in simulate(&scene, 1).expect("a scene").samples {
+            let _ = pipeline.step(feed::force(sample.index, sample.force_n));
+            let found = pipeline.report().found;
+            for it in pipeline.findings() {
+                let numbers: Vec<_> = it.parameters.iter().flatten().collect();
+                let sane = numbers.iter().all(|it| it.value.is_finite() && it.std > 0.0);
+                let told = !numbers.is_empty() || it.effect == Effect::Level;
+                assert_eq!((it.found, it.found), (found.has(it.effect), it.found && told && sane));
+                assert!(it.found || numbers.is_empty(), "{name}: {it:?}");
+            }
+            seen = found.iter().fold(seen, |seen, effect| seen.with(effect, true));
+        }
+    }
+    assert_eq!(seen.with(Effect::Level, true), Effects::COMPILED, "{seen:?}");
 }

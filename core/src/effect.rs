@@ -183,6 +183,12 @@ impl Effects {
     pub const fn has(self, effect: Effect) -> bool {
         effect.room() > 0 && self.0 & effect.bit() != 0
     }
+
+    /// Those in the set that are compiled in, in the order of [`Effect::ALL`].
+    #[inline]
+    pub fn iter(self) -> impl Iterator<Item = Effect> {
+        Effect::ALL.into_iter().filter(move |effect| self.has(*effect))
+    }
 }
 
 impl Default for Effects {
@@ -244,6 +250,9 @@ mod tests {
             assert_eq!(Effects::from_mask(alone.mask()), alone);
             let others = Effect::ALL.into_iter().filter(|other| *other != effect);
             assert!(others.into_iter().all(|other| !alone.has(other)));
+            let compiled = Effects::COMPILED.has(effect);
+            assert_eq!(alone.iter().next(), compiled.then_some(effect));
+            assert_eq!(alone.iter().count(), usize::from(compiled));
         }
         // The bits of logs that were written before: all but 8 of the first eleven.
         assert_eq!(Effects::from_mask(u32::MAX).mask(), 0b110_1111_1111);

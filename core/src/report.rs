@@ -1,6 +1,7 @@
 //! The result so far, for a display, a log or a host tool.
 
 use crate::coefficient::Estimate;
+use crate::effect::Effects;
 use crate::effects::level_shift::Change;
 use crate::stats::quantity::Quantity;
 
@@ -62,4 +63,6 @@ pub struct Report {
     pub weight_ratio_std: f32,
     /// The newest change, with the ratio of the weights as it is known now.
     pub change: Option<Change>,
+    /// The effects that the data show.
+    pub found: Effects,
 }

@@ -3,7 +3,7 @@
 use crate::coefficient::Site;
 use crate::cycle::CycleTracker;
 use crate::cycle::expectations::Expectations;
-use crate::effect::{Effect, Parameter};
+use crate::effect::{Effect, Effects, Parameter};
 use crate::effects::damping::Damping;
 use crate::effects::onset::Onset;
 use crate::effects::oscillation::Oscillation;
@@ -53,7 +53,22 @@ impl CycleTracker {
         rate.mean().zip(swing).map_or(0.0, |(rate, swing)| rate * swing)
     }
 
-    /// The parameters of an effect, as the events determine them.
+    /// Which effects the events show, but for levels and drifts.
+    #[must_use]
+    pub(crate) fn found(&self) -> Effects {
+        let Expectations { corner, damping, onset, rate, rate_change, .. } = &self.learnt;
+        let sags = self.learnt.sags();
+        Effects::NONE
+            .with(Effect::Corner, corner.get().is_some_and(|corner| !corner.is_sharp()))
+            .with(Effect::Sag, sags)
+            // What a cable that sags does to the rate is the sag's.
+            .with(Effect::Stiffening, !sags && stiffening::is_found(rate, rate_change))
+            .with(Effect::Mass, self.weight_ratio().1 > 0.0)
+            .with(Effect::Damping, damping.read(Damping::is_found))
+            .with(Effect::Onset, onset.read(Onset::is_found))
+    }
+
+    /// The parameters of an effect that was found, as the events determine them.
     #[must_use]
     pub(crate) fn parameters(&self, effect: Effect) -> [Option<Parameter>; 2] {
         match effect {
@@ -63,15 +78,12 @@ impl CycleTracker {
             Effect::Damping => [self.learnt.damping.read(Damping::parameter), None],
             Effect::Onset => [self.learnt.onset.read(Onset::parameter), None],
             Effect::Sag => [self.learnt.sag.read(Sag::parameter), None],
-            // What a cable that sags does to the rate is the sag's.
-            Effect::Stiffening if self.learnt.sags() => [None; 2],
             Effect::Stiffening => {
                 [stiffening::parameter(&self.learnt.rate, &self.learnt.rate_change), None]
             }
             Effect::Mass => {
                 let (value, relative) = self.weight_ratio();
-                let ratio = Parameter { name: "weight_ratio", value, std: relative * value };
-                [(relative > 0.0).then_some(ratio), None]
+                [Some(Parameter { name: "weight_ratio", value, std: relative * value }), None]
             }
             Effect::Ripple => [self.learnt.oscillation.read(Oscillation::parameter), None],
             Effect::Level | Effect::Drift | Effect::Flop => [None; 2],

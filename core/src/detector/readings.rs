@@ -1,7 +1,7 @@
 //! What others may read of the detector, and what they tell it.
 
 use crate::detector::{Detector, Stick};
-use crate::effect::{Effect, Parameter};
+use crate::effect::{Effect, Effects, Parameter};
 use crate::noise::flop::FlopProfile;
 use crate::noise::ripple::{ColoredNoise, Ripple};
 use crate::num::math::{larger, smaller};
@@ -82,11 +82,18 @@ impl Detector {
         self.usual_drop_n
     }
 
+    /// Which of the two effects that are noise the rests of late show.
+    #[must_use]
+    pub(crate) fn found(&self) -> Effects {
+        let flops = self.profile.get().is_some_and(|profile| !profile.is_flat());
+        Effects::NONE.with(Effect::Flop, flops).with(Effect::Ripple, !self.wander().is_none())
+    }
+
     /// What the rests of late show of the two effects that are noise.
     #[must_use]
     pub(crate) fn parameter(&self, effect: Effect) -> Option<Parameter> {
         match effect {
-            Effect::Flop => self.profile.read(FlopProfile::parameter),
+            Effect::Flop => self.profile.get().map(FlopProfile::parameter),
             Effect::Ripple => self.ripple.read(Ripple::parameter),
             Effect::Corner
             | Effect::Sag

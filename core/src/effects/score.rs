@@ -143,6 +143,7 @@ impl ScoreSum {
     }
 
     /// Its variance, larger where the scores scatter by more than the noise.
+    #[inline(never)]
     pub(crate) fn variance(&self) -> f32 {
         larger(self.chi_square / (self.count - 1.0), 1.0) / self.information
     }
@@ -152,9 +153,15 @@ impl ScoreSum {
         self.count > LEAST_EVENTS
     }
 
+    /// Is the amplitude significant?
+    #[inline(never)]
+    pub(crate) fn is_found(&self) -> bool {
+        let value = self.value();
+        self.counts() && value * value > SIGNIFICANT * SIGNIFICANT * self.variance()
+    }
+
     /// The amplitude and its standard deviation, if it is significant.
     pub(crate) fn found(&self) -> Option<(f32, f32)> {
-        let (value, std) = (self.value(), math::sqrt(self.variance()));
-        (self.counts() && value.abs() > SIGNIFICANT * std).then_some((value, std))
+        self.is_found().then(|| (self.value(), math::sqrt(self.variance())))
     }
 }

@@ -13,20 +13,31 @@ use crate::stats::fading_trend::FadingTrend;
 /// Part of the rate: no cable becomes stiffer by more in a slip.
 const MOST: f32 = 0.1;
 
+/// By which part of a loading rate, N per period, it grows over a slip, by its changes so far; zero
+/// where no cable does.
+#[inline(never)]
+fn gain(rate_change: &FadingTrend, rate: f32) -> f32 {
+    let part = rate_change.prior_around_zero(1.0).mean / rate;
+    // False for a rate of zero as well.
+    if part.abs() < MOST { part } else { 0.0 }
+}
+
 /// How far `Fp` lies above the middle of `Fs` and `Fe`, N, by the changes of the rate so far, N per
 /// period.
 pub(crate) fn shift_n(rate_change: &FadingTrend, cycle: &CycleParams) -> f32 {
-    let part = rate_change.prior_around_zero(1.0).mean / cycle.rate;
-    // False for a rate of zero as well.
-    if part.abs() < MOST { cycle.half_drop_n * part / 6.0 } else { 0.0 }
+    cycle.half_drop_n * gain(rate_change, cycle.rate) / 6.0
 }
 
-/// By which part of it the loading rate grows over a slip, if the events show that and a cable can.
+/// Do the events show that the rate grows over a slip?
+pub(crate) fn is_found(rate: &FadingTrend, rate_change: &FadingTrend) -> bool {
+    rate.mean().is_some_and(|rate| gain(rate_change, rate).abs() > 0.0)
+}
+
+/// By which part of it the loading rate grows over a slip, where the events show that.
 pub(crate) fn parameter(rate: &FadingTrend, rate_change: &FadingTrend) -> Option<Parameter> {
-    let (rate, gain) = (rate.mean()?, rate_change.prior_around_zero(1.0));
-    let (value, std) = (gain.mean / rate, 1.0 / math::sqrt(gain.weight) / rate);
-    let found = value.abs() > 0.0 && value.abs() < MOST && std.is_finite();
-    found.then_some(Parameter { name: "rate_gain", value, std })
+    let rate_n = rate.mean()?;
+    let std = 1.0 / math::sqrt(rate_change.prior_around_zero(1.0).weight) / rate_n;
+    Some(Parameter { name: "rate_gain", value: gain(rate_change, rate_n), std })
 }
 
 #[cfg(test)]
@@ -73,11 +84,12 @@ mod tests {
     #[test]
     fn a_gain_is_a_number_once_the_rate_is_known() {
         let (mut rate, rate_change) = (FadingTrend::default(), gaining(0.225));
-        assert_eq!(parameter(&rate, &rate_change), None);
+        assert_eq!((parameter(&rate, &rate_change), is_found(&rate, &rate_change)), (None, false));
         rate.add(22.5, 0.01);
         let Parameter { value, std, .. } = parameter(&rate, &rate_change).unwrap();
         assert!((value - 0.01).abs() < 1e-4 && std < 1e-3, "{value} {std}");
-        assert_eq!(parameter(&rate, &FadingTrend::default()), None);
-        assert_eq!(parameter(&rate, &gaining(9.0)), None);
+        assert!(is_found(&rate, &rate_change));
+        assert!(!is_found(&rate, &FadingTrend::default()));
+        assert!(!is_found(&rate, &gaining(9.0)));
     }
 }

@@ -20,7 +20,7 @@ pub(crate) use levenberg_marquardt::Fitting;
 use crate::fit::correction::Correction;
 use crate::fit::levenberg_marquardt::Pass;
 use crate::model::{CycleParams, Shape};
-use crate::stats::normal_equations::{Factor, Gradient, Normal, UNKNOWNS};
+use crate::stats::normal_equations::{Factor, Gradient, Normal};
 use crate::stats::prior::Prior;
 
 /// A fitted event.
@@ -177,8 +177,8 @@ impl Fit {
     /// `None` when the event alone does not determine them.
     #[must_use]
     pub(crate) fn forces_alone(&self, rate: Prior) -> Option<Forces> {
-        let expected = [(1, (rate, self.cycle().rate))];
-        let Alone { factor, right } = without(&self.normal, Gradient::default(), expected)?;
+        let expected = [(rate, self.cycle().rate)];
+        let Alone { factor, right } = without(&self.normal, Gradient::default(), 1, &expected)?;
         let [_, _, by_static, by_drop, ..] = factor.solve(&right);
         let mut forces = self.forces_at(by_static, by_drop, &factor);
         forces.widen(self.wider);
@@ -205,7 +205,7 @@ impl Fit {
     /// Its normal equations without what is expected of the swing.
     pub(crate) fn without_swing(&self, swing: Prior) -> Option<Alone> {
         let value = self.cycle().inverse_omega();
-        without(&self.normal, Gradient::default(), [(SWING, (swing, value))])
+        without(&self.normal, Gradient::default(), SWING, &[(swing, value)])
     }
 
     /// The forces a Gauss-Newton step further, by data with other lines or other expectations.
@@ -226,8 +226,8 @@ impl Fit {
     /// unknowns but the last, the rate change. `None` where they are singular.
     #[must_use]
     pub(crate) fn alone(&self, data: &Data<'_>, normal: &Normal) -> Option<Alone> {
-        let expected = data.priors(self.cycle()).into_iter().enumerate();
-        without(normal, normal.right, expected.take(UNKNOWNS - 1))
+        let [expected @ .., _] = data.priors(self.cycle());
+        without(normal, normal.right, 0, &expected)
     }
 }
 
@@ -238,19 +238,19 @@ pub(crate) struct Alone {
     pub(crate) right: Gradient,
 }
 
-/// Normal equations with a right-hand side, after the expectations of some unknowns, each with the
-/// unknown's value, are taken out.
+/// Normal equations with a right-hand side, after the expectations of the unknowns from `first` on,
+/// each with the unknown's value, are taken out.
+#[inline(never)]
 fn without(
     normal: &Normal,
     mut right: Gradient,
-    expected: impl IntoIterator<Item = (usize, (Prior, f32))>,
+    first: usize,
+    expected: &[(Prior, f32)],
 ) -> Option<Alone> {
     let mut matrix = normal.matrix;
-    for (unknown, (prior, value)) in expected {
-        matrix.add_to_diagonal(unknown, -prior.weight);
-        if let Some(right) = right.get_mut(unknown) {
-            *right -= prior.weight * (prior.mean - value);
-        }
+    for (i, (right, (prior, value))) in right.iter_mut().skip(first).zip(expected).enumerate() {
+        matrix.add_to_diagonal(first + i, -prior.weight);
+        *right -= prior.weight * (prior.mean - value);
     }
     Some(Alone { factor: matrix.factor(0.0)?, right })
 }

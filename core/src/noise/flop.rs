@@ -75,15 +75,15 @@ impl FlopProfile {
         if self.is_flat() { 1.0 } else { 1.0 / self.variance(age) }
     }
 
-    /// Noise of the first samples of a stick over that of late ones, once the sticks show it. The
+    /// Noise of the first samples of a stick over that of late ones, where the sticks show it. The
     /// excess variance is known as its moment is, whose terms scatter by their own mean square.
     #[must_use]
-    pub(crate) fn parameter(&self) -> Option<Parameter> {
+    pub(crate) fn parameter(&self) -> Parameter {
         let (all, chance) = self.moment();
         let scatter = math::sqrt(chance) * (1.0 + all / self.early.sums[0]);
         let value = math::sqrt(1.0 + self.excess);
         let std = 0.5 * self.excess / value * scatter / all;
-        (!self.is_flat()).then_some(Parameter { name: "early_noise_ratio", value, std })
+        Parameter { name: "early_noise_ratio", value, std }
     }
 
     /// Shall the stick that has ended be looked at?
@@ -257,14 +257,14 @@ mod tests {
             }
             assert!(profile.variance(length as f32) < 1.2, "{profile:?}");
             // An oscillation has the same size in every stick, and scatters less than noise.
-            let ratio = profile.parameter().unwrap();
+            let ratio = profile.parameter();
             let truth = (1.0 + 0.5 * amplitude_n * amplitude_n).sqrt();
             assert!(
                 (ratio.value / truth - 1.0).abs() < 0.6 && ratio.std < 0.2 * truth,
                 "{ratio:?}"
             );
         }
-        assert_eq!(seen(0.0, 1.0, 25, 50).parameter(), None);
+        assert!(seen(0.0, 1.0, 25, 50).is_flat());
     }
 
     #[test]

@@ -3,7 +3,7 @@
 use crate::budget::losses::values;
 use crate::budget::{Known, Losses};
 use crate::coefficient::{Coefficient, Estimate};
-use crate::effect::{Effect, Finding, Parameter};
+use crate::effect::{Effect, Effects, Finding, Parameter};
 use crate::effects::level_shift::{Cause, Change};
 use crate::effects::zero_drift::Drift;
 use crate::num::math;
@@ -42,35 +42,50 @@ impl Pipeline {
                 let (weight_ratio, relative) = self.cycles.weight_ratio();
                 Change { weight_ratio, weight_ratio_std: relative * weight_ratio, ..change }
             }),
+            found: self.found(),
         }
+    }
+
+    /// The effects that the data show, of those that were looked for.
+    #[inline(never)]
+    fn found(&self) -> Effects {
+        let of_level = self.change.is_some_and(|change| change.cause != Cause::Mass);
+        let (of_rests, of_events) = (self.detector.found(), self.cycles.found());
+        let found = Effects::from_mask(of_rests.mask() | of_events.mask())
+            .with(Effect::Level, of_level)
+            .with(Effect::Drift, self.zero_n().is_some());
+        Effects::from_mask(found.mask() & self.config.effects.mask())
     }
 
     /// What the test says of each effect, in the order of [`Effect::ALL`].
     #[must_use]
     pub fn findings(&self) -> [Finding; Effect::ALL.len()] {
+        let all = self.found();
         Effect::ALL.map(|effect| {
-            let enabled = self.config.effects.has(effect);
-            let parameters = self.parameters(effect);
-            let found = if effect == Effect::Level {
-                self.change.is_some_and(|change| change.cause != Cause::Mass)
-            } else {
-                parameters.iter().any(Option::is_some)
-            };
-            Finding { effect, enabled, found: enabled && found, parameters }
+            let (enabled, found) = (self.config.effects.has(effect), all.has(effect));
+            let parameters = if found { self.parameters(effect) } else { [None; 2] };
+            Finding { effect, enabled, found, parameters }
         })
     }
 
     /// The numbers of an effect that the test shows. A level has none.
     fn parameters(&self, effect: Effect) -> [Option<Parameter>; 2] {
         let [first, second] = self.cycles.parameters(effect);
-        if matches!(effect, Effect::Flop | Effect::Ripple) {
-            let of_noise = self.detector.parameter(effect);
-            return [of_noise, first.filter(|_| of_noise.is_some())];
+        match effect {
+            Effect::Flop | Effect::Ripple => [self.detector.parameter(effect), first],
+            // It widens and shifts nothing.
+            Effect::Drift => {
+                let zero = |std| Parameter { name: "zero_n", value: 0.0, std };
+                [self.zero_n().map(zero), None]
+            }
+            Effect::Corner
+            | Effect::Sag
+            | Effect::Stiffening
+            | Effect::Mass
+            | Effect::Level
+            | Effect::Damping
+            | Effect::Onset => [first, second],
         }
-        // It widens and shifts nothing.
-        let zero = |std| Parameter { name: "zero_n", value: 0.0, std };
-        let drift = self.zero_n().filter(|_| effect == Effect::Drift).map(zero);
-        [first.or(drift), second]
     }
 
     /// The means, with their systematic parts.

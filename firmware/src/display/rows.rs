@@ -1,6 +1,6 @@
 //! What the rows of the display say.
 
-use floe_core::{Cause, Change, Estimate, Phase};
+use floe_core::{Cause, Change, Effects, Estimate, Phase};
 use heapless::String;
 
 use crate::app::View;
@@ -115,9 +115,18 @@ fn last_row(row: &mut Row, view: &View) {
     } else if let Some(zero_n) = report.zero_n {
         put(row, ("zero off? ", Fixed(zero_n, 1), " N"))
     } else if let Some(random) = report.mu_s.as_ref().and_then(|mu_s| mu_s.std_error) {
-        put(row, ("of it random ", Fixed(random, 4), ""))
+        put(row, ("random ", Fixed(random, 4), Found(report.found)))
     } else {
         health(row, view)
+    }
+}
+
+/// The effects that the test shows, as many as there is room for.
+struct Found(Effects);
+
+impl Show for Found {
+    fn show(&self, out: &mut Out<'_>) {
+        self.0.iter().for_each(|effect| (" ", effect.name()).show(out));
     }
 }
 
@@ -170,7 +179,7 @@ mod tests {
     use super::super::tests::{nothing, picture};
     use super::*;
     use crate::weighing::{Load, Swing};
-    use floe_core::{Coefficient, Provisional, Report, SampleTime};
+    use floe_core::{Coefficient, Effect, Provisional, Report, SampleTime};
 
     fn row<T: ?Sized>(write: impl Fn(&mut Row, &T), of: &T) -> Row {
         let mut row = Row::new();
@@ -255,7 +264,13 @@ mod tests {
         });
         let report = Report { mu_s: Some(estimate), ..pipeline.as_mut().unwrap().report() };
         let well = View { report: Some(report), card: CardState::Ready, ..nothing() };
-        assert_eq!(row(last_row, &well).as_str(), "of it random 0.0800");
+        assert_eq!(row(last_row, &well).as_str(), "random 0.0800");
+        let found = Effects::NONE.with(Effect::Sag, true).with(Effect::Onset, true);
+        let shows = |found| View { report: Some(Report { found, ..report }), ..well };
+        // The second one has no room.
+        assert_eq!(row(last_row, &shows(found)).trim_end(), "random 0.0800 sag");
+        let found = found.with(Effect::Sag, false);
+        assert_eq!(row(last_row, &shows(found)).as_str(), "random 0.0800 onset");
         let swing = Some(Swing { period_s: 3.45, amplitude_rad: 0.2, excess: 12.0 });
         let load = Ok(Load { value: 3299.99, std: 0.12, swing });
         let mut rows: [Row; 4] = Default::default();

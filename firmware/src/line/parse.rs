@@ -199,6 +199,7 @@ fn report(from: &mut Reader<'_>) -> Result<Report, LineError> {
         damping_std: 0.0,
         weight_ratio: 1.0,
         weight_ratio_std: 0.0,
+        found: floe_core::Effects::NONE,
     };
     uncertainty(from, &mut report)?;
     Ok(report)
@@ -224,6 +225,7 @@ fn uncertainty(from: &mut Reader<'_>, report: &mut Report) -> Result<(), LineErr
     report.weight_ratio = from.take_late()?.unwrap_or(1.0);
     report.weight_ratio_std = from.take_late()?.unwrap_or(0.0);
     report.damping_std = from.take_late()?.unwrap_or(0.0);
+    report.found = from.take_late()?.map_or(report.found, floe_core::Effects::from_mask);
     Ok(())
 }
 

@@ -26,6 +26,7 @@ fn a_change_returns_as_it_was() {
         let none = Pipeline::new(&config).unwrap().report();
         returns(&Line::Report(none));
         returns(&Line::Report(Report { change: Some(change), ..none }));
+        returns(&Line::Report(Report { found: floe_core::Effects::COMPILED, ..none }));
     }
 }
 
@@ -123,6 +124,7 @@ fn longest_report() -> Report {
         damping_std: LONG,
         weight_ratio: LONG,
         weight_ratio_std: LONG,
+        found: floe_core::Effects::COMPILED,
     }
 }
 

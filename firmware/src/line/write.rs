@@ -212,6 +212,7 @@ fn report(out: &mut Writer<'_>, report: &Report) {
     out.put_f32(report.weight_ratio);
     out.put_f32(report.weight_ratio_std);
     out.put_f32(report.damping_std);
+    out.put(report.found.mask());
 }
 
 fn change(out: &mut Writer<'_>, change: &Change) {

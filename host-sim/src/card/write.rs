@@ -106,7 +106,7 @@ pub(super) fn head(part: &Part, settings: &Settings, lines: &str) -> String {
 
 /// Effects as `--effects` takes them.
 fn names(effects: Effects) -> String {
-    let names = Effect::ALL.into_iter().filter(|effect| effects.has(*effect)).map(Effect::name);
+    let names = effects.iter().map(Effect::name);
     let names: Vec<&str> = names.collect();
     if names.is_empty() { "none".to_string() } else { names.join(",") }
 }

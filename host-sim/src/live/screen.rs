@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use floe_core::{Coefficient, Estimate};
+use floe_core::{Coefficient, Effect, Estimate};
 use floe_firmware::line::Weighed;
 use floe_firmware::weighing::Load;
 use ratatui::Frame;
@@ -296,9 +296,12 @@ fn quantities(state: &State) -> Vec<Span<'static>> {
         ("converter", state.temperature_c, "°C", 1),
     ];
     let parts = parts.iter().filter_map(|&(name, value, unit, decimals)| {
-        value.map(|value| Span::raw(format!("{name} {value:.decimals$} {unit}")))
+        value.map(|value| format!("{name} {value:.decimals$} {unit}"))
     });
-    parts.collect()
+    let shown: Vec<&str> =
+        told.iter().flat_map(|report| report.found.iter()).map(Effect::name).collect();
+    let shown = (!shown.is_empty()).then(|| format!("shows {}", shown.join(", ")));
+    parts.chain(shown).map(Span::raw).collect()
 }
 
 /// Counters, those above zero marked.

@@ -3,8 +3,8 @@
 use std::time::Duration;
 
 use floe_core::{
-    Coefficient, Counters, Estimate, Event, Phase, Provisional, Quality, Quantity, Reason, Report,
-    SampleFlag, SampleTime,
+    Coefficient, Counters, Effects, Estimate, Event, Phase, Provisional, Quality, Quantity, Reason,
+    Report, SampleFlag, SampleTime,
 };
 use floe_firmware::line::{About, Health, Line, LiveSample};
 use floe_firmware::settings::Settings;
@@ -86,6 +86,7 @@ pub(super) fn report() -> Report {
         weight_ratio: 1.0,
         weight_ratio_std: 0.0,
         change: None,
+        found: Effects::NONE,
     }
 }
 

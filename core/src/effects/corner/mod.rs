@@ -114,6 +114,11 @@ impl CornerEstimator {
         ]
     }
 
+    /// Are the corners as sharp as the model has them, as far as is known?
+    pub(crate) fn is_sharp(&self) -> bool {
+        self.corner.is_sharp()
+    }
+
     /// What the force lacks at the onset, N.
     pub(crate) fn missing_n(&self) -> f32 {
         self.corner.missing_n

@@ -37,6 +37,12 @@ impl ColoredNoise {
     pub(crate) const NONE: Self =
         Self { level: 0.0, slope: 0.0, unsure: 0.0, alike: 0.0, bends: false, creeps: false };
 
+    /// Does the force stray from its lines by white noise alone?
+    #[must_use]
+    pub(crate) fn is_none(&self) -> bool {
+        self.level + self.alike + self.unsure <= 0.0
+    }
+
     /// Is it an oscillation that may be the cable's or the cell's?
     #[must_use]
     #[inline(never)]

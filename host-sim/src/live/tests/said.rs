@@ -1,5 +1,7 @@
 //! What the board's lines lead to, and what is said of it.
 
+use floe_core::Effect;
+
 use super::*;
 
 #[test]
@@ -204,4 +206,18 @@ fn events_that_are_refused_tell_no_stiffness() {
     let told = told(&state);
     assert!(!told.contains("kN/m") && !told.contains("a slip every"), "{told}");
     assert!(told.contains("noise 1.9 N"), "{told}");
+}
+
+#[test]
+fn the_effects_that_the_test_shows_are_named() {
+    let mut state = measuring();
+    let told = |state: &State| screen_rows(state, (160, 50), 15.0).join("\n");
+    assert!(!told(&state).contains("shows"));
+    let found = Effects::NONE.with(Effect::Ripple, true).with(Effect::Corner, true);
+    say(&mut state, &Line::Report(Report { found, ..report() }), 15.0);
+    assert!(told(&state).contains("23.0 kN/m   shows corner, ripple"), "{}", told(&state));
+    // A board without a mean has none to correct.
+    let refused = Report { mu_s: None, mu: None, found, ..report() };
+    say(&mut state, &Line::Report(refused), 15.0);
+    assert!(!told(&state).contains("shows"));
 }
