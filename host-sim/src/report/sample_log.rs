@@ -228,16 +228,15 @@ fn step(index: u32, force_n: f32) -> Step {
 }
 
 fn result(events: Vec<EventSummary>, samples: u64, duration_s: f64) -> ReplayResult {
-    let values = |pick: fn(&EventSummary) -> Option<f64>| -> Vec<f64> {
-        events.iter().filter_map(pick).collect()
-    };
-    let (of_mu_s, of_mu) = (values(|e| e.mu_s), values(|e| e.mu));
+    let of_mu_s: Vec<f64> = events.iter().filter_map(|e| e.mu_s).collect();
+    let of_mu: Vec<f64> = events.iter().filter_map(|e| e.mu).collect();
     let after = |n: usize| [coefficient(&of_mu_s[..n]), coefficient(&of_mu[..n])];
     let mut kept = Events::default();
     for (n, event) in events.iter().enumerate() {
         kept.push(event.clone(), || after(n + 1)).unwrap();
     }
-    kept.finish(Quantities::default(), after(events.len()));
+    let [mu_s, mu] = after(events.len());
+    kept.finish(Quantities::default(), [mu_s, mu]);
     ReplayResult {
         schema: SCHEMA,
         log: LogSummary {
@@ -246,12 +245,7 @@ fn result(events: Vec<EventSummary>, samples: u64, duration_s: f64) -> ReplayRes
             rate_hz: RATE_HZ,
             samples,
             duration_s,
-            missing: 0,
-            duplicates: 0,
-            rejected: 0,
-            saturated: 0,
-            warnings: Vec::new(),
-            synthetic: None,
+            ..LogSummary::default()
         },
         test: TestSummary {
             test_id: Some("DFF8-13 (synthetic)".into()),
@@ -259,11 +253,7 @@ fn result(events: Vec<EventSummary>, samples: u64, duration_s: f64) -> ReplayRes
             slope_rad: 0.0,
             mass_kg: None,
         },
-        estimate: EstimateSummary {
-            mu_s: coefficient(&values(|e| e.mu_s)),
-            mu: coefficient(&values(|e| e.mu)),
-            events: events.len() as u64,
-        },
+        estimate: EstimateSummary { mu_s, mu, events: events.len() as u64 },
         noise_n: Some(NOISE_N),
         quantities: Quantities {
             loading_rate_n_per_s: Some(LOADING_N_PER_S),
