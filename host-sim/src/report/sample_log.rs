@@ -70,9 +70,7 @@ fn event(index: u32, from_s: f64, from_n: f64, noise: &mut Noise) -> EventSummar
         slip_s,
         loading_rate_n_per_s: LOADING_N_PER_S,
         omega_rad_per_s: Some(omega()),
-        slack: false,
         quality: "good".into(),
-        reason: None,
         mu_s_systematic_std: Some(0.004),
         mu_systematic_std: Some(0.003),
         mu_s_combined_std: Some(0.0041),
@@ -81,9 +79,9 @@ fn event(index: u32, from_s: f64, from_n: f64, noise: &mut Noise) -> EventSummar
         mu_ci95: Some([mu - 0.0062, mu + 0.0062]),
         slip_length_m: Some(0.03),
         energy_j: Some(15.0),
-        onset_time: None,
         slip_length_m_std: Some(0.0003),
         energy_j_std: Some(0.2),
+        ..EventSummary::default()
     }
 }
 

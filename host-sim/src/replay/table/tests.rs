@@ -77,35 +77,23 @@ fn result(listed: Vec<EventSummary>) -> ReplayResult {
 
 pub(in crate::replay) fn event() -> EventSummary {
     EventSummary {
-        index: 0,
         onset_s: 2.16345,
         stop_s: 2.3364,
         static_force_n: 781.23,
         dynamic_force_n: 491.4,
         peak_force_n: 781.8,
         restick_force_n: 201.6,
-        mu_s: None,
-        mu_s_std: None,
         mu: Some(0.78),
         mu_std: Some(0.0005),
-        stick_s: None,
         slip_s: 0.173,
         loading_rate_n_per_s: 361.1,
         omega_rad_per_s: Some(18.9),
-        slack: false,
         quality: "clipped".to_string(),
         reason: Some("a gap".to_string()),
-        mu_s_systematic_std: None,
         mu_systematic_std: Some(0.0012),
-        mu_s_combined_std: None,
         mu_combined_std: Some(0.0013),
-        mu_s_ci95: None,
         mu_ci95: Some([0.7774, 0.7826]),
-        slip_length_m: None,
-        energy_j: None,
-        onset_time: None,
-        slip_length_m_std: None,
-        energy_j_std: None,
+        ..EventSummary::default()
     }
 }
 
