@@ -85,7 +85,7 @@ fn recovered(tests: &[card::Test], folder: &str) -> Vec<Entry> {
     for test in tests {
         let file = |extension: &str| folder.join(format!("{}.{extension}", test.stem));
         fs::write(file("csv"), card::csv(test)).expect("written");
-        fs::write(file("txt"), card::lines(test)).expect("written");
+        fs::write(file("txt"), &test.lines).expect("written");
     }
     recorded::logs(&folder).expect("logs").entries
 }

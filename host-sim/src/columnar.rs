@@ -1,15 +1,16 @@
 //! What all Parquet files of Floe have in common.
 
-use std::io;
+use std::io::{self, Write};
 use std::sync::Arc;
 
 use parquet::basic::Compression;
-use parquet::data_type::ByteArray;
+use parquet::data_type::{ByteArray, DataType};
 use parquet::errors::ParquetError;
 use parquet::file::metadata::KeyValue;
 use parquet::file::properties::{
     EnabledStatistics, WriterProperties, WriterPropertiesBuilder, WriterPropertiesPtr,
 };
+use parquet::file::writer::SerializedRowGroupWriter;
 use parquet::schema::types::ColumnPath;
 
 /// Bytes of a dictionary, at most: a column with more values than this holds has hardly one
@@ -32,6 +33,17 @@ pub(crate) fn texts<'a>(texts: impl Iterator<Item = &'a str>) -> Vec<ByteArray> 
         last.clone()
     };
     texts.map(value).collect()
+}
+
+/// Writes the next column of a group; `levels` are 0 where a row has no value, and none if all have one.
+pub(crate) fn write<T: DataType>(
+    group: &mut SerializedRowGroupWriter<'_, impl Write + Send>,
+    values: &[T::T],
+    levels: Option<&[i16]>,
+) -> Result<(), ParquetError> {
+    let Some(mut column) = group.next_column()? else { return Ok(()) };
+    column.typed::<T>().write_batch(values, levels, None)?;
+    column.close()
 }
 
 /// An entry of the metadata: `floe.schema` and the like.

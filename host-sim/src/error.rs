@@ -12,8 +12,8 @@ pub struct InputError(String);
 
 impl InputError {
     /// A problem as one sentence without a full stop.
-    pub fn new(message: impl Into<String>) -> Self {
-        Self(printable_line(&message.into()).into_owned())
+    pub fn new(message: impl fmt::Display) -> Self {
+        Self(printable_line(&message.to_string()).into_owned())
     }
 
     /// What cannot be read, with what the system says.
@@ -36,6 +36,13 @@ impl fmt::Display for InputError {
 }
 
 impl std::error::Error for InputError {}
+
+/// So that what writes a file from a log can tell what is wrong with the log.
+impl From<InputError> for io::Error {
+    fn from(error: InputError) -> Self {
+        Self::other(error)
+    }
+}
 
 /// Text from a file made fit for a message: in quotes, printable and short.
 #[must_use]

@@ -1,4 +1,4 @@
-//! Digits that fit an uncertainty.
+//! Numbers as people read them: digits that fit an uncertainty, and counts.
 
 /// Less than this is nothing beside any other part of an uncertainty.
 pub const LEAST: f64 = 1e-7;

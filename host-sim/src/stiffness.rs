@@ -82,7 +82,7 @@ pub fn stiffness(samples: &[(f64, f64)], pull: &Pull) -> Option<Stiffness> {
 
 /// What several pulls of a cable tell together: its own stretch and that of all that is not
 /// cable (splices, shackles, post), `1/k = 1/k0 + L/AE`.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Together {
     /// Number of pulls.
     pub pulls: usize,
@@ -101,17 +101,9 @@ pub struct Together {
 /// the winch's speed, no number of pulls averages out.
 #[must_use]
 pub fn together(pulls: &[(Stiffness, f64)]) -> Option<Together> {
-    let (_, first_m) = pulls.first()?;
+    let [(_, first_m), _, ..] = pulls else { return None };
     let same = pulls.iter().all(|(_, length_m)| (length_m / first_m - 1.0).abs() < SAME_LENGTH);
-    // Compliance, m/N, and the weight of its square.
-    let points: Vec<(f64, f64, f64)> = pulls
-        .iter()
-        .map(|(pull, length_m)| {
-            let k = pull.stiffness_n_per_m;
-            let std = pull.loading_rate_n_per_s.relative().max(SMALLEST) / k.value;
-            (*length_m, 1.0 / k.value, std.powi(-2))
-        })
-        .collect();
+    let points: Vec<(f64, f64, f64)> = pulls.iter().map(compliance).collect();
     let sum = |of: fn(&(f64, f64, f64)) -> f64| points.iter().map(|p| p.2 * of(p)).sum::<f64>();
     let weight = sum(|_| 1.0);
     let (length_m, compliance) = (sum(|p| p.0) / weight, sum(|p| p.1) / weight);
@@ -120,15 +112,7 @@ pub fn together(pulls: &[(Stiffness, f64)]) -> Option<Together> {
         let relative = (std / value).hypot(common);
         Measured { value: 1.0 / value, std_error: relative / value.abs() }
     };
-    let none = Together {
-        pulls: pulls.len(),
-        stiffness_n_per_m: None,
-        ae_n: None,
-        end_stiffness_n_per_m: None,
-    };
-    if pulls.len() < 2 {
-        return None;
-    }
+    let none = Together { pulls: pulls.len(), ..Together::default() };
     if same {
         let mean = inverse(compliance, weight.powf(-0.5));
         return Some(Together { stiffness_n_per_m: Some(mean), ..none });
@@ -145,6 +129,13 @@ pub fn together(pulls: &[(Stiffness, f64)]) -> Option<Together> {
     })
 }
 
+/// Length, m, compliance, m/N, and the weight of its square.
+fn compliance((pull, length_m): &(Stiffness, f64)) -> (f64, f64, f64) {
+    let k = pull.stiffness_n_per_m.value;
+    let std = pull.loading_rate_n_per_s.relative().max(SMALLEST) / k;
+    (*length_m, 1.0 / k, std.powi(-2))
+}
+
 /// Lengths that differ by less, as a part, are one.
 const SAME_LENGTH: f64 = 0.01;
 /// A compliance that is not so many standard deviations from nothing has no inverse.
@@ -155,8 +146,7 @@ const SMALLEST: f64 = 1e-6;
 /// A product or quotient: relative variances add.
 fn product(a: Measured, b: Measured, combine: impl Fn(f64, f64) -> f64) -> Measured {
     let value = combine(a.value, b.value);
-    let relative = (a.std_error / a.value).hypot(b.std_error / b.value);
-    Measured { value, std_error: value.abs() * relative }
+    Measured { value, std_error: value.abs() * a.relative().hypot(b.relative()) }
 }
 
 /// The samples on the way up to the largest force, the straight part of it.

@@ -169,3 +169,15 @@ fn remedies_are_those_of_a_campaign() {
     );
     assert!(!folder.join("e.csv").exists());
 }
+
+#[test]
+fn where_no_log_can_be_used_an_older_table_of_events_stays() {
+    let folder = directory("none-usable");
+    fs::write(folder.join("pull.csv"), LOG).unwrap();
+    let arguments = [".", "--parquet", "events.parquet"];
+    assert!(campaign(&folder, &arguments).status.success());
+    let table = fs::read(folder.join(arguments[2])).unwrap();
+    fs::write(folder.join("pull.csv"), "time_s,force_n\n").unwrap();
+    assert_refused(&campaign(&folder, &arguments), &["pull.csv: no samples"]);
+    assert_eq!(fs::read(folder.join(arguments[2])).unwrap(), table);
+}

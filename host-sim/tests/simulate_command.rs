@@ -98,6 +98,21 @@ fn a_name_of_several_lines_is_refused_and_a_path_of_several_stays_a_comment() {
     fs::remove_dir_all(folder).unwrap();
 }
 
+/// Its winch runs faster than the scene's own number says, which is all that is checked before.
+#[test]
+fn a_test_that_cannot_be_computed_to_its_end_replaces_no_log() {
+    let folder = folder("failed");
+    floe(&folder, &["simulate", &scene("dff8-13.toml"), "-o", "log.csv", "--duration-s", "5"]);
+    let log = fs::read(folder.join("log.csv")).unwrap();
+    let whole = fs::read_to_string(scene("dff8-13.toml")).unwrap();
+    let profile = "[winch_profile]\nkind = \"steps\"\nsteps = [[2.0, 90.0]]\n";
+    fs::write(folder.join("fast.toml"), format!("shortening = true\n{whole}\n{profile}")).unwrap();
+    let said = refused(&folder, &["simulate", "fast.toml", "-o", "log.csv"]);
+    assert!(said.starts_with("floe: fast.toml: the block runs into the winch after "), "{said}");
+    assert_eq!((said.lines().count(), fs::read(folder.join("log.csv")).unwrap()), (1, log));
+    fs::remove_dir_all(folder).unwrap();
+}
+
 /// Root-mean-square of the errors over that of the bounds.
 fn error_over_bound(truth: &Value, result: &Value, name: &str) -> f64 {
     let (truth, found) =

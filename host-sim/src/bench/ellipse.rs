@@ -4,9 +4,8 @@
 //! `F² = 2 Fp F - F'²/omega² + (a² - Fp²)`: linear in three unknowns. `Fs` is
 //! where it meets the stick line. A slip with fewer than three points is not read.
 
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
 
-use super::linear_fit::solve;
 use super::loops::{Loop, LoopReading, OfLoops};
 
 /// The method.
@@ -43,6 +42,17 @@ impl LoopReading for Fit {
         let force_n = |x: f64| middle_n + width_n * x;
         is_ellipse.then(|| (force_n(centre + half_chord2.sqrt()), force_n(centre)))
     }
+}
+
+/// Finds the `x` with the smallest sum of `(row · x - value)²`; `None` when the
+/// rows do not determine it.
+fn solve(rows: impl Iterator<Item = (Vector3<f64>, f64)>) -> Option<Vector3<f64>> {
+    let (mut normal, mut right) = (Matrix3::zeros(), Vector3::zeros());
+    for (row, value) in rows {
+        normal += row * row.transpose();
+        right += row * value;
+    }
+    normal.cholesky().map(|factor| factor.solve(&right)).filter(|x| x.iter().all(|x| x.is_finite()))
 }
 
 #[cfg(test)]

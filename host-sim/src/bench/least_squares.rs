@@ -4,14 +4,14 @@
 //! All samples are kept. A first pass over them cuts the record at its turning
 //! points; then five unknowns (`t0`, `k w`, `Fs`, `Fp`, `omega`) are fitted to all
 //! samples from the stop before an event to the onset after it (`k w` and `omega` as
-//! their logarithms, so that they stay above zero), twice: the second
-//! time with the ends and from the usual `omega` that the first fits found. Levenberg-Marquardt from the crate
-//! of that name.
+//! their logarithms, so that they stay above zero), twice: the second time with the ends and from
+//! the usual `omega` that the first fits found. Levenberg-Marquardt from the crate of that name.
 
 use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt};
 use nalgebra::storage::Owned;
 use nalgebra::{DVector, Dyn, OMatrix, SVector, U5};
 
+use crate::log::timing::median;
 use crate::sim::bound::LinearEvent;
 
 use super::method::{Found, Method, Sample, Setup, Tick, Value};
@@ -154,7 +154,8 @@ fn events(setup: &Setup, samples: &[Sample]) -> Vec<Found> {
         fit(setup, points, guess(points, segment)?)
     };
     let first: Vec<Option<LinearEvent>> = segments.iter().map(rough).collect();
-    let omega = median(first.iter().flatten().map(|e| e.omega_rad_per_s));
+    let omegas = first.iter().flatten().map(|e| e.omega_rad_per_s);
+    let omega = median(omegas.collect()).unwrap_or(1.0);
     let second = |(i, segment): (usize, &Segment)| {
         let fitted = |i: usize| first.get(i).copied().flatten();
         let before = i.checked_sub(1).and_then(fitted);
@@ -211,12 +212,6 @@ fn with_omega(event: LinearEvent, omega: f64) -> LinearEvent {
     let usual = LinearEvent { omega_rad_per_s: omega, ..event };
     let onset_s = event.onset_s + 0.5 * (event.slip_s() - usual.slip_s());
     LinearEvent { onset_s, ..usual }
-}
-
-fn median(values: impl Iterator<Item = f64>) -> f64 {
-    let mut values: Vec<f64> = values.collect();
-    values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied().unwrap_or(1.0)
 }
 
 /// Mean rate of the force between two times, N/s, by the line of least squares.

@@ -15,7 +15,6 @@ pub mod extremes;
 pub mod history;
 pub mod kalman;
 pub mod least_squares;
-pub mod linear_fit;
 pub mod loops;
 pub mod matching;
 pub mod measure;

@@ -1,4 +1,4 @@
-//! The comparison as aligned text, or as Markdown.
+//! The comparison as tables, and as aligned text.
 
 use std::fmt::Write;
 

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use parquet::basic::{LogicalType, Repetition, Type as Physical};
 use parquet::data_type::{BoolType, ByteArrayType, DoubleType, Int32Type};
 use parquet::errors::Result;
-use parquet::file::writer::{SerializedColumnWriter, SerializedFileWriter};
+use parquet::file::writer::{SerializedFileWriter, SerializedRowGroupWriter};
 use parquet::schema::types::{Type, TypePtr};
 
 use super::{EventRecord, TestRecord, simulated};
@@ -182,12 +182,7 @@ impl<W: Write + Send> EventTable<W> {
             .flat_map(|test| test.events.iter().map(move |e| (test, e)))
             .collect();
         let mut group = self.writer.next_row_group()?;
-        for (_, column) in &COLUMNS {
-            if let Some(mut out) = group.next_column()? {
-                write_column(&mut out, column, &rows)?;
-                out.close()?;
-            }
-        }
+        COLUMNS.iter().try_for_each(|(_, column)| write_column(&mut group, column, &rows))?;
         group.close()?;
         self.waiting.clear();
         self.events = 0;
@@ -196,7 +191,7 @@ impl<W: Write + Send> EventTable<W> {
 }
 
 fn write_column(
-    out: &mut SerializedColumnWriter<'_>,
+    group: &mut SerializedRowGroupWriter<'_, impl Write + Send>,
     column: &Column,
     rows: &[Row<'_>],
 ) -> Result<()> {
@@ -204,33 +199,29 @@ fn write_column(
     match column {
         Integer(of) => {
             let values: Vec<i32> = rows.map(|r| of(r).try_into().unwrap_or(i32::MAX)).collect();
-            out.typed::<Int32Type>().write_batch(&values, None, None)
+            columnar::write::<Int32Type>(group, &values, None)
         }
         Number(of) => {
             let values: Vec<f64> = rows.map(of).collect();
-            out.typed::<DoubleType>().write_batch(&values, None, None)
+            columnar::write::<DoubleType>(group, &values, None)
         }
         Maybe(of) => {
             let levels: Vec<i16> = rows.clone().map(|r| i16::from(of(r).is_some())).collect();
             let mut values = Vec::with_capacity(levels.len());
             values.extend(rows.filter_map(of));
-            out.typed::<DoubleType>().write_batch(&values, Some(&levels), None)
+            columnar::write::<DoubleType>(group, &values, Some(&levels))
         }
         Truth(of) => {
             let values: Vec<bool> = rows.map(of).collect();
-            out.typed::<BoolType>().write_batch(&values, None, None)
+            columnar::write::<BoolType>(group, &values, None)
         }
-        Text(of) => {
-            let values = columnar::texts(rows.map(of));
-            out.typed::<ByteArrayType>().write_batch(&values, None, None)
-        }
+        Text(of) => columnar::write::<ByteArrayType>(group, &columnar::texts(rows.map(of)), None),
         MaybeText(of) => {
             let levels: Vec<i16> = rows.clone().map(|r| i16::from(of(r).is_some())).collect();
             let values = columnar::texts(rows.filter_map(of));
-            out.typed::<ByteArrayType>().write_batch(&values, Some(&levels), None)
+            columnar::write::<ByteArrayType>(group, &values, Some(&levels))
         }
     }
-    .map(|_| ())
 }
 
 #[cfg(test)]

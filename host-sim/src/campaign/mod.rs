@@ -23,7 +23,7 @@ use serde::Serialize;
 use crate::replay::result::{CoefficientSummary, EventSummary};
 
 /// One test of a campaign, evaluated.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Default, Serialize)]
 pub struct TestRecord {
     /// Number of the campaign, from 0.
     pub campaign: u32,

@@ -97,9 +97,8 @@ pub fn scene(seed: u64, campaign: u32, test: u32) -> (Scene, u64) {
 /// A scene that cannot be simulated or evaluated.
 pub fn evaluate(seed: u64, campaign: u32, test: u32) -> Result<TestRecord, InputError> {
     let (scene, seed_of_test) = scene(seed, campaign, test);
-    let failed = |error: &dyn ToString| InputError::new(error.to_string());
-    let mut run = Run::new(&scene, seed_of_test).map_err(|e| failed(&e))?;
-    let mut pipeline = Pipeline::new(&config(&scene)).map_err(|e| failed(&e))?;
+    let mut run = Run::new(&scene, seed_of_test).map_err(InputError::new)?;
+    let mut pipeline = Pipeline::new(&config(&scene)).map_err(InputError::new)?;
     let events = found(&mut pipeline, &mut run);
     if let Some(failure) = run.failure() {
         return Err(InputError::new(failure));
@@ -117,11 +116,6 @@ pub fn evaluate(seed: u64, campaign: u32, test: u32) -> Result<TestRecord, Input
     let raised = scene.slope_deg > 0.0;
     Ok(TestRecord {
         kind: Some(if raised { "rafting" } else { "sliding" }.to_owned()),
-        track: None,
-        cable_length_m: None,
-        start_time: None,
-        temperature_c: None,
-        supply_v: None,
         hold_s: TestRecord::mean_hold_s(&events),
         campaign,
         test,
@@ -133,10 +127,9 @@ pub fn evaluate(seed: u64, campaign: u32, test: u32) -> Result<TestRecord, Input
         mu_s: report.mu_s.into(),
         mu: report.mu.into(),
         event_count: events.len(),
-        warnings: Vec::new(),
         synthetic: Some(said_of(seed)),
-        forces: 0,
         events,
+        ..TestRecord::default()
     })
 }
 

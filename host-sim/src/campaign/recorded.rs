@@ -57,7 +57,7 @@ fn in_directory(folder: &Path) -> Result<Logs, InputError> {
     } else {
         Vec::new()
     };
-    let Content { mut logs, mut notes } = content(folder)?;
+    let (mut logs, mut notes) = content(folder)?;
     logs.retain(|path| *path != table);
     let mut known = HashMap::new();
     for entry in &entries {
@@ -80,24 +80,20 @@ fn in_directory(folder: &Path) -> Result<Logs, InputError> {
     Ok(Logs { entries, notes })
 }
 
-/// What lies in a directory.
-struct Content {
-    logs: Vec<PathBuf>,
-    notes: Vec<String>,
-}
-
-/// The logs of a directory by their names, also those that cannot be opened: that is said of each.
-fn content(folder: &Path) -> Result<Content, InputError> {
+/// The logs of a directory by their names, also those that cannot be opened, which is said of each
+/// later; and what was not read, one sentence each.
+fn content(folder: &Path) -> Result<(Vec<PathBuf>, Vec<String>), InputError> {
     let (mut logs, mut notes, mut folders) = (Vec::new(), Vec::new(), 0_u64);
     for entry in fs::read_dir(folder).map_err(|error| InputError::unreadable(&error))? {
         let path = entry.map_err(|error| InputError::unreadable(&error))?.path();
         match path.metadata() {
             Ok(there) if there.is_dir() => folders += 1,
-            Ok(there) if !there.is_file() && has_name_of_log(&path) => {
+            _ if !has_name_of_log(&path) => {}
+            Ok(there) if !there.is_file() => {
                 notes.push(format!("{} is no file and was not read", path.display()));
             }
-            Ok(_) | Err(_) if is_log(&path) => logs.push(path),
-            Ok(_) | Err(_) => {}
+            _ if is_said(&path) => {}
+            _ => logs.push(path),
         }
     }
     logs.sort();
@@ -107,7 +103,7 @@ fn content(folder: &Path) -> Result<Content, InputError> {
             "{folder}: {folders} in it not looked into: a campaign takes one folder"
         ));
     }
-    Ok(Content { logs, notes })
+    Ok((logs, notes))
 }
 
 /// What is one log by whatever path: its own, without links; of a test that `floe recover` wrote
@@ -167,10 +163,6 @@ fn has_name_of_log(path: &Path) -> bool {
     extension.is_some_and(|e| EXTENSIONS.contains(&e.to_ascii_lowercase().as_str()))
 }
 
-fn is_log(path: &Path) -> bool {
-    has_name_of_log(path) && !is_said(path)
-}
-
 /// The beginning of a file; nothing of one that cannot be read.
 fn head(path: &Path) -> String {
     let mut head = Vec::new();
@@ -217,7 +209,7 @@ fn read(entry: &Entry, test: u32) -> Result<TestRecord, InputError> {
         events.push(EventRecord { measured, true_mu_s: None, true_mu: None });
         Ok(())
     });
-    kept.map_err(|e| InputError::new(e.to_string()))?;
+    kept.map_err(InputError::new)?;
     let notes = entry.notes.clone();
     Ok(TestRecord {
         campaign: 0,

@@ -10,22 +10,20 @@ pub fn of_error(error: &InputError) -> InputError {
 }
 
 /// A sentence with what helps here: the column where it names an option that is one, and what to do
-/// where it names another.
+/// where it names another. Every message names an option as a command line has it, `--weight-n`.
 pub fn of_text(text: &str) -> String {
-    let (mut said, mut columns, mut missing) = (String::new(), Vec::new(), Vec::new());
-    for (place, part) in text.split("--").enumerate() {
-        let end = part.find(|c: char| !c.is_ascii_lowercase() && c != '-').unwrap_or(part.len());
-        let (option, rest) = part.split_at(end);
-        let column = option.replace('-', "_");
-        if place == 0 || option.is_empty() {
-            said += if place == 0 { "" } else { "--" };
-            said += part;
-        } else if COLUMNS.contains(&column.as_str()) {
-            said += &(column.clone() + rest);
+    let mut pieces = text.split("--");
+    let mut said = pieces.next().unwrap_or_default().to_string();
+    let (mut columns, mut missing) = (Vec::new(), Vec::new());
+    for piece in pieces {
+        let end = piece.find(|c: char| !c.is_ascii_lowercase() && c != '-').unwrap_or(piece.len());
+        let (option, rest) = piece.split_at(end);
+        if let Some(column) = COLUMNS.into_iter().find(|it| it.replace('_', "-") == option) {
+            said += &format!("{column}{rest}");
             add(&mut columns, column);
         } else {
-            said += &format!("--{part}");
-            add(&mut missing, format!("--{option}"));
+            said += &format!("--{piece}");
+            add(&mut missing, option);
         }
     }
     if !columns.is_empty() {
@@ -33,15 +31,15 @@ pub fn of_text(text: &str) -> String {
     }
     if !missing.is_empty() {
         said += &format!(
-            " (a campaign has no {}: correct the log; floe inspect shows what is recognised in it)",
-            missing.join(", ")
+            " (a campaign has no --{}: correct the log; floe inspect shows what is recognised in it)",
+            missing.join(", --")
         );
     }
     said
 }
 
-fn add(names: &mut Vec<String>, name: String) {
-    if !names.contains(&name) {
+fn add<'a>(names: &mut Vec<&'a str>, name: &'a str) {
+    if !name.is_empty() && !names.contains(&name) {
         names.push(name);
     }
 }

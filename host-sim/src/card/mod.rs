@@ -26,7 +26,7 @@ pub use sectors::{Found, Place, is_log};
 use summary::no_record;
 pub use summary::{summary, weight};
 pub use text::{COLUMN, Text};
-pub use write::{csv, lines, toa5};
+pub use write::{csv, toa5};
 
 /// One recording of a card: a test, or what a reset left of it.
 #[derive(Clone, Debug)]

@@ -70,12 +70,6 @@ pub fn toa5(test: &Test) -> String {
     text
 }
 
-/// What the board said during the test.
-#[must_use]
-pub fn lines(test: &Test) -> &str {
-    &test.lines
-}
-
 /// Comments and column names of a CSV log, with what the board's `lines` say of the winch.
 pub(super) fn head(part: &Part, settings: &Settings, lines: &str) -> String {
     let mut text = String::new();

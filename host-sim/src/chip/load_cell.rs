@@ -7,7 +7,6 @@ pub struct LoadCell {
     ratios: Vec<f64>,
     period_ns: u64,
     noise_codes: f64,
-    temperature_c: f64,
     connected: bool,
     random: u64,
 }
@@ -21,7 +20,6 @@ impl LoadCell {
             ratios: codes.iter().map(|&code| f64::from(code) / full_scale).collect(),
             period_ns: (1e9 / rate_hz).round() as u64,
             noise_codes: 0.0,
-            temperature_c: -12.0,
             connected: true,
             random: 1,
         }
@@ -41,10 +39,6 @@ impl LoadCell {
 
     pub(super) fn samples(&self) -> u64 {
         self.ratios.len() as u64
-    }
-
-    pub(super) fn temperature_c(&self) -> f64 {
-        self.temperature_c
     }
 
     /// Period that a time since the first conversion falls into.

@@ -43,6 +43,5 @@ fn compare(quick: bool) -> Result<BenchResult, InputError> {
         bar.set_position(done as u64);
         bar.set_message(name.to_owned());
     });
-    bar.finish_and_clear();
-    result.map_err(|error| InputError::new(error.to_string()))
+    result.map_err(InputError::new)
 }

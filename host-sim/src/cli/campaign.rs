@@ -1,9 +1,8 @@
 //! `floe campaign`: many tests to their trends.
 
-use std::io;
 use std::path::{Path, PathBuf};
-use std::sync::mpsc::sync_channel;
-use std::time::Instant;
+use std::sync::mpsc::{SyncSender, sync_channel};
+use std::time::{Duration, Instant};
 
 use rayon::prelude::*;
 
@@ -18,7 +17,8 @@ use crate::report::render_campaign;
 use crate::rounding::counted;
 
 use super::json::Json;
-use super::{output, progress};
+use super::output::{self, Older};
+use super::progress;
 
 /// Tests that are computed before their events are written.
 const CHUNK: usize = 256;
@@ -117,24 +117,13 @@ impl Source {
 /// One line for the user.
 pub fn run(args: &Args) -> Result<(), InputError> {
     let source = Source::new(args)?;
-    let outputs = [args.json.file(), args.report.as_deref(), args.parquet.as_deref()];
-    let outputs: Vec<&Path> = outputs.into_iter().flatten().collect();
-    let inputs = source.files(args);
-    let inputs: Vec<&Path> = inputs.iter().map(PathBuf::as_path).collect();
-    let older = output::check(&outputs, &inputs)?;
-    refuse_other_table(args)?;
+    let older = check(args, &source)?;
     let started = Instant::now();
-    let mut tests = Vec::new();
-    let mut events = 0;
+    let (mut tests, mut events) = (Vec::new(), 0);
     let left_out = evaluate_all(args, &source, |test| {
         events += test.event_count as u64;
         tests.push(test);
     })?;
-    if tests.is_empty() {
-        let none = format!("none of {} logs can be used", left_out.len());
-        return Err(left_out.into_iter().next().unwrap_or_else(|| InputError::new(none)));
-    }
-    let seed = args.logs.is_none().then_some(args.seed);
     let left_out: Vec<String> = left_out.iter().map(ToString::to_string).collect();
     for problem in &left_out {
         output::say(&format!("left out: {problem}"));
@@ -142,17 +131,32 @@ pub fn run(args: &Args) -> Result<(), InputError> {
     if let Source::Logs(logs) = &source {
         tell_notes(logs, &tests);
     }
+    let seed = args.logs.is_none().then_some(args.seed);
     let summary = Summary { left_out, ..Summary::new(&tests, events, seed) };
     write(args, &summary, &tests)?;
     older.tell();
-    let seconds = started.elapsed().as_secs_f64();
+    tell_counts(&summary, started.elapsed());
+    Ok(())
+}
+
+/// Refuses what must not be written. Gives the results that are replaced.
+fn check(args: &Args, source: &Source) -> Result<Older, InputError> {
+    let outputs = [args.json.file(), args.report.as_deref(), args.parquet.as_deref()];
+    let outputs: Vec<&Path> = outputs.into_iter().flatten().collect();
+    let inputs = source.files(args);
+    let inputs: Vec<&Path> = inputs.iter().map(PathBuf::as_path).collect();
+    let older = output::check(&outputs, &inputs)?;
+    refuse_other_table(args).map(|()| older)
+}
+
+fn tell_counts(summary: &Summary, took: Duration) {
     let left_out = match summary.left_out.len() {
         0 => String::new(),
         count => format!(", {count} left out"),
     };
-    let (tests, events) = (counted(tests.len() as u64, "test"), counted(events, "event"));
+    let tests = counted(summary.tests as u64, "test");
+    let (events, seconds) = (counted(summary.events, "event"), took.as_secs_f64());
     output::tell(&format!("{tests}, {events} in {seconds:.2} s{left_out}"));
-    Ok(())
 }
 
 /// Refuses a table of events by a name that promises another kind of table.
@@ -211,30 +215,14 @@ fn evaluate_all(
             Ok(())
         });
     };
-    // What went wrong with a test is not a fault of the file.
-    let mut problem = None;
-    let mut left_out = Vec::new();
-    let written = output::stream(path, |out| {
+    output::stream(path, |out| {
         let mut table = EventTable::new(out, &about(args)).map_err(columnar::io_error)?;
-        let evaluated = in_order(args, source, |test| {
+        let left_out = in_order(args, source, |test| {
             keep(without_events(&test));
-            table.push(test).map_err(|error| {
-                let cause = columnar::io_error(error);
-                InputError::new(format!("cannot be written: {cause}")).within(path.display())
-            })
-        });
-        match evaluated {
-            Ok(problems) => {
-                left_out = problems;
-                table.finish().map_err(columnar::io_error)
-            }
-            Err(error) => {
-                problem = Some(error);
-                Err(io::Error::other("stopped"))
-            }
-        }
-    });
-    problem.map_or(written, Err).map(|()| left_out)
+            table.push(test).map_err(columnar::io_error)
+        })?;
+        table.finish().map_err(columnar::io_error).map(|()| left_out)
+    })
 }
 
 /// What the table says about itself.
@@ -258,44 +246,49 @@ fn without_events(test: &TestRecord) -> TestRecord {
     }
 }
 
+/// A test, or why it cannot be evaluated.
+type Evaluated = Result<TestRecord, InputError>;
+
 /// Computes in parallel, hands over in order, and goes on with the next tests while those
-/// before are taken. Gives what was left out.
-fn in_order(
+/// before are taken. Gives what was left out; if that is all of them, the first is the error.
+fn in_order<E: From<InputError>>(
     args: &Args,
     source: &Source,
-    mut take: impl FnMut(TestRecord) -> Result<(), InputError>,
-) -> Result<Vec<InputError>, InputError> {
-    let pool =
-        rayon::ThreadPoolBuilder::new().num_threads(args.threads.map_or(0, usize::from)).build();
-    let pool = pool.map_err(|error| InputError::new(error.to_string()))?;
+    mut take: impl FnMut(TestRecord) -> Result<(), E>,
+) -> Result<Vec<InputError>, E> {
+    let threads = args.threads.map_or(0, usize::from);
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+    let pool = pool.map_err(InputError::new)?;
     let bar = progress::bar(source.len(), "{pos} of {len} tests, {eta} left");
     let stop = args.strict || args.logs.is_none();
     let mut left_out = Vec::new();
     std::thread::scope(|scope| {
         let (sender, chunks) = sync_channel(1);
-        scope.spawn(move || {
-            for first in (0..source.len()).step_by(CHUNK) {
-                let numbers = first..(first + CHUNK as u64).min(source.len());
-                let tests: Vec<Result<TestRecord, InputError>> =
-                    pool.install(|| numbers.into_par_iter().map(|i| source.evaluate(i)).collect());
-                // Nobody takes them any more after an error.
-                if sender.send(tests).is_err() {
-                    return;
-                }
-            }
-        });
+        scope.spawn(move || pool.install(|| send_all(source, &sender)));
         for test in chunks.into_iter().flatten() {
             bar.inc(1);
             match test {
                 Ok(test) => take(test)?,
-                Err(problem) if stop => return Err(problem),
+                Err(problem) if stop => return Err(problem.into()),
                 Err(problem) => left_out.push(problem),
             }
         }
-        Ok(())
-    })?;
-    bar.finish_and_clear();
-    Ok(left_out)
+        match left_out.first() {
+            Some(first) if left_out.len() as u64 == source.len() => Err(first.clone().into()),
+            _ => Ok(left_out),
+        }
+    })
+}
+
+fn send_all(source: &Source, sender: &SyncSender<Vec<Evaluated>>) {
+    for first in (0..source.len()).step_by(CHUNK) {
+        let numbers = first..(first + CHUNK as u64).min(source.len());
+        let tests = numbers.into_par_iter().map(|i| source.evaluate(i)).collect();
+        // Nobody takes them any more after an error.
+        if sender.send(tests).is_err() {
+            return;
+        }
+    }
 }
 
 fn write(args: &Args, summary: &Summary, tests: &[TestRecord]) -> Result<(), InputError> {

@@ -25,7 +25,6 @@ mod recover;
 mod replay;
 pub mod simulate;
 mod stiffness;
-mod theirs;
 mod weigh;
 
 /// Friction of sea ice from the force in the cable: replays, simulates, compares.
@@ -65,6 +64,23 @@ enum Command {
     Weigh(weigh::Args),
 }
 
+impl Command {
+    fn run(&self) -> Result<(), InputError> {
+        match self {
+            Self::Campaign(args) => campaign::run(args),
+            Self::Completions(args) => completions::run(args),
+            Self::Bench(args) => bench::run(args),
+            Self::Inspect(args) => inspect::run(args),
+            Self::Live(args) => live::run(args),
+            Self::Replay(args) => replay::run(args),
+            Self::Recover(args) => recover::run(args),
+            Self::Simulate(args) => simulate::run(args),
+            Self::Stiffness(args) => stiffness::run(args),
+            Self::Weigh(args) => weigh::run(args),
+        }
+    }
+}
+
 /// Runs the command that the process was started with.
 #[must_use]
 pub fn main() -> ExitCode {
@@ -83,16 +99,7 @@ pub fn main() -> ExitCode {
 /// One line for the user.
 pub fn run(arguments: impl IntoIterator<Item = OsString>) -> Result<(), InputError> {
     match Cli::try_parse_from(plain_help(arguments.into_iter().collect())) {
-        Ok(Cli { command: Some(Command::Replay(args)) }) => replay::run(&args),
-        Ok(Cli { command: Some(Command::Completions(args)) }) => completions::run(&args),
-        Ok(Cli { command: Some(Command::Inspect(args)) }) => inspect::run(&args),
-        Ok(Cli { command: Some(Command::Recover(args)) }) => recover::run(&args),
-        Ok(Cli { command: Some(Command::Simulate(args)) }) => simulate::run(&args),
-        Ok(Cli { command: Some(Command::Stiffness(args)) }) => stiffness::run(&args),
-        Ok(Cli { command: Some(Command::Weigh(args)) }) => weigh::run(&args),
-        Ok(Cli { command: Some(Command::Campaign(args)) }) => campaign::run(&args),
-        Ok(Cli { command: Some(Command::Bench(args)) }) => bench::run(&args),
-        Ok(Cli { command: Some(Command::Live(args)) }) => live::run(&args),
+        Ok(Cli { command: Some(command) }) => command.run(),
         Ok(Cli { command: None }) => replay::run_bundled(),
         Err(error) if error.use_stderr() => Err(one_line(&error)),
         // Help and version are asked for, not wrong.

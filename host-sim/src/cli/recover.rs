@@ -41,7 +41,7 @@ pub fn run(args: &Args) -> Result<(), InputError> {
     let mut files = Vec::new();
     for test in &tests {
         files.push((name(args, test, "csv"), card::csv(test)));
-        files.push((name(args, test, "txt"), card::lines(test).to_string()));
+        files.push((name(args, test, "txt"), test.lines.clone()));
         if args.toa5 {
             files.push((name(args, test, "dat"), card::toa5(test)));
         }

@@ -1,6 +1,6 @@
 //! `floe replay`: a recorded log to `mu_s` and `mu`.
 
-use std::io::{IsTerminal, Read, Write};
+use std::io::{IsTerminal, Read};
 use std::path::{Path, PathBuf};
 
 use floe_core::{Config, Step};
@@ -10,7 +10,7 @@ use crate::log::{Log, LogOptions};
 use crate::replay::result::ReplayResult;
 use crate::replay::samples::{self, SampleRows};
 use crate::replay::test::{Around, TestOptions, configure};
-use crate::replay::{replay_with, table};
+use crate::replay::{event_rows, replay_with, table};
 use crate::report::{self, Recorder};
 
 use super::input::{STANDARD, open};
@@ -161,8 +161,7 @@ fn run_on(
     };
     let about = about(path, &log, &config);
     let is_parquet = file.extension().is_some_and(|e| e.eq_ignore_ascii_case("parquet"));
-    let mut found = None;
-    let written = output::stream(file, |out| {
+    output::stream(file, |out| {
         let mut table = samples::table(out, is_parquet, &about)?;
         let mut rows = SampleRows::new(config.winch_m_per_s, config.rate_hz);
         let mut put = Ok(());
@@ -171,18 +170,11 @@ fn run_on(
                 put = table.row(row);
             }
         });
-        let read = findings.is_ok();
-        found = Some(findings.map_err(of_log));
+        let findings = findings.map_err(of_log)?;
         put?;
-        if !read {
-            return Err(std::io::Error::other("the log cannot be read"));
-        }
         rows.finish().try_for_each(|row| table.row(row))?;
-        table.finish()
-    });
-    // What is wrong with the log is no fault of the file.
-    let found = found.transpose()?;
-    written.and_then(|()| found.ok_or_else(|| InputError::new("nothing was read")))
+        table.finish().map(|()| findings)
+    })
 }
 
 /// What a table of samples says about itself.
@@ -237,7 +229,7 @@ fn finish(
     }
     figures.write(args.quiet)?;
     if let Some(path) = &args.events {
-        output::stream(path, |out| events_csv(result, out))?;
+        output::stream(path, |out| event_rows::write(&result.events, out))?;
     }
     if !args.quiet {
         output::warn(&result.log.path, &result.log.warnings);
@@ -247,7 +239,7 @@ fn finish(
             return Ok(());
         }
         table::write(out, result, !args.summary)?;
-        let mut files = args.outputs().chain(figures.0.iter().map(|(path, _)| path.as_path()));
+        let mut files = args.outputs().chain(figures.files.iter().map(|(path, _)| path.as_path()));
         files.try_for_each(|path| {
             let path = path.display().to_string();
             out.write_all(format!("written       {}\n", printable_line(&path)).as_bytes())
@@ -257,7 +249,10 @@ fn finish(
 
 /// The report's figures as files.
 #[derive(Default)]
-struct Figures(Vec<(PathBuf, String)>, Option<Older>);
+struct Figures {
+    files: Vec<(PathBuf, String)>,
+    older: Option<Older>,
+}
 
 impl Figures {
     /// Draws them, and refuses those that would be written over another output or the log.
@@ -273,63 +268,14 @@ impl Figures {
         let paths: Vec<&Path> = files.iter().map(|(path, _)| path.as_path()).collect();
         let others: Vec<&Path> = args.log.iter().map(Path::new).chain(args.outputs()).collect();
         let older = output::check(&paths, &others)?;
-        Ok(Self(files, Some(older)))
+        Ok(Self { files, older: Some(older) })
     }
 
     fn write(&self, quiet: bool) -> Result<(), InputError> {
-        self.0.iter().try_for_each(|(path, svg)| output::replace(path, svg))?;
-        if let Some(older) = self.1.as_ref().filter(|_| !quiet) {
+        self.files.iter().try_for_each(|(path, svg)| output::replace(path, svg))?;
+        if let Some(older) = self.older.as_ref().filter(|_| !quiet) {
             older.tell();
         }
         Ok(())
     }
 }
-
-fn events_csv(result: &ReplayResult, out: &mut impl Write) -> std::io::Result<()> {
-    let mut writer = csv::WriterBuilder::new().has_headers(false).from_writer(out);
-    writer.write_record(EVENT_COLUMNS)?;
-    result.events.for_each(|mut event| {
-        // Two empty cells, not one.
-        for interval in [&mut event.mu_s_ci95, &mut event.mu_ci95] {
-            interval.get_or_insert([f64::NAN; 2]);
-        }
-        Ok(writer.serialize(event)?)
-    })?;
-    writer.flush()
-}
-
-/// The fields of an event in their order, so that a file without events has a
-/// header too.
-const EVENT_COLUMNS: [&str; 31] = [
-    "index",
-    "onset_s",
-    "stop_s",
-    "static_force_n",
-    "dynamic_force_n",
-    "peak_force_n",
-    "restick_force_n",
-    "mu_s",
-    "mu_s_std",
-    "mu",
-    "mu_std",
-    "stick_s",
-    "slip_s",
-    "loading_rate_n_per_s",
-    "omega_rad_per_s",
-    "slack",
-    "quality",
-    "reason",
-    "mu_s_systematic_std",
-    "mu_systematic_std",
-    "mu_s_combined_std",
-    "mu_combined_std",
-    "mu_s_ci95_low",
-    "mu_s_ci95_high",
-    "mu_ci95_low",
-    "mu_ci95_high",
-    "slip_length_m",
-    "energy_j",
-    "onset_time",
-    "slip_length_m_std",
-    "energy_j_std",
-];

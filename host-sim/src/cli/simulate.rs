@@ -1,5 +1,6 @@
 //! `floe simulate`: a log with known truth from a scene.
 
+use std::fmt::Display;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
@@ -56,14 +57,13 @@ pub fn run(args: &Args) -> Result<(), InputError> {
     let truth_file: Vec<&Path> = args.truth.iter().map(PathBuf::as_path).collect();
     let older = output::check_log(&args.output, &truth_file, &[&args.scene])?;
     let scene = read_scene(&args.scene, args.duration_s)?;
-    let in_scene =
-        |error: &dyn ToString| InputError::new(error.to_string()).within(args.scene.display());
+    let in_scene = |error: &dyn Display| InputError::new(error).within(args.scene.display());
     let mut run = Run::new(&scene, args.seed).map_err(|e| in_scene(&e))?;
     let mut truth = TruthBuilder::default();
-    output::stream(&args.output, |out| write_log(out, form, args, &scene, &mut run, &mut truth))?;
-    if let Some(failure) = run.failure() {
-        return Err(in_scene(&failure));
-    }
+    output::stream(&args.output, |out| {
+        write_log(out, form, args, &scene, &mut run, &mut truth)?;
+        run.failure().map_or(Ok(()), |failure| Err(in_scene(&failure).into()))
+    })?;
     if let Some(path) = &args.truth {
         let truth = truth.finish(&scene, args.seed, &run);
         let json = serde_json::to_string_pretty(&truth).map_err(|e| in_scene(&e))?;
@@ -89,12 +89,12 @@ fn form(path: &Path) -> Result<Form, InputError> {
 /// # Errors
 /// The file, the line or the value that cannot be used.
 pub fn read_scene(path: &Path, duration_s: Option<f64>) -> Result<Scene, InputError> {
-    let refused = |why: String| InputError::new(why).within(path.display());
-    let text = short_file::read(path).map_err(|e| refused(format!("cannot be read: {e}")))?;
-    let mut scene = Scene::from_toml(&text).map_err(|e| refused(e.to_string()))?;
+    let refused = |error: InputError| error.within(path.display());
+    let text = short_file::read(path).map_err(|e| refused(InputError::unreadable(&e)))?;
+    let mut scene = Scene::from_toml(&text).map_err(|e| refused(InputError::new(e)))?;
     if let Some(duration_s) = duration_s {
         scene.duration_s = duration_s;
-        scene.validate().map_err(|e| InputError::new(e.to_string()).within("--duration-s"))?;
+        scene.validate().map_err(|e| InputError::new(e).within("--duration-s"))?;
     }
     Ok(scene)
 }

@@ -102,37 +102,40 @@ pub fn run(args: &Args) -> Result<(), InputError> {
     let outputs: Vec<&Path> = json.file().into_iter().chain(args.extension.as_deref()).collect();
     let inputs: Vec<&Path> = paths.iter().map(Path::new).collect();
     let older = output::check(&outputs, &inputs)?;
-    if args.cable_length_m.len() > 1 && args.cable_length_m.len() != paths.len() {
-        let logs = counted(paths.len() as u64, "log");
-        let lengths = args.cable_length_m.len();
-        let why = format!("{lengths} lengths of the cable for {logs}: give one, or one each");
-        return Err(InputError::new(why));
-    }
-    let mut found = Vec::new();
-    for (number, path) in paths.iter().enumerate() {
-        found.push(measure(path, args, number).map_err(|error| error.within(path))?);
-    }
+    let found = measure_all(&paths, args)?;
     tell_twice(&found);
     if let Some(path) = &args.extension {
         output::replace(path, &extension(&found))?;
     }
-    match found.as_slice() {
-        [one] => {
-            let (synthetic, stiffness) = (one.synthetic.as_deref(), one.stiffness);
-            let alone = Alone { schema: SCHEMA, synthetic, stiffness };
-            json.print(&alone, || output::simulated(synthetic) + &text(&stiffness))?;
-        }
-        several => {
-            let lengths = several.iter().map(|it| Some((it.stiffness, it.length_m()?)));
-            let together = lengths.collect::<Option<Vec<_>>>().and_then(|all| together(&all));
-            let pulls = several.iter().map(Found::one).collect();
-            json.print(&Several { schema: SCHEMA, pulls, together }, || {
-                several_text(several, together.as_ref())
-            })?;
-        }
-    }
+    print(&found, &json)?;
     older.tell();
     Ok(())
+}
+
+fn measure_all(paths: &[String], args: &Args) -> Result<Vec<Found>, InputError> {
+    let lengths = args.cable_length_m.len();
+    if lengths > 1 && lengths != paths.len() {
+        let logs = counted(paths.len() as u64, "log");
+        let why = format!("{lengths} lengths of the cable for {logs}: give one, or one each");
+        return Err(InputError::new(why));
+    }
+    let one = |(number, path): (usize, &String)| {
+        measure(path, args, number).map_err(|error| error.within(path))
+    };
+    paths.iter().enumerate().map(one).collect()
+}
+
+fn print(found: &[Found], json: &Json) -> Result<(), InputError> {
+    if let [one] = found {
+        let (synthetic, stiffness) = (one.synthetic.as_deref(), one.stiffness);
+        let alone = Alone { schema: SCHEMA, synthetic, stiffness };
+        return json.print(&alone, || output::simulated(synthetic) + &text(&stiffness));
+    }
+    let lengths = found.iter().map(|it| Some((it.stiffness, it.length_m()?)));
+    let together = lengths.collect::<Option<Vec<_>>>().and_then(|all| together(&all));
+    let pulls = found.iter().map(Found::one).collect();
+    let several = Several { schema: SCHEMA, pulls, together };
+    json.print(&several, || several_text(found, together.as_ref()))
 }
 
 impl Found {

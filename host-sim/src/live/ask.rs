@@ -74,35 +74,49 @@ pub struct Ask {
     help: bool,
 }
 
+/// What a key does.
+#[derive(Clone, Copy, Debug)]
+enum Does {
+    /// Says its own word to the board.
+    Say,
+    Ask(Question),
+    Quit,
+    /// What [`Ask::key`] knows by itself.
+    Else,
+}
+
 /// The keys and what they do, the ones that stand in the last row first.
-const KEYS: [(&str, &str); 16] = [
-    ("s", "start"),
-    ("x", "stop"),
-    ("?", "keys"),
-    ("q", "quit"),
-    ("b", "weigh"),
-    ("t", "tare"),
-    ("y", "accept"),
-    ("z", "abort"),
-    ("c", "calibrate"),
-    ("w", "weight"),
-    ("n", "name"),
-    ("a", "slope"),
-    ("m", "note"),
-    ("e", "self-test"),
-    (":", "any command"),
-    ("Esc", "leave a question"),
+const KEYS: [(&str, &str, Does); 16] = [
+    ("s", "start", Does::Say),
+    ("x", "stop", Does::Ask(Question::Stop)),
+    ("?", "keys", Does::Else),
+    ("q", "quit", Does::Quit),
+    ("b", "weigh", Does::Say),
+    ("t", "tare", Does::Say),
+    ("y", "accept", Does::Say),
+    ("z", "abort", Does::Say),
+    ("c", "calibrate", Does::Ask(Question::Calibrate)),
+    ("w", "weight", Does::Ask(Question::Weight)),
+    ("n", "name", Does::Ask(Question::Name)),
+    ("a", "slope", Does::Ask(Question::Slope)),
+    ("m", "note", Does::Ask(Question::Note)),
+    ("e", "self-test", Does::Say),
+    (":", "any command", Does::Ask(Question::Command)),
+    ("Esc", "leave a question", Does::Else),
 ];
 /// Keys of the last row.
 const FEW: usize = 7;
+
+fn listed() -> impl Iterator<Item = String> {
+    KEYS.iter().map(|(key, word, _)| format!("{key} {word}"))
+}
 
 impl Ask {
     /// What stands in the last row.
     #[must_use]
     pub fn text(&self) -> String {
         let Some(question) = self.question else {
-            let few = KEYS.iter().take(FEW).map(|(key, deed)| format!("{key} {deed}"));
-            return few.collect::<Vec<_>>().join("  ");
+            return listed().take(FEW).collect::<Vec<_>>().join("  ");
         };
         let refused = self.refused.map(|why| format!("  ({why})")).unwrap_or_default();
         let cursor = if question.wants_text() { "_" } else { ", Esc does not" };
@@ -113,8 +127,7 @@ impl Ask {
     /// All keys, if they are to be shown.
     #[must_use]
     pub fn keys(&self) -> Option<Vec<String>> {
-        let all = || KEYS.iter().map(|(key, deed)| format!("{key} {deed}")).collect();
-        self.help.then(all)
+        self.help.then(|| listed().collect())
     }
 
     /// Whether something is being asked.
@@ -143,25 +156,16 @@ impl Ask {
     }
 
     fn choose(&mut self, code: KeyCode) -> Deed {
-        let question = match code.as_char().unwrap_or_default() {
-            'q' => return Deed::Quit,
-            's' => return Deed::Say("start".to_string()),
-            'b' => return Deed::Say("weigh".to_string()),
-            't' => return Deed::Say("tare".to_string()),
-            'y' => return Deed::Say("accept".to_string()),
-            'z' => return Deed::Say("abort".to_string()),
-            'e' => return Deed::Say("self-test".to_string()),
-            'x' => Question::Stop,
-            'w' => Question::Weight,
-            'n' => Question::Name,
-            'a' => Question::Slope,
-            'm' => Question::Note,
-            'c' => Question::Calibrate,
-            ':' => Question::Command,
-            _ => return Deed::None,
-        };
-        *self = Self { question: Some(question), ..Self::default() };
-        Deed::None
+        let pressed = code.as_char().map(String::from).unwrap_or_default();
+        match KEYS.iter().find(|(key, ..)| *key == pressed) {
+            Some((_, word, Does::Say)) => Deed::Say((*word).to_string()),
+            Some((.., Does::Quit)) => Deed::Quit,
+            Some((.., Does::Ask(question))) => {
+                *self = Self { question: Some(*question), ..Self::default() };
+                Deed::None
+            }
+            Some((.., Does::Else)) | None => Deed::None,
+        }
     }
 
     fn answer(&mut self, question: Question, code: KeyCode) -> Deed {

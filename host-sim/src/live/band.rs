@@ -10,8 +10,8 @@ use super::verdict::SILENCE;
 
 /// A weighing says something every second.
 const WEIGHING: Duration = Duration::from_secs(3);
-/// Unusable samples in a row that are a fault.
-const IN_A_ROW: usize = 4;
+/// Unusable samples in a row that are a fault, not an incident: a quarter of a second.
+pub const IN_A_ROW: usize = 4;
 
 /// The word and the colour behind it.
 #[must_use]

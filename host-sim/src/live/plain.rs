@@ -3,7 +3,7 @@
 use std::io::{ErrorKind, Write};
 use std::time::{Duration, Instant};
 
-use floe_core::Event;
+use floe_core::{Coefficient, Event};
 
 use crate::cli::output::{nobody_reads, say};
 use crate::error::InputError;
@@ -29,39 +29,23 @@ pub enum Form {
 /// # Errors
 /// Standard output or the file cannot be written.
 pub fn run(place: &Place, port: &Port, form: Form, save: Option<Save>) -> Result<(), InputError> {
-    let mut list = List { state: State::default(), form, save, told: None };
-    let (start, mut lines) = (Instant::now(), Lines::default());
+    let (state, lines) = (State::default(), Lines::default());
+    let mut list = List { state, lines, form, save, told: None };
+    let start = Instant::now();
     while !nobody_reads() {
         let Some(input) = port.next(Duration::from_secs(1)) else { continue };
         let now = start.elapsed();
         match input {
             Input::Up => {
                 list.up(place, now);
-                lines.restart();
                 // The rate and the number of the test.
                 port.say("status");
             }
             Input::Down(reason) => list.down(place, reason),
-            Input::Dropped(bytes) => {
-                lines.restart();
-                list.state.drop(bytes, now);
-                say(&format!(
-                    "{} bytes so far came too fast and were left out",
-                    list.state.dropped
-                ));
-            }
+            Input::Dropped(bytes) => list.drop(bytes, now),
             Input::Bytes(bytes) => {
-                for received in lines.take(&bytes) {
-                    if let Some(save) = &mut list.save {
-                        save.line(&received.text)?;
-                    }
-                    let event = list.state.take(&received, now);
-                    list.tell_damage();
-                    if let Some(event) = event
-                        && !list.print(&event)?
-                    {
-                        return Ok(());
-                    }
+                if !list.take(&bytes, now)? {
+                    break;
                 }
             }
         }
@@ -71,6 +55,7 @@ pub fn run(place: &Place, port: &Port, form: Form, save: Option<Save>) -> Result
 
 struct List {
     state: State,
+    lines: Lines,
     form: Form,
     save: Option<Save>,
     /// Damaged lines that standard error has been told of, once there were any.
@@ -83,6 +68,30 @@ impl List {
             say(&format!("{place}: there again"));
         }
         self.state.up(now);
+        self.lines.restart();
+    }
+
+    fn drop(&mut self, bytes: u64, now: Duration) {
+        self.lines.restart();
+        self.state.drop(bytes, now);
+        say(&format!("{} bytes so far came too fast and were left out", self.state.dropped));
+    }
+
+    /// Whether somebody still reads.
+    fn take(&mut self, bytes: &[u8], now: Duration) -> Result<bool, InputError> {
+        for received in self.lines.take(bytes) {
+            if let Some(save) = &mut self.save {
+                save.line(&received.text)?;
+            }
+            let event = self.state.take(&received, now);
+            self.tell_damage();
+            if let Some(event) = event
+                && !self.print(&event)?
+            {
+                return Ok(false);
+            }
+        }
+        Ok(true)
     }
 
     fn down(&mut self, place: &Place, reason: String) {
@@ -115,17 +124,22 @@ impl List {
     fn text(&self, event: &Event) -> Result<String, InputError> {
         match self.form {
             Form::Plain => Ok(plain(event, self.state.seconds(event.onset))),
-            Form::Json => serde_json::to_string(&self.state.summary(event))
-                .map_err(|error| InputError::new(error.to_string())),
+            Form::Json => {
+                serde_json::to_string(&self.state.summary(event)).map_err(InputError::new)
+            }
         }
     }
 }
 
-fn plain(event: &Event, onset_s: f64) -> String {
-    let coefficient = |value: Option<floe_core::Coefficient>| match value {
+/// A coefficient of an event.
+pub(super) fn coefficient(value: Option<Coefficient>) -> String {
+    match value {
         Some(value) => format!("{:.4} ± {}", value.value, narrow(value.combined_std().into())),
         None => "-".to_string(),
-    };
+    }
+}
+
+fn plain(event: &Event, onset_s: f64) -> String {
     let (mu_s, mu) = (coefficient(event.mu_s), coefficient(event.mu));
     let (fs, fp) = (event.static_force_n, event.dynamic_force_n);
     let reason = event.reason.map(|reason| format!(": {reason}")).unwrap_or_default();

@@ -18,6 +18,7 @@ use super::ask::Ask;
 use super::band::{band, is_stale, is_weighing};
 use super::digits::{self, big};
 use super::flow::{flow, wrapped};
+use super::plain::coefficient;
 use super::state::State;
 use super::verdict::{Level, verdict};
 use super::{phase_plane, trace};
@@ -216,8 +217,7 @@ fn weighing(weighed: &Weighed) -> [Number; 3] {
 
 /// At most so many characters, the decimals first to go.
 fn fit(value: f32, width: usize) -> String {
-    let texts = [1, 0].map(|decimals| format!("{value:.decimals$}"));
-    let [long, short] = texts;
+    let [long, short] = [1, 0].map(|decimals| format!("{value:.decimals$}"));
     if long.len() <= width { long } else { short }
 }
 
@@ -253,18 +253,15 @@ fn words(state: &State, width: u16) -> Vec<Line<'static>> {
 fn event(state: &State) -> Vec<Span<'static>> {
     let Some(event) = &state.event else { return vec![Span::raw("no slip yet")] };
     let at = state.seconds(event.onset);
-    let text = |name: &str, value: Option<Coefficient>| match value {
-        Some(value) => {
-            format!("{name} {:.4} ± {}", value.value, narrow(value.combined_std().into()))
-        }
-        None => format!("{name} -"),
-    };
     let reason = event.reason.map(|reason| format!(": {reason}")).unwrap_or_default();
     let (number, quality) = (event.index, event.quality);
-    let (mu_s, mu) = (text("mu_s", event.mu_s), text("mu", event.mu));
-    [format!("event {number} at {at:.1} s"), mu_s, mu, format!("{quality}{reason}")]
-        .map(Span::raw)
-        .to_vec()
+    let parts = [
+        format!("event {number} at {at:.1} s"),
+        format!("mu_s {}", coefficient(event.mu_s)),
+        format!("mu {}", coefficient(event.mu)),
+        format!("{quality}{reason}"),
+    ];
+    parts.map(Span::raw).to_vec()
 }
 
 /// The newest slip, as long as the board has no more than a first answer on it.

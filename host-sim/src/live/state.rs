@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 use std::time::Duration;
 
 use floe_core::{Cause, Change, Event, Report, SampleFlag, SampleTime};
-use floe_firmware::line::{About, Health, Line, LineError, LiveSample, Weighed};
+use floe_firmware::line::{About, Health, Line, LineError, LiveSample, Mean, Weighed};
 use floe_firmware::notebook::{Winch, word};
 use floe_firmware::settings::Settings;
 
@@ -57,7 +57,7 @@ pub struct State {
     pub answer: Option<(String, Duration)>,
     /// The board's last complaint.
     pub complaint: Option<(String, Duration)>,
-    /// Lines with a wrong checksum or bad fields, and when the last came.
+    /// Lines with a wrong checksum or bad fields.
     pub damaged: u64,
     /// When the last damaged line came.
     pub damage: Option<Duration>,
@@ -159,6 +159,7 @@ impl State {
     fn take_line(&mut self, line: Line<'_>, now: Duration) -> Option<Event> {
         self.heard = now;
         let after_settings = std::mem::take(&mut self.after_settings);
+        let mut answered = |text: String| self.answer = Some((text, now));
         match line {
             Line::Start { run, settings } => self.start(run, settings, now),
             Line::Sample(sample) => self.sample(sample, now),
@@ -169,14 +170,7 @@ impl State {
                 self.about = self.about.filter(|about| !about.is_followed_by(&event));
                 return Some(event);
             }
-            Line::Stretch(stretch) => {
-                self.answer = Some((crate::replay::stretches::told(&stretch), now));
-            }
-            Line::Change(change) => self.answer = Some((told(&change), now)),
-            Line::Report(report) => {
-                self.report = Some(report);
-                self.testing = Some(true);
-            }
+            Line::Report(report) => (self.report, self.testing) = (Some(report), Some(true)),
             Line::Health(health) => {
                 if after_settings {
                     self.testing = Some(false);
@@ -184,22 +178,18 @@ impl State {
                 self.health(health, now);
             }
             Line::End { .. } => (self.testing, self.taken) = (Some(false), Some(now)),
-            Line::Mean(mean) => {
-                let (count, failed) = (mean.count, mean.failed);
-                let text =
-                    format!("mean code {:.0} of {count} readings, {failed} failed", mean.mean);
-                self.answer = Some((text, now));
-            }
             Line::Weighed(weighed) => self.weighed = Some((weighed, now)),
-            Line::Note(text) => self.answer = Some((format!("noted: {text}"), now)),
             Line::Climate { temperature_c, .. } => self.temperature_c = temperature_c,
             Line::Sync { index, unix_ms } => self.date(index, unix_ms),
-            Line::Mark { winch, .. } => {
-                let text = format!("the winch from now on: {}", word(Winch::ALL, &winch));
-                self.answer = Some((text, now));
-            }
-            Line::Info(text) => self.answer = Some((text.to_string(), now)),
             Line::Trouble(text) => self.complaint = Some((text.to_string(), now)),
+            Line::Stretch(stretch) => answered(crate::replay::stretches::told(&stretch)),
+            Line::Change(change) => answered(told(&change)),
+            Line::Mean(mean) => answered(mean_code(&mean)),
+            Line::Note(text) => answered(format!("noted: {text}")),
+            Line::Mark { winch, .. } => {
+                answered(format!("the winch from now on: {}", word(Winch::ALL, &winch)));
+            }
+            Line::Info(text) => answered(text.to_string()),
         }
         None
     }
@@ -254,6 +244,11 @@ impl State {
         }
         self.health = Some(health);
     }
+}
+
+/// The mean of readings in words.
+fn mean_code(Mean { mean, count, failed, .. }: &Mean) -> String {
+    format!("mean code {mean:.0} of {count} readings, {failed} failed")
 }
 
 /// A change in words.

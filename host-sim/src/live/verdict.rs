@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use floe_core::{Quality, SampleFlag};
 
-use super::band::is_weighing;
+use super::band::{IN_A_ROW, is_weighing};
 use super::state::State;
 use crate::replay::result::zero_sentence;
 use crate::rounding::counted;
@@ -35,9 +35,6 @@ pub const SILENCE: Duration = Duration::from_secs(8);
 const NO_SAMPLES: Duration = Duration::from_secs(3);
 /// What happened once stays to be read for this long.
 const READING_TIME: Duration = Duration::from_secs(15);
-/// Unusable samples in a row that are a trouble, not an incident: a quarter of a
-/// second.
-const IN_A_ROW: usize = 4;
 /// Samples of the last seconds, for what happened in them.
 const LATELY: usize = 80;
 
@@ -50,8 +47,8 @@ pub fn verdict(state: &State, now: Duration) -> Verdict {
         .or_else(|| force(state, now))
         .or_else(|| keeping(state, now))
         .map(bad)
-        .or_else(|| complaint(state, now).map(bad))
-        .or_else(|| answer(state, now).map(note))
+        .or_else(|| said(state.complaint.as_ref(), now).map(bad))
+        .or_else(|| said(state.answer.as_ref(), now).map(note))
         .or_else(|| incident(state, now).map(note))
         .or_else(|| weighing(state, now).map(note))
         .or_else(|| to_do(state).map(note))
@@ -117,13 +114,8 @@ fn keeping(state: &State, now: Duration) -> Option<String> {
     None
 }
 
-fn complaint(state: &State, now: Duration) -> Option<String> {
-    let (text, at) = state.complaint.as_ref()?;
-    within(Some(*at), READING_TIME, now).then(|| format!("the board says: {text}"))
-}
-
-fn answer(state: &State, now: Duration) -> Option<String> {
-    let (text, at) = state.answer.as_ref()?;
+fn said(words: Option<&(String, Duration)>, now: Duration) -> Option<String> {
+    let (text, at) = words?;
     within(Some(*at), READING_TIME, now).then(|| format!("the board says: {text}"))
 }
 

@@ -9,6 +9,7 @@ pub mod abridged;
 pub mod batches;
 pub mod budget;
 pub mod doubts;
+pub mod event_rows;
 pub mod events;
 mod gathered;
 pub mod given;
@@ -29,8 +30,7 @@ use gathered::Gathered;
 use result::ReplayResult;
 use test::{Around, TestOptions};
 
-/// Runs a whole log through the core in constant memory.
-/// The log is read on a second thread.
+/// Runs a whole log through the core; a long one is read on a second thread, in constant memory.
 ///
 /// `path` is only named in the result. `observe` sees every sample's time, in the
 /// log's own seconds, and what the core made of it.
@@ -61,10 +61,9 @@ pub fn replay_with(
 ) -> Result<ReplayResult, InputError> {
     let Around { known, keeps_means } = around;
     let zero = known.zero(log);
-    let refused = |error: floe_core::ConfigError| InputError::new(error.to_string());
     // A zero is taken off what is within the range, which is that of the cell.
     let range_n = config.range_n.filter(|_| zero.is_nothing());
-    let pipeline = Pipeline::new(&Config { range_n, ..*config }).map_err(refused)?;
+    let pipeline = Pipeline::new(&Config { range_n, ..*config }).map_err(InputError::new)?;
     let mut gathered = Gathered::new(config, pipeline, log, keeps_means);
     let mut take = |sample: Sample| observe(sample.time_s, &gathered.take(sample));
     if zero.is_nothing() {

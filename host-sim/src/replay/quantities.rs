@@ -87,6 +87,24 @@ fn drift_std(config: &Config, report: &Report) -> f32 {
     report.zero_n.map_or(0.0, |zero_n| zero_n / normal_n)
 }
 
+/// `k = F'/w` and `k = ω² M`, N/m.
+fn stiffnesses(
+    config: &Config,
+    report: &Report,
+    [rate, omega]: [Option<Relative>; 2],
+) -> [Option<Relative>; 2] {
+    let [winch, span, weight] = [config.std.winch, config.std.span, config.std.weight];
+    let [winch, span, weight] = [winch, span, weight].map(f64::from);
+    let from_rate = rate.zip(config.winch_m_per_s).map(|((rate, own), winch_m_per_s)| {
+        (rate / f64::from(winch_m_per_s), own.hypot(winch).hypot(span))
+    });
+    let of_weight = f64::from(config.weight_n) / STANDARD_GRAVITY;
+    let mass_kg = config.mass_kg.map_or(of_weight, f64::from) * f64::from(report.weight_ratio);
+    let weight = weight.hypot(report.weight_ratio_std.into());
+    let from_omega = omega.map(|(omega, own)| (omega * omega * mass_kg, (2.0 * own).hypot(weight)));
+    [from_rate, from_omega]
+}
+
 /// A number with its relative standard deviation.
 pub(super) type Relative = (f64, f64);
 
@@ -100,16 +118,7 @@ impl Quantities {
         let rate = relative(report.loading_rate_n_per_s);
         let omega = relative(report.omega_rad_per_s);
         let winch = config.winch_m_per_s.map(f64::from);
-        let std = |of: f32| f64::from(of);
-        let ratio = f64::from(report.weight_ratio);
-        let of_weight = f64::from(config.weight_n) / STANDARD_GRAVITY;
-        let mass_kg = ratio * config.mass_kg.map_or(of_weight, f64::from);
-        let weight = std(config.std.weight).hypot(std(report.weight_ratio_std));
-        let from_rate = rate.zip(winch).map(|((rate, own), winch)| {
-            (rate / winch, own.hypot(std(config.std.winch)).hypot(std(config.std.span)))
-        });
-        let from_omega =
-            omega.map(|(omega, own)| (omega * omega * mass_kg, (2.0 * own).hypot(weight)));
+        let [from_rate, from_omega] = stiffnesses(config, report, [rate, omega]);
         let check = from_rate.zip(from_omega).map(|(a, b)| (a.0 / b.0, a.1.hypot(b.1)));
         let value = |of: Option<Relative>| of.map(|(value, _)| value);
         let stiffness = value(from_rate).or(value(from_omega));

@@ -238,47 +238,37 @@ impl<W: Write + Send> Parquet<W> {
     fn write_group(&mut self) -> ParquetResult<()> {
         let Some(writer) = &mut self.writer else { return Ok(()) };
         let mut group = writer.next_row_group()?;
-        let times: Vec<f64> = self.rows.iter().map(|row| row.time_s).collect();
-        if let Some(mut column) = group.next_column()? {
-            column.typed::<DoubleType>().write_batch(&times, None, None)?;
-            column.close()?;
-        }
-        maybe(&mut group, &self.rows, |row| row.force_n)?;
-        maybe(&mut group, &self.rows, |row| row.rate_n_per_s)?;
-        words(&mut group, &self.rows, |row| row.phase)?;
-        maybe(&mut group, &self.rows, |row| row.block_m_per_s)?;
-        words(&mut group, &self.rows, |row| row.flag)?;
-        let indices: Vec<i64> = self.rows.iter().map(|row| row.index as i64).collect();
-        if let Some(mut column) = group.next_column()? {
-            column.typed::<Int64Type>().write_batch(&indices, None, None)?;
-            column.close()?;
-        }
+        let rows = &self.rows;
+        let times: Vec<f64> = rows.iter().map(|row| row.time_s).collect();
+        columnar::write::<DoubleType>(&mut group, &times, None)?;
+        maybe(&mut group, rows, |row| row.force_n)?;
+        maybe(&mut group, rows, |row| row.rate_n_per_s)?;
+        words(&mut group, rows, |row| row.phase)?;
+        maybe(&mut group, rows, |row| row.block_m_per_s)?;
+        words(&mut group, rows, |row| row.flag)?;
+        let indices: Vec<i64> = rows.iter().map(|row| row.index.into()).collect();
+        columnar::write::<Int64Type>(&mut group, &indices, None)?;
         self.rows.clear();
         group.close().map(drop)
     }
 }
 
-fn maybe<W: Write + Send>(
-    group: &mut SerializedRowGroupWriter<'_, W>,
+fn maybe(
+    group: &mut SerializedRowGroupWriter<'_, impl Write + Send>,
     rows: &[SampleRow],
     of: fn(&SampleRow) -> Option<f32>,
 ) -> ParquetResult<()> {
     let levels: Vec<i16> = rows.iter().map(|row| i16::from(of(row).is_some())).collect();
     let values: Vec<f32> = rows.iter().filter_map(of).collect();
-    let Some(mut column) = group.next_column()? else { return Ok(()) };
-    column.typed::<FloatType>().write_batch(&values, Some(&levels), None)?;
-    column.close()
+    columnar::write::<FloatType>(group, &values, Some(&levels))
 }
 
-fn words<W: Write + Send>(
-    group: &mut SerializedRowGroupWriter<'_, W>,
+fn words(
+    group: &mut SerializedRowGroupWriter<'_, impl Write + Send>,
     rows: &[SampleRow],
     of: fn(&SampleRow) -> &'static str,
 ) -> ParquetResult<()> {
-    let values = columnar::texts(rows.iter().map(of));
-    let Some(mut column) = group.next_column()? else { return Ok(()) };
-    column.typed::<ByteArrayType>().write_batch(&values, None, None)?;
-    column.close()
+    columnar::write::<ByteArrayType>(group, &columnar::texts(rows.iter().map(of)), None)
 }
 
 impl<W: Write + Send> Table for Parquet<W> {

@@ -50,11 +50,9 @@ pub fn write(out: &mut dyn io::Write, result: &ReplayResult, each_event: bool) -
         out.write_all(b"\n")?;
     }
     let mut rest = String::new();
-    let _ = notices(&mut rest, result);
-    let _ = coefficients(&mut rest, result);
-    let _ = budget(&mut rest, result);
-    let _ = quantities(&mut rest, result);
-    let _ = samples(&mut rest, &result.log);
+    for part in [notices, coefficients, budget, quantities, samples] {
+        let _ = part(&mut rest, result);
+    }
     out.write_all(rest.as_bytes())
 }
 
@@ -151,6 +149,7 @@ fn line(out: &mut String, cells: &[String; 14], last: &str) -> std::fmt::Result 
 }
 
 fn notices(out: &mut String, result: &ReplayResult) -> std::fmt::Result {
+    let before = out.len();
     for it in abridged(&result.changes, |it| it.sentence(result.test.weight_n)) {
         writeln!(out, "change {it}")?;
     }
@@ -168,12 +167,7 @@ fn notices(out: &mut String, result: &ReplayResult) -> std::fmt::Result {
     for it in abridged(not_understood, NotUnderstood::sentence) {
         writeln!(out, "not understood {it}")?;
     }
-    let nothing = result.changes.is_empty()
-        && result.zero_n.is_none()
-        && found.is_empty()
-        && steady.is_empty()
-        && not_understood.is_empty();
-    if nothing { Ok(()) } else { writeln!(out) }
+    if out.len() == before { Ok(()) } else { writeln!(out) }
 }
 
 fn coefficients(out: &mut String, result: &ReplayResult) -> std::fmt::Result {
@@ -215,14 +209,17 @@ fn coefficient(out: &mut String, name: &str, value: &CoefficientSummary) -> std:
     }
 }
 
-fn quantities(out: &mut String, result: &ReplayResult) -> std::fmt::Result {
+/// Name, value, standard deviation, and unit with what is to be said of it.
+type Quantity = (&'static str, Option<f64>, Option<f64>, &'static str);
+
+fn measured(result: &ReplayResult) -> [Quantity; 9] {
     let q = &result.quantities;
     let checks = match (result.sags(), q.disagree()) {
         (true, _) => "of the two: a cable that sags is softer in the slip",
         (false, true) => "of the two: they disagree",
         (false, false) => "of the two: checks both",
     };
-    let lines = [
+    [
         ("loading rate", q.loading_rate_n_per_s, q.loading_rate_n_per_s_std, "N/s"),
         ("omega", q.omega_rad_per_s, q.omega_rad_per_s_std, "rad/s"),
         (
@@ -242,12 +239,15 @@ fn quantities(out: &mut String, result: &ReplayResult) -> std::fmt::Result {
         ("by the model", q.recurrence_predicted_s, q.recurrence_predicted_s_std, "s, (22) to (25)"),
         ("slip length", q.slip_length_m, q.slip_length_m_std, "m, mean of the events"),
         ("energy", q.energy_j, q.energy_j_std, "J against friction, mean of the events"),
-    ];
+    ]
+}
+
+fn quantities(out: &mut String, result: &ReplayResult) -> std::fmt::Result {
     match result.noise_n {
         Some(noise_n) => writeln!(out, "noise         {noise_n:.*} N", decimals(noise_n))?,
         None => writeln!(out, "noise         unknown")?,
     }
-    for (name, value, std, unit) in lines {
+    for (name, value, std, unit) in measured(result) {
         let Some(value) = value else {
             writeln!(out, "{name:<14}unknown{}", unit.find(" from").map_or("", |at| &unit[at..]))?;
             continue;
@@ -317,7 +317,8 @@ fn number(value: Option<f64>) -> String {
     )
 }
 
-fn samples(out: &mut String, log: &LogSummary) -> std::fmt::Result {
+fn samples(out: &mut String, result: &ReplayResult) -> std::fmt::Result {
+    let log = &result.log;
     writeln!(
         out,
         "samples       {} read, {} missing, {}, {} rejected, {} saturated",

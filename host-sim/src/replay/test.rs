@@ -115,7 +115,7 @@ pub fn configure(log: &Log, options: &TestOptions) -> Result<Config, InputError>
         effects: effects.with(Effect::Drift, drifts),
         std: options.known.std(&said.known, weight_n, winch_m_per_s),
     };
-    config.validate().map_err(|error| InputError::new(error.to_string()))?;
+    config.validate().map_err(InputError::new)?;
     Ok(config)
 }
 

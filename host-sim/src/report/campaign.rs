@@ -9,14 +9,11 @@ use crate::rounding::{counted, decimals, plus_minus};
 
 use super::figure::{Figure, both, dot_key, line_key};
 use super::number::fixed;
-use super::page::simulated;
+use super::page::{document, simulated};
 use super::plot::{Axis, Layout, Plot, Spec};
-use super::policy::policy;
 use super::scale::{Steps, extent};
-use super::svg::{Path, escape};
+use super::svg::{self, Path, escape};
 
-const STYLE: &str = include_str!("style.css");
-const SCRIPT: &str = include_str!("script.js");
 const TREND_STYLE: &str = ".trend { stroke: var(--tone); stroke-width: 2; }\n\
     .rist { stroke: var(--ink); stroke-width: 1.5; stroke-dasharray: 5 4; }\n\
     main td:last-child, main th:last-child { text-align: right; white-space: nowrap; min-width: 0; }\n";
@@ -32,18 +29,11 @@ const DRAWN: [(Group, &str); 2] = [(Group::NoSnow, "dynamic"), (Group::Snow, "st
 pub fn render_campaign(summary: &Summary, tests: &[TestRecord]) -> String {
     let figures: String =
         figures(summary, tests).iter().enumerate().map(|(i, f)| f.html(i + 1)).collect();
-    let script = format!("\n{SCRIPT}");
-    let policy = policy(&script);
-    format!(
-        "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"/>{policy}\
-         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\
-         <meta name=\"color-scheme\" content=\"light dark\"/>\
-         <title>Campaign – sliding friction</title>\n<style>\n{STYLE}{TREND_STYLE}</style></head>\n\
-         <body><header><p class=\"kind\">Campaign</p><h1>{}, {}</h1>{}</header>\n\
+    let body = format!(
+        "<header><p class=\"kind\">Campaign</p><h1>{}, {}</h1>{}</header>\n\
          <main><section>{}</section><section class=\"figures\">\n{figures}</section>{}</main>\n\
          <footer><p>Lines by least squares with the band of one standard error, from the \
-         scatter between tests. Made by <b>floe {}</b>{}.</p></footer>\n\
-         <script>{script}</script></body></html>\n",
+         scatter between tests. Made by <b>floe {}</b>{}.</p></footer>\n",
         counted(summary.tests as u64, "test"),
         counted(summary.events, "event"),
         simulated(summary.simulated().as_deref()),
@@ -51,7 +41,8 @@ pub fn render_campaign(summary: &Summary, tests: &[TestRecord]) -> String {
         list(&summary.records),
         env!("CARGO_PKG_VERSION"),
         summary.seed.map(|seed| format!(", seed {seed}")).unwrap_or_default(),
-    )
+    );
+    document("Campaign", TREND_STYLE, &body)
 }
 
 /// With a real minus sign, and a dash for nothing.
@@ -200,8 +191,8 @@ impl Panel<'_> {
     }
 
     fn draw(&self, layout: Layout) -> String {
-        let title = self.title();
-        let mut plot = Plot::new(&self.spec(layout, &title));
+        let (title, id) = (self.title(), self.id());
+        let mut plot = Plot::new(&self.spec(layout, &title, &id));
         for (trend, tone) in self.lines() {
             let (low, high) = extent(self.points(trend.group).iter().map(|p| p.0), 0.02);
             let at = |i: i32| low + (high - low) * f64::from(i) / 40.0;
@@ -249,18 +240,22 @@ impl Panel<'_> {
         }
     }
 
-    fn spec<'s>(&self, layout: Layout, title: &'s str) -> Spec<'s> {
+    fn id(&self) -> String {
+        let against = match self.against {
+            Against::WeightKn => "weight",
+            Against::PullMmPerS => "pull",
+            Against::SnowMm => "snow",
+            Against::HoldDecades => "hold",
+        };
+        format!("{against}-{}", self.coefficient.name().replace('_', "-"))
+    }
+
+    fn spec<'s>(&self, layout: Layout, title: &'s str, id: &'s str) -> Spec<'s> {
         let (name, unit) = self.against.name();
         let all = self.points(Group::All);
-        let (id, symbol, subscript) = match (self.against, self.coefficient) {
-            (Against::WeightKn, Coefficient::Mu) => ("weight-mu", "μ", ""),
-            (Against::WeightKn, Coefficient::MuS) => ("weight-mu-s", "μs", "s"),
-            (Against::PullMmPerS, Coefficient::Mu) => ("pull-mu", "μ", ""),
-            (Against::PullMmPerS, Coefficient::MuS) => ("pull-mu-s", "μs", "s"),
-            (Against::SnowMm, Coefficient::Mu) => ("snow-mu", "μ", ""),
-            (Against::SnowMm, Coefficient::MuS) => ("snow-mu-s", "μs", "s"),
-            (Against::HoldDecades, Coefficient::Mu) => ("hold-mu", "μ", ""),
-            (Against::HoldDecades, Coefficient::MuS) => ("hold-mu-s", "μs", "s"),
+        let (symbol, subscript) = match self.coefficient {
+            Coefficient::Mu => ("μ", ""),
+            Coefficient::MuS => ("μs", "s"),
         };
         let (low, high) = extent(all.iter().map(|p| p.1), 0.08);
         Spec {
@@ -278,9 +273,7 @@ impl Panel<'_> {
             y: Axis {
                 domain: (low.max(0.0), high),
                 steps: Steps::Decimal,
-                label: format!(
-                    "<tspan class=\"sym\">μ</tspan><tspan class=\"sub\" dy=\"3\">{subscript}</tspan>"
-                ),
+                label: svg::symbol("μ", subscript),
                 readout: (symbol, String::new()),
             },
         }

@@ -6,7 +6,8 @@ use super::number::count;
 use super::plot::{Axis, Layout, Plot, Spec};
 use super::running::{Measured, Running, course, measured};
 use super::scale::{Steps, extent};
-use super::svg::Path;
+use super::svg::{Path, symbol};
+use crate::replay::events::Events;
 
 /// Events drawn at most; beyond it every second, third, ...
 const MOST_EVENTS: usize = 2500;
@@ -29,40 +30,46 @@ pub(super) fn convergence(context: &Context<'_>) -> Option<Figure> {
     if drawn.is_empty() {
         return None;
     }
-    let bars = drawn.iter().all(|panel| panel.values.len() <= MOST_BARS);
-    let mut keys = vec![
-        dot_key(
-            "event static",
-            if bars { "events with ±1 standard deviation, random" } else { "events" },
-        ),
-        line_key("mean static", "mean so far"),
-    ];
     let banded = drawn.iter().any(|panel| panel.course.iter().any(|r| r.band.is_some()));
-    if banded {
-        keys.push(tint_key("band-1 static", "±1 standard deviation, all"));
-        keys.push(tint_key("band-2 static", "95 % interval"));
-    }
-    let outside: usize = drawn.iter().map(|panel| panel.outside()).sum();
-    // Those that are kept stand for those in between.
-    let every = events.found() as f64 / events.len() as f64;
-    let note = match outside {
-        0 => String::new(),
-        n if every > 1.0 => {
-            format!(" About {} values lie outside the axes.", count((n as f64 * every) as u64))
-        }
-        1 => " One value lies outside the axes.".into(),
-        n => format!(" {} values lie outside the axes.", count(n as u64)),
-    };
     let bands = match banded {
         true => ", with the uncertainty of weight, slope, zero, span and damping in its bands",
         false => "",
     };
     let caption = format!(
         "Static (above) and dynamic (below) coefficient of each event, and their mean as it was \
-         known at that time{bands}.{note}"
+         known at that time{bands}.{}",
+        outside(&drawn, events)
     );
+    let keys = keys(&drawn, banded);
     let drawings = drawn.iter().map(|panel| both(|layout| panel.draw(layout))).collect();
     Some(Figure { class: "convergence", drawings, keys, caption })
+}
+
+fn keys(drawn: &[&Panel], banded: bool) -> Vec<String> {
+    let events = match drawn.iter().all(|panel| panel.values.len() <= MOST_BARS) {
+        true => "events with ±1 standard deviation, random",
+        false => "events",
+    };
+    let mut keys = vec![dot_key("event static", events), line_key("mean static", "mean so far")];
+    if banded {
+        keys.push(tint_key("band-1 static", "±1 standard deviation, all"));
+        keys.push(tint_key("band-2 static", "95 % interval"));
+    }
+    keys
+}
+
+/// How many values are not drawn, in words.
+fn outside(drawn: &[&Panel], events: &Events) -> String {
+    // Those that are kept stand for those in between.
+    let every = events.found() as f64 / events.len() as f64;
+    match drawn.iter().map(|panel| panel.outside()).sum::<usize>() {
+        0 => String::new(),
+        n if every > 1.0 => {
+            format!(" About {} values lie outside the axes.", count((n as f64 * every) as u64))
+        }
+        1 => " One value lies outside the axes.".into(),
+        n => format!(" {} values lie outside the axes.", count(n as u64)),
+    }
 }
 
 /// One coefficient.
@@ -165,10 +172,7 @@ impl Panel {
             y: Axis {
                 domain: self.domain,
                 steps: Steps::Decimal,
-                label: format!(
-                    "{} coefficient <tspan class=\"sym\">μ</tspan><tspan class=\"sub\" dy=\"3\">{}</tspan>",
-                    self.kind, self.subscript
-                ),
+                label: format!("{} coefficient {}", self.kind, symbol("μ", self.subscript)),
                 readout: (pick("μs", "μ"), String::new()),
             },
         }

@@ -9,7 +9,7 @@ pub(super) struct Figure {
     /// Class of the element.
     pub class: &'static str,
     /// The drawings, each for both layouts.
-    pub drawings: Vec<String>,
+    pub drawings: Vec<[String; 2]>,
     /// Entries of the key.
     pub keys: Vec<String>,
     /// Without the number.
@@ -17,11 +17,11 @@ pub(super) struct Figure {
 }
 
 /// A drawing for both layouts.
-pub(super) fn both(draw: impl Fn(Layout) -> String) -> String {
-    format!("<div class=\"draw\">{}{}</div>", draw(Layout::Wide), draw(Layout::Narrow))
+pub(super) fn both(draw: impl Fn(Layout) -> String) -> [String; 2] {
+    [Layout::Wide, Layout::Narrow].map(draw)
 }
 
-/// An entry of the key: a line or dots, as they are drawn.
+/// An entry of the key: a line, as it is drawn.
 pub(super) fn line_key(class: &str, label: &str) -> String {
     key(&format!("<path class=\"{class}\" d=\"M2 8H26\"/>"), label)
 }
@@ -59,11 +59,14 @@ fn key(drawing: &str, label: &str) -> String {
 impl Figure {
     /// The element.
     pub fn html(&self, number: usize) -> String {
+        let drawings = self.drawings.iter();
+        let drawings =
+            drawings.map(|[wide, narrow]| format!("<div class=\"draw\">{wide}{narrow}</div>"));
         format!(
             "<figure class=\"{}\"><div class=\"draws\">{}</div><div class=\"keys\">{}</div>\
              <figcaption><b>Figure {number}.</b> {}</figcaption></figure>\n",
             self.class,
-            self.drawings.concat(),
+            drawings.collect::<String>(),
             self.keys.concat(),
             self.caption
         )

@@ -45,6 +45,11 @@ impl Ellipse {
         (self.centre_n + self.a_n * cos, -self.a_n * self.omega * sin)
     }
 
+    /// The phase at which the force is zero.
+    fn free_phase(&self) -> f64 {
+        (-self.centre_n / self.a_n).clamp(-1.0, 1.0).acos()
+    }
+
     /// What a difference over ± one sampling period sees of the rate, 0 to 1.
     pub fn attenuation(&self, period_s: f64) -> f64 {
         let angle = self.omega * period_s;
@@ -75,7 +80,7 @@ pub(super) fn slip_curve(event: &EventSummary) -> Vec<(f64, f64)> {
 
 /// The arc down to no force at all, and none until the block rests.
 fn slack_curve(event: &EventSummary, ellipse: &Ellipse) -> Vec<(f64, f64)> {
-    let free_phase = (-ellipse.centre_n / ellipse.a_n).clamp(-1.0, 1.0).acos();
+    let free_phase = ellipse.free_phase();
     let time_s = |phase: f64| event.onset_s + (phase - ellipse.onset_phase) / ellipse.omega;
     let arc = Ellipse::phases(ellipse.onset_phase, free_phase);
     let mut curve: Vec<_> = arc.map(|phase| (time_s(phase), ellipse.at(phase).0)).collect();
@@ -144,8 +149,7 @@ pub(super) fn model_n(event: &EventSummary, time_s: f64) -> f64 {
     let Some(ellipse) = Ellipse::of(event) else { return f64::NAN };
     let into_s = time_s - event.onset_s;
     if event.slack {
-        let free_phase = (-ellipse.centre_n / ellipse.a_n).clamp(-1.0, 1.0).acos();
-        let phase = (ellipse.onset_phase + ellipse.omega * into_s).min(free_phase);
+        let phase = (ellipse.onset_phase + ellipse.omega * into_s).min(ellipse.free_phase());
         return ellipse.at(phase).0;
     }
     let turn = (ellipse.stop_phase - ellipse.onset_phase) / (event.stop_s - event.onset_s);

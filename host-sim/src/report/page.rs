@@ -24,16 +24,9 @@ const SCRIPT: &str = include_str!("script.js");
 pub(super) fn page(context: &Context<'_>, provenance: &Provenance) -> String {
     let result = context.result;
     let name = escape(&name(result));
-    let script = format!("\n{SCRIPT}");
-    let policy = policy(&script);
-    format!(
-        "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"/>{policy}\
-         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\
-         <meta name=\"color-scheme\" content=\"light dark\"/>\
-         <title>{name} – sliding friction</title>\n<style>\n{STYLE}</style></head>\n<body>\
-         <header><p class=\"kind\">Sliding friction of a block pulled over ice</p>\
-         <h1>{name}</h1>{}<p class=\"test\">{}</p></header>\n<main>{}{}{}</main>\n{}{}\
-         <script>{script}</script></body></html>\n",
+    let body = format!(
+        "<header><p class=\"kind\">Sliding friction of a block pulled over ice</p>\
+         <h1>{name}</h1>{}<p class=\"test\">{}</p></header>\n<main>{}{}{}</main>\n{}{}",
         simulated(result.log.synthetic.as_deref()),
         test_line(result),
         summary(result),
@@ -41,6 +34,20 @@ pub(super) fn page(context: &Context<'_>, provenance: &Provenance) -> String {
         table(context),
         footer(result, provenance),
         data(context),
+    );
+    document(&name, "", &body)
+}
+
+/// A page with the style, `more` of it, and the script of all reports; name and body are safe.
+pub(super) fn document(name: &str, more: &str, body: &str) -> String {
+    let script = format!("\n{SCRIPT}");
+    let policy = policy(&script);
+    format!(
+        "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"/>{policy}\
+         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\
+         <meta name=\"color-scheme\" content=\"light dark\"/>\
+         <title>{name} – sliding friction</title>\n<style>\n{STYLE}{more}</style></head>\n\
+         <body>{body}<script>{script}</script></body></html>\n"
     )
 }
 
@@ -105,10 +112,7 @@ fn figures(context: &Context<'_>) -> String {
 /// The drawings for a wide page, each an SVG file of its own with its style.
 pub(super) fn drawings(context: &Context<'_>) -> Vec<(String, String)> {
     let figures = drawn(context);
-    let wide = figures.iter().flat_map(|figure| &figure.drawings).filter_map(|both| {
-        let start = both.find("<svg ")?;
-        let end = both.find("</svg>")? + "</svg>".len();
-        let svg = both.get(start..end)?;
+    let wide = figures.iter().flat_map(|figure| &figure.drawings).filter_map(|[svg, _]| {
         let name = svg.split_once("id=\"")?.1.split_once('"')?.0.trim_end_matches("-wide");
         let (head, body) = svg.split_once('>')?;
         let head = head.replacen("<svg ", "<svg xmlns=\"http://www.w3.org/2000/svg\" ", 1);

@@ -107,8 +107,7 @@ impl<'a> Plane<'a> {
 
     fn draw(&self, layout: Layout) -> String {
         let mut plot = Plot::new(&self.spec(layout));
-        let low = plot.x.domain.0;
-        let high = plot.x.domain.1;
+        let (low, high) = plot.x.domain;
         plot.line("zero", [(low, 0.0), (high, 0.0)]);
         let cloud = self.samples.iter().filter(|s| !self.of_event(s.0));
         plot.dots("cloud", cloud.map(|s| self.shown((s.1, s.2))));

@@ -6,6 +6,7 @@ use super::fit::{model_n, reach_s};
 use super::plot::{Axis, Layout, Plot, Spec};
 use super::scale::{Steps, extent};
 use super::svg::rectangle;
+use crate::log::timing::median;
 use crate::replay::result::EventSummary;
 
 /// Most samples drawn, in full events from the beginning.
@@ -17,7 +18,8 @@ const EDGE: f64 = 12.0;
 
 /// The figure; none without an event whose samples are kept.
 pub(super) fn residuals(context: &Context<'_>) -> Option<Figure> {
-    let slip_s = middle(context.result.events.iter().map(|e| e.slip_s).collect())?;
+    let slips_s = context.result.events.iter().map(|e| e.slip_s).collect();
+    let slip_s = median(slips_s).filter(|slip_s| slip_s.is_finite())?;
     let beside_s = (BESIDE * slip_s).max(4.0 * context.recorder.period_s());
     let points = points(context, beside_s);
     if points.is_empty() {
@@ -34,11 +36,6 @@ pub(super) fn residuals(context: &Context<'_>) -> Option<Figure> {
                    those far outside are drawn at the edge."
         .into();
     Some(Figure { class: "residuals", drawings: vec![drawing], keys, caption })
-}
-
-fn middle(mut values: Vec<f64>) -> Option<f64> {
-    values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied().filter(|value| value.is_finite())
 }
 
 /// Time after the onset, s, and residual, N.

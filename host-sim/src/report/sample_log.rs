@@ -70,9 +70,7 @@ fn event(index: u32, from_s: f64, from_n: f64, noise: &mut Noise) -> EventSummar
         slip_s,
         loading_rate_n_per_s: LOADING_N_PER_S,
         omega_rad_per_s: Some(omega()),
-        slack: false,
         quality: "good".into(),
-        reason: None,
         mu_s_systematic_std: Some(0.004),
         mu_systematic_std: Some(0.003),
         mu_s_combined_std: Some(0.0041),
@@ -81,9 +79,9 @@ fn event(index: u32, from_s: f64, from_n: f64, noise: &mut Noise) -> EventSummar
         mu_ci95: Some([mu - 0.0062, mu + 0.0062]),
         slip_length_m: Some(0.03),
         energy_j: Some(15.0),
-        onset_time: None,
         slip_length_m_std: Some(0.0003),
         energy_j_std: Some(0.2),
+        ..EventSummary::default()
     }
 }
 
@@ -228,16 +226,15 @@ fn step(index: u32, force_n: f32) -> Step {
 }
 
 fn result(events: Vec<EventSummary>, samples: u64, duration_s: f64) -> ReplayResult {
-    let values = |pick: fn(&EventSummary) -> Option<f64>| -> Vec<f64> {
-        events.iter().filter_map(pick).collect()
-    };
-    let (of_mu_s, of_mu) = (values(|e| e.mu_s), values(|e| e.mu));
+    let of_mu_s: Vec<f64> = events.iter().filter_map(|e| e.mu_s).collect();
+    let of_mu: Vec<f64> = events.iter().filter_map(|e| e.mu).collect();
     let after = |n: usize| [coefficient(&of_mu_s[..n]), coefficient(&of_mu[..n])];
     let mut kept = Events::default();
     for (n, event) in events.iter().enumerate() {
         kept.push(event.clone(), || after(n + 1)).unwrap();
     }
-    kept.finish(Quantities::default(), after(events.len()));
+    let [mu_s, mu] = after(events.len());
+    kept.finish(Quantities::default(), [mu_s, mu]);
     ReplayResult {
         schema: SCHEMA,
         log: LogSummary {
@@ -246,12 +243,7 @@ fn result(events: Vec<EventSummary>, samples: u64, duration_s: f64) -> ReplayRes
             rate_hz: RATE_HZ,
             samples,
             duration_s,
-            missing: 0,
-            duplicates: 0,
-            rejected: 0,
-            saturated: 0,
-            warnings: Vec::new(),
-            synthetic: None,
+            ..LogSummary::default()
         },
         test: TestSummary {
             test_id: Some("DFF8-13 (synthetic)".into()),
@@ -259,11 +251,7 @@ fn result(events: Vec<EventSummary>, samples: u64, duration_s: f64) -> ReplayRes
             slope_rad: 0.0,
             mass_kg: None,
         },
-        estimate: EstimateSummary {
-            mu_s: coefficient(&values(|e| e.mu_s)),
-            mu: coefficient(&values(|e| e.mu)),
-            events: events.len() as u64,
-        },
+        estimate: EstimateSummary { mu_s, mu, events: events.len() as u64 },
         noise_n: Some(NOISE_N),
         quantities: Quantities {
             loading_rate_n_per_s: Some(LOADING_N_PER_S),

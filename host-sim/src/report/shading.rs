@@ -18,15 +18,19 @@ const LEVELS: f64 = 5.0;
 pub(super) fn shade(context: &Context<'_>, plot: &mut Plot) {
     let events = &context.result.events;
     let Some(first) = events.first() else { return };
-    let apart = slips_apart(context, plot);
-    let rest_from = first.onset_s - rest_s(first) - context.zero_s;
-    if apart {
-        plot.shade("stick", rest_from, plot.x.domain.1);
-        let slips = events.iter().map(|e| (e.onset_s - context.zero_s, e.stop_s - context.zero_s));
-        slips.for_each(|(from, to)| plot.shade("slip", from, to));
+    if slips_apart(context, plot) {
+        shade_each(context, plot, events);
     } else {
-        shade_shares(context, plot, rest_from);
+        shade_shares(context, plot, first.onset_s - rest_s(first) - context.zero_s);
     }
+}
+
+/// Every slip of some events, and all between from the rest before the first of the log on.
+pub(super) fn shade_each(context: &Context<'_>, plot: &mut Plot, events: &[EventSummary]) {
+    let Some(first) = context.result.events.first() else { return };
+    let zero_s = context.zero_s;
+    plot.shade("stick", first.onset_s - rest_s(first) - zero_s, plot.x.domain.1);
+    events.iter().for_each(|e| plot.shade("slip", e.onset_s - zero_s, e.stop_s - zero_s));
 }
 
 /// Whether single slips can be told apart.

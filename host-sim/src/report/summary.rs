@@ -34,23 +34,18 @@ fn definitions() -> String {
 /// No result, a change of the block or of its friction, or a zero that may have moved: said
 /// plainly.
 fn notices(result: &ReplayResult) -> String {
-    let change = abridged(&result.changes, |it| it.sentence(result.test.weight_n));
-    let change = change.map(|it| format!("<p class=\"notice\">Change: {}.</p>", escape(&it)));
-    let zero = |zero_n| {
-        format!("<p class=\"notice\">Zero: {}.</p>", with_whole_options(&zero_sentence(zero_n)))
-    };
+    let notice = |kind: &str, safe: &str| format!("<p class=\"notice\">{kind}: {safe}.</p>");
+    let refused = result.events.refused().map(|it| notice("Events", &escape(&it)));
     let steady = abridged(&result.stretches.steady, SteadySummary::sentence);
-    let steady = steady.map(|it| {
-        format!("<p class=\"notice\">Steady: {}.</p>", escape(&it.replace("F/W -", "F/W −")))
-    });
+    let steady = steady.map(|it| notice("Steady", &escape(&it.replace("F/W -", "F/W −"))));
     let unclear = abridged(&result.stretches.not_understood, NotUnderstood::sentence);
-    let unclear =
-        unclear.map(|it| format!("<p class=\"notice\">Not understood: {}.</p>", escape(&it)));
-    let refused = result.events.refused();
-    let refused = refused.map(|it| format!("<p class=\"notice\">Events: {}.</p>", escape(&it)));
-    nothing(result).to_string()
-        + &refused.chain(steady).chain(unclear).chain(change).collect::<String>()
-        + &result.zero_n.map(zero).unwrap_or_default()
+    let unclear = unclear.map(|it| notice("Not understood", &escape(&it)));
+    let change = abridged(&result.changes, |it| it.sentence(result.test.weight_n));
+    let change = change.map(|it| notice("Change", &escape(&it)));
+    let zero = result.zero_n.map(zero_sentence);
+    let zero = zero.map(|it| notice("Zero", &with_whole_options(&it)));
+    let all = refused.chain(steady).chain(unclear).chain(change).chain(zero);
+    nothing(result).to_string() + &all.collect::<String>()
 }
 
 /// A line does not break within the name of an option.

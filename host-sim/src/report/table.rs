@@ -89,24 +89,23 @@ impl<'a> Columns<'a> {
 
     fn head(&self) -> String {
         let unit = &self.context.force.name;
-        let force = |subscript: &str| format!("<i>F</i><sub>{subscript}</sub>|{unit}");
+        let per_second = format!("{unit}/s");
         let columns = [
-            "event|".into(),
-            "onset|s".into(),
-            "<i>μ</i><sub>s</sub>|".into(),
-            "<i>μ</i>|".into(),
-            force("s"),
-            force("p"),
-            force("e"),
-            format!("peak|{unit}"),
-            "stick|s".into(),
-            "slip|s".into(),
-            format!("<i>k w</i>|{unit}/s"),
-            "<i>ω</i>|rad/s".into(),
-            "remark|".into(),
+            ("event", ""),
+            ("onset", "s"),
+            ("<i>μ</i><sub>s</sub>", ""),
+            ("<i>μ</i>", ""),
+            ("<i>F</i><sub>s</sub>", unit),
+            ("<i>F</i><sub>p</sub>", unit),
+            ("<i>F</i><sub>e</sub>", unit),
+            ("peak", unit),
+            ("stick", "s"),
+            ("slip", "s"),
+            ("<i>k w</i>", &per_second),
+            ("<i>ω</i>", "rad/s"),
+            ("remark", ""),
         ];
-        let cell = |column: &String| {
-            let (name, unit) = column.split_once('|').unwrap_or((column, ""));
+        let cell = |(name, unit): &(&str, &str)| {
             format!("<th scope=\"col\">{name}<small>{unit}</small></th>")
         };
         format!("<tr>{}</tr>", columns.iter().map(cell).collect::<String>())

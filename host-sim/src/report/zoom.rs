@@ -2,10 +2,11 @@
 
 use super::context::{Context, Focus};
 use super::figure::{Figure, both, dot_key, line_key, mark_keys, tint_key};
-use super::fit::{centre_time_s, line_after, line_before, reach_s, rest_s, slip_curve};
+use super::fit::{centre_time_s, line_after, line_before, reach_s, slip_curve};
 use super::number::{count, decimals_for, fixed};
 use super::plot::{Axis, Layout, Plot, Spec};
 use super::scale::{Steps, extent};
+use super::shading::shade_each;
 use super::svg::{Mark, Path, symbol, text};
 use crate::replay::result::EventSummary;
 
@@ -22,8 +23,8 @@ pub(super) fn zoom(context: &Context<'_>, focus: &Focus<'_>) -> Figure {
         tint_key("stick", "stick"),
         tint_key("slip", "slip"),
     ];
-    let panel = Panel::new(context, window_s(context, focus, Layout::Wide));
-    if panel.events().iter().any(|event| event.omega_rad_per_s.is_none()) {
+    let shown = touched(context, window_s(context, focus, Layout::Wide));
+    if shown.iter().any(|event| event.omega_rad_per_s.is_none()) {
         keys.push(line_key("model unresolved", "model of an unresolved slip"));
     }
     keys.extend(mark_keys());
@@ -58,22 +59,35 @@ fn within_log(context: &Context<'_>, from_s: f64, to_s: f64) -> (f64, f64) {
 }
 
 fn draw_cycles(context: &Context<'_>, focus: &Focus<'_>, layout: Layout) -> String {
-    let mut panel = Panel::new(context, window_s(context, focus, layout));
-    panel.id = "cycles";
-    panel.size = layout.pick((770.0, 360.0), (360.0, 280.0));
-    panel.title = "A few cycles";
-    panel.finish(focus, layout, false)
+    let panel = Panel {
+        context,
+        span_s: window_s(context, focus, layout),
+        id: "cycles",
+        size: layout.pick((770.0, 360.0), (360.0, 280.0)),
+        title: "A few cycles",
+    };
+    panel.draw(focus, layout, false)
 }
 
 fn draw_slip(context: &Context<'_>, focus: &Focus<'_>, layout: Layout) -> String {
     let event = focus.event;
     let beside_s = (1.2 * event.slip_s).max(3.0 * context.recorder.period_s());
-    let span_s = within_log(context, event.onset_s - beside_s, event.stop_s + beside_s);
-    let mut panel = Panel::new(context, span_s);
-    panel.id = "slip";
-    panel.size = layout.pick((380.0, 360.0), (360.0, 300.0));
-    panel.title = "One slip";
-    panel.finish(focus, layout, true)
+    let panel = Panel {
+        context,
+        span_s: within_log(context, event.onset_s - beside_s, event.stop_s + beside_s),
+        id: "slip",
+        size: layout.pick((380.0, 360.0), (360.0, 300.0)),
+        title: "One slip",
+    };
+    panel.draw(focus, layout, true)
+}
+
+/// The events that touch a span of time, with the ones before and after.
+fn touched<'a>(context: &Context<'a>, (from_s, to_s): (f64, f64)) -> &'a [EventSummary] {
+    let events = &context.result.events;
+    let from = events.partition_point(|e| e.stop_s < from_s).saturating_sub(1);
+    let to = events.partition_point(|e| e.onset_s < to_s) + 1;
+    events.get(from..to.min(events.len())).unwrap_or_default()
 }
 
 /// One of the two panels.
@@ -85,29 +99,17 @@ struct Panel<'a> {
     title: &'static str,
 }
 
-impl<'a> Panel<'a> {
-    fn new(context: &'a Context<'a>, span_s: (f64, f64)) -> Self {
-        Self { context, span_s, id: "", size: (0.0, 0.0), title: "" }
-    }
-
+impl Panel<'_> {
     fn samples(&self) -> Vec<(f64, f64)> {
         let samples = self.context.recorder.clips.window(self.span_s.0, self.span_s.1);
         let step = samples.len().div_ceil(MOST_SAMPLES).max(1);
         samples.into_iter().step_by(step).map(|s| self.context.shown(s)).collect()
     }
 
-    /// The events that touch the panel, with the ones before and after.
-    fn events(&self) -> &'a [EventSummary] {
-        let events = &self.context.result.events;
-        let from = events.partition_point(|e| e.stop_s < self.span_s.0).saturating_sub(1);
-        let to = events.partition_point(|e| e.onset_s < self.span_s.1) + 1;
-        events.get(from..to.min(events.len())).unwrap_or_default()
-    }
-
-    fn plot(&self, samples: &[(f64, f64)], layout: Layout) -> Plot {
+    fn plot(&self, samples: &[(f64, f64)], events: &[EventSummary], layout: Layout) -> Plot {
         let context = self.context;
         let inside = |e: &&EventSummary| e.onset_s < self.span_s.1 && e.stop_s > self.span_s.0;
-        let marks = self.events().iter().filter(inside);
+        let marks = events.iter().filter(inside);
         let marks = marks.flat_map(|e| [e.peak_force_n, e.static_force_n, e.restick_force_n]);
         let forces = marks.map(|f| f * context.force.factor).chain(samples.iter().map(|s| s.1));
         Plot::new(&Spec {
@@ -132,11 +134,11 @@ impl<'a> Panel<'a> {
         })
     }
 
-    fn finish(&self, focus: &Focus<'_>, layout: Layout, close: bool) -> String {
+    fn draw(&self, focus: &Focus<'_>, layout: Layout, close: bool) -> String {
         let (context, samples) = (self.context, self.samples());
-        let mut plot = self.plot(&samples, layout);
-        let events = self.events();
-        self.shade(&mut plot, events);
+        let events = touched(context, self.span_s);
+        let mut plot = self.plot(&samples, events, layout);
+        shade_each(context, &mut plot, events);
         moments(context, &mut plot, focus.event, close);
         draw_fits(context, &mut plot, events);
         let room = (plot.x.range.1 - plot.x.range.0) as usize / 3;
@@ -150,14 +152,6 @@ impl<'a> Panel<'a> {
         }
         label_marks(context, &mut plot, focus.event, close);
         plot.finish()
-    }
-
-    fn shade(&self, plot: &mut Plot, events: &[EventSummary]) {
-        let zero_s = self.context.zero_s;
-        let first = self.context.result.events.first();
-        let from_s = first.map_or(self.span_s.0, |e| e.onset_s - rest_s(e));
-        plot.shade("stick", from_s - zero_s, plot.x.domain.1);
-        events.iter().for_each(|e| plot.shade("slip", e.onset_s - zero_s, e.stop_s - zero_s));
     }
 }
 

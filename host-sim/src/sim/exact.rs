@@ -98,10 +98,16 @@ impl Motion {
         let next = State { time_s: from.time_s + t, force_n, ..*from };
         match *self {
             Self::Line { .. } | Self::Step(_) => next,
-            Self::Ellipse { cosine_n, sine_n, omega_rad_per_s, stiffness_n_per_m: k, .. } => {
-                let (sin, cos) = (omega_rad_per_s * t).sin_cos();
-                let slope = omega_rad_per_s * (sine_n * (cos - 1.0) - cosine_n * sin);
-                let winch = self.winch_m_per_s();
+            Self::Ellipse {
+                cosine_n,
+                sine_n,
+                omega_rad_per_s: omega,
+                stiffness_n_per_m: k,
+                winch_m_per_s: winch,
+                ..
+            } => {
+                let (sin, cos) = (omega * t).sin_cos();
+                let slope = omega * (sine_n * (cos - 1.0) - cosine_n * sin);
                 State {
                     // v = w - F'/k (3), as the change since the start.
                     speed_m_per_s: from.speed_m_per_s - slope / k,
@@ -117,15 +123,6 @@ impl Motion {
                     slack_m: from.slack_m + way - winch_m_per_s * t,
                     ..next
                 }
-            }
-        }
-    }
-
-    fn winch_m_per_s(&self) -> f64 {
-        match *self {
-            Self::Line { .. } | Self::Step(_) => 0.0,
-            Self::Ellipse { winch_m_per_s, .. } | Self::Slack { winch_m_per_s, .. } => {
-                winch_m_per_s
             }
         }
     }

@@ -73,12 +73,18 @@ pub struct Advance {
 }
 
 /// Steps through one phase.
-#[derive(Debug)]
 pub struct Integrator {
     phase: Phase,
     from: State,
     limits: Limits,
-    method: MethodBox,
+    /// Large, and knows no `Debug`.
+    method: Box<Method>,
+}
+
+impl std::fmt::Debug for Integrator {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Integrator").field("phase", &self.phase).finish_non_exhaustive()
+    }
 }
 
 /// Tolerances and longest step of a phase.
@@ -142,15 +148,6 @@ pub(super) fn accepted_step(
     }
 }
 
-/// The method is large, and knows no `Debug`.
-struct MethodBox(Box<Method>);
-
-impl std::fmt::Debug for MethodBox {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str("Method")
-    }
-}
-
 pub(super) fn explain(error: &Error<f64, Vector>) -> String {
     format!("the integrator gave up: {error:?}")
 }
@@ -169,7 +166,7 @@ impl Integrator {
         let limits = Limits::new(phase, &from, physics, tolerance);
         let equations = Equations { physics, phase, from };
         let method = limits.method(&equations, 0.0, &to_vector(phase, &from))?;
-        Ok(Self { phase, from, limits, method: MethodBox(Box::new(method)) })
+        Ok(Self { phase, from, limits, method: Box::new(method) })
     }
 
     /// Takes one step, at most up to the time `until_s`.
@@ -178,7 +175,7 @@ impl Integrator {
     /// When the method cannot go on.
     pub fn advance(&mut self, physics: &Physics, until_s: f64) -> Result<Advance, String> {
         let equations = Equations { physics, phase: self.phase, from: self.from };
-        let method = &mut self.method.0;
+        let method = &mut self.method;
         let start_s = method.t();
         let left_s = until_s - self.from.time_s - start_s;
         if method.h() >= left_s {
@@ -263,15 +260,21 @@ impl Integrator {
 }
 
 fn dense(method: &mut Method, phase: Phase, start_s: f64) -> Result<Step, String> {
+    let mut at_nodes = at_nodes(method, start_s)?;
+    // The ends are the method's own, without the rounding of the dense output.
+    at_nodes[0] = *method.y_prev();
+    at_nodes[COUNT - 1] = *method.y();
+    Ok(Step::new(phase, method.t() - start_s, at_nodes))
+}
+
+/// The dense output of the last step, which began at `start_s`.
+pub(super) fn at_nodes(method: &mut Method, start_s: f64) -> Result<[Vector; COUNT], String> {
     let (end_s, mut at_nodes) = (method.t(), [[0.0; 4]; COUNT]);
     for (node, values) in NODES.iter().zip(&mut at_nodes) {
         let t = (start_s + node * (end_s - start_s)).min(end_s);
         *values = method.interpolate(t).map_err(|e| explain(&e))?;
     }
-    // The ends are the method's own, without the rounding of the dense output.
-    at_nodes[0] = *method.y_prev();
-    at_nodes[COUNT - 1] = *method.y();
-    Ok(Step::new(phase, end_s - start_s, at_nodes))
+    Ok(at_nodes)
 }
 
 /// What falls through zero at an event.

@@ -1,7 +1,8 @@
 //! A load cell, or its amplifier, that lags behind.
 
-use super::check::{SceneError, positive};
 use serde::{Deserialize, Serialize};
+
+use super::check::{SceneError, positive};
 
 /// First-order lag: `T y' = F - y`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

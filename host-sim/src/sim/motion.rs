@@ -236,9 +236,7 @@ impl Segments {
             self.physics.settle_cable(&self.state);
         }
     }
-}
 
-impl Segments {
     /// What is lost in the cable changes at once with the speed of the winch.
     fn pass_break(&mut self) {
         let time_s = self.state.time_s;

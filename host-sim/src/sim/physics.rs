@@ -1,10 +1,10 @@
 //! The forces of a scene at any moment, with all its terms.
 
-use super::friction::Pair;
 use floe_core::units::STANDARD_GRAVITY_M_PER_S2 as GRAVITY_M_PER_S2;
 
 use super::along_slip::AlongSlip;
 use super::damping::CableDamping;
+use super::friction::Pair;
 use super::random::{self, Stream};
 use super::rate_and_state::RateAndState;
 use super::rocking::Rocking;

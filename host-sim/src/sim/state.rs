@@ -1,4 +1,4 @@
-//! What the block and the cable are doing, and the pieces of a test.
+//! What the block and the cable are doing, and what holds meanwhile.
 
 use serde::{Deserialize, Serialize};
 

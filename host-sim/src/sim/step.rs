@@ -90,7 +90,7 @@ impl Step {
         Some((before, root::lowest(at, before, after)))
     }
 
-    /// Largest force from the start to a fraction of the step, N.
+    /// Largest force in the first `duration_s` of the step, N.
     #[must_use]
     pub fn peak_force_n(&self, duration_s: f64) -> f64 {
         let end = duration_s / self.length_s;

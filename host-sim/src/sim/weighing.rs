@@ -4,16 +4,14 @@
 //! `M (g cos theta + l theta'²)`. Averaged over a swing of amplitude `A` it is
 //! `Mg (1 + A²/4)`, not `Mg`: the cell measures along the cable.
 
-use super::integrate;
+use differential_equations::ode::{ODE, OrdinaryNumericalMethod};
 use floe_core::units::STANDARD_GRAVITY_M_PER_S2 as GRAVITY_M_PER_S2;
 
+use super::integrate;
 use super::scene::Scene;
 use super::state::{Phase, State};
-use super::step::{COUNT, NODES, Step, Vector};
+use super::step::{Step, Vector};
 use super::terms::Weighing;
-
-use differential_equations::interpolate::Interpolation;
-use differential_equations::ode::{ODE, OrdinaryNumericalMethod};
 
 struct Pendulum(Weighing);
 
@@ -59,12 +57,8 @@ impl Swing {
         let start_s = self.method.t();
         integrate::accepted_step(&mut self.method, &self.pendulum)?;
         let length_s = self.method.t() - start_s;
-        let mut at_nodes = [[0.0; 4]; COUNT];
-        for (node, values) in NODES.iter().zip(&mut at_nodes) {
-            let t = (start_s + node * length_s).min(self.method.t());
-            let angle = self.method.interpolate(t).map_err(|e| integrate::explain(&e))?;
-            *values = [self.pendulum.tension_n(self.weight_n, angle), 0.0, 0.0, 0.0];
-        }
+        let tension = |angle| [self.pendulum.tension_n(self.weight_n, angle), 0.0, 0.0, 0.0];
+        let at_nodes = integrate::at_nodes(&mut self.method, start_s)?.map(tension);
         let step = Step::new(Phase::Stick, length_s, at_nodes);
         Ok((step, step.state(from, length_s)))
     }

@@ -7,7 +7,7 @@ use super::numbers::{short, short_or_null, short_pair};
 use super::{known, pair};
 
 /// One event.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct EventSummary {
     /// From 0.
     pub index: u32,
@@ -120,11 +120,7 @@ impl EventSummary {
             mu_combined_std: known(event.mu.map(|c| c.combined_std())),
             mu_s_ci95: pair(event.mu_s.map(|c| c.ci95())),
             mu_ci95: pair(event.mu.map(|c| c.ci95())),
-            slip_length_m: None,
-            energy_j: None,
-            onset_time: None,
-            slip_length_m_std: None,
-            energy_j_std: None,
+            ..Self::default()
         }
     }
 

@@ -4,11 +4,8 @@ use crate::replay::events::Events;
 use crate::replay::quantities::Quantities;
 use crate::replay::result::{ChangeSummary, EstimateSummary, SCHEMA, TestSummary};
 
-fn result(listed: Vec<EventSummary>) -> ReplayResult {
-    let mut events = Events::default();
-    listed.into_iter().for_each(|it| events.push(it, Default::default).unwrap());
-    events.finish(Quantities::default(), Default::default());
-    let mean = |mean: f64| CoefficientSummary {
+fn mean(mean: f64) -> CoefficientSummary {
+    CoefficientSummary {
         mean: Some(mean),
         std_error: Some(0.0003),
         spread: Some(0.0008),
@@ -16,17 +13,43 @@ fn result(listed: Vec<EventSummary>) -> ReplayResult {
         combined_std: Some(0.0005),
         ci95: Some([mean - 0.001, mean + 0.001]),
         reason: None,
-    };
+    }
+}
+
+fn weight() -> BudgetLine {
     let share =
         |by: f64| BudgetShare { sensitivity: Some(by), contribution: Some((0.2 * by).abs()) };
-    let weight = BudgetLine {
+    BudgetLine {
         input: "weight_n",
         value: Some(630.0),
         std: Some(0.2),
         stated_std: None,
         mu_s: share(-0.001_968),
         mu: share(-0.001_238),
-    };
+    }
+}
+
+fn quantities() -> Quantities {
+    Quantities {
+        loading_rate_n_per_s: Some(361.1234),
+        loading_rate_n_per_s_std: Some(0.2),
+        omega_rad_per_s: Some(18.91),
+        omega_rad_per_s_std: Some(0.02),
+        stiffness_from_omega_n_per_m: Some(23_012.3),
+        stiffness_from_omega_n_per_m_std: Some(73.0),
+        recurrence_predicted_s: Some(1.783),
+        recurrence_predicted_s_std: Some(0.014),
+        slip_length_m: Some(0.0295),
+        slip_length_m_std: Some(0.0003),
+        energy_j: Some(14.63),
+        ..Quantities::default()
+    }
+}
+
+fn result(listed: Vec<EventSummary>) -> ReplayResult {
+    let mut events = Events::default();
+    listed.into_iter().for_each(|it| events.push(it, Default::default).unwrap());
+    events.finish(Quantities::default(), Default::default());
     ReplayResult {
         schema: SCHEMA,
         log: LogSummary {
@@ -42,21 +65,8 @@ fn result(listed: Vec<EventSummary>) -> ReplayResult {
         test: TestSummary { test_id: None, weight_n: 630.0, slope_rad: 0.0, mass_kg: None },
         estimate: EstimateSummary { mu_s: mean(1.2401), mu: mean(0.78), events: 1 },
         noise_n: Some(1.98765),
-        quantities: Quantities {
-            loading_rate_n_per_s: Some(361.1234),
-            loading_rate_n_per_s_std: Some(0.2),
-            omega_rad_per_s: Some(18.91),
-            omega_rad_per_s_std: Some(0.02),
-            stiffness_from_omega_n_per_m: Some(23_012.3),
-            stiffness_from_omega_n_per_m_std: Some(73.0),
-            recurrence_predicted_s: Some(1.783),
-            recurrence_predicted_s_std: Some(0.014),
-            slip_length_m: Some(0.0295),
-            slip_length_m_std: Some(0.0003),
-            energy_j: Some(14.63),
-            ..Quantities::default()
-        },
-        budget: vec![weight],
+        quantities: quantities(),
+        budget: vec![weight()],
         zero_n: None,
         changes: Vec::new(),
         stretches: Stretches::default(),
@@ -67,35 +77,23 @@ fn result(listed: Vec<EventSummary>) -> ReplayResult {
 
 pub(in crate::replay) fn event() -> EventSummary {
     EventSummary {
-        index: 0,
         onset_s: 2.16345,
         stop_s: 2.3364,
         static_force_n: 781.23,
         dynamic_force_n: 491.4,
         peak_force_n: 781.8,
         restick_force_n: 201.6,
-        mu_s: None,
-        mu_s_std: None,
         mu: Some(0.78),
         mu_std: Some(0.0005),
-        stick_s: None,
         slip_s: 0.173,
         loading_rate_n_per_s: 361.1,
         omega_rad_per_s: Some(18.9),
-        slack: false,
         quality: "clipped".to_string(),
         reason: Some("a gap".to_string()),
-        mu_s_systematic_std: None,
         mu_systematic_std: Some(0.0012),
-        mu_s_combined_std: None,
         mu_combined_std: Some(0.0013),
-        mu_s_ci95: None,
         mu_ci95: Some([0.7774, 0.7826]),
-        slip_length_m: None,
-        energy_j: None,
-        onset_time: None,
-        slip_length_m_std: None,
-        energy_j_std: None,
+        ..EventSummary::default()
     }
 }
 

@@ -1,12 +1,16 @@
 //! Which terms of a scene are on.
 
-use super::Scene;
+use super::{Measurement, Scene};
 
 impl Scene {
     /// The terms beyond the linear block on level ice that are on, by name.
     #[must_use]
     pub fn terms(&self) -> Vec<&'static str> {
-        let measurement = &self.measurement;
+        let all = self.of_motion().into_iter().chain(of_measurement(&self.measurement));
+        all.filter_map(|(name, on)| on.then_some(name)).collect()
+    }
+
+    fn of_motion(&self) -> [(&'static str, bool); 22] {
         [
             ("slope", self.slope_deg.abs() > 0.0),
             ("post", self.post),
@@ -30,28 +34,30 @@ impl Scene {
             ("breaking", self.breaking.is_some()),
             ("tilt", self.tilt.is_some()),
             ("drag (ours, not the paper's)", self.drag.is_some()),
-            ("flop", measurement.flop.is_some()),
-            ("hum", measurement.hum.is_some()),
-            ("aperture", measurement.aperture_s > 0.0),
-            ("lag", measurement.lag.is_some()),
-            ("ramp", measurement.ramp.is_some()),
-            ("drift", measurement.drift.is_some()),
-            ("zero_step", measurement.zero_step.is_some()),
-            ("white noise", measurement.white_n > 0.0),
-            ("coloured noise", measurement.coloured.is_some()),
-            ("1/f noise", measurement.flicker_n > 0.0),
-            ("tare", measurement.tare_n.abs() > 0.0),
-            ("range", measurement.range_n > 0.0),
-            ("step", measurement.step_n > 0.0),
-            ("spikes", measurement.spikes.is_some()),
-            ("dropped", measurement.dropped.is_some()),
-            ("repeated", measurement.repeated.is_some()),
-            ("jitter", measurement.jitter.is_some()),
-            ("late", measurement.late.is_some()),
-            ("clock", measurement.clock_ppm.abs() > 0.0),
         ]
-        .into_iter()
-        .filter_map(|(name, on)| on.then_some(name))
-        .collect()
     }
+}
+
+fn of_measurement(measurement: &Measurement) -> [(&'static str, bool); 19] {
+    [
+        ("flop", measurement.flop.is_some()),
+        ("hum", measurement.hum.is_some()),
+        ("aperture", measurement.aperture_s > 0.0),
+        ("lag", measurement.lag.is_some()),
+        ("ramp", measurement.ramp.is_some()),
+        ("drift", measurement.drift.is_some()),
+        ("zero_step", measurement.zero_step.is_some()),
+        ("white noise", measurement.white_n > 0.0),
+        ("coloured noise", measurement.coloured.is_some()),
+        ("1/f noise", measurement.flicker_n > 0.0),
+        ("tare", measurement.tare_n.abs() > 0.0),
+        ("range", measurement.range_n > 0.0),
+        ("step", measurement.step_n > 0.0),
+        ("spikes", measurement.spikes.is_some()),
+        ("dropped", measurement.dropped.is_some()),
+        ("repeated", measurement.repeated.is_some()),
+        ("jitter", measurement.jitter.is_some()),
+        ("late", measurement.late.is_some()),
+        ("clock", measurement.clock_ppm.abs() > 0.0),
+    ]
 }
