@@ -99,19 +99,12 @@ impl CornerEstimator {
         let Corner { smoothing, missing_n, .. } = self.corner;
         let [of_smoothing, of_missing] = self.variances.map(math::sqrt);
         let averaging = 2.0 * math::sqrt(6.0 * smoothing);
-        let std = 0.5 * averaging * of_smoothing / smoothing;
-        [
-            (missing_n > 0.0).then_some(Parameter {
-                name: "missing_n",
-                value: missing_n,
-                std: of_missing,
-            }),
-            (smoothing > 0.0).then(|| Parameter {
-                name: "averaging_s",
-                value: averaging / rate_hz,
-                std: std / rate_hz,
-            }),
-        ]
+        let (value, std) =
+            (averaging / rate_hz, 0.5 * averaging * of_smoothing / smoothing / rate_hz);
+        let averaging = Parameter { name: "averaging_s", value, std };
+        let missing = Parameter { name: "missing_n", value: missing_n, std: of_missing };
+        let found = |size: f32, parameter| (size > 0.0).then_some(parameter);
+        [found(missing_n, missing), found(smoothing, averaging)]
     }
 
     /// Are the corners as sharp as the model has them, as far as is known?
