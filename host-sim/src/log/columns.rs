@@ -86,7 +86,13 @@ impl<'a> Columns<'a> {
         let unit = |i| self.stated_force(i).or_else(|| self.force_unit_behind(i));
         let in_newtons = others().filter(|&i| unit(i).is_some());
         let named: Vec<usize> = named.collect();
-        let found = if named.is_empty() { in_newtons.collect() } else { named };
+        let found = if named.is_empty() { in_newtons.collect() } else { named.clone() };
+        let found = match found.as_slice() {
+            [only] if named.is_empty() && self.stated_force(*only).is_none() => {
+                self.with_unit_behind(*only)
+            }
+            _ => found,
+        };
         match found.as_slice() {
             [only] => Ok(*only),
             [] => Err(InputError::new(format!(
@@ -134,7 +140,7 @@ impl<'a> Columns<'a> {
                 "the unit of column '{name}' is '{label}', which is not read: turn it into N, or give \
                  --unit N|kN|lbf|kgf|counts if it is one of these"
             ))),
-            (None, None) => said.map_or_else(|| assumed(name), commented),
+            (None, None) => said.map_or_else(|| assumed(self.header, column), commented),
         })?
     }
 

@@ -166,6 +166,7 @@ pub fn of_stamps(head: &[Row], rows: &Rows) -> Result<Option<(f64, String)>, Inp
          a second; correct one of them, or give --rate-hz R"
     )))
 }
+
 /// Refuses a rate that is none of 1 to 2000 Hz.
 ///
 /// # Errors

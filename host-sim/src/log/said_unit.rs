@@ -1,13 +1,33 @@
-//! The unit of the forces where their column does not say it: a comment.
+//! The unit of the forces where their column does not say it: a comment, or a line above the rows.
 
 use crate::error::InputError;
 
-use super::LogOptions;
 use super::columns::said;
+use super::header::{Content, Header};
 use super::label::unit_within;
 use super::metadata::Said;
-use super::number::Unit;
+use super::number::{Unit, finite};
 use super::rows::Rows;
+use super::{LogOptions, comment::comment};
+
+/// A force without a unit is in N, unless its name or a line above holds another one.
+///
+/// # Errors
+/// Names that unit.
+pub fn assumed(header: &Header, column: usize) -> Result<(Unit, Vec<String>), InputError> {
+    const GIVE: &str = "--unit N|kN|lbf|kgf|counts";
+    let name = header.name(column);
+    match (unit_within(name), &header.unit_above) {
+        (Some(unit), _) => Err(InputError::new(format!(
+            "the name of column '{name}' holds '{unit}': give the unit, {GIVE}"
+        ))),
+        (None, Some((line, unit))) => Err(InputError::new(format!(
+            "{} has no unit, and line {line} holds '{unit}': give the unit, {GIVE}",
+            said(name)
+        ))),
+        (None, None) => Ok((Unit::Newton, vec![format!("{} has no unit: taken as N", said(name))])),
+    }
+}
 
 /// The unit that a comment says.
 ///
@@ -24,17 +44,36 @@ pub fn commented(said: &Said) -> Result<(Unit, Vec<String>), InputError> {
     Ok((unit, Vec::new()))
 }
 
-/// A force without a unit is in N, unless its name holds another one.
-///
-/// # Errors
-/// Names that unit.
-pub fn assumed(name: &str) -> Result<(Unit, Vec<String>), InputError> {
-    match unit_within(name) {
-        Some(unit) => Err(InputError::new(format!(
-            "the name of column '{name}' holds '{unit}': give the unit, --unit N|kN|lbf|kgf|counts"
-        ))),
-        None => Ok((Unit::Newton, vec![format!("{} has no unit: taken as N", said(name))])),
+/// The first of some lines that holds a unit of force other than N, and that unit.
+#[must_use]
+pub fn unit_above(lines: &[Content<'_>]) -> Option<(u64, String)> {
+    lines.iter().find_map(|(number, line)| {
+        let text = String::from_utf8_lossy(comment(line).unwrap_or(line));
+        Some((*number, unit_held(&text)?.to_string()))
+    })
+}
+
+/// Not the unit of a number, as in `Load cell: 5 kN`, nor one of a key, as in `mass_kg: 64`.
+fn unit_held(line: &str) -> Option<&str> {
+    let end = line.trim_end_matches(|mark: char| mark.is_whitespace() || ",;".contains(mark));
+    let value = end.rsplit([':', '=', ',', ';', '\t']).next().unwrap_or_default();
+    if finite(value.trim().as_bytes()).is_some() {
+        return None;
     }
+    let is_other = |word: &str| {
+        Unit::from_label(word).is_some_and(|unit| unit != Unit::Newton && unit != Unit::Counts)
+    };
+    let mut before = "";
+    for piece in line.split_inclusive(|letter: char| !letter.is_alphanumeric()) {
+        let word = piece.trim_end_matches(|letter: char| !letter.is_alphanumeric());
+        let before_marks = before.trim_end_matches([' ', '\t', ',', ';', ':', '=']);
+        let is_of_number = before_marks.ends_with(|last: char| last.is_ascii_digit());
+        if is_other(word) && !is_of_number && !piece.ends_with('/') {
+            return Some(word);
+        }
+        before = if piece.trim().is_empty() { before } else { piece };
+    }
+    None
 }
 
 /// Refuses a `# unit:` that the forces are not read in.
@@ -57,4 +96,28 @@ pub fn refuse_other_unit(rows: &Rows, options: &LogOptions) -> Result<(), InputE
         ),
     };
     Err(InputError::new(format!("line {line}: '# unit: {value}', and {why}")))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn units_in_the_lines_above() {
+        for line in
+            ["Y_Unit_Label\tkN", "units: s, kN", "Force in kN", "F 1 (kN)", "time_s;force_kn"]
+        {
+            assert!(unit_held(line).is_some_and(|unit| unit.eq_ignore_ascii_case("kN")), "{line}");
+        }
+        for line in [
+            "Load cell: 5 kN",
+            "mass_kg: 64",
+            "Mass\t64 kg",
+            "600 kg/m3, in kg/m3",
+            "Unit,N",
+            "Mass,64,kg",
+        ] {
+            assert_eq!(unit_held(line), None, "{line}");
+        }
+    }
 }
