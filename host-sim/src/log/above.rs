@@ -4,9 +4,10 @@ use crate::error::InputError;
 
 use super::cells::texts;
 use super::comment::comment;
-use super::header::{Content, IN_A_ROW, Kind, SEPARATORS, are_known, kind};
-use super::label::is_unit_cell;
+use super::header::{Content, Header, IN_A_ROW, Kind, SEPARATORS, are_known, kind};
+use super::label::{Label, is_unit_cell};
 use super::lines::{MAX_LINE, too_long};
+use super::number::finite;
 
 /// Names in the comment right above the rows, as numpy and MATLAB's users write them.
 pub fn commented_names(
@@ -22,7 +23,8 @@ pub fn commented_names(
 }
 
 /// A unit in brackets belongs to the name before it, where blanks cut them apart.
-fn with_units(cells: Vec<String>) -> Vec<String> {
+#[must_use]
+pub fn with_units(cells: Vec<String>) -> Vec<String> {
     let mut names: Vec<String> = Vec::new();
     for cell in cells {
         match names.last_mut() {
@@ -103,18 +105,82 @@ pub fn refuse_unknown_row(
     width: usize,
 ) -> Result<(), InputError> {
     let Some((number, row)) = above(1) else { return Ok(()) };
-    let is_text = row.len() == width && row.iter().all(|cell| kind(cell) != Kind::Value);
-    if width < 2 || !is_text || are_known(&row) || row.iter().all(|cell| is_unit_cell(cell)) {
+    let is_text = row.iter().all(|cell| kind(cell) != Kind::Value);
+    let are_units = row.len() > 1 && row.iter().all(|cell| is_unit_cell(cell));
+    if width < 2 || is_text && (are_known(&row) || are_units) {
         return Ok(());
     }
     let are_names = |(_, cells): &(u64, Vec<String>)| cells.len() == width && are_known(cells);
     match (2..4).filter_map(above).rfind(are_names) {
         Some((names, _)) => Err(InputError::new(format!(
             "line {number}: the names are in line {names}, and this row below them is not understood: \
-             take it out"
+             correct it, or take it out"
         ))),
         None => Ok(()),
     }
+}
+
+/// Whether names say which column is the time and which the force.
+#[must_use]
+pub fn are_named(names: &[String]) -> bool {
+    let labels: Vec<Label> = names.iter().map(|name| Label::new(name)).collect();
+    labels.iter().any(Label::is_time) && labels.iter().any(Label::is_force)
+}
+
+/// Refuses rows below names that say neither time nor force, where a later line says both: the log
+/// may begin there.
+///
+/// # Errors
+/// Names that line.
+pub fn refuse_later_names(header: &Header, content: &[Content<'_>]) -> Result<(), InputError> {
+    if header.names.as_ref().is_some_and(|(_, names)| are_named(names)) {
+        return Ok(());
+    }
+    let are_names = |line: &[u8]| {
+        let cells = texts(line, header.separator);
+        cells.first().is_some_and(|cell| kind(cell) == Kind::Text) && are_named(&cells)
+    };
+    let mut below = content.iter().filter(|(number, _)| *number > header.first_row);
+    match below.find(|(_, line)| are_names(line)) {
+        Some((number, _)) => Err(InputError::new(format!(
+            "line {number}: time and force are named here, below rows of numbers: if the log begins \
+             here, give --skip-lines {}, else take this line out",
+            number - 1
+        ))),
+        None => Ok(()),
+    }
+}
+
+/// Refuses lines of which none is a row, below names that say nothing.
+///
+/// # Errors
+/// Names the first line.
+pub fn refuse_no_rows(header: &Header, lines: usize) -> Result<(), InputError> {
+    match &header.names {
+        // A line alone may be too long.
+        Some((number, names)) if lines > 1 && !are_known(names) => Err(InputError::new(format!(
+            "line {number}: no rows of numbers are found from here on: write time and force into each, \
+             such as 0.0625,12.5; or is the separator another? (--delimiter)"
+        ))),
+        _ => Ok(()),
+    }
+}
+
+/// Whether rows have a number in front that has no name, as R and pandas write them: it counts them,
+/// and the time is where it would be behind it.
+#[must_use]
+pub fn are_behind_numbers(names: &[String], rows: &[Vec<String>]) -> bool {
+    let column = |at: usize| -> Vec<f64> {
+        rows.iter().filter_map(|row| finite(row.get(at)?.as_bytes())).collect()
+    };
+    let time = names.iter().position(|name| Label::new(name).is_time());
+    let (numbers, Some(time)) = (column(0), time) else { return false };
+    let by_one = |w: &[f64]| matches!(w, [a, b] if (b - a - 1.0).abs() < 1e-9);
+    let is_wider = rows.iter().all(|row| row.len() == names.len() + 1);
+    is_wider
+        && numbers.len() == rows.len()
+        && numbers.windows(2).all(by_one)
+        && column(time + 1).windows(2).all(|w| w.first() < w.last())
 }
 
 /// Refuses names that go on over several lines, in quotes.

@@ -4,6 +4,7 @@ use crate::error::InputError;
 
 use super::LogOptions;
 use super::columns::Columns;
+use super::header::{Kind, kind};
 use super::label::Label;
 use super::layout::TimeCells;
 use super::number::finite;
@@ -26,6 +27,7 @@ impl Columns<'_> {
         force: usize,
         options: &LogOptions,
     ) -> Result<(), InputError> {
+        self.refuse_other_rows(force)?;
         let (date, clock) = match time {
             TimeCells::Number { cell, .. } => (None, cell),
             TimeCells::DateAndClock { date, clock } => (date, clock),
@@ -39,7 +41,7 @@ impl Columns<'_> {
         groups.pop();
         let times = groups.first().map_or(0, |group| group.len());
         if times < 2 || groups.len() < TIMES || groups.iter().any(|group| group.len() != times) {
-            return Ok(());
+            return self.refuse_rounds(force, options);
         }
         let is_time = |at: usize| {
             at == clock || Some(at) == date || self.labels.get(at).is_some_and(Label::is_in_time)
@@ -55,6 +57,66 @@ impl Columns<'_> {
             None => return Ok(()),
         };
         Err(InputError::new(format!("each time stands {times} times, and {why}")))
+    }
+
+    /// Refuses rows of two sensors, one below the other: numbers stand in another column where, and only
+    /// where, there is no force.
+    fn refuse_other_rows(&self, force: usize) -> Result<(), InputError> {
+        let holds = |row: &Vec<String>, at: usize| {
+            row.get(at).is_some_and(|cell| finite(cell.as_bytes()).is_some())
+        };
+        let rows = &self.header.rows;
+        let is_instead = |at: &usize| rows.iter().all(|row| holds(row, *at) != holds(row, force));
+        let without = rows.iter().filter(|row| !holds(row, force)).count();
+        let column = (0..self.header.width).filter(|&at| at != force).find(is_instead);
+        match column.filter(|_| (TIMES..rows.len()).contains(&without)) {
+            Some(other) => Err(InputError::new(format!(
+                "column {} holds numbers where, and only where, {} holds none: these are rows of \
+                 another sensor; take them out",
+                self.said(other),
+                self.said(force)
+            ))),
+            None => Ok(()),
+        }
+    }
+
+    /// Refuses rows in which a column of words goes round, where it is called one of channels or the
+    /// forces go to and fro with it: each channel has times of its own.
+    fn refuse_rounds(&self, force: usize, options: &LogOptions) -> Result<(), InputError> {
+        let channels = |at: usize| {
+            let words = self.goes_round(at)?;
+            let rounds: Vec<&[Vec<String>]> = self.header.rows.chunks_exact(words).collect();
+            let are = self.is_of_channels(at) || are_of_channels(&rounds, force);
+            Some((at, words)).filter(|_| are && options.rate_hz.is_none())
+        };
+        match (0..self.header.width).find_map(channels) {
+            Some((channel, words)) => Err(InputError::new(format!(
+                "column {} goes round through {words} words, from row to row: keep the rows of one \
+                 channel, or give --rate-hz R if all are of one force",
+                self.said(channel)
+            ))),
+            None => Ok(()),
+        }
+    }
+
+    fn is_of_channels(&self, column: usize) -> bool {
+        const NAMES: [&str; 7] = ["channel", "ch", "sensor", "type", "kanal", "signal", "field"];
+        let name = self.name(column).to_lowercase();
+        name.split(|letter: char| !letter.is_alphanumeric()).any(|word| NAMES.contains(&word))
+    }
+
+    /// The number of words that come again and again, in the same order.
+    fn goes_round(&self, column: usize) -> Option<usize> {
+        let cells: Vec<&str> = self.cells(column).collect();
+        let (first, others) = cells.split_first()?;
+        let count = 1 + others.iter().position(|cell| cell == first)?;
+        let round = cells.get(..count)?;
+        let is_word = |cell: &&str| kind(cell) == Kind::Text;
+        let differ =
+            round.iter().enumerate().all(|(i, a)| !round.iter().skip(i + 1).any(|b| a == b));
+        let again = cells.iter().zip(round.iter().cycle()).all(|(a, b)| a == b);
+        let is_round = (2..=MOST).contains(&count) && cells.len() >= TIMES * count;
+        (is_round && differ && again && round.iter().all(is_word)).then_some(count)
     }
 
     pub(super) fn said(&self, column: usize) -> String {

@@ -5,9 +5,10 @@ use crate::error::{InputError, excerpt};
 use super::LogOptions;
 use super::csv::{agreed, find, there_are};
 use super::header::Header;
-use super::label::{Label, bare_unit, is_foreign, unit_within};
+use super::label::{Label, bare_unit, is_foreign};
 use super::metadata::Said;
 use super::number::{Decimal, Unit, finite, is_thousand, number, thousand};
+use super::said_unit::{assumed, commented};
 
 /// Names that are taken before any other, in this order.
 const FORCE_COLUMNS: [&str; 2] = ["force_n", "force_kn"];
@@ -85,7 +86,13 @@ impl<'a> Columns<'a> {
         let unit = |i| self.stated_force(i).or_else(|| self.force_unit_behind(i));
         let in_newtons = others().filter(|&i| unit(i).is_some());
         let named: Vec<usize> = named.collect();
-        let found = if named.is_empty() { in_newtons.collect() } else { named };
+        let found = if named.is_empty() { in_newtons.collect() } else { named.clone() };
+        let found = match found.as_slice() {
+            [only] if named.is_empty() && self.stated_force(*only).is_none() => {
+                self.with_unit_behind(*only)
+            }
+            _ => found,
+        };
         match found.as_slice() {
             [only] => Ok(*only),
             [] => Err(InputError::new(format!(
@@ -133,7 +140,7 @@ impl<'a> Columns<'a> {
                 "the unit of column '{name}' is '{label}', which is not read: turn it into N, or give \
                  --unit N|kN|lbf|kgf|counts if it is one of these"
             ))),
-            (None, None) => said.map_or_else(|| assumed(name), commented),
+            (None, None) => said.map_or_else(|| assumed(self.header, column), commented),
         })?
     }
 
@@ -207,28 +214,6 @@ impl<'a> Columns<'a> {
     }
 }
 
-/// The unit that a comment says.
-fn commented(said: &Said) -> Result<(Unit, Vec<String>), InputError> {
-    let Said { key, value, line } = said;
-    let unit = Unit::from_label(value).ok_or_else(|| {
-        InputError::new(format!(
-            "'# {key}: {value}' in line {line} is no unit that is read: write N, kN, lbf, kgf or counts, \
-             or give --unit"
-        ))
-    })?;
-    Ok((unit, Vec::new()))
-}
-
-/// A force without a unit is in N, unless its name holds another one.
-fn assumed(name: &str) -> Result<(Unit, Vec<String>), InputError> {
-    match unit_within(name) {
-        Some(unit) => Err(InputError::new(format!(
-            "the name of column '{name}' holds '{unit}': give the unit, --unit N|kN|lbf|kgf|counts"
-        ))),
-        None => Ok((Unit::Newton, vec![format!("{} has no unit: taken as N", said(name))])),
-    }
-}
-
-fn said(name: &str) -> String {
+pub(super) fn said(name: &str) -> String {
     if name.is_empty() { "the force".to_string() } else { format!("column '{name}'") }
 }

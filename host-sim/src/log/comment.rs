@@ -23,6 +23,13 @@ pub fn comment(line: &[u8]) -> Option<&[u8]> {
     }
 }
 
+/// A line that only rules a table off: `|---|---|`, `--------+--------`.
+#[must_use]
+pub fn is_ruler(line: &[u8]) -> bool {
+    let rules = |w: &[u8]| w == b"--" || w == b"==";
+    line.iter().all(|byte| b"-=+|: \t".contains(byte)) && line.windows(2).any(rules)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -33,5 +40,15 @@ mod tests {
         assert_eq!(comment(b"\"#\",\"time\""), None);
         assert_eq!((comment(b"#N/A"), comment(b" #DIV/0!;7")), (None, None));
         assert_eq!(comment(b"#N/A: none"), Some(&b"N/A: none"[..]));
+    }
+
+    #[test]
+    fn rulers() {
+        for line in ["|---|:--:|", " --------+---------", "==== ====", "---"] {
+            assert!(is_ruler(line.as_bytes()), "{line}");
+        }
+        for line in ["---;---", "-", "--- 1", "0 --- 1", ""] {
+            assert!(!is_ruler(line.as_bytes()), "{line}");
+        }
     }
 }

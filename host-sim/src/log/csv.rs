@@ -37,7 +37,7 @@ pub fn layout(
     let (unit, mut notes) = columns.force_unit(force, options, metadata.first("unit"))?;
     let decimal = columns.decimal(force, time, options)?;
     if options.column.is_none() {
-        notes.extend(columns.only_force(force)?);
+        notes.extend(columns.only_force(force, time)?);
         notes.extend(columns.other_forces(force, unit, decimal)?);
     }
     if let (Some(time), None) = (time, &options.time_column) {
@@ -49,6 +49,7 @@ pub fn layout(
         (None, None) => return Err(columns.no_time(force)),
     };
     columns.refuse_channels(time, force, options)?;
+    columns.refuse_no_zeros(time)?;
     notes.extend(columns.assumed_seconds(time, options));
     if header.names.is_none() {
         let time = if header.width > 1 { "the first column is the time, " } else { "" };

@@ -14,14 +14,17 @@ use crate::error::InputError;
 
 use super::above;
 use super::cells::texts;
-use super::comment::comment;
+use super::comment::{comment, is_ruler};
 use super::label::{Label, bare_unit, is_unit_cell};
 use super::lines::MAX_LINE;
 use super::number::{Unit, finite, is_missing};
+use super::said_unit::unit_above;
 use super::stamp::{clock_seconds, date_seconds, date_time_seconds};
 
 /// Rows whose cells are looked at.
 const LOOKED_AT: usize = 64;
+/// Lines that are looked through at once for the first row.
+const LOOKED_THROUGH: usize = 268;
 /// Rows that have to follow each other to be a table's.
 pub(super) const IN_A_ROW: usize = 4;
 /// Separators in the order in which they are tried: what comes first is not part of a
@@ -43,6 +46,8 @@ pub struct Header {
     pub width: usize,
     /// Cells of the first rows.
     pub rows: Vec<Vec<String>>,
+    /// A line above names and rows that holds a unit of force other than N, and that unit.
+    pub unit_above: Option<(u64, String)>,
 }
 
 /// What the text of a cell looks like.
@@ -59,9 +64,15 @@ pub(super) fn kind(cell: &str) -> Kind {
     };
     match cell {
         "" => Kind::Empty,
-        cell if is_number(cell) || is_stamp() => Kind::Value,
+        cell if is_number(cell) || is_stamp() || holds_clock(cell) => Kind::Value,
         _ => Kind::Text,
     }
+}
+
+/// A time of day is in it, which need not be one that is read: `2/29/2012 9:12:30 AM`.
+fn holds_clock(cell: &str) -> bool {
+    let clock = |w: &[u8]| matches!(w, [a, b':', b] if a.is_ascii_digit() && b.is_ascii_digit());
+    cell.starts_with(|first: char| first.is_ascii_digit()) && cell.as_bytes().windows(3).any(clock)
 }
 
 /// NaN and infinity count: they are readings.
@@ -83,8 +94,8 @@ pub fn find(head: &[u8], end: u8, skip: u64, separator: Option<u8>) -> Result<He
         .zip(head.split(|&byte| byte == end).map(|line| line.strip_suffix(b"\r").unwrap_or(line)))
         .filter(|(number, line)| *number > skip && !line.trim_ascii().is_empty())
         .collect();
-    let content: Vec<Content<'_>> =
-        lines.iter().copied().filter(|(_, line)| comment(line).is_none()).collect();
+    let is_content = |(_, line): &Content<'_>| comment(line).is_none() && !is_ruler(line);
+    let content: Vec<Content<'_>> = lines.iter().copied().filter(is_content).collect();
     if lines.is_empty() && skip > 0 {
         return Err(InputError::new(format!(
             "no line is left of the first {} KiB after --skip-lines {skip}",
@@ -97,10 +108,17 @@ pub fn find(head: &[u8], end: u8, skip: u64, separator: Option<u8>) -> Result<He
     let tried = separator.map_or(SEPARATORS.to_vec(), |one| vec![one]);
     let Some((separator, first)) = begin_of_rows(&content, &tried) else {
         above::refuse_no_table(head, end, &lines, content.is_empty())?;
-        return Ok(without_rows(&content, separator));
+        let header = without_rows(&content, separator);
+        above::refuse_no_rows(&header, content.len())?;
+        return Ok(header);
     };
     above::refuse_broken_names(&content, first)?;
-    let header = header_above(&lines, &content, separator, first)?;
+    let header = header_above(&lines, &content, separator, first).or_else(|error| {
+        // Blanks within stamps: names that another separator cuts say more of the rows.
+        let others: Vec<u8> = tried.iter().copied().filter(|&other| other != separator).collect();
+        named_otherwise(&content, first, &others).ok_or(error)
+    })?;
+    above::refuse_later_names(&header, &content)?;
     let other = (header.names.is_none() && header.width > 2)
         .then(|| named_otherwise(&content, first, &tried))
         .flatten();
@@ -116,10 +134,7 @@ fn without_cut_line(head: &[u8], end: u8) -> &[u8] {
 /// Rows that the wrong separator cuts, as a decimal comma does: above them another one cuts out
 /// the names of a time and a force.
 fn named_otherwise(content: &[Content<'_>], first: usize, separators: &[u8]) -> Option<Header> {
-    let is_named = |separator: u8, line: &[u8]| {
-        let labels: Vec<Label> = texts(line, separator).iter().map(|n| Label::new(n)).collect();
-        labels.iter().any(Label::is_time) && labels.iter().any(Label::is_force)
-    };
+    let is_named = |separator: u8, line: &[u8]| above::are_named(&texts(line, separator));
     let mut separators = separators.iter().filter(|separator| **separator != b' ');
     let (from, separator) = separators.find_map(|&separator| {
         let above = content.get(..first)?;
@@ -133,10 +148,18 @@ fn begin_of_rows(content: &[Content<'_>], separators: &[u8]) -> Option<(u8, usiz
     let all: fn(&[Kind]) -> bool = |kinds| kinds.len() > 1 && !kinds.contains(&Kind::Text);
     let two: fn(&[Kind]) -> bool = |kinds| kinds.iter().filter(|k| **k == Kind::Value).count() > 1;
     let one: fn(&[Kind]) -> bool = |kinds| kinds == [Kind::Value];
-    let begins = [all, two, one].into_iter().find_map(|is_row| {
-        separators.iter().find_map(|&s| Some((s, first_run(content, s, is_row)?)))
-    });
-    begins.map(|(separator, first)| (separator, with_broken_rows(content, separator, first)))
+    let begin = |lines: &[Content<'_>]| {
+        [all, two, one].into_iter().find_map(|is_row| {
+            separators.iter().find_map(|&s| Some((s, first_run(lines, s, is_row)?)))
+        })
+    };
+    // What is above the rows may be long.
+    let mut starts = (0..content.len()).step_by(LOOKED_THROUGH - IN_A_ROW);
+    let (separator, first) = starts.find_map(|from| {
+        let (separator, first) = begin(content.get(from..)?)?;
+        Some((separator, from + first))
+    })?;
+    Some((separator, with_broken_rows(content, separator, first)))
 }
 
 /// The first line from which on the lines are rows with values in the same places, or with a word
@@ -144,7 +167,7 @@ fn begin_of_rows(content: &[Content<'_>], separators: &[u8]) -> Option<(u8, usiz
 fn first_run(content: &[Content<'_>], separator: u8, is_row: fn(&[Kind]) -> bool) -> Option<usize> {
     let kinds: Vec<Vec<Kind>> = content
         .iter()
-        .take(LOOKED_AT + IN_A_ROW + 200)
+        .take(LOOKED_THROUGH)
         .map(|(_, line)| texts(line, separator).iter().map(|cell| kind_in_row(cell)).collect())
         .collect();
     let alike = |first: &[Kind], other: &[Kind]| {
@@ -196,6 +219,7 @@ fn without_rows(content: &[Content<'_>], separator: Option<u8>) -> Header {
         units: None,
         first_row: number + 1,
         rows: Vec::new(),
+        unit_above: None,
     }
 }
 
@@ -211,11 +235,15 @@ fn header_above(
         (content.get(first).map_or(1, |(n, _)| *n), rows.first().map_or(0, Vec::len));
     let above = |back: usize| {
         let (number, line) = content.get(first.checked_sub(back)?)?;
-        Some((*number, texts(line, separator)))
+        let cells = texts(line, separator);
+        let are_cut = separator == b' ' && cells.len() > width;
+        Some((*number, if are_cut { above::with_units(cells) } else { cells }))
     };
     above::refuse_unknown_row(above, width)?;
     let (names, units) = match (above(2), above(1)) {
-        (Some(names), Some(units)) if is_units(&units.1) && is_header(&names.1) => {
+        (Some(names), Some(units))
+            if (units.1.len() > 1 || width == 1) && is_units(&units.1) && is_header(&names.1) =>
+        {
             (Some(names), Some(units))
         }
         (units, Some(names)) if is_names(&names.1, width) => {
@@ -228,7 +256,12 @@ fn header_above(
         }
         _ => (above::commented_names(lines, first_row, separator, width), None),
     };
-    let mut header = Header { separator, names, units, first_row, width, rows };
+    let used = [&names, &units].map(|line| line.as_ref().map(|(number, _)| *number));
+    let is_other =
+        |(number, _): &&Content<'_>| *number < first_row && !used.contains(&Some(*number));
+    let others: Vec<Content<'_>> = lines.iter().filter(is_other).copied().collect();
+    let unit_above = unit_above(&others);
+    let mut header = Header { separator, names, units, first_row, width, rows, unit_above };
     header.check()?;
     Ok(header)
 }
@@ -270,7 +303,10 @@ impl Header {
             if cells.iter().skip(width).all(|cell| idle(&cell)) {
                 cells.truncate(width);
             }
-            if what == "header" && (cells.len()..width).all(unused) {
+            if what == "header" && above::are_behind_numbers(cells, rows) {
+                cells.insert(0, String::new());
+            }
+            if what == "header" && cells.len() < width && (cells.len()..width).all(unused) {
                 cells.resize(width, String::new());
             }
             if cells.len() != width {

@@ -2,7 +2,7 @@
 //!
 //! `force_kN`, `Force [kN]`, `Kraft (N)`, `Time / s`, `Force in kN` and `kg` all say both.
 
-use super::number::Unit;
+use super::number::{Unit, finite};
 use super::stamp::TimeUnit;
 
 /// A name taken apart.
@@ -15,8 +15,12 @@ pub struct Label {
 }
 
 /// Words for the time.
-const TIME: [&str; 25] = [
+const TIME: [&str; 29] = [
     "time",
+    "tempo",
+    "tid",
+    "tijd",
+    "время",
     "t",
     "ts",
     "zeit",
@@ -43,8 +47,11 @@ const TIME: [&str; 25] = [
     "date and time",
 ];
 /// Words for the force in the cable.
-const FORCE: [&str; 10] = [
+const FORCE: [&str; 13] = [
     "force",
+    "fuerza",
+    "forza",
+    "сила",
     "effort",
     "kraft",
     "zugkraft",
@@ -60,7 +67,7 @@ impl Label {
     /// Takes a column's name apart.
     #[must_use]
     pub fn new(name: &str) -> Self {
-        let name = name.trim();
+        let name = name.trim().trim_end_matches(',');
         let label = |quantity: &str, unit: &str| {
             let quantity = quantity.trim().trim_end_matches(['_', '/', ',']).trim();
             let unit = Some(unit.trim().to_string()).filter(|unit| !unit.is_empty());
@@ -70,7 +77,14 @@ impl Label {
             if let Some((quantity, unit)) =
                 name.strip_suffix(close).and_then(|rest| rest.rsplit_once(open))
             {
-                return label(quantity, unit);
+                return Self::before(quantity, unit).unwrap_or_else(|| label(quantity, unit));
+            }
+            let inside = |(before, rest): (&'_ str, &'_ str)| {
+                let (unit, behind) = rest.split_once(close).filter(|(unit, _)| is_unit(unit))?;
+                Some(label(&format!("{} {}", before.trim(), behind.trim()), unit))
+            };
+            if let Some(label) = name.split_once(open).and_then(inside) {
+                return label;
             }
         }
         if is_unit(name) && !name.eq_ignore_ascii_case("n") {
@@ -81,6 +95,14 @@ impl Label {
             Some((quantity, unit)) => label(quantity.trim_end_matches(" in"), unit),
             None => label(name, ""),
         }
+    }
+
+    /// A unit before brackets that hold none: `Force, N (LGR S/N: 1234)`.
+    fn before(name: &str, inside: &str) -> Option<Self> {
+        let label = Self::new(name);
+        let is_unit = label.unit.as_deref().is_some_and(is_unit) && !is_unit_cell(inside);
+        let quantity = format!("{} ({})", label.quantity, inside.to_lowercase());
+        is_unit.then_some(Self { quantity, ..label })
     }
 
     /// Whether the name is one of a time column.
@@ -108,7 +130,7 @@ impl Label {
         !self.is_force() && self.holds_force() && self.words().any(|word| !FORCE.contains(&word))
     }
 
-    /// Whether a factor is in the name: `Force x 10`, `Force*10`, `10^3 force`.
+    /// Whether a factor is in the name: `Force x 10`, `Force*10`, `10^3 force`, `10 N`.
     #[must_use]
     pub fn holds_factor(&self) -> bool {
         let factor = |(at, mark): (usize, &str)| {
@@ -117,7 +139,8 @@ impl Label {
             let is_word = mark != "x" || !before.ends_with(char::is_alphanumeric);
             is_word && behind.starts_with(|first: char| first.is_ascii_digit())
         };
-        self.quantity.match_indices(['x', '×', '*', '/', '^']).any(factor)
+        finite(self.quantity.as_bytes()).is_some()
+            || self.quantity.match_indices(['x', '×', '*', '/', '^']).any(factor)
     }
 
     fn words(&self) -> impl Iterator<Item = &str> {
@@ -212,6 +235,11 @@ mod tests {
             ("force_mN", "force", "mN"),
             ("Kraft daN", "kraft", "daN"),
             ("time_stamp", "time_stamp", ""),
+            ("Force (N) Run #1", "force run #1", "N"),
+            ("Force, N (LGR S/N: 1234)", "force (lgr s/n: 1234)", "N"),
+            ("Force kN (x 10)", "force (x 10)", "kN"),
+            ("Force_N (kgf)", "force_n", "kgf"),
+            ("Time (s),", "time", "s"),
         ];
         for (name, quantity, unit) in table {
             let unit = Some(unit.to_string()).filter(|unit| !unit.is_empty());
@@ -228,6 +256,8 @@ mod tests {
             "load ×1000",
             "10^3 force",
             "Force/10",
+            "10 N",
+            "0.1 [kN]",
         ] {
             assert!(Label::new(name).holds_factor(), "{name}");
         }

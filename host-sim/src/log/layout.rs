@@ -4,19 +4,15 @@ use crate::error::{InputError, excerpt};
 use crate::rounding::counted;
 
 use super::cells::Cells;
-use super::label::Label;
-use super::number::{
-    Decimal, Unit, finite, is_grouped, is_thousand, number, reading, reading_of, thousand,
-};
+use super::number::{Decimal, Unit, finite, is_thousand, reading, reading_of, thousand};
 use super::plain::PlainRow;
+use super::remedy;
 use super::rows::Row;
 use super::stamp::{
     DAY_S, TimeUnit, clock_seconds, cr10_seconds, date_and_clock, date_seconds, has_zone,
 };
 use super::timing::{self, Timing};
 
-/// What to do about a line that cannot be read.
-const CORRECT: &str = "correct the line or take it out";
 /// Largest time that is taken, s: 31 000 years.
 const LATEST_S: f64 = 1e12;
 
@@ -132,8 +128,9 @@ impl Layout {
         }
         let width = *self.width.get_or_insert(cells.len());
         if cells.len() != width {
-            let cells = counted(cells.len() as u64, "cell");
-            return Err(InputError::new(format!("{cells} instead of {width}; {CORRECT}")));
+            let (remedy, cells) =
+                (remedy::of_width(line, cells.len()), counted(cells.len() as u64, "cell"));
+            return Err(InputError::new(format!("{cells} instead of {width}; {remedy}")));
         }
         let force = cells.get(line, self.force).unwrap_or_default();
         if !ended && force.is_empty() {
@@ -184,23 +181,7 @@ impl Layout {
     fn no_force(&self, cell: &[u8]) -> InputError {
         let kind = if self.unit == Unit::Counts { "whole number of counts" } else { "number" };
         let (place, held) = (self.force + 1, excerpt(cell));
-        let remedy = if Label::new(text(cell)).holds_force() {
-            "names again: take it out if the same columns go on below, else cut the log there"
-                .to_string()
-        } else if self.is_alone() && text(cell).starts_with(char::is_alphabetic) {
-            format!(
-                "{CORRECT}; NaN marks a bad reading; if a footer or another log begins there, cut the \
-                 log there"
-            )
-        } else if number(cell, Decimal::Any).is_some() && self.unit != Unit::Counts {
-            "the rows before have another decimal mark: write all with the same".to_string()
-        } else if is_grouped(cell) {
-            "write it without marks between the thousands".to_string()
-        } else if cell.iter().any(|byte| b",;\t".contains(byte)) {
-            format!("{CORRECT}, or is the separator another? (--delimiter)")
-        } else {
-            format!("{CORRECT}; NaN marks a bad reading")
-        };
+        let remedy = remedy::of_force(cell, self.unit, self.is_alone());
         InputError::new(format!("force cell {place} holds {held}, not a {kind}; {remedy}"))
     }
 
@@ -221,50 +202,14 @@ impl Layout {
         };
         // Times further out leave no room for a fraction of a second.
         let time = time.filter(|time_s| time_s.abs() <= LATEST_S);
-        time.ok_or_else(|| no_time(text))
+        time.ok_or_else(|| remedy::no_time(text))
     }
-}
-
-/// Whether it is text without a digit: `Mean:`, `Channels`.
-fn is_words(cell: &str) -> bool {
-    cell.starts_with(char::is_alphabetic) && !cell.bytes().any(|byte| byte.is_ascii_digit())
-}
-
-/// Whether letters end it that are a zone by its name.
-fn ends_with_zone(stamp: &str) -> bool {
-    let word = stamp.rsplit(' ').next().unwrap_or_default();
-    let is_zone = (3..=4).contains(&word.len()) && word.bytes().all(|b| b.is_ascii_uppercase());
-    is_zone && stamp.len() > word.len()
-}
-
-/// Whether it may be a date with a time of day written without marks: 20120229T120000.
-fn is_basic(cell: &[u8]) -> bool {
-    cell.get(8) == Some(&b'T') && cell.iter().take(8).all(u8::is_ascii_digit)
 }
 
 /// Whether a line is nothing but separators between empty cells.
 #[must_use]
 pub fn is_empty(line: &[u8], separator: u8) -> bool {
     line.iter().all(|&byte| byte == separator || byte == b'"' || byte.is_ascii_whitespace())
-}
-
-#[cold]
-fn no_time(cell: &[u8]) -> InputError {
-    let colons = cell.iter().filter(|&&byte| byte == b':').count();
-    let remedy = match (colons, text(cell).contains([' ', 'T', '-'])) {
-        _ if is_words(text(cell)) => "if a footer or another log begins there, cut the log there",
-        _ if colons > 0 && ends_with_zone(text(cell)) => {
-            "write its zone as an offset, such as +01:00"
-        }
-        _ if text(cell).to_lowercase().contains(".m.") => "write AM or PM without points",
-        _ if text(cell).contains('\u{2212}') => "write the minus of its zone as -",
-        (3, _) => "write parts of a second behind a point: 12:00:00.5",
-        (2, false) => "a time of day ends with 24:00:00; write a time that runs on in seconds",
-        (0, _) if !is_basic(cell) => CORRECT,
-        (1, false) => "write hours, minutes and seconds: 00:12:34.5",
-        _ => "write 2012-02-29 12:00:00 or 29.02.2012 12:00:00",
-    };
-    InputError::new(format!("no time can be read from {}; {remedy}", excerpt(cell)))
 }
 
 fn text(cell: &[u8]) -> &str {

@@ -31,6 +31,7 @@ pub mod comment;
 pub mod cr10;
 pub mod csv;
 pub mod fine;
+pub mod fraction;
 pub mod groups;
 pub mod header;
 pub mod held;
@@ -48,7 +49,9 @@ pub mod other_forces;
 pub mod other_times;
 pub mod plain;
 pub mod rate;
+pub mod remedy;
 pub mod rows;
+pub mod said_unit;
 pub mod sense;
 pub mod stamp;
 pub mod start;
@@ -64,12 +67,13 @@ use held::Held;
 use interval::Intervals;
 use layout::Layout;
 use lines::Lines;
-use metadata::{Metadata, Said};
+use metadata::Metadata;
 pub use number::{Decimal, STANDARD_GRAVITY, Unit};
 use open::{begin, no_floe, peek, recognise, refuse_binary, utf8};
 pub use options::LogOptions;
-use rate::{keeps_up, left_out, of_stamps};
+use rate::{keeps_up, left_out, of_stamps, refuse_rate};
 use rows::{LastLine, Row, Rows};
+use said_unit::refuse_other_unit;
 use start::Start;
 
 /// Rows read ahead to find rate, phase and metadata.
@@ -294,9 +298,7 @@ impl Log {
         }
         refuse_other_unit(&rows, options)?;
         let mut rate_hz = options.rate_hz.or(rows.metadata.rate_hz);
-        if let Some(wrong) = rate_hz.filter(|rate| !timing::RATES_HZ.contains(rate)) {
-            return Err(InputError::new(format!("a rate of {wrong} Hz is not within 1 to 2000")));
-        }
+        refuse_rate(rate_hz)?;
         match options.rate_hz {
             Some(given) => recognised.notes.extend(keeps_up(given, &head, &rows)?),
             None => {
@@ -329,25 +331,6 @@ fn too_long(line: u64) -> InputError {
         "line {line}: a test has {} sampling periods at most, gaps counted: cut the log before it",
         RawSample::LAST_INDEX
     ))
-}
-
-/// Refuses a `# unit:` that the forces are not read in.
-fn refuse_other_unit(rows: &Rows, options: &LogOptions) -> Result<(), InputError> {
-    let Some(Said { value, line, .. }) = rows.metadata.first("unit") else { return Ok(()) };
-    let read = rows.layout().unit;
-    if Unit::from_label(value).is_none_or(|said| said == read) {
-        return Ok(());
-    }
-    let why = match options.unit {
-        Some(unit) => {
-            format!("--unit says {}: leave --unit out, or correct the comment", unit.name())
-        }
-        None => format!(
-            "the forces are read in {}: correct it, or write it above the rows",
-            read.name()
-        ),
-    };
-    Err(InputError::new(format!("line {line}: '# unit: {value}', and {why}")))
 }
 
 fn no_samples(rows: &Rows) -> InputError {

@@ -50,9 +50,9 @@ impl Unit {
         match label.trim().to_lowercase().as_str() {
             "n" | "newton" | "newtons" | "н" => Some(Self::Newton),
             "kn" | "kilonewton" | "kilonewtons" | "кн" => Some(Self::Kilonewton),
-            "lbf" | "lbs" | "lb" => Some(Self::PoundForce),
+            "lbf" | "lbs" | "lb" | "pound" | "pounds" => Some(Self::PoundForce),
             // A load cell that shows kg shows the force of that mass.
-            "kgf" | "kg" | "kp" | "кгс" => Some(Self::KilogramForce),
+            "kgf" | "kg" | "kp" | "кгс" | "kilogram" | "kilograms" => Some(Self::KilogramForce),
             "counts" | "count" | "adc" => Some(Self::Counts),
             _ => None,
         }
@@ -107,7 +107,8 @@ pub fn number(cell: &[u8], decimal: Decimal) -> Option<f64> {
     }
 }
 
-/// A leading plus, a decimal comma, or the minus of typesetting, which some spreadsheets write.
+/// A leading plus, a decimal comma, Fortran's exponent `D`, or the minus of typesetting, which some
+/// spreadsheets write.
 #[cold]
 fn unusual_number(cell: &[u8], decimal: Decimal) -> Option<f64> {
     // Blanks that are not ASCII are around it.
@@ -116,7 +117,8 @@ fn unusual_number(cell: &[u8], decimal: Decimal) -> Option<f64> {
         let size = size.starts_with(|first: char| first.is_ascii_digit()).then_some(size)?;
         return number(size.as_bytes(), decimal).map(|size| -size);
     }
-    if decimal == Decimal::Point { text.parse().ok() } else { comma_number(text) }
+    let text = text.replacen(['D', 'd'], "E", 1);
+    if decimal == Decimal::Point { text.parse().ok() } else { comma_number(&text) }
 }
 
 fn comma_number(text: &str) -> Option<f64> {
@@ -150,23 +152,33 @@ pub fn reading(cell: &[u8], unit: Unit, decimal: Decimal) -> Option<Reading> {
 #[cold]
 #[must_use]
 pub fn is_missing(cell: &[u8]) -> bool {
-    const WORDS: [&str; 14] = [
-        "NA", "<NA>", "N/A", "#N/A", "null", "None", "#DIV/0!", "#NUM!", "#VALUE!", "#REF!",
-        "#NAME?", "-1.#IND", "1.#QNAN", "1.#INF",
+    const WORDS: [&str; 16] = [
+        "NA", "<NA>", "N/A", "#N/A", "null", "None", "missing", "#DIV/0!", "#NUM!", "#VALUE!",
+        "#REF!", "#NAME?", "#NV", "#ZAHL!", "#WERT!", "#BEZUG!",
     ];
+    // As C writes them, with any digits: `-1.#IND00`, `-nan(ind)`.
+    let number = cell.strip_prefix(b"-").unwrap_or(cell);
+    let is_c = |start: &[u8]| {
+        number.get(..start.len()).is_some_and(|begin| begin.eq_ignore_ascii_case(start))
+    };
     WORDS.iter().any(|word| cell.eq_ignore_ascii_case(word.as_bytes()))
+        || is_c(b"1.#")
+        || is_c(b"nan(")
 }
 
 /// Whether a cell is a number whose thousands are set apart: digits, then a mark and three.
 #[must_use]
 pub fn is_grouped(cell: &[u8]) -> bool {
-    const MARKS: [char; 8] = [',', '.', ' ', '\'', '\u{2019}', '\u{a0}', '\u{2009}', '\u{202f}'];
+    const MARKS: [char; 9] =
+        [',', '.', ' ', '_', '\'', '\u{2019}', '\u{a0}', '\u{2009}', '\u{202f}'];
     let text = String::from_utf8_lossy(cell);
     let mut groups = text.trim_start_matches(['+', '-']).split(MARKS);
     let digits = |group: &str| !group.is_empty() && group.bytes().all(|b| b.is_ascii_digit());
     let leads = |group: &str| digits(group) && group.len() < 4 && !group.starts_with('0');
     let first = groups.next().is_some_and(leads);
-    first && groups.next().is_some_and(|group| digits(group) && group.len() == 3)
+    first
+        && groups.next().is_some_and(|group| digits(group) && group.len() == 3)
+        && groups.all(digits)
 }
 
 /// Whether a number may be one of thousands as well as a decimal one: `1.006`.
@@ -215,7 +227,7 @@ mod tests {
 
     #[test]
     fn numbers_as_loggers_write_them() {
-        let table: [(&str, Option<f64>); 15] = [
+        let table: [(&str, Option<f64>); 18] = [
             ("1.25", Some(1.25)),
             ("-.22", Some(-0.22)),
             (".5", Some(0.5)),
@@ -227,6 +239,9 @@ mod tests {
             ("\u{2212}0.5", Some(-0.5)),
             ("\u{2212}0,5", Some(-0.5)),
             ("\u{2212}-0.5", None),
+            ("1.5D-02", Some(0.015)),
+            ("1,5d2", Some(150.0)),
+            ("1D", None),
             ("1,234,5", None),
             ("abc", None),
             ("1.2.3", None),
@@ -255,7 +270,7 @@ mod tests {
             "1e999", "1e39",
         ]
         .into_iter()
-        .chain(["N/A", "#n/a", "NULL", "#DIV/0!", "-1.#IND"]);
+        .chain(["N/A", "#n/a", "NULL", "#DIV/0!", "-1.#IND00", "-nan(ind)", "missing"]);
         for text in bad {
             let expected = Some(Reading::Bad(Fault::Sentinel));
             assert_eq!(reading(text.as_bytes(), Unit::Newton, Decimal::Any), expected, "{text}");

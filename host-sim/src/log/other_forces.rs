@@ -24,8 +24,9 @@ impl Columns<'_> {
         let labels = self.labels();
         let Some(own) = labels.get(force) else { return Ok(Vec::new()) };
         let is_other = |(place, label): &(usize, &Label)| {
-            let is_named = label.holds_force() && self.stated_force(*place).is_some();
-            *place != force && (label.is_force() || is_named)
+            let unit = self.stated_force(*place);
+            let is_stated = unit.is_some_and(|it| it.newtons().is_some() || label.holds_force());
+            *place != force && (label.is_force() || is_stated)
         };
         let others = labels.iter().enumerate().filter(is_other);
         let note = |(place, label): (usize, &Label)| {
@@ -44,11 +45,16 @@ impl Columns<'_> {
         others.map(note).collect()
     }
 
-    /// Says that the only column of force is read where its name says more: `force_std_n`.
+    /// Says that the only column of force is read where its name says more: `force_std_n`, or nothing
+    /// but its unit, and other columns are there.
     ///
     /// # Errors
     /// What it says is a factor: `Force x 10 N`.
-    pub fn only_force(&self, force: usize) -> Result<Option<String>, InputError> {
+    pub fn only_force(
+        &self,
+        force: usize,
+        time: Option<usize>,
+    ) -> Result<Option<String>, InputError> {
         let Some(label) = self.labels().get(force) else { return Ok(None) };
         let name = self.name(force);
         if label.holds_factor() {
@@ -57,7 +63,9 @@ impl Columns<'_> {
                  --column NAME to read them as they stand"
             )));
         }
-        Ok(label.says_more_than_force().then(|| {
+        let is_other = |at: usize| at != force && Some(at) != time && self.is_bare(at);
+        let by_unit = !label.holds_force() && (0..self.labels().len()).any(is_other);
+        Ok((by_unit || label.says_more_than_force()).then(|| {
             format!("'{name}' is the only column of force, and is read: --column takes another")
         }))
     }

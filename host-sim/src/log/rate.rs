@@ -7,7 +7,7 @@ use crate::rounding::significant;
 
 use super::clock::Clock;
 use super::rows::{Row, Rows};
-use super::timing::{Timing, median};
+use super::timing::{RATES_HZ, Timing, median};
 
 /// Rows that show a rate.
 const ENOUGH: usize = 32;
@@ -165,4 +165,17 @@ pub fn of_stamps(head: &[Row], rows: &Rows) -> Result<Option<(f64, String)>, Inp
         "line {line}: '# rate_hz: {said}', and the times from line {first} on come {found:.3} times \
          a second; correct one of them, or give --rate-hz R"
     )))
+}
+
+/// Refuses a rate that is none of 1 to 2000 Hz.
+///
+/// # Errors
+/// Names the rate.
+pub fn refuse_rate(rate_hz: Option<f64>) -> Result<(), InputError> {
+    match rate_hz.filter(|rate| !RATES_HZ.contains(rate)) {
+        Some(wrong) => {
+            Err(InputError::new(format!("a rate of {wrong} Hz is not within 1 to 2000")))
+        }
+        None => Ok(()),
+    }
 }

@@ -298,7 +298,7 @@ fn runs_ahead(seconds: f64, line: u64) -> InputError {
 #[cold]
 fn goes_back(seconds: f64) -> InputError {
     const NEAR_S: f64 = 10.0;
-    const COUNTERS_S: [f64; 4] = [65.536, 4_294.967_296, 4_294_967.296, 86_400.0];
+    const COUNTERS_S: [f64; 5] = [60.0, 65.536, 4_294.967_296, 4_294_967.296, 86_400.0];
     let by = |hours: f64| (seconds - 3600.0 * hours).abs() < NEAR_S;
     let began_anew = |span_s: &f64| (0.98 * span_s..=*span_s).contains(&seconds);
     let why = match (by(1.0), by(12.0)) {

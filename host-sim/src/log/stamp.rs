@@ -102,12 +102,17 @@ pub fn no_rate(rate_hz: f64) -> InputError {
         [("ms", 1e3), ("us", 1e6), ("ns", 1e9), ("min", 1.0 / 60.0), ("excel", 1.0 / 86_400.0)];
     let fits = |(_, seconds): &&(&str, f64)| RATES_HZ.contains(&(rate_hz * seconds));
     let unit = units.iter().find(fits).map_or_else(
-        || "--time-unit".to_string(),
+        || "--time-unit, or turn it into seconds".to_string(),
         |(unit, seconds)| format!("--time-unit; in {unit} they would be {:.3}", rate_hz * seconds),
     );
+    let is_rate = |unit_s: f64| RATES_HZ.contains(&(rate_hz / unit_s));
+    let hours = Some(rate_hz / 3600.0).filter(|_| is_rate(3600.0) && !is_rate(DAY_S));
+    let in_hours = hours.map_or_else(String::new, |rate_hz| {
+        format!(", in hours {rate_hz:.3}: turn these into seconds")
+    });
     InputError::new(format!(
         "the time stamps say {rate_hz:.6} samples per second, not 1 to 2000; is time in seconds? else \
-         give {unit}"
+         give {unit}{in_hours}"
     ))
 }
 
@@ -214,7 +219,11 @@ pub fn has_zone(text: &str) -> bool {
 
 /// The time of day without its zone, and that zone's offset in seconds.
 fn zone(text: &str) -> Option<(&str, f64)> {
-    if let Some(clock) = text.strip_suffix(['Z', 'z']).or_else(|| text.strip_suffix("UTC")) {
+    if let Some(clock) = text
+        .strip_suffix(['Z', 'z'])
+        .or_else(|| text.strip_suffix("UTC"))
+        .or_else(|| text.strip_suffix("GMT"))
+    {
         return Some((clock, 0.0));
     }
     let Some(at) = text.find(['+', '-']) else { return Some((text, 0.0)) };
@@ -284,6 +293,7 @@ mod tests {
             ("2012-02-28 12:00:00 AM", Some(1_330_387_200.0)),
             ("29-OCT-2012 12:00:00", Some(1_351_512_000.0)),
             ("29-OCT-2012T12:00:00UTC", Some(1_351_512_000.0)),
+            ("2012-02-29 12:00:00 GMT", noon),
             ("2012-02-28 24:00:00", Some(1_330_473_600.0)),
             ("2012-02-28 24:00:01", None),
             ("2012-02-28 24:30", None),

@@ -1,11 +1,12 @@
 //! The time of a text table: which column it is, and how it tells the time.
 
 use crate::error::InputError;
+use crate::rounding::counted;
 
 use super::LogOptions;
 use super::columns::Columns;
 use super::csv::{agreed_time, find, there_are};
-use super::header::{Kind, kind};
+use super::header::{IN_A_ROW, Kind, kind};
 use super::label::Label;
 use super::layout::TimeCells;
 use super::number::{Decimal, number};
@@ -14,6 +15,9 @@ use super::timing::RATES_HZ;
 
 /// Names that are taken before any other, in this order.
 const TIME_COLUMNS: [&str; 4] = ["time_s", "t_s", "time", "t"];
+
+/// Of a few rows that are wider, each holds a channel.
+const MOST_COLUMNS: usize = 32;
 
 impl Columns<'_> {
     /// The time column, if there is one.
@@ -28,36 +32,51 @@ impl Columns<'_> {
             return self.time_without_header(options);
         }
         for name in TIME_COLUMNS {
-            if let Some(place) = find(&self.names, name, "--time-column")? {
+            let found = find(&self.names, name, "--time-column")?;
+            if let Some(place) = found.filter(|&place| !self.is_empty(place)) {
                 let other = (name == "t").then(|| self.rather_than_t(place)).flatten();
                 return Ok(other.or(Some(place)));
             }
         }
         self.refuse_parts()?;
-        let named = self.labels.iter().position(|label| label.is_time() && !is_temperature(label));
-        let Some(place) = named else {
-            return Ok(self.dated().or_else(|| self.only_in_time_units()));
+        let is_named = |&place: &usize| {
+            let is = self.labels.get(place).is_some_and(|it| it.is_time() && !is_temperature(it));
+            is && !self.is_empty(place)
+        };
+        let Some(place) = (0..self.names.len()).find(is_named) else {
+            return Ok(self.of_dates().or_else(|| self.only_in_time_units()));
         };
         find(&self.names, &self.names[place], "--time-column").map(|_| Some(place))
+    }
+
+    /// Whether a column holds nothing in the first rows, as LabVIEW leaves the one of times.
+    fn is_empty(&self, place: usize) -> bool {
+        !self.header.rows.is_empty() && self.cells(place).all(str::is_empty)
     }
 
     /// A bare `t` or `T` may be a temperature: what says more of the time goes before it.
     fn rather_than_t(&self, t: usize) -> Option<usize> {
         let says_unit = |label: &Label| label.is_time() && label.is_in_time();
-        self.labels.iter().position(says_unit).or_else(|| self.dated()).filter(|&place| place != t)
+        self.labels
+            .iter()
+            .position(says_unit)
+            .or_else(|| self.of_dates())
+            .filter(|&place| place != t)
     }
 
     /// The only column in a unit of time, whatever it is called.
     fn only_in_time_units(&self) -> Option<usize> {
         let in_time = |&i: &usize| self.stated(i).any(|unit| TimeUnit::from_label(unit).is_some());
         let is_force = |&i: &usize| self.labels.get(i).is_some_and(Label::is_force);
-        let mut places = (0..self.names.len()).filter(in_time).filter(|i| !is_force(i));
+        let is_told = |i: &usize| !is_force(i) && !self.is_empty(*i);
+        let mut places = (0..self.names.len()).filter(in_time).filter(is_told);
         places.next().filter(|_| places.next().is_none())
     }
 
     /// Refuses a time that is spread over columns: hours, minutes and seconds apart.
     fn refuse_parts(&self) -> Result<(), InputError> {
-        const HOURS: [&str; 6] = ["h", "hh", "hhmm", "hour", "hours", "stunde"];
+        const HOURS: [&str; 10] =
+            ["h", "hh", "hhmm", "hour", "hours", "stunde", "ss", "year", "yyyy", "doy"];
         let is_part = |i: &usize| {
             let Some(label) = self.labels.get(*i) else { return false };
             let alone = label.quantity.is_empty() && label.time_unit().is_some();
@@ -76,7 +95,7 @@ impl Columns<'_> {
     }
 
     /// The only column of dates with times of day: the time, whatever it is called.
-    fn dated(&self) -> Option<usize> {
+    fn of_dates(&self) -> Option<usize> {
         let is_dated = |&place: &usize| {
             let mut cells = self.header.cells(place).filter(|cell| !cell.is_empty()).peekable();
             cells.peek().is_some() && cells.all(|cell| date_time_seconds(cell.as_bytes()).is_some())
@@ -89,13 +108,35 @@ impl Columns<'_> {
     fn time_without_header(&self, options: &LogOptions) -> Result<Option<usize>, InputError> {
         match self.header.width {
             1 => Ok(None),
-            2 => Ok(Some(0)),
+            2 => self.refuse_up_and_down().map(|()| Some(0)),
             _ if options.column.is_some() => Ok(Some(0)),
+            width if self.header.rows.len() < IN_A_ROW && width > MOST_COLUMNS => {
+                Err(InputError::new(format!(
+                    "{} of {width} cells: write one row for each sample, with its time and its force",
+                    counted(self.header.rows.len() as u64, "row")
+                )))
+            }
             width => Err(InputError::new(format!(
                 "no header line over {width} columns: name the columns, e.g. 'time_s,force_n', \
                  or give --time-column 1 --column 2"
             ))),
         }
+    }
+
+    /// Refuses a first column of two that goes up and down, as forces do and times do not.
+    fn refuse_up_and_down(&self) -> Result<(), InputError> {
+        const STEPS: usize = 3;
+        let values = self.values(0, Decimal::Any);
+        let count = |is: fn(&f64, &f64) -> bool| {
+            values.windows(2).filter(|w| matches!(w, [a, b] if is(a, b))).count()
+        };
+        if count(|a, b| a < b) < STEPS || count(|a, b| a > b) < STEPS {
+            return Ok(());
+        }
+        Err(InputError::new(
+            "no header, and the first of two columns goes up and down as no time does: name the columns, \
+             e.g. 'force_n,time_s'; if a decimal mark has cut the numbers apart, give --delimiter ';'",
+        ))
     }
 
     /// How the time column tells the time.
@@ -125,8 +166,8 @@ impl Columns<'_> {
                 (Some(unit), _) => self.since_1970(column, unit, decimal).unwrap_or(unit),
                 (None, Some(label)) => {
                     return Err(InputError::new(format!(
-                        "the unit of column '{name}' is '{label}': \
-                         give --time-unit s|ms|us|ns|min|iso|epoch|excel"
+                        "the unit of column '{name}' is '{label}', which is not read: turn it into \
+                         seconds, or give --time-unit s|ms|us|ns|min|iso|epoch|excel if it is one of these"
                     )));
                 }
                 (None, None) => self.unit_by_size(column, decimal)?,
@@ -171,8 +212,10 @@ impl Columns<'_> {
         let step = steps.filter(|&step| step > 0.0).fold(f64::INFINITY, f64::min);
         let rates = |unit_s: f64| RATES_HZ.contains(&(step * unit_s).recip());
         match first {
-            8e8..1e20 => self.dated_since_1970(column, decimal),
-            20_000.0..80_000.0 if !rates(1.0) && rates(86_400.0) => Ok(TimeUnit::Excel),
+            8e8..1e20 => self.dated(column, TimeUnit::Epoch, decimal),
+            20_000.0..80_000.0 if !rates(1.0) && rates(86_400.0) => {
+                self.dated(column, TimeUnit::Excel, decimal)
+            }
             _ if self.numbers_rows(column, decimal) => Err(InputError::new(format!(
                 "the times of column {} go up by 1 from row to row and have no unit: are they \
                  numbers of the rows? give --time-unit s or ms if not, else another --time-column",
@@ -198,26 +241,36 @@ impl Columns<'_> {
     }
 
     /// Whether a column may number the rows, as far as the first ones show.
-    fn numbers_rows(&self, column: usize, decimal: Decimal) -> bool {
+    pub(super) fn numbers_rows(&self, column: usize, decimal: Decimal) -> bool {
         let values = self.values(column, decimal);
         let is_next = |w: &[f64]| matches!(w, [a, b] if (b - a - 1.0).abs() < 1e-9);
         let whole = values.first().is_some_and(|first| first.fract().abs() < 1e-9);
         whole && values.len() > 3 && values.windows(2).all(is_next)
     }
 
-    /// Refuses a count from another year than 1970, or of another unit.
-    fn dated_since_1970(&self, column: usize, decimal: Decimal) -> Result<TimeUnit, InputError> {
+    /// Refuses a count from another year than 1970, or of another unit, and days that are not those
+    /// of a spreadsheet.
+    fn dated(
+        &self,
+        column: usize,
+        unit: TimeUnit,
+        decimal: Decimal,
+    ) -> Result<TimeUnit, InputError> {
         const YEAR_S: f64 = 31_556_952.0;
-        let first = self.cells(column).find_map(|c| TimeUnit::Epoch.seconds(c.as_bytes(), decimal));
-        match first.filter(|&seconds| !is_since_1970(seconds)) {
-            None => Ok(TimeUnit::Epoch),
-            Some(seconds) => Err(InputError::new(format!(
-                "the times of column {} begin in {:.0} if they count from 1970: give --time-unit \
-                 s|ms|us|ns if they count from elsewhere, or turn them into seconds",
-                self.said(column),
-                (1970.0 + seconds / YEAR_S).floor()
-            ))),
-        }
+        let first = self.cells(column).find_map(|c| unit.seconds(c.as_bytes(), decimal));
+        let Some(seconds) = first.filter(|&seconds| !is_since_1970(seconds)) else {
+            return Ok(unit);
+        };
+        let why = if unit == TimeUnit::Excel {
+            "are a spreadsheet's days: give --time-unit excel if they are"
+        } else {
+            "count from 1970: give --time-unit s|ms|us|ns if they count from elsewhere"
+        };
+        Err(InputError::new(format!(
+            "the times of column {} begin in {:.0} if they {why}, or turn them into seconds",
+            self.said(column),
+            (1970.0 + seconds / YEAR_S).floor()
+        )))
     }
 
     /// Whether nothing says the unit of a time that is taken as seconds.
@@ -227,13 +280,16 @@ impl Columns<'_> {
         options.time_unit.is_none() && self.stated(cell).next().is_none()
     }
 
-    /// Says that a time in whole numbers has no unit.
+    /// Says that a time has no unit, where it is in whole numbers, or may as well be in minutes.
     #[must_use]
     pub fn assumed_seconds(&self, time: TimeCells, options: &LogOptions) -> Option<String> {
         let TimeCells::Number { cell, .. } = time else { return None };
         let is_whole = |value: &f64| value.fract().abs() < 1e-9;
         let values = self.values(cell, Decimal::Any);
-        (self.seconds_unsaid(time, options) && !values.is_empty() && values.iter().all(is_whole))
+        let span = values.first().zip(values.last()).map_or(0.0, |(first, last)| last - first);
+        let in_minutes = 60.0 * span > 0.0 && 60.0 * span <= values.len() as f64 - 1.0;
+        let doubtful = in_minutes || !values.is_empty() && values.iter().all(is_whole);
+        (self.seconds_unsaid(time, options) && doubtful)
             .then(|| format!("the times of column {} have no unit: taken as s", self.said(cell)))
     }
 
@@ -249,7 +305,7 @@ impl Columns<'_> {
         let rate = "--rate-hz R for rows without a time";
         let may_be_time = |&place: &usize| {
             let is_named = self.names.get(place).is_some_and(|name| !name.is_empty());
-            place != force && is_named && self.runs_on(place)
+            place != force && is_named && !self.is_empty(place) && self.runs_on(place)
         };
         let mut others = (0..self.names.len()).filter(may_be_time);
         let Some(other) = others.next().and_then(|place| self.names.get(place)) else {

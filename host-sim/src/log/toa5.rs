@@ -24,6 +24,9 @@ pub const UNDATED: &str = "pull_undated";
 pub fn layout(names: &[u8], units: &[u8], options: &LogOptions) -> Result<Layout, InputError> {
     let names = texts(names, b',');
     let units = texts(units, b',');
+    if names.len() == 1 {
+        return Err(InputError::new("no comma is between its names: save it with commas"));
+    }
     if units.len() != names.len() {
         let (names, units) = (names.len(), units.len());
         let message = format!("{names} names, but {units} units in the row below");

@@ -3,6 +3,8 @@
 use crate::error::{InputError, excerpt};
 
 use super::columns::Columns;
+use super::header::{Kind, kind};
+use super::label::{Label, is_foreign};
 use super::number::{Unit, finite};
 
 /// What such a column is called.
@@ -20,7 +22,7 @@ impl Columns<'_> {
     /// # Errors
     /// They say several units.
     pub fn unit_in_rows(&self, force: usize) -> Result<Option<&str>, InputError> {
-        let mut all = (0..self.names.len()).filter(|&at| self.holds_units(at));
+        let mut all = (0..self.header.width).filter(|&at| self.holds_units(at));
         let only = all.next().filter(|_| all.next().is_none());
         let Some(column) = self.behind(force).or(only) else { return Ok(None) };
         let said = |cell: &&str| !cell.is_empty() && finite(cell.as_bytes()).is_none();
@@ -37,12 +39,39 @@ impl Columns<'_> {
         }
     }
 
+    /// The columns whose unit may be the one that stands behind the last of them.
+    #[must_use]
+    pub fn with_unit_behind(&self, last: usize) -> Vec<usize> {
+        let mut columns: Vec<usize> =
+            (0..=last).rev().take_while(|&at| at == last || self.is_bare(at)).collect();
+        columns.reverse();
+        columns
+    }
+
+    /// Whether a column may be the force as far as its name and its first rows say: numbers without a
+    /// unit, which do not count the rows.
+    #[must_use]
+    pub fn is_bare(&self, column: usize) -> bool {
+        let is_time = self.labels.get(column).is_some_and(Label::is_time);
+        let mut cells = self.cells(column).filter(|cell| !cell.is_empty()).peekable();
+        let holds_numbers = cells.peek().is_some()
+            && cells.all(|cell| kind(cell) == Kind::Value && finite(cell.as_bytes()).is_some());
+        holds_numbers
+            && !is_time
+            && self.stated(column).next().is_none()
+            && !self.numbers_rows(column, super::Decimal::Any)
+    }
+
     fn behind(&self, column: usize) -> Option<usize> {
         Some(column + 1).filter(|&next| self.holds_units(next))
     }
 
+    /// By its name, or by what is in it, whatever it is called.
     fn holds_units(&self, column: usize) -> bool {
         let name = self.labels.get(column).map(|label| label.quantity.as_str());
+        let mut cells = self.cells(column).peekable();
         name.is_some_and(|name| NAMES.contains(&name))
+            || cells.peek().is_some()
+                && cells.all(|cell| Unit::from_label(cell).is_some() || is_foreign(cell))
     }
 }

@@ -4,6 +4,7 @@
 
 mod columns;
 mod doubtful;
+mod loggers;
 mod misread;
 mod people;
 mod texts;
@@ -115,6 +116,13 @@ fn forms() -> Vec<Form> {
         misread::numbers(),
         misread::lines(),
         misread::ends(),
+        loggers::cells(),
+        loggers::stamps(),
+        loggers::above(),
+        loggers::names(),
+        loggers::forces(),
+        loggers::times(),
+        loggers::lines(),
     ]
     .into_iter()
     .flatten()

@@ -117,7 +117,7 @@ pub fn cells() -> Vec<Form> {
         form(
             "units in the cells",
             table("time_s;force_n\n", |t, f| format!("{t};{f} N")),
-            Refused(&["line 2", "'100 N', not a number", "correct the line"]),
+            Refused(&["line 2", "'100 N', not a number", "write the number alone"]),
         ),
         form(
             "hexadecimal counts",
