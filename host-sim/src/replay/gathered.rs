@@ -4,7 +4,7 @@ use std::io;
 use std::iter::Peekable;
 use std::vec;
 
-use floe_core::{Config, Event, Pipeline, Report, SampleFlag, Step, Stretch};
+use floe_core::{Config, Effect, Event, Pipeline, Report, SampleFlag, Step, Stretch};
 
 use crate::error::InputError;
 use crate::log::winch_marks::WinchMark;
@@ -18,7 +18,7 @@ use super::result::{
 };
 use super::stretches::Stretches;
 use super::timeline::Timeline;
-use super::{doubts, without_losses};
+use super::{doubts, level, without_losses};
 
 pub(super) struct Gathered<'a> {
     config: &'a Config,
@@ -153,7 +153,11 @@ impl<'a> Gathered<'a> {
             mass_kg: config.mass_kg.map(f64::from),
         };
         let result = ReplayResult::new(log_summary, test, (config, &report), events, changes);
-        let effects = pipeline.findings().iter().map(EffectSummary::from).collect();
+        let mut effects: Vec<_> = pipeline.findings().iter().map(EffectSummary::from).collect();
+        let is_level = |it: &&mut EffectSummary| it.found && it.name == Effect::Level.name();
+        if let Some(it) = effects.iter_mut().find(is_level) {
+            it.parameters = level::parameters(&result.changes, &result.events);
+        }
         let mut result = ReplayResult { effects, stretches, ..result };
         let doubts = doubts::doubts(log, (config, known), &report, result.sags());
         result.log.warnings = [log.warnings(), doubts, self.rails.warnings()].concat();

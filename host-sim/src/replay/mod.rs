@@ -15,6 +15,7 @@ mod gathered;
 pub mod given;
 pub mod input;
 pub mod known;
+mod level;
 pub mod quantities;
 pub mod rails;
 mod recurrence;
