@@ -101,34 +101,9 @@ impl Metadata {
             return Ok(());
         };
         let (key, value) = (key.trim().to_ascii_lowercase(), value.trim());
-        let refused = |why: String| InputError::new(format!("'# {key}:' {why}"));
-        let contradicted = match key.as_str() {
-            "test_id" => {
-                replaced(&mut self.test_id, Some(value.to_string()).filter(|id| !id.is_empty()))
-            }
-            "effects" => {
-                replaced(&mut self.effects, Some(value.to_string()).filter(|it| !it.is_empty()))
-            }
-            "kind" => replaced(&mut self.kind, Some(sense::word("kind", value).map_err(refused)?)),
-            "track" => {
-                replaced(&mut self.track, Some(sense::word("track", value).map_err(refused)?))
-            }
-            "weight_from" => {
-                replaced(&mut self.known.weight_from, Some(WeightFrom::from_word(value)?))
-            }
-            "winch_marks_s" => {
-                let marks = winch_marks::parse(value).map_err(refused)?;
-                replaced(&mut self.winch_marks, Some(marks))
-            }
-            "unit" => replaced(&mut self.unit, Some(value.to_string())),
-            "synthetic" => replaced(&mut self.synthetic, Some(value.to_string())),
-            key => match self.field(key) {
-                Some(field) => replaced(field, Some(sense::number(key, value).map_err(refused)?)),
-                None => {
-                    self.look_at(text, number);
-                    return Ok(());
-                }
-            },
+        let Some(contradicted) = self.store(&key, value)? else {
+            self.look_at(text, number);
+            return Ok(());
         };
         match self.line(&key) {
             Some(first) if contradicted => Err(InputError::new(format!(
@@ -142,6 +117,35 @@ impl Metadata {
                 self.weigh(number)
             }
         }
+    }
+
+    /// Stores what is said of a key; gives whether something else was stored there, and `None` for a
+    /// key that is not known.
+    fn store(&mut self, key: &str, value: &str) -> Result<Option<bool>, InputError> {
+        let refused = |why: String| InputError::new(format!("'# {key}:' {why}"));
+        let text = Some(value.to_string());
+        let contradicted = match key {
+            "test_id" => replaced(&mut self.test_id, text.filter(|id| !id.is_empty())),
+            "effects" => replaced(&mut self.effects, text.filter(|it| !it.is_empty())),
+            "kind" => replaced(&mut self.kind, Some(sense::word("kind", value).map_err(refused)?)),
+            "track" => {
+                replaced(&mut self.track, Some(sense::word("track", value).map_err(refused)?))
+            }
+            "weight_from" => {
+                replaced(&mut self.known.weight_from, Some(WeightFrom::from_word(value)?))
+            }
+            "winch_marks_s" => {
+                let marks = winch_marks::parse(value).map_err(refused)?;
+                replaced(&mut self.winch_marks, Some(marks))
+            }
+            "unit" => replaced(&mut self.unit, text),
+            "synthetic" => replaced(&mut self.synthetic, text),
+            key => match self.field(key) {
+                Some(field) => replaced(field, Some(sense::number(key, value).map_err(refused)?)),
+                None => return Ok(None),
+            },
+        };
+        Ok(Some(contradicted))
     }
 
     /// Takes the comment in line `number`, behind the samples that a log is known by: a key that
