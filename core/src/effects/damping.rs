@@ -66,7 +66,7 @@ impl Damping {
 
     /// The damping ratio, if it is significant.
     pub(crate) fn parameter(&self) -> Option<Parameter> {
-        let (value, std) = self.0.found().filter(|_| self.is_found())?;
+        let (value, std) = self.0.found().filter(|&(value, _)| value > 0.0)?;
         Some(Parameter { name: "damping_ratio", value, std })
     }
 }

@@ -68,8 +68,8 @@ impl Pipeline {
         })
     }
 
-    /// The numbers of an effect that the test shows. A level has none:
-    /// how far it went is known from the events after it.
+    /// The numbers of an effect that the test shows. A level has none: how far
+    /// it went is known from the events after it.
     fn parameters(&self, effect: Effect) -> [Option<Parameter>; 2] {
         let [first, second] = self.cycles.parameters(effect);
         match effect {

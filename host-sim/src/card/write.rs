@@ -100,8 +100,7 @@ pub(super) fn head(part: &Part, settings: &Settings, lines: &str) -> String {
 
 /// Effects as `--effects` takes them.
 fn names(effects: Effects) -> String {
-    let names = effects.iter().map(Effect::name);
-    let names: Vec<&str> = names.collect();
+    let names: Vec<&str> = effects.iter().map(Effect::name).collect();
     if names.is_empty() { "none".to_string() } else { names.join(",") }
 }
 

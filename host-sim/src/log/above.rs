@@ -7,7 +7,7 @@ use super::comment::comment;
 use super::header::{Content, Header, IN_A_ROW, Kind, SEPARATORS, are_known, kind};
 use super::label::{Label, is_unit_cell};
 use super::lines::{MAX_LINE, too_long};
-use super::number::finite;
+use super::number::{count_up, finite};
 
 /// Names in the comment right above the rows, as numpy and MATLAB's users write them.
 pub fn commented_names(
@@ -175,11 +175,10 @@ pub fn are_behind_numbers(names: &[String], rows: &[Vec<String>]) -> bool {
     };
     let time = names.iter().position(|name| Label::new(name).is_time());
     let (numbers, Some(time)) = (column(0), time) else { return false };
-    let by_one = |w: &[f64]| matches!(w, [a, b] if (b - a - 1.0).abs() < 1e-9);
     let is_wider = rows.iter().all(|row| row.len() == names.len() + 1);
     is_wider
         && numbers.len() == rows.len()
-        && numbers.windows(2).all(by_one)
+        && count_up(&numbers)
         && column(time + 1).windows(2).all(|w| w.first() < w.last())
 }
 

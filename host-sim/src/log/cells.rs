@@ -11,6 +11,11 @@ pub struct Cells {
     bounds: Vec<(usize, usize)>,
 }
 
+/// A cell as text; nothing if it is none.
+pub fn text(cell: &[u8]) -> &str {
+    std::str::from_utf8(cell).unwrap_or_default()
+}
+
 impl Cells {
     /// Cuts a line; false if a quote is left open. Blanks separate as one.
     pub fn cut(&mut self, line: &[u8], separator: u8) -> bool {

@@ -81,18 +81,11 @@ impl<'a> Columns<'a> {
                 return Ok(place);
             }
         }
-        let others = || (0..self.names.len()).filter(|&place| Some(place) != time);
-        let named = others().filter(|&i| self.labels.get(i).is_some_and(Label::is_force));
-        let unit = |i| self.stated_force(i).or_else(|| self.force_unit_behind(i));
-        let in_newtons = others().filter(|&i| unit(i).is_some());
-        let named: Vec<usize> = named.collect();
-        let found = if named.is_empty() { in_newtons.collect() } else { named.clone() };
-        let found = match found.as_slice() {
-            [only] if named.is_empty() && self.stated_force(*only).is_none() => {
-                self.with_unit_behind(*only)
-            }
-            _ => found,
-        };
+        let others: Vec<usize> =
+            (0..self.names.len()).filter(|&place| Some(place) != time).collect();
+        let is_named = |&i: &usize| self.labels.get(i).is_some_and(Label::is_force);
+        let named: Vec<usize> = others.iter().copied().filter(is_named).collect();
+        let found = if named.is_empty() { self.in_units(&others) } else { named };
         match found.as_slice() {
             [only] => Ok(*only),
             [] => Err(InputError::new(format!(
@@ -100,6 +93,16 @@ impl<'a> Columns<'a> {
                 there_are(&self.names)
             ))),
             several => Err(self.which(several)),
+        }
+    }
+
+    /// Of some columns those that a unit makes a force.
+    fn in_units(&self, columns: &[usize]) -> Vec<usize> {
+        let unit = |i| self.stated_force(i).or_else(|| self.force_unit_behind(i));
+        let found: Vec<usize> = columns.iter().copied().filter(|&i| unit(i).is_some()).collect();
+        match found.as_slice() {
+            [only] if self.stated_force(*only).is_none() => self.with_unit_behind(*only),
+            _ => found,
         }
     }
 

@@ -3,7 +3,7 @@
 use crate::error::{InputError, excerpt};
 use crate::rounding::counted;
 
-use super::cells::Cells;
+use super::cells::{Cells, text};
 use super::number::{Decimal, Unit, finite, is_thousand, reading, reading_of, thousand};
 use super::plain::PlainRow;
 use super::remedy;
@@ -210,10 +210,6 @@ impl Layout {
 #[must_use]
 pub fn is_empty(line: &[u8], separator: u8) -> bool {
     line.iter().all(|&byte| byte == separator || byte == b'"' || byte.is_ascii_whitespace())
-}
-
-fn text(cell: &[u8]) -> &str {
-    std::str::from_utf8(cell).unwrap_or_default()
 }
 
 fn begins_with(cell: Option<&[u8]>, id: u32) -> bool {

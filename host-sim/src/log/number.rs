@@ -181,6 +181,13 @@ pub fn is_grouped(cell: &[u8]) -> bool {
         && groups.all(digits)
 }
 
+/// Whether each number is one more than that before it.
+#[must_use]
+pub fn count_up(numbers: &[f64]) -> bool {
+    let is_next = |w: &[f64]| matches!(w, [a, b] if (b - a - 1.0).abs() < 1e-9);
+    numbers.windows(2).all(is_next)
+}
+
 /// Whether a number may be one of thousands as well as a decimal one: `1.006`.
 #[must_use]
 pub fn is_thousand(cell: &str) -> bool {

@@ -2,6 +2,7 @@
 
 use crate::error::{InputError, excerpt};
 
+use super::cells::text;
 use super::label::Label;
 use super::number::{Decimal, Unit, is_grouped, number};
 use super::stamp::TimeUnit;
@@ -101,10 +102,6 @@ fn names_zone(stamp: &str) -> bool {
     let word = stamp.rsplit(' ').next().unwrap_or_default();
     let is_zone = (3..=4).contains(&word.len()) && word.bytes().all(|b| b.is_ascii_uppercase());
     is_zone && stamp.len() > word.len() || ["UTC", "GMT", "["].iter().any(|it| stamp.contains(it))
-}
-
-fn text(cell: &[u8]) -> &str {
-    std::str::from_utf8(cell).unwrap_or_default()
 }
 
 #[cfg(test)]

@@ -9,7 +9,7 @@ use super::csv::{agreed_time, find, there_are};
 use super::header::{IN_A_ROW, Kind, kind};
 use super::label::Label;
 use super::layout::TimeCells;
-use super::number::{Decimal, number};
+use super::number::{Decimal, count_up, number};
 use super::stamp::{TimeUnit, clock_seconds, date_seconds, date_time_seconds, is_since_1970};
 use super::timing::RATES_HZ;
 
@@ -243,9 +243,8 @@ impl Columns<'_> {
     /// Whether a column may number the rows, as far as the first ones show.
     pub(super) fn numbers_rows(&self, column: usize, decimal: Decimal) -> bool {
         let values = self.values(column, decimal);
-        let is_next = |w: &[f64]| matches!(w, [a, b] if (b - a - 1.0).abs() < 1e-9);
         let whole = values.first().is_some_and(|first| first.fract().abs() < 1e-9);
-        whole && values.len() > 3 && values.windows(2).all(is_next)
+        whole && values.len() > 3 && count_up(&values)
     }
 
     /// Refuses a count from another year than 1970, or of another unit, and days that are not those

@@ -13,13 +13,12 @@ type Known = fn(&EventSummary) -> (Option<f64>, Option<f64>);
 
 /// Ratios of `mu_s` and of `mu`; those that two events on either side tell.
 pub fn parameters(changes: &[ChangeSummary], events: &[EventSummary]) -> Vec<ParameterSummary> {
-    let starts: Vec<u32> = changes.iter().map(|it| it.event).collect();
     let Some(place) = changes.iter().rposition(|it| it.cause != "mass") else {
         return Vec::new();
     };
-    let (earlier, here) = starts.split_at(place);
-    let (before, now) = (earlier.last().copied().unwrap_or(0), here.first().copied().unwrap_or(0));
-    let after = here.get(1).copied().unwrap_or(u32::MAX);
+    let start = |place: usize| changes.get(place).map(|it| it.event);
+    let before = place.checked_sub(1).and_then(start).unwrap_or(0);
+    let (now, after) = (start(place).unwrap_or(0), start(place + 1).unwrap_or(u32::MAX));
     let mean = |known: Known, range: Range<u32>| {
         let mut estimator = Estimator::default();
         for event in events.iter().filter(|it| range.contains(&it.index)) {
