@@ -69,9 +69,9 @@ impl Expectations {
         larger(slip.white_share() * noise_n2, rounding_n2(slip.peak.force_n))
     }
 
-    /// Variance of what may be an oscillation about an event's lines, of the cable or of the cell,
-    /// in units of the noise variance.
-    pub(crate) fn unsure_oscillation(&self, slip: &SlipRecord, noise_n2: f32) -> f32 {
+    /// Variance that a bend of an event's lines, or an oscillation about them, leaves open, of the cable
+    /// or of the cell, in units of the noise variance.
+    pub(crate) fn unsure(&self, slip: &SlipRecord, noise_n2: f32) -> f32 {
         let all_n2 = self.residuals.variance_n2().unwrap_or(slip.noise_n2);
         slip.wander.unsure * all_n2 / noise_n2
     }
@@ -97,7 +97,7 @@ impl Expectations {
 
     /// What is expected of an event with this line after it.
     pub(crate) fn of(&self, slip: &SlipRecord, after: &Line, noise_n2: f32) -> Expected {
-        let (rough, wander) = (slip.rough(after), slip.wander.followed());
+        let (rough, wander) = (slip.rough(after), slip.wander);
         let has_lines = slip.before.count.min(after.count) >= LINE && slip.wander.level <= 0.0;
         let rate = expected(self.rate.prior(noise_n2), rough.rate, ROUGH * rough.rate, noise_n2);
         let known_swing = if self.knows_omega() {

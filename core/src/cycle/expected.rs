@@ -29,7 +29,7 @@ impl Expected {
             before: &slip.before,
             samples: slip.samples(),
             after,
-            wander: slip.wander.followed(),
+            wander: slip.wander,
             rate,
             inverse_omega,
             rate_change,

@@ -71,7 +71,9 @@ impl CycleTracker {
         let slip = self.pending.as_ref()?;
         let noise_n2 = self.learnt.fitted_noise_n2(slip);
         fit.widen_forces(slip.wander.alike);
-        fit.widen(&Variances::UNSURE_OSCILLATION, self.learnt.unsure_oscillation(slip, noise_n2));
+        // Half of an oscillation may be the cell's.
+        let unsure = if slip.wander.is_disputed() { 0.5 } else { 1.0 };
+        fit.widen(&Variances::UNSURE_OSCILLATION, unsure * self.learnt.unsure(slip, noise_n2));
         let mut at = Posterior::at(&fit, noise_n2);
         if slip.elongation.sags() {
             relax(&slip.elongation, &mut at);

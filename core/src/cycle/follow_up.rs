@@ -12,8 +12,8 @@ use crate::sample::{SampleTime, since};
 
 /// Time to gather a slip, in units of 160 instructions on the board.
 const SLIP: usize = 18;
-/// To follow both lines of a cable that sags anew.
-const SAG: usize = 36;
+/// To follow both lines of a cable that sags anew, or to take an oscillation about a line.
+const BENT: usize = 36;
 /// To guess where its fit begins, and to compare several guesses.
 const GUESS: usize = 9;
 const GUESSES: usize = 33;
@@ -32,8 +32,11 @@ impl CycleTracker {
     /// Time that the next step takes, in those units.
     pub(super) fn takes(&self, ended: &Ended, detector: &Detector) -> usize {
         match (&ended.progress, &self.pending) {
-            (Progress::Waiting, _) if ended.may_sag(&self.learnt, detector) => SLIP + SAG,
-            (Progress::Waiting, _) => SLIP,
+            (Progress::Waiting, pending) => {
+                // What the slip before this one has in its rests, this one may have.
+                let swings = pending.as_ref().is_some_and(|slip| slip.wander.is_disputed());
+                SLIP + if swings || ended.may_sag(&self.learnt, detector) { BENT } else { 0 }
+            }
             (Progress::Gathered, Some(slip)) if !self.learnt.knows_omega() => {
                 GUESSES + slip.samples().forces_n.len()
             }
@@ -42,8 +45,10 @@ impl CycleTracker {
             (Progress::Answering(_) | Progress::Answered(_), _) => {
                 // Whether a long fall is even is asked of each of its samples.
                 let fall = self.finishing.as_ref().map_or(0.0, |fit| fit.slip.fall());
-                let sags = self.finishing.as_ref().is_some_and(|fit| fit.slip.elongation.sags());
-                LINES + ANSWER + fall as usize + if sags { SAG } else { 0 }
+                let is_bent =
+                    |slip: &SlipRecord| slip.elongation.sags() || slip.wander.is_disputed();
+                let bent = self.finishing.as_ref().is_some_and(|fit| is_bent(&fit.slip));
+                LINES + ANSWER + fall as usize + if bent { BENT } else { 0 }
             }
         }
     }
@@ -82,6 +87,10 @@ impl CycleTracker {
                 let next =
                     self.pending.insert(SlipRecord::new(detector, stick, start, slip, cable));
                 next.gather(detector.window(), slip);
+                if next.wander.is_disputed() {
+                    let angle = self.learnt.oscillation.read(|it| it.angle(next.wander.angle));
+                    next.take_oscillation(detector.window(), stick, angle);
+                }
                 if may_sag {
                     next.take_late(detector.window(), stick);
                 }

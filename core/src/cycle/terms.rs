@@ -3,17 +3,17 @@
 use core::ops::Range;
 
 use crate::cycle::expectations::Expectations;
-use crate::cycle::slip_record::SlipRecord;
 use crate::effect::Effect;
 use crate::effects::damping::{self, Damping};
 use crate::effects::onset;
-use crate::effects::oscillation::TwoFits;
 use crate::effects::score::Asked;
 use crate::fit::correction::Correction;
 use crate::fit::posterior::Posterior;
 use crate::fit::{Alone, Data, Fit};
 use crate::model::Shape;
 use crate::model::corner::Corner;
+use crate::noise::ripple::ColoredNoise;
+use crate::noise::sinusoid::Sinusoid;
 
 impl Expectations {
     /// Are there force terms to ask events for? Where none is compiled in that is known at compile
@@ -48,42 +48,19 @@ impl Expectations {
         effect
     }
 
-    /// Learns from an event, if it `teaches`, whether an oscillation about its lines is the cable's
-    /// or the cell's; gives the correction of its forces that follows. The fit is one that does not
-    /// follow the oscillation.
+    /// Learns from an event, if it `teaches`, whether an oscillation about its lines, which is known
+    /// about either, is the cable's or the cell's; gives the correction of its forces that follows.
     pub(crate) fn learn_oscillation(
         &mut self,
-        slip: &SlipRecord,
-        data: Data<'_>,
+        wander: &ColoredNoise,
+        lines: (&Sinusoid, &Sinusoid),
         (fit, posterior): (&Fit, &Posterior),
         noise_n2: f32,
         teaches: bool,
     ) -> Correction {
-        let wander = slip.wander;
-        let rate = data.rate.loosened(wander.slope);
-        let rate_change = data.rate_change.loosened(4.0 * wander.slope);
-        let local = Data { wander, rate, rate_change, ..data };
-        let resolved = Some(fit).filter(|_| posterior.is_resolved());
-        let Some(followed) = resolved.and_then(|fit| fit.forces_with(&local)) else {
-            // Unsure by all of the oscillation, whosever it is.
-            let static_n2 = (1.0 - wander.white_share()) * noise_n2;
-            return Correction { static_n2, dynamic_n2: 0.5 * static_n2, ..Correction::default() };
-        };
-        let (cycle, white_n2) = (&posterior.cycle, wander.white_share() * noise_n2);
-        let swing2 = cycle.inverse_omega() * cycle.inverse_omega();
-        let event = TwoFits {
-            forces_n: [cycle.static_n, cycle.dynamic_n()],
-            plain_n2: [posterior.static_n2, posterior.dynamic_n2],
-            by_n: [
-                followed.static_n - fit.cycle().static_n,
-                followed.dynamic_n - fit.cycle().dynamic_n(),
-            ],
-            followed_n2: [followed.static_variance, followed.dynamic_variance]
-                .map(|it| white_n2 * it),
-            white_share: wander.white_share(),
-            turn_n2: white_n2 * wander.slope * swing2,
-        };
         self.oscillation.update(|oscillation| {
+            oscillation.follow(wander.angle, lines);
+            let event = oscillation.event((wander, noise_n2), lines, &fit.shape, posterior);
             if teaches {
                 oscillation.learn(&event, noise_n2);
             }

@@ -103,7 +103,7 @@ mod tests {
         synthetic::events(events, force_n, |data, cycle| {
             let noise_n2 = NOISE_N * NOISE_N;
             let Some(fit) = data.fit(cycle, noise_n2) else { return };
-            let Some(alone) = fit.alone(&data, &fit.normal_at(&data)) else { return };
+            let Some(alone) = synthetic::alone(&fit, &data) else { return };
             let shape = &fit.shape;
             let losses_n = term_n(shape);
             let mut asked = Asked::default();

@@ -15,7 +15,7 @@ pub(crate) mod zero_drift;
 mod synthetic {
     //! Events of DFF8-13 with something that the model lacks, and noise.
 
-    use crate::fit::{Data, Samples};
+    use crate::fit::{Alone, Data, Fit, Samples};
     use crate::model::CycleParams;
     use crate::model::corner::Corner;
     use crate::noise::ripple::ColoredNoise;
@@ -24,6 +24,13 @@ mod synthetic {
     use crate::tests::Random;
 
     pub(super) const NOISE_N: f32 = 2.0;
+
+    /// A fit without what was expected of it.
+    pub(super) fn alone(fit: &Fit, data: &Data<'_>) -> Option<Alone> {
+        let mut pass = fit.anew();
+        while !pass.advance(data) {}
+        fit.alone(data, pass.normal())
+    }
 
     /// Gives `count` events, their onsets spread over a period, with sharp corners expected;
     /// `force_n` is the force, N, of a cycle at a time.

@@ -148,6 +148,11 @@ impl ScoreSum {
         larger(self.chi_square / (self.count - 1.0), 1.0) / self.information
     }
 
+    /// How many events tell it; the past fades.
+    pub(crate) fn count(&self) -> f32 {
+        self.count
+    }
+
     /// Do enough events tell it?
     pub(crate) fn counts(&self) -> bool {
         self.count > LEAST_EVENTS

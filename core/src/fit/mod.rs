@@ -194,26 +194,10 @@ impl Fit {
         Forces::new(&cycle, information)
     }
 
-    /// Normal equations at the fit, set up anew.
-    pub(crate) fn normal_at(&self, data: &Data<'_>) -> Normal {
-        let mut normal = Normal::default();
-        data.add_samples(&mut normal, &self.shape, 0, usize::MAX);
-        data.add_lines(&mut normal, &self.shape);
-        normal
-    }
-
     /// Its normal equations without what is expected of the swing.
     pub(crate) fn without_swing(&self, swing: Prior) -> Option<Alone> {
         let value = self.cycle().inverse_omega();
         without(&self.normal, Gradient::default(), SWING, &[(swing, value)])
-    }
-
-    /// The forces a Gauss-Newton step further, by data with other lines or other expectations.
-    pub(crate) fn forces_with(&self, data: &Data<'_>) -> Option<Forces> {
-        let normal = self.normal_at(data);
-        let factor = normal.factor(0.0)?;
-        let [_, _, static_n, half_drop_n, ..] = factor.solve(&normal.right);
-        Some(self.forces_at(static_n, half_drop_n, &factor))
     }
 
     /// A pass over the data at the fit. The fit ended with a step whose result was not looked at

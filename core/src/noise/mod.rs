@@ -4,4 +4,5 @@ pub(crate) mod flop;
 mod oscillation;
 pub(crate) mod ripple;
 pub(crate) mod scale;
+pub(crate) mod sinusoid;
 mod time_asymmetry;

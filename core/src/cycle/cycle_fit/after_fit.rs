@@ -60,11 +60,14 @@ impl CycleFit {
             fit.widen(&Variances::UNSURE_OSCILLATION, hidden_n2 / now_n2);
             let (scatter, wider) = data.slip_scatter(fit, knows_swing, quiet_n2);
             // A force that wanders does so in the slip as well.
-            if slip.wander.level <= 0.0 {
+            if !slip.wanders() {
                 learnt.slip_scatter.learn(scatter);
             }
             fit.widen(&wider, learnt.slip_scatter.excess());
-            fit.widen(&Variances::UNSURE_OSCILLATION, learnt.unsure_oscillation(slip, now_n2));
+            // What an oscillation does is known after the fit.
+            if !slip.wander.is_disputed() {
+                fit.widen(&Variances::UNSURE_OSCILLATION, learnt.unsure(slip, now_n2));
+            }
         }
         let strained = is_strained(&data, around_n2, now_n2);
         self.strain = match (misfit, strained) {
@@ -121,8 +124,9 @@ impl CycleFit {
         *verdict = learnt.learn(&data, posterior, noise_n2, (strained, self.excess));
         if slip.wander.is_disputed() {
             let teaches = *verdict == Verdict::Same && is_resolved && !strained;
+            let lines = (&slip.oscillation, &self.oscillation);
             let correction =
-                learnt.learn_oscillation(slip, data, (fit, posterior), noise_n2, teaches);
+                learnt.learn_oscillation(&slip.wander, lines, (fit, posterior), noise_n2, teaches);
             self.measured.apply(&correction);
         }
         let Measured { posterior, verdict, .. } = &self.measured;

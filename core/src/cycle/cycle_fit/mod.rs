@@ -25,6 +25,7 @@ use crate::fit::levenberg_marquardt::Pass;
 use crate::fit::over_onset::OverOnset;
 use crate::fit::posterior::Posterior;
 use crate::fit::{Alone, Fit, Fitting, Forces};
+use crate::noise::sinusoid::{self, Sinusoid};
 use crate::num::math::{larger, smaller};
 use crate::signal::window::Window;
 use crate::stats::line::Line;
@@ -45,6 +46,8 @@ const PLACES: f32 = 2.0;
 pub(crate) struct CycleFit {
     pub(crate) slip: SlipRecord,
     pub(crate) after: Line,
+    /// The oscillation about it, if it is one.
+    oscillation: Sinusoid,
     stage: FitStage,
     /// What is expected of the event: the same from the fit's beginning to its end.
     expected: Expected,
@@ -127,6 +130,7 @@ impl CycleFit {
         Self {
             slip: *slip,
             after: Line::default(),
+            oscillation: Sinusoid::default(),
             stage: FitStage::New,
             expected: Expected::default(),
             fit: Fit::default(),
@@ -147,6 +151,10 @@ impl CycleFit {
     ) {
         self.slip.end_before(stick, window, next_peak, last);
         self.after = self.slip.line_after(stick, window, last);
+        if self.slip.wander.is_disputed() {
+            let range = stick.origin..(stick.origin + sinusoid::MOST).min(stick.next);
+            self.oscillation = self.slip.oscillation_about(&self.after, window, range);
+        }
     }
 
     /// One step: an iteration of the fit, or what comes after it. `waiting` samples wait for it.
@@ -182,9 +190,8 @@ impl CycleFit {
             FitStage::Expected(_) => 4 + self.expected.pass(&self.slip),
             FitStage::Places(_) => 10 + self.expected.pass(&self.slip),
             FitStage::Fitted => 27 + 5 * (self.slip.fall() as usize).min(8),
-            // With a second fit, if an oscillation is disputed.
-            FitStage::Learning if self.slip.wander.is_disputed() => 34 + samples,
-            FitStage::Learning => 22,
+            // With an oscillation about its lines, if it is one.
+            FitStage::Learning => 22 + if self.slip.wander.is_disputed() { 6 } else { 0 },
             FitStage::Alone(_) => 4 + self.expected.pass(&self.slip),
             FitStage::Asked(Terms::Widen, .., next) => {
                 12 + (samples + 2 - next).min(LEVELS_A_STEP) * 3 / 2

@@ -2,6 +2,7 @@
 
 mod extremes;
 mod initial_guess;
+mod oscillation;
 mod shorten;
 
 use core::ops::Range;
@@ -13,6 +14,7 @@ use crate::fit::Samples;
 use crate::model::elongation::Elongation;
 use crate::model::{CycleParams, Shape};
 use crate::noise::ripple::ColoredNoise;
+use crate::noise::sinusoid::Sinusoid;
 use crate::num::math::{self, larger};
 use crate::sample::{ForcePoint, SampleTime, since};
 use crate::signal::window::Window;
@@ -76,6 +78,8 @@ pub(crate) struct SlipRecord {
     pub(crate) noise_n2: f32,
     /// How far the force wanders about its stick lines.
     pub(crate) wander: ColoredNoise,
+    /// The oscillation about the line before it.
+    pub(crate) oscillation: Sinusoid,
     /// Weight of the samples after the stop, and the time from which on they have it, periods.
     pub(crate) rest_weight: f32,
     rest_from: f32,
@@ -122,6 +126,7 @@ impl SlipRecord {
             rough,
             noise_n2: noise_n * noise_n,
             wander: detector.wander(),
+            oscillation: Sinusoid::default(),
             rest_weight,
             rest_from: low.time,
             hidden: None,
@@ -300,14 +305,6 @@ impl SlipRecord {
     /// Is there a line, about which the samples scatter by noise alone?
     fn has_straight(&self, stick: &Stick, line: &Line) -> bool {
         stick.is_straight() && line.count > 0 && self.wander.level <= 0.0
-    }
-
-    /// The noise's part of the mean square of all residuals. Only those about the line contain how
-    /// far the force wanders.
-    pub(crate) fn white_share(&self) -> f32 {
-        let line = self.before.count as f32;
-        let part = line / (line + self.length as f32);
-        1.0 - part * (1.0 - self.wander.followed().white_share())
     }
 
     /// Is a fitted cycle the slip that the samples show? Its ends have to lie within half the drop

@@ -42,6 +42,7 @@ mod tests {
     use crate::model::elongation::Elongation;
     use crate::model::tests::dff8_13;
     use crate::noise::ripple::ColoredNoise;
+    use crate::noise::sinusoid::Sinusoid;
     use crate::num::math;
     use crate::stats::normal_equations::{Normal, UNKNOWNS};
     use crate::stats::prior::Prior;
@@ -75,6 +76,7 @@ mod tests {
             rough: Rough::default(),
             noise_n2: 4.0,
             wander: ColoredNoise::NONE,
+            oscillation: Sinusoid::default(),
             rest_weight: 0.5,
             rest_from: shape.stop(),
             elongation: Elongation::default(),

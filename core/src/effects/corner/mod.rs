@@ -312,7 +312,7 @@ mod tests {
             let data = Data { corner: learnt.expected(22.5, cycle.inverse_omega()), ..data };
             let noise_n2 = NOISE_N * NOISE_N;
             let Some(fit) = data.fit(cycle, noise_n2) else { return };
-            let Some(alone) = fit.alone(&data, &fit.normal_at(&data)) else { return };
+            let Some(alone) = synthetic::alone(&fit, &data) else { return };
             // In two pieces, as the samples of a long slip are.
             let mut asked = Asked::default();
             ask(&mut asked, &data, &fit, 0..5);

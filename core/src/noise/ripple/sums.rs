@@ -7,13 +7,13 @@ use crate::stats::prior::surely;
 /// Standard errors beyond which the force wanders; that of the noise's mean square is
 /// about `2 / √count` of it.
 const SIGNIFICANT: f32 = 4.0;
-/// Variance of the slope over that of the level beyond which the force is not followed. An oscillation
+/// Variance of the slope over that of the level beyond which a bend is not followed. An oscillation
 /// of `ω` a sample has `2 (1 − cos ω)`: one of fewer than seven samples changes too fast to be followed
 /// from one to the next, and the mean of the line is better.
 const FASTEST: f32 = 0.8;
-/// Such a ratio below which, at more than 14 samples, an oscillation is followed as a bend is: the mean
-/// of a line is off by it, whether it is the cable's or the cell's.
-const QUICK: f32 = 0.2;
+/// Such a ratio below which, at more than 20 samples, an oscillation is followed as a bend is: a line has
+/// too little of it to tell one from the other.
+const QUICK: f32 = 0.1;
 /// Noise with correlated neighbours makes a line so many times less sure than the residuals about
 /// it show, for the line takes all that is slower than itself. Tuned with correlations of .5 and .9
 /// and rests of 20 samples: a smaller number makes those of .9 too sure, a larger one those of .5
@@ -46,6 +46,10 @@ const UNSURE_BEND: f32 = 6.0;
 /// smaller number widens white noise by chance (more than 1 % of snow's median), a larger one
 /// leaves the first events of an oscillation too sure.
 const LIKELY: f32 = 3.4;
+/// The same from which on it is no chance: whose it is is asked, and it is taken off or followed.
+/// White noise shows so much in one look of 50 000: the standard errors are up to 1.5 times those of its
+/// two autocovariances together.
+const CLEAR: f32 = 7.0;
 /// The same for correlated neighbours. Tuned likewise: 2.6 widens dff8-13 by 1 %.
 const LIKELY_RED: f32 = 3.0;
 
@@ -83,7 +87,7 @@ impl Sums {
     /// What they show; nothing unless it is clear.
     #[inline(never)]
     pub(super) fn wander(&self) -> ColoredNoise {
-        let oscillation_n2 = self.oscillation_n2();
+        let (oscillation_n2, cosine) = self.oscillation();
         let part = oscillation_n2 / self.squares;
         let errors = part * part * self.count;
         // NaN where there are no squares.
@@ -91,12 +95,12 @@ impl Sums {
             return ColoredNoise::NONE;
         }
         let limit = larger(BENT * self.count, NO_CHANCE);
-        let is_red = self.is_red(oscillation_n2);
+        let is_red = self.is_red(oscillation_n2, cosine);
         let bends = self.sum * self.sum > limit * self.squares;
         let likely_red = surely(errors, LIKELY_RED * LIKELY_RED);
         // Innovations that alternate are no bend.
         if self.products[0] > 0.0 && (bends || (is_red && self.count < TELLS_BEND)) {
-            let bent = self.followed(UNSURE_BEND * part * likely_red, true);
+            let bent = self.followed(UNSURE_BEND * part * likely_red, FASTEST);
             // A slow oscillation bends whole rests, creep their last samples.
             let is_brief = self.products[1] < RED.1 * self.products[0];
             return ColoredNoise { creeps: bends && self.sum < 0.0 && is_brief, ..bent };
@@ -104,7 +108,13 @@ impl Sums {
         if is_red {
             return ColoredNoise { alike: self.alike() * likely_red, ..ColoredNoise::NONE };
         }
-        self.followed(part * surely(errors, LIKELY * LIKELY), false)
+        let slow = self.followed(0.0, QUICK);
+        if slow.bends {
+            return slow;
+        }
+        let unsure = part * surely(errors, LIKELY * LIKELY);
+        let angle = if errors > CLEAR * CLEAR { math::acos(cosine) } else { 0.0 };
+        ColoredNoise { unsure, angle, ..ColoredNoise::NONE }
     }
 
     /// Standard deviation of what strays from the lines beside the white noise, N, and its standard
@@ -126,26 +136,23 @@ impl Sums {
         (part > 0.0).then_some((std_n, error_n))
     }
 
-    /// What an oscillation or a bend is that can be followed; of another one what it leaves
-    /// `unsure`.
-    fn followed(&self, unsure: f32, bends: bool) -> ColoredNoise {
+    /// What a bend is, or an oscillation as slow as one, that can be followed, as one that changes faster
+    /// than `fastest` cannot; of another one what it leaves `unsure`.
+    fn followed(&self, unsure: f32, fastest: f32) -> ColoredNoise {
         let white = self.second_differences / 6.0;
         let slow = self.squares - white;
         let limit = 2.0 * SIGNIFICANT * white;
         let sure = slow * slow * self.count > limit * limit;
         let (level, step) = (slow / white, self.first_differences / white - 2.0);
         // False for a noise of zero as well.
-        if !(slow > 0.0 && sure && step < FASTEST * level) {
+        if !(slow > 0.0 && sure && step < fastest * level) {
             return ColoredNoise { unsure, ..ColoredNoise::NONE };
         }
-        // What a quick oscillation leaves unsure the events tell later; a slow one leaves nothing.
-        let unsure = if bends { unsure } else { 0.0 };
-        let bends = bends || step < QUICK * level;
         // A slow bend's slope is lost in the noise of single steps.
-        let sure = !bends || step * step * self.count > 4.0 * SIGNIFICANT * SIGNIFICANT;
+        let sure = step * step.abs() * self.count > 4.0 * SIGNIFICANT * SIGNIFICANT;
         let far = (self.far_differences_n2() / white - 2.0) / (FAR * FAR) as f32;
-        let slope = larger(larger(far, if sure { step } else { 0.0 }), 0.0);
-        ColoredNoise { level, slope, unsure, bends, ..ColoredNoise::NONE }
+        let slope = larger(far, if sure { step } else { 0.0 });
+        ColoredNoise { level, slope, unsure, bends: true, ..ColoredNoise::NONE }
     }
 
     /// Is it correlated noise, and no oscillation? Four samples apart an oscillation of variance
@@ -153,11 +160,11 @@ impl Sums {
     /// `γ₂/γ₁` from sample to sample `γ₁ (γ₂/γ₁)³`. The one that is nearer to what is seen counts,
     /// with a standard error of room for noise where samples are few. Noise that alternates is told
     /// likewise.
-    fn is_red(&self, oscillation_n2: f32) -> bool {
+    fn is_red(&self, oscillation_n2: f32, cosine: f32) -> bool {
         let [first, second] = self.products;
         let seen = self.squares - 0.5 * self.far_differences_n2();
         let ratio = second / first;
-        let cos2 = (first / oscillation_n2) * (first / oscillation_n2);
+        let cos2 = cosine * cosine;
         let oscillation = oscillation_n2 * (1.0 - 8.0 * cos2 * (1.0 - cos2));
         let red = first * ratio * ratio * ratio;
         let unsure = self.unsure();
@@ -199,19 +206,15 @@ impl Sums {
         HIDDEN * 2.0 * larger(first, 0.0) / self.squares / (left * left)
     }
 
-    /// Σ of the squares of an oscillation.
+    /// Σ of the squares of an oscillation, and the cosine of its angle.
     ///
     /// White noise and an oscillation of the variance `A` have the autocovariances `γ₁ = A c` and
-    /// `γ₂ = A (2 c² − 1)`, `c = cos ω`, so `4 c = γ₂/γ₁ ± √((γ₂/γ₁)² + 8)`, with the sign of `γ₁`.
-    fn oscillation_n2(&self) -> f32 {
+    /// `γ₂ = A (2 c² − 1)`, `c = cos ω`, so `2 A = √(γ₂² + 8 γ₁²) − γ₂`.
+    fn oscillation(&self) -> (f32, f32) {
         let [first, second] = self.products;
         let root = math::sqrt(second * second + 8.0 * first * first);
-        if second < 0.0 {
-            // The same without the difference of near equals.
-            0.5 * (root - second)
-        } else {
-            let cosine = 0.25 * (second + root) / first.abs();
-            first.abs() / smaller(cosine, 1.0)
-        }
+        // No cosine is larger than one.
+        let oscillation_n2 = larger(0.5 * (root - second), first.abs());
+        (oscillation_n2, first / oscillation_n2)
     }
 }
