@@ -79,7 +79,8 @@ impl Oscillation {
     /// information of what each of them makes of it, a Gauss-Newton step from there.
     pub(crate) fn follow(&mut self, seen: f32, (before, after): (&Sinusoid, &Sinusoid)) {
         self.information_n2 *= FADE;
-        if (seen - self.angle).abs() >= NEAR {
+        let is_near = (seen - self.angle).abs() < NEAR;
+        if !is_near {
             (self.angle, self.information_n2) = (seen, 0.0);
         }
         let information_n2 = before.information_n2 + after.information_n2;
