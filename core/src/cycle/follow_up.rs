@@ -45,10 +45,10 @@ impl CycleTracker {
             (Progress::Answering(_) | Progress::Answered(_), _) => {
                 // Whether a long fall is even is asked of each of its samples.
                 let fall = self.finishing.as_ref().map_or(0.0, |fit| fit.slip.fall());
-                let is_bent =
-                    |slip: &SlipRecord| slip.elongation.sags() || slip.wander.is_disputed();
-                let bent = self.finishing.as_ref().is_some_and(|fit| is_bent(&fit.slip));
-                LINES + ANSWER + fall as usize + if bent { BENT } else { 0 }
+                let is_bent = self.finishing.as_ref().is_some_and(|CycleFit { slip, .. }| {
+                    slip.elongation.sags() || slip.wander.is_disputed()
+                });
+                LINES + ANSWER + fall as usize + if is_bent { BENT } else { 0 }
             }
         }
     }

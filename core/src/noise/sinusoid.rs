@@ -64,11 +64,10 @@ impl Sinusoid {
             let mut normal = Normal { matrix: Symmetric::of_first(&expected), ..Normal::default() };
             let (mut s, mut c) = math::sin_cos(-half * angle);
             for i in 0..samples.length {
-                let (value_n, quarter_n) =
-                    (found.cosine_n * c + found.sine_n * s, found.sine_n * c - found.cosine_n * s);
-                let t = i as f32;
-                let on_line_n = samples.line.at(samples.start + t, slope);
                 if let Some(force_n) = samples.window.get(samples.from + i) {
+                    let t = i as f32;
+                    let on_line_n = samples.line.at(samples.start + t, slope);
+                    let (value_n, quarter_n) = found.turned((s, c));
                     let gradient = [c, s, (t - half) * quarter_n, 0.0, 0.0, 0.0];
                     normal.add(force_n - on_line_n - value_n, &gradient, 1.0);
                 }
@@ -88,7 +87,12 @@ impl Sinusoid {
 
     /// What it adds to the line at a time, and a quarter of a turn later, N.
     pub(crate) fn at(&self, time: f32, angle: f32) -> (f32, f32) {
-        let (s, c) = math::sin_cos(angle * (time - self.middle));
+        self.turned(math::sin_cos(angle * (time - self.middle)))
+    }
+
+    /// The same where an angle since the middle has this sine and this cosine.
+    #[inline(always)]
+    fn turned(&self, (s, c): (f32, f32)) -> (f32, f32) {
         let Self { cosine_n, sine_n, .. } = self;
         (cosine_n * c + sine_n * s, sine_n * c - cosine_n * s)
     }
