@@ -9,7 +9,7 @@ use crate::aims::{COVERAGE, Check, share_limits};
 use crate::honesty::{Class, Judged, Kind};
 
 /// All classes in the order of the table.
-pub const CLASSES: [(&str, Kind); 49] = [
+pub const CLASSES: [(&str, Kind); 52] = [
     ("base", Kind::Events),
     ("tightened_held", Kind::Events),
     ("tightened_low", Kind::Events),
@@ -48,6 +48,9 @@ pub const CLASSES: [(&str, Kind); 49] = [
     ("coarse_steps", Kind::Events),
     ("short_slips", Kind::Events),
     ("slack", Kind::Events),
+    ("slack_creep", Kind::Events),
+    ("slack_lag", Kind::Events),
+    ("slack_pauses", Kind::Events),
     ("short_sticks", Kind::Events),
     ("aliased", Kind::Refused),
     ("aliased_stiff", Kind::Refused),

@@ -147,17 +147,24 @@ impl Expectations {
     /// over an even change, `2/π` of the largest. Half the time anywhere and half the time at
     /// either end, that is `0.5 b/ω` about it, and half of that in `Fp`. A step at a time `t`
     /// before the onset lifts `Fs` by `b t`, one after the stop lowers `Fe` by as much, and either
-    /// is in `Fp` by half. Zero where the force wanders, which may be why.
+    /// is in `Fp` by half. On a slack cable `b` may as well be the rate at which the winch takes up the
+    /// slack: `T` at zero goes with `(Fs - 2 Fp) / (r Fp)` (`model/slack.rs`, without `q`), so `Fp` with
+    /// `Fp (Fs - 2 Fp) / (r Fs)`. Zero where the force wanders, which may be why.
     pub(crate) fn unsteady_n2(&self, slip: &SlipRecord, posterior: &Posterior) -> (f32, f32) {
         // Root mean square of `t`, periods: anywhere in the four samples that the lines stay behind,
         // `4/√3`.
         const BESIDE: f32 = 2.3;
         let Posterior { cycle, unknowns: [.., variance], .. } = posterior;
-        if slip.wander.level > 0.0 || !cycle.is_taut() {
+        if slip.wander.level > 0.0 {
             return (0.0, 0.0);
         }
         let own = cycle.rate_change - self.rate_change.prior_around_zero(1.0).mean;
         let own2 = larger(own * own - variance, 0.0);
+        let restick_n = cycle.restick_n();
+        if restick_n < 0.0 {
+            let by_rate = cycle.dynamic_n() * restick_n / (cycle.static_n * cycle.rate);
+            return (0.0, by_rate * by_rate * own2);
+        }
         let (beside, within) = (BESIDE * BESIDE, 0.25 * cycle.inverse_omega());
         (beside * own2, (0.25 * beside + within * within) * own2)
     }

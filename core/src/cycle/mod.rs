@@ -30,7 +30,7 @@ use crate::coefficient::{Coefficient, Site};
 use crate::cycle::cycle_fit::CycleFit;
 use crate::cycle::ended::Ended;
 use crate::cycle::expectations::Expectations;
-use crate::cycle::refusal::Recurrence;
+use crate::cycle::refusal::{Recurrence, Slackness};
 use crate::cycle::slip_record::SlipRecord;
 use crate::detector::Detector;
 use crate::effect::{Effect, Kept};
@@ -83,6 +83,7 @@ pub(crate) struct CycleTracker {
     /// A slip was seen to take time: the block slides, and it is no hand that lets the cable go.
     slides: bool,
     recurrence: Recurrence,
+    slackness: Slackness,
 }
 
 impl CycleTracker {
@@ -105,6 +106,7 @@ impl CycleTracker {
             count: 0,
             slides: false,
             recurrence: Recurrence::default(),
+            slackness: Slackness::default(),
         }
     }
 

@@ -109,7 +109,9 @@ impl CycleTracker {
         let is_fast = slip.limit - slip.extremes().0 < FAST;
         let without_rest = if is_fast || loads_fast { Reason::TooShort } else { Reason::NoRest };
         let without_rest = (loads_fast || unsure).then_some(without_rest);
-        let reason = refusal::of_event(event).or(overlaps).or(without_rest);
+        let hangs = fit.filter(|_| event.slack).is_some_and(|it| self.slackness.is_long(it));
+        let hangs = hangs.then_some(Reason::LetGo);
+        let reason = refusal::of_event(event).or(hangs).or(overlaps).or(without_rest);
         // What is not believed for reasons of its own is no sign that the others are folded: but of
         // slips in quick succession any reason is one, of slower slips that the force does not take
         // the course of a slip.

@@ -40,8 +40,8 @@ pub(crate) struct Asked {
 
 impl Asked {
     /// Adds the levels at some places, with `by_n`, the forces of the terms with amplitudes of one
-    /// at a time since the onset where the model has this gradient. Only samples of a slip on a
-    /// taut cable are added.
+    /// at a time since the onset where the model has this gradient. Only samples of the slip are added,
+    /// before the cable goes slack.
     #[inline(always)]
     pub(crate) fn take(
         &mut self,
@@ -49,13 +49,10 @@ impl Asked {
         shape: &Shape,
         by_n: impl Fn(f32, &Gradient) -> [f32; TERMS],
     ) {
-        if shape.is_slack() {
-            return;
-        }
         let model = data.model(shape);
         for (time, force_n, weight) in data.levels_in(places) {
             let since_onset = time - shape.cycle().onset;
-            if since_onset > 0.0 && since_onset < shape.slide_time() {
+            if since_onset > 0.0 && since_onset < shape.fall_time() {
                 let (off_n, gradient) = model.residual(time, force_n);
                 self.add(off_n, &gradient, by_n(since_onset, &gradient), weight);
             }

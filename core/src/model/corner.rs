@@ -79,6 +79,10 @@ impl Rounded<'_> {
             return self.creep(since_onset);
         }
         let (cycle, slide_time) = (self.shape.cycle(), self.shape.slide_time());
+        // A slack cable shows nothing of it.
+        if since_onset > self.shape.fall_time() && self.shape.fall_time() < slide_time {
+            return Shift::default();
+        }
         let slipping = smaller(larger(since_onset, 0.0), slide_time);
         let (sin, cos) = math::sin_cos(cycle.omega * slipping);
         let q_sin_n = cycle.rate / cycle.omega * sin;

@@ -163,6 +163,11 @@ impl FadingTrend {
         self.count > LEAST_EVENTS + 1.0
     }
 
+    /// Was the newest event far off, and left out?
+    pub(crate) fn is_off(&self) -> bool {
+        self.strangers > 0
+    }
+
     /// Have two events told it?
     #[must_use]
     pub(crate) fn is_known(&self) -> bool {

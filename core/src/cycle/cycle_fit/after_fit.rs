@@ -3,7 +3,7 @@
 
 use crate::cycle::cable::relax;
 use crate::cycle::cycle_fit::{CycleFit, FitStage, Measured, Outcome, Terms};
-use crate::cycle::expectations::{Expectations, is_clear, is_strained, own_residuals};
+use crate::cycle::expectations::{Expectations, is_strained, own_residuals};
 use crate::cycle::slip_record::UNSURE;
 use crate::effects::corner::ask;
 use crate::effects::mass_change::Verdict;
@@ -11,7 +11,7 @@ use crate::effects::score::Asked;
 use crate::event::Reason;
 use crate::fit::correction::Correction;
 use crate::fit::over_onset::OverOnset;
-use crate::fit::posterior::Posterior;
+use crate::fit::posterior::{CLEAR, Posterior};
 use crate::fit::residuals::excess_ratio;
 use crate::fit::{Fit, Variances};
 use crate::model::elongation::Elongation;
@@ -131,7 +131,7 @@ impl CycleFit {
         }
         let Measured { posterior, verdict, .. } = &self.measured;
         // A slip of two samples shows nothing of its corners.
-        let shows = posterior.is_resolved() && is_clear(posterior);
+        let shows = posterior.is_resolved() && fit.shape.slide_time() > CLEAR;
         let asked =
             *verdict == Verdict::Same && self.strain == Strain::None && shows && learnt.asks();
         self.stage = if asked { FitStage::Alone(self.fit.anew()) } else { FitStage::Done };

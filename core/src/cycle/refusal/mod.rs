@@ -4,6 +4,7 @@
 
 mod even_fall;
 mod recurrence;
+mod slackness;
 mod stiffness;
 
 use crate::coefficient::Coefficient;
@@ -13,6 +14,7 @@ use crate::num::math::{self, larger};
 use crate::stats::line::Line;
 
 pub(super) use recurrence::{FAST, Recurrence};
+pub(super) use slackness::Slackness;
 pub(super) use stiffness::RootStiffnessRatio;
 
 /// Part of the rise after it below which a fall is no slip: the first load on a cable that was

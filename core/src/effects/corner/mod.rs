@@ -70,6 +70,8 @@ const HELD: f32 = 1e12;
 const RANGE: f32 = 1.5;
 /// One over the variance of its logarithm then: it is known to a factor of two, `e^√½`.
 const RANGE_KNOWN: f32 = 2.0;
+/// What is known of `κ`, periods⁻⁴, with every event: next to nothing, but a slack cable hides `κ`.
+const SMOOTHING_KNOWN: f32 = 0.025;
 /// Part of the square of what the corners move `Fp` by that is in its variance where they may not
 /// be the cause. Tuned with the smooth onsets of the honesty scenes.
 const PART: f32 = 0.5;
@@ -182,7 +184,7 @@ impl CornerEstimator {
     }
 
     fn take(&mut self, score: &CornerScore, noise_n2: f32) -> Option<Correction> {
-        if score.is_lost() {
+        if !score.tells(1) {
             let [static_n2, dynamic_n2] =
                 [STATIC, DYNAMIC].map(|force| self.possible_n2(score.by(&force)));
             return Some(Correction { static_n2, dynamic_n2, ..Correction::default() });
@@ -198,7 +200,7 @@ impl CornerEstimator {
         let best = numbers_of(&free, &self.right);
         let (before, after) = (score.times(&self.best), score.times(&best));
         self.chi_square *= FADE;
-        for k in 0..2 {
+        for k in (0..2).filter(|&k| score.tells(k)) {
             // The event's distance from what was expected before it, times that from what is most
             // likely with it: on average the variance of the noise.
             let squared = (sharp[k] - before[k]) * (sharp[k] - after[k]);
@@ -229,6 +231,7 @@ impl CornerEstimator {
         // While nothing tells the range it stays what it was thought to be.
         self.information[place(2, 2)] += (1.0 - FADE) * RANGE_KNOWN;
         self.right[2] += (1.0 - FADE) * RANGE_KNOWN * used[2];
+        self.information[place(0, 0)] += SMOOTHING_KNOWN;
     }
 
     /// Decides which numbers count, and sets the corners.
@@ -253,10 +256,9 @@ impl CornerEstimator {
             counts[k] = sure > 0.0;
             let errors = if is_early { POSSIBLE_EARLY } else { POSSIBLE };
             self.possible[k] = (1.0 - sure) * beyond(errors) * square;
-            // Its prior is normal about zero: with its own size, as far as it counts; else next to
-            // nothing.
-            let own = &mut likely[[k, k]];
-            *own += if counts[k] { 1.0 / (sure * square) } else { HELD * *own };
+            // Its prior is normal about zero: of its own size, as far as it counts, else of none.
+            let own = likely[[k, k]];
+            likely[[k, k]] += if counts[k] { 1.0 / (sure * square) } else { HELD * own };
         }
         let factor = likely.factor(0.0)?;
         let numbers = numbers_of(&factor, &self.right);

@@ -41,10 +41,9 @@ impl CornerScore {
         is_number.then_some(Self { corner, inverse_omega, asked })
     }
 
-    /// Does the event tell too little of `κ` or `h`?
-    pub(super) fn is_lost(&self) -> bool {
-        let [smoothing, missing, _] = self.asked.left;
-        !(smoothing > LEAST_OWN && missing > LEAST_OWN)
+    /// Does the event tell a number, but for rounding?
+    pub(super) fn tells(&self, number: usize) -> bool {
+        self.asked.left[number] > LEAST_OWN
     }
 
     /// By how much a force falls when the numbers grow by one each.
