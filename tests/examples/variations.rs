@@ -1,16 +1,15 @@
 //! The classes of trouble with other numbers, held to the same aims.
 //!
-//! `cargo run --release -p floe-tests --example variations [-- SEEDS [FIRST PART OF A CLASS'S NAME]]`
+//! `cargo run --release -p floe-tests --example variations [-- RECORDS [FIRST PART OF A CLASS'S NAME]]`
 //! runs each class at another rate, noise, scatter, weight, cable and pull, and with its own
 //! trouble weaker, stronger or otherwise, 8 records each (of the shortest 100), and prints what
 //! misses an aim. Nothing is held to it: it shows how far the aims carry beyond the scenes of
 //! the table.
 
-use floe::sim::{Scene, simulate};
-use floe_tests::aims::Check;
+use floe::sim::Scene;
 use floe_tests::classes::{self, CLASSES};
-use floe_tests::honesty::{Class, Kind};
-use floe_tests::parallel;
+use floe_tests::honesty::Kind;
+use floe_tests::sweep::{self, Case};
 
 type Variation = (&'static str, fn(&mut Scene));
 
@@ -115,57 +114,35 @@ const STRENGTHS: [(&str, &str, &str); 75] = [
 ];
 
 /// A class with something else in it, and what that is.
-fn otherwise(
-    &(name, from, to): &(&'static str, &str, &str),
-) -> (&'static str, Kind, Scene, String) {
+fn otherwise(&(name, from, to): &(&str, &str, &str)) -> Case {
     let file = classes::folder().join(format!("{name}.toml"));
     let text = std::fs::read_to_string(file).expect("a class");
     let other = text.replace(from, to);
     assert_ne!(text, other, "{name} has no {from}");
     let kind = CLASSES.iter().find(|class| class.0 == name).expect("a class").1;
-    (name, kind, Scene::from_toml(&other).expect(to), to.replace('\n', " "))
+    let scene = Scene::from_toml(&other).expect(to);
+    Case { row: name.to_owned(), how: to.replace('\n', " "), kind, scene }
 }
 
 /// A class as one of the variations has it.
-fn varied(
-    &(name, kind): &(&'static str, Kind),
-    &(how, vary): &Variation,
-) -> (&'static str, Kind, Scene, String) {
+fn varied(&(name, kind): &(&str, Kind), &(how, vary): &Variation) -> Case {
     let (mut scene, _) = classes::scene(name);
     vary(&mut scene);
-    (name, kind, scene, how.to_owned())
+    Case { row: name.to_owned(), how: how.to_owned(), kind, scene }
 }
 
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let seeds = arguments.first().map_or(8, |seeds| seeds.parse().expect("a number of seeds"));
+    let records =
+        arguments.first().map_or(8, |records| records.parse().expect("a number of seeds"));
     let begins = arguments.get(1).map_or("", String::as_str);
     let of = |kind: Kind| if kind == Kind::Refused { PULLED_ALIKE } else { VARIATIONS.len() };
     let all = CLASSES
         .iter()
         .flat_map(|class| VARIATIONS.iter().take(of(class.1)).map(|how| varied(class, how)));
-    let jobs: Vec<_> = all
+    let cases: Vec<_> = all
         .chain(STRENGTHS.iter().map(otherwise))
-        .filter(|(name, ..)| name.starts_with(begins))
+        .filter(|case| case.row.starts_with(begins))
         .collect();
-    let missed = parallel::each(&jobs, |(name, kind, scene, how)| {
-        if let Err(error) = simulate(scene, 1) {
-            println!("{name:16} {how:26} cannot be simulated: {error}");
-            return Vec::new();
-        }
-        let judged = Class::of(scene, *kind, classes::records(scene, seeds));
-        if kind.is_judged() && judged.exact.true_events() == 0 {
-            println!("{name:16} {how:26} nothing slips");
-            return Vec::new();
-        }
-        let checks = classes::checks(name, *kind, &judged);
-        checks.into_iter().filter(|check| check.miss > 0.0).collect::<Vec<Check>>()
-    });
-    for ((_, _, _, how), missed) in jobs.iter().zip(&missed) {
-        for Check { row, what, value, miss } in missed {
-            println!("{row:16} {how:26} {what:40} {value:7.3} {miss:7.3} from its aim");
-        }
-    }
-    let scenes = missed.iter().filter(|missed| !missed.is_empty()).count();
-    println!("{scenes} of {} scenes miss an aim", missed.len());
+    sweep::print_misses(&cases, records);
 }

@@ -19,6 +19,7 @@ pub mod scenes;
 pub mod score;
 pub mod scripted;
 pub mod shown;
+pub mod sweep;
 pub mod terminal;
 pub mod wide;
 

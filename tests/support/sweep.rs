@@ -1,0 +1,48 @@
+//! Many scenes, each judged as a class of trouble is, and what misses an aim: printed, and nothing is
+//! held to it.
+
+use floe::sim::{Scene, simulate};
+
+use crate::aims::Check;
+use crate::classes;
+use crate::honesty::{Class, Kind};
+use crate::parallel;
+
+/// A scene, and what is asked of it.
+#[derive(Debug)]
+pub struct Case {
+    /// The class that it is like, and what is otherwise.
+    pub row: String,
+    /// See there.
+    pub how: String,
+    /// What its class asks for.
+    pub kind: Kind,
+    /// The scene.
+    pub scene: Scene,
+}
+
+/// Prints what misses an aim, after so many records of each scene (of the shortest 100).
+pub fn print_misses(cases: &[Case], records: u64) {
+    let missed = parallel::each(cases, |case| misses(case, records));
+    for (Case { how, .. }, missed) in cases.iter().zip(&missed) {
+        for Check { row, what, value, miss } in missed {
+            println!("{row:16} {how:26} {what:40} {value:7.3} {miss:7.3} from its aim");
+        }
+    }
+    let scenes = missed.iter().filter(|missed| !missed.is_empty()).count();
+    println!("{scenes} of {} scenes miss an aim", missed.len());
+}
+
+fn misses(Case { row, how, kind, scene }: &Case, records: u64) -> Vec<Check> {
+    if let Err(error) = simulate(scene, 1) {
+        println!("{row:16} {how:26} cannot be simulated: {error}");
+        return Vec::new();
+    }
+    let judged = Class::of(scene, *kind, classes::records(scene, records));
+    if kind.is_judged() && judged.exact.true_events() == 0 {
+        println!("{row:16} {how:26} nothing slips");
+        return Vec::new();
+    }
+    let checks = classes::checks(row, *kind, &judged);
+    checks.into_iter().filter(|check| check.miss > 0.0).collect()
+}
