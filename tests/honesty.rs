@@ -80,7 +80,7 @@ another sampling phase; every event counts, the first ones too. This page is wri
 figures in `tests/golden/honesty-not-yet.csv`: those miss them, by how much and why stands there. That list gets longer
 with a new class alone: nothing is put on it by the command, and a figure worse than it says fails the test.
 `cargo run --release -p floe-tests --example variations` runs the classes at other rates, noise, scatter, weights, cables
-and pulls, and prints what misses an aim there.
+and pulls, `--example pairs` two of them at once; both print what misses an aim there.
 
 Pairs are of mu_s and mu. *invented*: events where there is none; for `aliased...`, `hand_released` and `breakaway` events
 with a coefficient, since there is a movement that may be reported and refused. *read*: share of the true events with both
