@@ -55,15 +55,12 @@ fn exclude(a: Trouble, b: Trouble) -> bool {
 }
 
 fn main() {
-    let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let records =
-        arguments.first().map_or(8, |records| records.parse().expect("a number of seeds"));
-    let part = arguments.get(1).map_or("", String::as_str);
+    let (records, part) = sweep::arguments();
     let pairs = TROUBLES.iter().enumerate().flat_map(|(i, a)| {
         let others = TROUBLES.iter().skip(i + 1).filter(|b| !exclude(*a, **b));
         others.map(|b| pair(*a, *b))
     });
-    let named = |case: &Case| case.row.contains(part) || case.how.contains(part);
+    let named = |case: &Case| case.row.contains(&part) || case.how.contains(&part);
     let cases: Vec<Case> = pairs.filter(named).collect();
     sweep::print_misses(&cases, records);
 }

@@ -132,17 +132,14 @@ fn varied(&(name, kind): &(&str, Kind), &(how, vary): &Variation) -> Case {
 }
 
 fn main() {
-    let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let records =
-        arguments.first().map_or(8, |records| records.parse().expect("a number of seeds"));
-    let begins = arguments.get(1).map_or("", String::as_str);
+    let (records, begins) = sweep::arguments();
     let of = |kind: Kind| if kind == Kind::Refused { PULLED_ALIKE } else { VARIATIONS.len() };
     let all = CLASSES
         .iter()
         .flat_map(|class| VARIATIONS.iter().take(of(class.1)).map(|how| varied(class, how)));
     let cases: Vec<_> = all
         .chain(STRENGTHS.iter().map(otherwise))
-        .filter(|case| case.row.starts_with(begins))
+        .filter(|case| case.row.starts_with(&begins))
         .collect();
     sweep::print_misses(&cases, records);
 }

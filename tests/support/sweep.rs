@@ -21,6 +21,18 @@ pub struct Case {
     pub scene: Scene,
 }
 
+/// What the command line asks for: records of each scene, 8 unless it says otherwise, and a part of
+/// the names of the classes to be run.
+///
+/// # Panics
+/// The first argument is no number.
+#[must_use]
+pub fn arguments() -> (u64, String) {
+    let mut arguments = std::env::args().skip(1);
+    let records = arguments.next().map_or(8, |it| it.parse().expect("a number of records"));
+    (records, arguments.next().unwrap_or_default())
+}
+
 /// Prints what misses an aim, after so many records of each scene (of the shortest 100).
 pub fn print_misses(cases: &[Case], records: u64) {
     let missed = parallel::each(cases, |case| misses(case, records));

@@ -80,7 +80,7 @@ impl Rounded<'_> {
         }
         let (cycle, slide_time) = (self.shape.cycle(), self.shape.slide_time());
         // A slack cable shows nothing of it.
-        if since_onset > self.shape.fall_time() && self.shape.fall_time() < slide_time {
+        if self.shape.is_slack() && since_onset > self.shape.fall_time() {
             return Shift::default();
         }
         let slipping = smaller(larger(since_onset, 0.0), slide_time);

@@ -256,9 +256,9 @@ impl CornerEstimator {
             counts[k] = sure > 0.0;
             let errors = if is_early { POSSIBLE_EARLY } else { POSSIBLE };
             self.possible[k] = (1.0 - sure) * beyond(errors) * square;
-            // Its prior is normal about zero: of its own size, as far as it counts, else of none.
-            let own = likely[[k, k]];
-            likely[[k, k]] += if counts[k] { 1.0 / (sure * square) } else { HELD * own };
+            // A normal prior about zero: of its own size as far as it counts, else next to nothing.
+            let own = &mut likely[[k, k]];
+            *own += if counts[k] { 1.0 / (sure * square) } else { HELD * *own };
         }
         let factor = likely.factor(0.0)?;
         let numbers = numbers_of(&factor, &self.right);
