@@ -47,10 +47,10 @@ impl Pipeline {
         let rest = event.stick_s.map_or(f32::MAX, |rest_s| rest_s * rate_hz);
         let granted = granted(event.quality, rest);
         if let Some(it) = mu_s {
-            self.mu_s.add_with_common(it, Common { shared: common.0, granted: granted * it.std });
+            self.mu_s.add_with_common(it, Common { shared: common.0, granted: granted.0 * it.std });
         }
         if let Some(it) = mu {
-            self.mu.add_with_common(it, Common { shared: common.1, granted: granted * it.std });
+            self.mu.add_with_common(it, Common { shared: common.1, granted: granted.1 * it.std });
         }
         self.largest_n = math::larger(self.largest_n, event.peak_force_n.abs());
         if mu_s.or(mu).is_some() {
@@ -62,17 +62,20 @@ impl Pipeline {
     }
 }
 
-/// Part of an event's standard deviation that is the same in all of them. Where the slip is too
-/// short for the sampling, or hidden by a slack cable, all events take the same things for granted:
-/// a third of it is common, so that no number of such events makes a mean sharper than that. After
-/// a rest with few samples an event takes for granted what others told of rate and swing.
-fn granted(quality: Quality, rest: f32) -> f32 {
-    /// Samples of a rest that tells its line: two for the rate, and as many at either end that the
-    /// noise may hide. With fewer, an event tells one combination of its rate and its swing.
+/// Parts of the standard deviations of an event's `mu_s` and `mu` that are the same in all of them.
+/// Where the slip is too short for the sampling, or hidden by a slack cable, all events take the same
+/// things for granted: a third of it is common, so that no number of such events makes a mean sharper
+/// than that. After a rest with few samples an event takes for granted what others told of rate and
+/// swing: `mu_s` rests on them, `mu`, the middle of the swing, does not.
+fn granted(quality: Quality, rest: f32) -> (f32, f32) {
+    /// Samples of a rest that determines its line: two for the rate, and as many at either end that
+    /// the noise may hide. With fewer, an event determines one combination of its rate and its swing.
     const TELLING: f32 = 6.0;
+    /// Common part of `mu_s` without any rest. Tuned: rests of less than two samples need .36.
+    const WITHOUT_REST: f32 = 0.5;
     let least = match quality {
         Quality::Good | Quality::Clipped => 0.0,
         Quality::Unresolved | Quality::Slack => 1.0 / 3.0,
     };
-    math::larger(least, 1.0 - rest / TELLING)
+    (math::larger(least, WITHOUT_REST * (1.0 - rest / TELLING)), least)
 }
