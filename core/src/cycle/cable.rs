@@ -1,4 +1,4 @@
-//! What a cable that sags, or gets stiffer, does to `Fp`: learnt from the rests.
+//! Shift of `Fp` by a cable that sags or stiffens, estimated from the rests.
 
 use crate::cycle::CycleTracker;
 use crate::cycle::ended::Ended;
@@ -14,12 +14,12 @@ use crate::model::CycleParams;
 use crate::model::elongation::Elongation;
 use crate::sample::SampleTime;
 
-/// Fewest samples of a rest that tell how its rate changes.
+/// Fewest samples of a rest that determine how its rate changes.
 const FEWEST: u32 = 8;
 
 impl Ended {
-    /// Can the rest tell of a cable that sags: are the rests bent as it bends them, and is the slip
-    /// that ended this one long enough, or was another one asked already?
+    /// Can the rest determine the sag of the cable? It has a line of enough samples, and either an
+    /// earlier rest was used, or the slip after it is long enough and all rests bend the same way.
     pub(super) fn may_sag(&self, learnt: &Expectations, detector: &Detector) -> bool {
         let is_line = !self.stick.broken && self.stick.line.count >= FEWEST;
         let asks = || self.fall() >= TELLING && detector.wander().bends;
@@ -27,7 +27,7 @@ impl Ended {
     }
 }
 
-/// Takes what was fitted in elongation back to forces. Gives by how much the force grows with the
+/// Converts a fit in elongation back to forces. Returns the derivative of the force by the
 /// elongation, at the onset and as a mean over the slip.
 pub(super) fn relax(cable: &Elongation, posterior: &mut Posterior) -> (f32, f32) {
     let cycle = &mut posterior.cycle;
@@ -49,8 +49,8 @@ pub(super) fn relax(cable: &Elongation, posterior: &mut Posterior) -> (f32, f32)
 }
 
 impl CycleTracker {
-    /// Learns from the rest before this slip how soft a sagging cable is; keeps where the next rest
-    /// begins.
+    /// Updates the estimate of the sag with the rest before this slip; keeps the start of the next
+    /// rest.
     pub(super) fn learn_sag(&mut self, slip: &SlipRecord, posterior: &Posterior, stop: f32) {
         let Posterior { cycle, static_n2, dynamic_n2, .. } = posterior;
         let rested = self.rested.take();
@@ -65,7 +65,8 @@ impl CycleTracker {
             time: SampleTime::after(slip.origin, cycle.onset).periods_since(from),
             from_n,
             from_n2,
-            // The force that the line goes on to: what creep takes of it is not the cable's.
+            // The force where the stick line ends: the force lost to creep is no effect of the
+            // cable.
             to_n: cycle.static_n + self.learnt.corner.read(CornerEstimator::missing_n),
             rate,
             rate_variance: late.residual() / ((late.count as f32 - 2.0) * late.slope_weight()),
@@ -74,12 +75,13 @@ impl CycleTracker {
         self.learnt.sag.update(|sag| sag.learn(&rest, cable));
     }
 
-    /// How far the cable takes `Fp` below the middle of `Fs` and `Fe`, N, and its variance, N². On
-    /// lines that are not straight no cable that stiffens as the block slides can be told.
+    /// Distance of `Fp` below the midpoint of `Fs` and `Fe` due to the cable, N, and its variance,
+    /// N². Where the lines are not straight, a cable that stiffens as the block slides cannot be
+    /// identified.
     pub(super) fn shift(&self, slip: &SlipRecord, cycle: &CycleParams) -> (f32, f32) {
         let (mut sag_n, mut sag_n2) = self.learnt.sag.read(|sag| sag.shift(cycle));
         if sag_n <= 0.0 && !slip.wander.bends {
-            // A sag that is only possible widens nothing where no rest is bent.
+            // A sag that is only possible adds no variance where the rests are straight.
             (sag_n, sag_n2) = (0.0, 0.0);
         }
         let stiffens = self.site.effects.has(Effect::Stiffening);

@@ -1,4 +1,4 @@
-//! A change of the block or of its friction, as an event shows it.
+//! Detection of a change of the block's mass or of its friction, from one event to the next.
 
 use crate::coefficient::Coefficient;
 use crate::cycle::expectations::{Expectations, is_clear};
@@ -13,13 +13,14 @@ use crate::fit::rounding_n2;
 use crate::model::CycleParams;
 use crate::stats::fading_trend::FadingTrend;
 
-/// Events in a row that do not fit, after which all expectations are dropped: as with a single quantity
-/// (`stats/fading_trend.rs`).
+/// Number of consecutive misfits after which all expectations are dropped, the same as for a single
+/// quantity (`stats/fading_trend.rs`).
 const CHANGED: u8 = 3;
 
 impl Expectations {
-    /// Does an event leave far more than the others do? The winch paused or started, or the block
-    /// hit something; after several in a row what was expected no longer holds.
+    /// Are the event's residuals an outlier among those of the other events? The winch paused or
+    /// started, or the block hit something. Several in a row mean that the expectations no longer
+    /// hold.
     pub(crate) fn is_misfit(&mut self, slip: &SlipRecord, squares_n2: f32, free: f32) -> bool {
         let least_n2 = (slip.noise_n2, rounding_n2(slip.peak.force_n));
         if !self.residuals.is_outlier(squares_n2, free, least_n2) {
@@ -30,8 +31,8 @@ impl Expectations {
         true
     }
 
-    /// Counts an event that contradicts what was learnt. After several in a row nothing is expected
-    /// any more.
+    /// Counts an event that contradicts the expectations. After [`CHANGED`] of them in a row the
+    /// expectations are reset.
     pub(crate) fn contradict(&mut self) {
         self.misfits += 1;
         if self.misfits == CHANGED {
@@ -45,7 +46,8 @@ impl Expectations {
 }
 
 impl CycleTracker {
-    /// A measured event with what it tells of a change.
+    /// Completes a measured event: adds the change that it shows and the common parts of its
+    /// errors.
     pub(super) fn judged(
         &mut self,
         mut event: Event,
@@ -65,13 +67,13 @@ impl CycleTracker {
         let (static_n2, dynamic_n2) = posterior.common_n2;
         let mut common = (site.std(static_n2), site.std(dynamic_n2 + sag_n2));
         if !posterior.is_resolved() && !self.learnt.knows_omega() {
-            // How long a slip is was guessed in the same way for all of them.
+            // The length of the slip is then a guess with the same error in all events.
             common = (site.std(posterior.static_n2), site.std(posterior.dynamic_n2));
         }
         Finished { event, alone, common, change }
     }
 
-    /// The change that an event tells, or completes, if any.
+    /// The change that an event shows, or confirms, if any.
     fn change(&mut self, verdict: Verdict, event: &Event, posterior: &Posterior) -> Option<Change> {
         let here = (event.index, event.onset);
         let suspect = self.suspect.take();

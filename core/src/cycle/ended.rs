@@ -1,4 +1,4 @@
-//! A stick line that has ended, by a slip or a long gap, and how far that has been followed up.
+//! The end of a stick line, by a slip or a long gap, and the progress of the steps that follow it.
 
 use crate::cycle::expected::Expected;
 use crate::cycle::slip_record::SeenSlip;
@@ -14,17 +14,18 @@ pub(super) struct Ended {
     pub(super) progress: Progress,
 }
 
-/// How far it has been followed up.
+/// Progress of the steps that follow the end of a stick line.
 #[derive(Clone, Copy, Debug)]
 #[allow(clippy::large_enum_variant, reason = "there is one, and no heap to put it on")]
 pub(super) enum Progress {
     /// The fit of the event before is under way.
     Waiting,
-    /// The slip that ended it is the pending one.
+    /// The slip that ended the line is the pending one, its samples gathered.
     Gathered,
-    /// The first answer on it is under way.
+    /// The first answer on the pending slip is being computed.
     Answering(FirstAnswer),
-    /// The first answer is there, if there is one; the event before has yet to be given its lines.
+    /// The first answer is done (`None` without a fit); the event before does not have its lines
+    /// yet.
     Answered(Option<Fit>),
 }
 
@@ -40,12 +41,13 @@ pub(super) enum By {
 pub(super) struct FirstAnswer {
     pub(super) expected: Expected,
     pub(super) fitting: Fitting,
-    /// Steps that it may still take.
+    /// Steps of the fit that are still allowed.
     pub(super) left: usize,
 }
 
 impl Ended {
-    /// By a slip, with its highest and its lowest sample.
+    /// Ended by a slip with this highest and lowest sample; `hides` if saturated samples hide a
+    /// part of it.
     pub(super) fn by_slip(
         detector: &Detector,
         (peak, low): (ForcePoint, ForcePoint),
@@ -56,17 +58,17 @@ impl Ended {
         Self { stick: *detector.ended(), by, progress: Progress::Waiting }
     }
 
-    /// By a gap, or the end of the test, at an index.
+    /// Ended by a gap, or by the end of the test, at an index.
     pub(super) fn by_loss(stick: &Stick, index: u32) -> Self {
         Self { stick: *stick, by: By::Loss(index), progress: Progress::Waiting }
     }
 
-    /// Has nothing been done about it yet?
+    /// Has no step been done for it yet?
     pub(super) fn waits(&self) -> bool {
         matches!(self.progress, Progress::Waiting)
     }
 
-    /// Periods from the highest to the lowest sample of the slip, if that is what ended it.
+    /// Periods from the highest to the lowest sample of the slip; zero if no slip ended the line.
     pub(super) fn fall(&self) -> f32 {
         match self.by {
             By::Slip(SeenSlip { peak, low, .. }) => since(peak.index, low.index),
@@ -74,7 +76,7 @@ impl Ended {
         }
     }
 
-    /// Index of the highest sample before the slip, or where the loss was.
+    /// Index of the highest sample before the slip, or of the loss.
     pub(super) fn end(&self) -> u32 {
         match self.by {
             By::Slip(SeenSlip { peak, .. }) => peak.index,

@@ -1,4 +1,4 @@
-//! What the events of a test have told so far, as expectations for the next one.
+//! Estimates from the events of a test so far, as expectations (priors) for the next one.
 
 use crate::coefficient::Site;
 use crate::cycle::expected::Expected;
@@ -20,8 +20,8 @@ use crate::stats::line::Line;
 use crate::stats::normal_equations::UNKNOWNS;
 use crate::stats::prior::{Prior, without_prior};
 
-/// What the events share (loading rate, swing, rate change), the noise, and what each effect
-/// learnt.
+/// Estimates that the events share (loading rate, swing, rate change), the noise, and the state of
+/// each effect.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Expectations {
     pub(super) effects: Effects,
@@ -35,24 +35,25 @@ pub(crate) struct Expectations {
     pub(crate) damping: Kept<Damping, { Effect::Damping.room() }>,
     pub(crate) onset: Kept<Onset, { Effect::Onset.room() }>,
     pub(crate) oscillation: Kept<Oscillation, { Effect::Ripple.room() }>,
-    /// Events in a row that did not fit.
+    /// Number of consecutive misfits.
     pub(super) misfits: u8,
-    /// Are the residuals those of samples with weights?
+    /// The residuals include samples with flop weights.
     weighted: bool,
-    /// Speed of the winch times the mass of the given weight, N periods; NaN where it is not known.
+    /// Speed of the winch times the mass of the given weight, N periods; NaN where the speed is
+    /// unknown.
     momentum: f32,
 }
 
-/// Least part of a fitted precision that has to be the event's own for that to be learnt: a smaller
-/// part is a difference that the fit's last step may have left unsettled.
+/// Least part of a fitted precision that has to be the event's own for the value to be used: a
+/// smaller part may be what the last step of the fit left unsettled.
 const LEAST_OWN: f32 = 0.01;
-/// As [`LEAST_OWN`], to judge the mass, where another block differs by far.
+/// Least own part of a fitted precision for the test of the mass: another block differs by much.
 const LEAST_JUDGED: f32 = 0.003;
-/// Standard deviations within which the first event's rates before and after it are the same.
+/// Standard deviations of the first event's rate change within which the rate counts as steady.
 const LASTS: f32 = 3.0;
-/// Standard deviation of a rough loading rate, parts of it: it is known to within a factor of two.
+/// Standard deviation of a rough loading rate, relative: it is known to within a factor of two.
 const ROUGH: f32 = 0.7;
-/// Fewest samples of lines that tell the first event's two rates.
+/// Fewest samples of both lines that determine the first event's rate change.
 const LINE: u32 = 8;
 
 impl Expectations {
@@ -61,23 +62,23 @@ impl Expectations {
         Self { effects: site.effects, momentum: site.momentum, ..Self::default() }
     }
 
-    /// Variance of the noise, as if it were white: from the fits so far, else the
-    /// detector's. Never below what single precision leaves of a force.
+    /// Variance of the white noise, N²: from the fits so far, else the detector's; at least the
+    /// variance of rounding in single precision.
     #[inline(never)]
     pub(crate) fn noise_n2(&self, slip: &SlipRecord) -> f32 {
         let noise_n2 = self.residuals.variance_n2().unwrap_or(slip.noise_n2);
         larger(slip.white_share() * noise_n2, rounding_n2(slip.peak.force_n))
     }
 
-    /// Variance that a bend of an event's lines, or an oscillation about them, leaves open, of the cable
-    /// or of the cell, in units of the noise variance.
+    /// Variance due to a bend of an event's lines, or an oscillation about them, that may be the
+    /// cable's or the cell's, in units of the noise variance.
     pub(crate) fn unsure(&self, slip: &SlipRecord, noise_n2: f32) -> f32 {
         let all_n2 = self.residuals.variance_n2().unwrap_or(slip.noise_n2);
         slip.wander.unsure * all_n2 / noise_n2
     }
 
-    /// As [`Self::noise_n2`], from the fits alone. Before the first of them next to nothing, so
-    /// that rough expectations hardly count.
+    /// Variance of the white noise from the fits alone, N². Before the first fit it is nearly zero,
+    /// so that rough priors get almost no weight.
     pub(crate) fn fitted_noise_n2(&self, slip: &SlipRecord) -> f32 {
         const HARDLY: f32 = 1e-3;
         match self.residuals.variance_n2() {
@@ -86,8 +87,8 @@ impl Expectations {
         }
     }
 
-    /// Drops the residuals from before samples had weights, once some have: they are no measure any
-    /// more.
+    /// Drops the residuals from before samples had weights, once some have: they are not
+    /// comparable.
     pub(crate) fn weigh(&mut self, slip: &SlipRecord) {
         if slip.rest_weight < 1.0 && !self.weighted {
             self.weighted = true;
@@ -95,7 +96,7 @@ impl Expectations {
         }
     }
 
-    /// What is expected of an event with this line after it.
+    /// The priors of an event with this line after it.
     pub(crate) fn of(&self, slip: &SlipRecord, after: &Line, noise_n2: f32) -> Expected {
         let (rough, wander) = (slip.rough(after), slip.wander);
         let has_lines = slip.before.count.min(after.count) >= LINE && slip.wander.level <= 0.0;
@@ -121,7 +122,8 @@ impl Expectations {
         }
     }
 
-    /// Expected rate change: until the events tell otherwise the winch turns steadily.
+    /// Prior of the rate change: zero until the events determine one, since the winch turns
+    /// steadily.
     fn rate_change_prior(&self, rough_rate: f32, has_lines: bool, noise_n2: f32) -> Prior {
         const STEADY: f32 = 0.003;
         // The first slip may tighten the cable, and the winch may yet have to come up to speed.
@@ -140,19 +142,20 @@ impl Expectations {
         self.sag.read(Sag::parameter).is_some()
     }
 
-    /// Variances that `Fs` and `Fp` have, N², because a rate that changed by `b` over the slip may
-    /// have done so at any time of it, or in the samples next to it that no line has.
+    /// Variances of `Fs` and `Fp`, N², due to the unknown time at which the rate changed by `b`:
+    /// during the slip, or in the samples next to it that no line has.
     ///
     /// A step at the angle `ωt` of the slip lifts `Fe` by `b sin(ωt) / ω`; the model has the mean
-    /// over an even change, `2/π` of the largest. Half the time anywhere and half the time at
-    /// either end, that is `0.5 b/ω` about it, and half of that in `Fp`. A step at a time `t`
-    /// before the onset lifts `Fs` by `b t`, one after the stop lowers `Fe` by as much, and either
-    /// is in `Fp` by half. On a slack cable `b` may as well be the rate at which the winch takes up the
-    /// slack: `T` at zero goes with `(Fs - 2 Fp) / (r Fp)` (`model/slack.rs`, without `q`), so `Fp` with
-    /// `Fp (Fs - 2 Fp) / (r Fs)`. Zero where the force wanders, which may be why.
+    /// over an even change, `2/π` of the largest. With odds of one half for any time in the slip
+    /// and one half for either end, the standard deviation about that is `0.5 b/ω`, and half of it
+    /// in `Fp`. A step at a time `t` before the onset lifts `Fs` by `b t`, one after the stop
+    /// lowers `Fe` by as much, and half of either is in `Fp`. On a slack cable the winch may take
+    /// up the slack at either rate: `T` at zero is proportional to `(Fs - 2 Fp) / (r Fp)`
+    /// (`model/slack.rs`, without `q`), which moves `Fp` by `Fp (Fs - 2 Fp) b / (r Fs)`. Zero where
+    /// the force wanders: `b` may then come from that.
     pub(crate) fn unsteady_n2(&self, slip: &SlipRecord, posterior: &Posterior) -> (f32, f32) {
-        // Root mean square of `t`, periods: anywhere in the four samples that the lines stay behind,
-        // `4/√3`.
+        // Root mean square of `t`, periods, for a uniform `t` within the four samples by which the
+        // lines lag, `4/√3`.
         const BESIDE: f32 = 2.3;
         let Posterior { cycle, unknowns: [.., variance], .. } = posterior;
         if slip.wander.level > 0.0 {
@@ -179,9 +182,9 @@ impl Expectations {
         self.mass.inverse_omega().mean().filter(|_| self.knows_omega())
     }
 
-    /// Learns the event's own loading rate, swing and rate change, unless it is a suspect.
-    /// `strained` as from [`is_strained`]; `excess` is what the variances were multiplied by because the
-    /// model is far from the samples.
+    /// Updates loading rate, swing and rate change with the event's own values, unless it is
+    /// suspect. `strained` is from [`is_strained`]; `excess` is the factor by which the misfit
+    /// multiplied the variances.
     pub(crate) fn learn(
         &mut self,
         data: &Data<'_>,
@@ -201,19 +204,20 @@ impl Expectations {
             |value, variance, prior, least| without_prior(value, variance, prior, noise_n2, least);
         // The loading rate and the swing are above zero; the rate change may have any sign.
         let positive = |own: &(f32, f32)| own.0 > 0.0;
-        // What slips that are hardly resolved tell of the swing is what was expected of them.
+        // A slip that is hardly resolved only returns the prior of its swing.
         let own_swing = |variance, least| {
             let own =
                 own(cycle.inverse_omega(), variance, data.inverse_omega, least).filter(positive);
             own.filter(|own| posterior.tells_swing(own.1))
         };
         let mut evidence = Evidence {
-            // Little of its own is enough to judge by: an expected swing hides another one. Not on
-            // a slack cable, which cannot push. With another mass the model would be as near as ever.
+            // A small own part suffices for the test: the prior hides a changed swing. Without
+            // `excess`, since with the right mass the model would fit. Not on a slack cable, which
+            // cannot push.
             inverse_omega: own_swing(inverse_omega / excess, LEAST_JUDGED)
                 .filter(|_| cycle.restick_n() > 0.0),
             dynamic_n: cycle.dynamic_n(),
-            // Without a line before it its rate is the one that was expected.
+            // Without a line before it the event's rate is only the prior.
             same_cable: data.before.count > 0 && self.is_usual_rate(cycle.rate),
             strained: strained && cycle.restick_n() > 0.0,
         };
@@ -224,8 +228,9 @@ impl Expectations {
         if strained || (verdict == Verdict::Suspect && !on_trial) {
             return verdict;
         }
-        // A first rate that did not last is not that of the events to come, nor is its change
-        // theirs. Where the force wanders that may be why: then the rate is taken, and no change.
+        // A rate that changed in the first event is not that of the next ones, nor is its change
+        // theirs. If the force wanders that may be the cause: then the rate is used, and not the
+        // change.
         let change = cycle.rate_change;
         let steady = self.rate.mean().is_some() || change * change < LASTS * LASTS * rate_change;
         if let Some((value, variance)) = own_rate.filter(|_| steady || data.wander.level > 0.0) {
@@ -240,8 +245,8 @@ impl Expectations {
         self.mass.learn(&evidence).unwrap_or(verdict)
     }
 
-    /// Periods before an onset in which the force lacks more than a fifth of the noise's standard
-    /// deviation by creep.
+    /// Time before an onset, periods, in which creep lowers the force by more than a fifth of the
+    /// noise's standard deviation.
     pub(crate) fn creep_periods(&self) -> f32 {
         const PART: f32 = 0.2;
         if self.corner.read(CornerEstimator::missing_n) <= 0.0 {
@@ -255,19 +260,19 @@ impl Expectations {
         known.map_or(0.0, creep)
     }
 
-    /// Is the loading rate what it was, as far as winches turn steadily?
+    /// Is the loading rate near the mean of the earlier events, as a steady winch gives it?
     fn is_usual_rate(&self, rate: f32) -> bool {
         const STEADY: f32 = 0.1;
         self.rate.mean().is_none_or(|usual| (rate - usual).abs() < STEADY * usual)
     }
 }
 
-/// Is the slip long enough to tell a small change of the swing from what the sampling makes of it?
+/// Is the slip long enough to resolve a small change of the swing in spite of the sampling?
 pub(crate) fn is_clear(posterior: &Posterior) -> bool {
     posterior.fall_time > CLEAR && posterior.cycle.restick_n() > 0.0
 }
 
-/// Are the samples and lines around the slip, with these squared residuals, N², far from the fit?
+/// Are the squared residuals of samples and lines around the slip, N², far above the noise?
 pub(crate) fn is_strained(data: &Data<'_>, around_n2: f32, noise_n2: f32) -> bool {
     const STRAINED: f32 = 10.0;
     // The lines are two observations each.
@@ -275,7 +280,7 @@ pub(crate) fn is_strained(data: &Data<'_>, around_n2: f32, noise_n2: f32) -> boo
     around_n2 > STRAINED * observations * noise_n2
 }
 
-/// What earlier events tell of a quantity, else a guess and its standard deviation.
+/// The prior learnt from earlier events, else a guess with its standard deviation.
 fn expected(learnt: Prior, guess: f32, spread: f32, noise_n2: f32) -> Prior {
     if learnt.weight > 0.0 {
         return learnt;
@@ -283,8 +288,9 @@ fn expected(learnt: Prior, guess: f32, spread: f32, noise_n2: f32) -> Prior {
     Prior { mean: guess, weight: noise_n2 / (spread * spread) }
 }
 
-/// Squared residuals of an event that no other event counts, N², and their degrees of freedom:
-/// observations less unknowns, each unknown as far as the event and not its expectation tells it.
+/// Squared residuals of an event without the priors' part, N², and their degrees of freedom:
+/// observations less unknowns, each unknown counted as far as the event and not its prior
+/// determines it.
 pub(crate) fn own_residuals(data: &Data<'_>, fit: &Fit) -> (f32, f32) {
     let (mut squares, mut unknowns) = (fit.cost() + data.after.residual(), UNKNOWNS as f32);
     for ((prior, value), variance) in data.priors(fit.cycle()).into_iter().zip(fit.variances) {

@@ -1,4 +1,4 @@
-//! What the events so far let expect of one event.
+//! The expectations (priors) for one event, from the events before it.
 
 use crate::cycle::slip_record::SlipRecord;
 use crate::fit::Data;
@@ -8,10 +8,10 @@ use crate::noise::ripple::ColoredNoise;
 use crate::stats::line::Line;
 use crate::stats::prior::Prior;
 
-/// What is expected of one event.
+/// Priors of one event's unknowns, and the shape of its corners.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Expected {
-    /// Variance of the noise that the weights are relative to, N².
+    /// Variance of the noise, N²: the unit of the priors' weights.
     pub(crate) noise_n2: f32,
     pub(super) rate: Prior,
     pub(super) inverse_omega: Prior,
@@ -21,7 +21,7 @@ pub(crate) struct Expected {
 }
 
 impl Expected {
-    /// The event's samples and lines with that.
+    /// The data of a fit: samples and lines of the event, with these priors.
     #[inline(never)]
     pub(crate) fn data<'a>(&self, slip: &'a SlipRecord, after: &'a Line) -> Data<'a> {
         let Self { rate, inverse_omega, rate_change, onset, corner, .. } = *self;
@@ -38,8 +38,9 @@ impl Expected {
         }
     }
 
-    /// The event's samples and lines, to ask them for force terms. Where the force bends down
-    /// before the onset creep may be why, which is not seen about lines that follow the bend.
+    /// The data for the score test of force terms. Where the force bends down before the onset, the
+    /// lines do not follow the bend: creep may cause it, and would not show about lines that follow
+    /// it.
     #[inline(never)]
     pub(crate) fn asked<'a>(&self, slip: &'a SlipRecord, after: &'a Line) -> Data<'a> {
         let mut data = self.data(slip, after);
@@ -49,7 +50,7 @@ impl Expected {
         data
     }
 
-    /// Time of a pass over the samples and lines, in units of 160 instructions on the board.
+    /// Time of one pass over samples and lines, in units of 160 instructions on the board.
     pub(crate) fn pass(&self, slip: &SlipRecord) -> usize {
         let samples = slip.samples().forces_n.len().min(SAMPLES_A_STEP);
         let wanders = if slip.wander.level > 0.0 { 3 } else { 0 };

@@ -1,5 +1,5 @@
-//! What is said of a slip before its second stick line is there: `mu_s` at the onset, and a
-//! first answer when the block rests again.
+//! Estimates before the second stick line is complete: `mu_s` at the onset, and a first answer when
+//! the block rests again.
 
 use crate::cycle::CycleTracker;
 use crate::cycle::cable::relax;
@@ -12,20 +12,21 @@ use crate::fit::posterior::Posterior;
 use crate::fit::{Data, Fit, Variances};
 use crate::stats::line::Line;
 
-/// Most steps of the fit for a first answer: two are usual.
+/// Most steps of the fit for a first answer; two usually suffice.
 const FIRST_STEPS: usize = 5;
 /// Most samples of a slip that has a first answer.
 const MOST_SAMPLES: usize = 32;
 
 impl CycleTracker {
-    /// The slip has begun: a first value of `mu_s`, between the last sample on the line
-    /// and the first one off it.
+    /// First estimate of `mu_s` when a slip begins, from the stick line, with the onset anywhere in
+    /// the last two periods.
     #[must_use]
     pub(crate) fn onset(&self, detector: &Detector) -> Option<Provisional> {
         let (stick, now) = (detector.stick(), detector.last());
         let line = stick.line_from(now.index);
         let (slope, noise_n, time) = (line.slope()?, detector.noise_n()?, -1.0);
-        // Anywhere within the two periods before: a uniform distribution has 1/√3 of its half-width.
+        // A uniform distribution over two periods has a standard deviation of 1/√3 of its
+        // half-width.
         const SPREAD: f32 = 0.577;
         let onset_n = SPREAD * slope;
         let variance_n2 = onset_n * onset_n + noise_n * noise_n * line.leverage(time);
@@ -33,7 +34,7 @@ impl CycleTracker {
         Some(Provisional { mu_s, mu: None })
     }
 
-    /// Begins the first answer on the pending slip, by what the other events tell.
+    /// Begins the first answer on the pending slip, with the priors from the events so far.
     pub(super) fn begin_first(&mut self) {
         let Some((ended, slip)) = self.ended.as_mut().zip(self.pending.as_ref()) else { return };
         let noise_n2 = self.learnt.fitted_noise_n2(slip);
@@ -45,7 +46,7 @@ impl CycleTracker {
         ended.progress = Progress::Answering(FirstAnswer { expected, fitting, left });
     }
 
-    /// One step of the fit for it.
+    /// One step of the fit for the first answer.
     pub(super) fn step_first(&mut self) {
         let Some((ended, slip)) = self.ended.as_mut().zip(self.pending.as_ref()) else { return };
         let Progress::Answering(FirstAnswer { expected, fitting, left }) = &mut ended.progress
@@ -60,13 +61,12 @@ impl CycleTracker {
         }
     }
 
-    /// Does a fit show the pending slip?
+    /// Has the fit converged to the pending slip?
     pub(super) fn shows_slip(&self, fit: &Fit) -> bool {
         fit.converged && self.pending.as_ref().is_some_and(|slip| slip.holds(&fit.shape))
     }
 
-    /// The first answer by a fit, with all that the events so far tell of the cable and of the
-    /// noise, as the event itself will have it.
+    /// The first answer from a fit, with the same priors and noise as the event itself will have.
     pub(super) fn first_answer(&self, mut fit: Fit) -> Option<Provisional> {
         let slip = self.pending.as_ref()?;
         let noise_n2 = self.learnt.fitted_noise_n2(slip);
@@ -84,21 +84,21 @@ impl CycleTracker {
         }
         let Posterior { cycle, static_n2, dynamic_n2, .. } = at;
         let (shift_n, shift_n2) = self.shift(slip, &cycle);
-        // The lowest sample, which is about a quarter of `Fp`, may be one of a cable that flops.
+        // The lowest sample has a weight of about a quarter in `Fp`, and the cable may flop there.
         let flop_n2 = (1.0 / slip.rest_weight - 1.0) * noise_n2 / 16.0;
         let mu = || {
             let variance_n2 = dynamic_n2 + shift_n2 + flop_n2;
             self.site().coefficient(cycle.dynamic_n() - shift_n, variance_n2)
         };
         let mu_s = self.site().coefficient(cycle.static_n, static_n2);
-        // On a slack cable only the time at zero tells `mu`.
+        // On a slack cable only the time at zero force determines `mu`.
         Some(Provisional { mu_s, mu: cycle.is_taut().then(mu) })
     }
 }
 
-/// Data of the first answer: all samples but the newest, by which the slip was seen to be over, and
-/// which so is more often too high than too low. While the swing is not known no sample can be
-/// spared.
+/// Data of the first answer: all samples but the newest. The detector saw the end of the slip by
+/// that sample, so it is more often too high than too low. While the swing is unknown every sample
+/// is needed.
 fn data<'a>(expected: &Expected, slip: &'a SlipRecord, knows_omega: bool) -> Data<'a> {
     let mut data = expected.data(slip, &Line::NONE);
     let before = data.samples.forces_n.split_last().filter(|_| knows_omega);

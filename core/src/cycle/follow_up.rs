@@ -1,4 +1,4 @@
-//! What follows from the end of a stick line: it is taken up when the fit before it is done.
+//! Steps that follow the end of a stick line. They begin when the fit of the event before is done.
 
 use crate::cycle::CycleTracker;
 use crate::cycle::cycle_fit::CycleFit;
@@ -10,30 +10,33 @@ use crate::event::{Provisional, Reason};
 use crate::model::elongation::Elongation;
 use crate::sample::{SampleTime, since};
 
-/// Time to gather a slip, in units of 160 instructions on the board.
+/// Time to gather the samples of a slip, in units of 160 instructions on the board.
 const SLIP: usize = 18;
-/// To follow both lines of a cable that sags anew, or to take an oscillation about a line.
+/// Time to refit both lines of a sagging cable, or to estimate an oscillation about a line.
 const BENT: usize = 36;
-/// To guess where its fit begins, and to compare several guesses.
+/// Time to guess where the fit of a slip begins, and to compare several guesses.
 const GUESS: usize = 9;
 const GUESSES: usize = 33;
-/// To give the event before its lines, and for a first answer.
+/// Time to give the event before its lines, and time for a first answer.
 const LINES: usize = 12;
 const ANSWER: usize = 12;
 
-/// Events from which on a stick line begins with the samples right after a slip: without any, nothing
-/// tells yet whether the cable flops there. Tuned: with none the mean `mu_s` of a record with flop is off
-/// at times, with two one more event of a thousand with stamps that jitter is far off.
+/// Number of events from which on a stick line begins with the samples right after a slip: before
+/// the first event nothing shows whether the cable flops there. Tuned: with none the mean `mu_s` of
+/// a record with flop is at times biased, with two one more event of a thousand with stamps that
+/// jitter is an outlier.
 const FLOP_SEEN: u32 = 1;
-/// A line with fewer samples than this needs them from the first event on, and tells no flop.
+/// A line with fewer samples than this needs the samples after a slip from the first event on; it
+/// is too short to show flop.
 const BRIEF: u32 = 8;
 
 impl CycleTracker {
-    /// Time that the next step takes, in those units.
+    /// Time of the next step, in units of 160 instructions on the board.
     pub(super) fn takes(&self, ended: &Ended, detector: &Detector) -> usize {
         match (&ended.progress, &self.pending) {
             (Progress::Waiting, pending) => {
-                // What the slip before this one has in its rests, this one may have.
+                // An oscillation in the rests of the slip before this one may be in the rests of
+                // this one too.
                 let swings = pending.as_ref().is_some_and(|slip| slip.wander.is_disputed());
                 SLIP + if swings || ended.may_sag(&self.learnt, detector) { BENT } else { 0 }
             }
@@ -43,7 +46,7 @@ impl CycleTracker {
             (Progress::Gathered, _) => GUESS,
             (Progress::Answering(answer), Some(slip)) => answer.expected.pass(slip),
             (Progress::Answering(_) | Progress::Answered(_), _) => {
-                // Whether a long fall is even is asked of each of its samples.
+                // The test for an even fall looks at each sample of a long fall.
                 let fall = self.finishing.as_ref().map_or(0.0, |fit| fit.slip.fall());
                 let is_bent = self.finishing.as_ref().is_some_and(|CycleFit { slip, .. }| {
                     slip.elongation.sags() || slip.wander.is_disputed()
@@ -53,7 +56,7 @@ impl CycleTracker {
         }
     }
 
-    /// Takes the next step; the fit of the event before is done.
+    /// Does the next step; the fit of the event before is done.
     pub(super) fn follow_up(&mut self, detector: &Detector, first: &mut Option<Provisional>) {
         match self.ended.as_ref().map(|ended| &ended.progress) {
             Some(Progress::Waiting) => self.take_up(detector),
@@ -64,15 +67,15 @@ impl CycleTracker {
         }
     }
 
-    /// Takes up what has ended: the pending event can be fitted soon, and the slip becomes the
-    /// pending one. The lines of the event are given when a first answer on the slip tells its
-    /// onset.
+    /// Takes up the end of a stick line: the pending event becomes the one to be fitted, and the
+    /// slip that ended the line becomes the pending one. The event gets its lines later, when the
+    /// first answer on that slip gives the onset.
     #[inline(never)]
     fn take_up(&mut self, detector: &Detector) {
         let Some(ended) = &self.ended else { return };
         let Ended { stick, by, .. } = ended;
         let (start, may_sag) = (self.start(stick), ended.may_sag(&self.learnt, detector));
-        // Not by `map`, so that it is made where it is kept.
+        // Not with `map`: the fit is constructed in place.
         self.finishing = None;
         if let Some(before) = &self.pending {
             self.finishing = Some(CycleFit::new(before));
@@ -117,14 +120,14 @@ impl CycleTracker {
         }
     }
 
-    /// First index of an event's samples: where the stick line ends, or right after
-    /// the cable began to load when the block rested too briefly for a line.
+    /// First index of an event's samples: where the stick line ends, or, after a rest too brief for
+    /// a line, right after the cable began to load.
     fn start(&self, stick: &Stick) -> u32 {
         let load = if stick.line.count < 3 { self.newest_load() } else { None };
         load.map_or(stick.next, |load| stick.next.min((load + 1).max(stick.next.saturating_sub(4))))
     }
 
-    /// The last index before the cable of a resting block last began to load, as far as is known yet.
+    /// The last index before the cable of a resting block last began to load, as estimated so far.
     fn newest_load(&self) -> Option<u32> {
         match &self.pending {
             Some(slip) => {
@@ -134,8 +137,8 @@ impl CycleTracker {
         }
     }
 
-    /// Gives the event before its lines, up to the next onset as a first answer has it, and that
-    /// answer. With that the end of the line has been followed up.
+    /// Gives the event before its lines, up to the next onset of the first answer, and returns that
+    /// answer. This is the last step for the end of a line.
     #[inline(never)]
     fn give_lines(&mut self, detector: &Detector) -> Option<Provisional> {
         let ended = self.ended.as_ref()?;

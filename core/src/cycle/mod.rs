@@ -5,10 +5,10 @@
 //!  mu_s      pending      first answer       finishing: fit     outcome: the event
 //! ```
 //!
-//! While a slip's stick line grows it is *pending*; when the next slip has ended that
-//! line it is *finishing*: its fit is made. All that takes long, a first answer from what the
-//! other events tell included, is made in steps, one after the other, as many as a sample has
-//! time for ([`CycleTracker::work`]). A slip that ends before the fit under way waits in `ended`.
+//! While the stick line after a slip still grows, the slip is *pending*. When the next slip has
+//! ended that line, the event is *finishing*: its fit is made. Fits and first answers take longer
+//! than one sample period, so they are made in steps, as many per sample as there is time for
+//! ([`CycleTracker::work`]). A slip that ends before the current fit waits in `ended`.
 
 mod cable;
 mod change;
@@ -41,12 +41,12 @@ use crate::sample::{ForcePoint, SampleTime};
 /// A complete event.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Finished {
-    /// The best that is known of it.
+    /// The event, with all corrections applied.
     pub event: Event,
-    /// `mu_s` and `mu` without what other events told of the loading rate, for means over events:
-    /// what they told would be the same error in all of them.
+    /// `mu_s` and `mu` estimated without the prior of the loading rate, for means over events: the
+    /// error of that prior is the same in all events and does not average out.
     pub alone: Option<(Coefficient, Coefficient)>,
-    /// Part of their standard deviations that is common to all events.
+    /// Part of the standard deviations of `mu_s` and `mu` that is common to all events.
     pub common: (f32, f32),
     /// A change that this event showed.
     pub change: Option<Change>,
@@ -68,7 +68,7 @@ pub(crate) struct CycleTracker {
     pending: Option<SlipRecord>,
     /// The slip before it, being fitted.
     finishing: Option<CycleFit>,
-    /// What has ended the stick line after `pending`, until the next slip's first answer is there.
+    /// The end of the stick line after `pending`, kept until the next slip has its first answer.
     ended: Option<Ended>,
     levels: Kept<Levels, { Effect::Level.room() }>,
     /// The first event after what may be a change: its number and its onset.
@@ -76,11 +76,12 @@ pub(crate) struct CycleTracker {
     /// Stop of the last event, and the last index before its cable began to load again.
     last_stop: Option<SampleTime>,
     last_load: Option<u32>,
-    /// Stop of the last event, the force there, N, and its variance, N², if a cable that sags can be
-    /// told by it.
+    /// Stop of the last event, the force there, N, and its variance, N², where the following rest
+    /// can determine the sag of the cable.
     rested: Option<(SampleTime, f32, f32)>,
     count: u32,
-    /// A slip was seen to take time: the block slides, and it is no hand that lets the cable go.
+    /// At least one slip of this test has a sample on its fall. A hand that lets the cable go shows
+    /// none.
     slides: bool,
     recurrence: Recurrence,
     slackness: Slackness,
@@ -110,13 +111,13 @@ impl CycleTracker {
         }
     }
 
-    /// Takes the number of the last event back: it was none.
+    /// Decrements the event count: the last event turned out to be no slip.
     pub(crate) fn withdraw(&mut self) {
         self.count = self.count.saturating_sub(1);
     }
 
-    /// The block rests again; `last_hidden` is the newest saturated index. An event that has to be
-    /// completed for that is in `answers`, see [`Self::end_line`].
+    /// The block rests again; `last_hidden` is the newest saturated index. An event that this
+    /// completes is returned in `answers`, see [`Self::end_line`].
     pub(crate) fn restick(
         &mut self,
         detector: &Detector,
@@ -125,20 +126,20 @@ impl CycleTracker {
         answers: &mut Answers,
     ) {
         let stick = detector.ended();
-        // Where samples wait it may lie past all that were looked at.
+        // While samples wait, `last_hidden` may lie past the last one looked at.
         let last = detector.last().index;
         let hides = last_hidden.is_some_and(|index| index + 4 >= stick.next && index <= last);
         self.end_line(detector, Ended::by_slip(detector, extremes, hides), answers);
     }
 
-    /// A long gap: ends the pending event with the stick line that has ended.
+    /// A long gap: the stick line that it ends also ends the pending event.
     pub(crate) fn lose(&mut self, detector: &Detector, answers: &mut Answers) {
         self.end_line(detector, Ended::by_loss(detector.ended(), detector.lost()), answers);
     }
 
-    /// Takes the end of the stick line after the pending slip. If an earlier one still waits, all
-    /// that is left of it is done at once: samples have waited as long as there is room, or a gap
-    /// has ended a line. The event that was being fitted then is in `answers`.
+    /// Takes the end of the stick line after the pending slip. If an earlier end still waits, all
+    /// its remaining steps are done at once: the buffer of samples is full, or a gap has ended a
+    /// line. An event completed by these steps is returned in `answers`.
     fn end_line(&mut self, detector: &Detector, ended: Ended, answers: &mut Answers) {
         while self.ended.is_some() {
             self.advance(detector, answers);
@@ -146,7 +147,7 @@ impl CycleTracker {
         self.ended = Some(ended);
     }
 
-    /// Is there nothing to be done?
+    /// Is no step left to do?
     #[must_use]
     pub(crate) fn is_idle(&self) -> bool {
         self.finishing.is_none() && self.ended.is_none()
@@ -158,7 +159,7 @@ impl CycleTracker {
         self.ended.is_some()
     }
 
-    /// Does as much of what is to be done as a sample has time for, and at least one step.
+    /// Does as many steps as the time of a sample allows, and at least one.
     pub(crate) fn work(&mut self, detector: &Detector, answers: &mut Answers) {
         let time = if detector.waiting() > LATE { MOST_TIME } else { TIME };
         let mut left = time.saturating_sub(detector.spent());
@@ -172,11 +173,10 @@ impl CycleTracker {
         }
     }
 
-    /// One step of what is to be done. A fit for which too many samples wait looks at no more
-    /// places of an onset.
+    /// Does the next step. A fit tries no more places of an onset when too many samples wait.
     #[inline(never)]
     fn advance(&mut self, detector: &Detector, answers: &mut Answers) {
-        // Until the fit under way is done, what has ended has to wait.
+        // An ended line that has not been taken up waits until the current fit is done.
         let waits = self.ended.as_ref().is_none_or(Ended::waits);
         let Some(fit) = self.finishing.as_mut().filter(|_| waits) else {
             return self.follow_up(detector, &mut answers.first);
@@ -186,8 +186,7 @@ impl CycleTracker {
         }
     }
 
-    /// Time that the next step takes, in the units of [`TIME`]; zero if there is nothing to be
-    /// done.
+    /// Time of the next step, in the units of [`TIME`]; zero if no step is left.
     fn next_takes(&self, detector: &Detector) -> usize {
         match (&self.ended, &self.finishing) {
             (Some(ended), finishing) if finishing.is_none() || !ended.waits() => {
@@ -198,7 +197,7 @@ impl CycleTracker {
         }
     }
 
-    /// Ends the test: does all that is left, one event a call, until `None`.
+    /// Ends the test: completes the remaining events, one per call, until `None`.
     pub(crate) fn finish(&mut self, detector: &Detector) -> Option<Finished> {
         let mut answers = Answers::default();
         while answers.finished.is_none() {
@@ -223,8 +222,8 @@ pub(crate) struct Answers {
 }
 
 /// Time of a sample, in units of 160 instructions on the board, as the emulator counts them
-/// (`docs/firmware.md`): with what the detector takes at rest, less than 12 000.
+/// (`docs/firmware.md`); with the detector's share at rest, less than 12 000 instructions.
 const TIME: usize = 62;
-/// Samples that wait beyond which there is more of it: half of the window.
+/// Number of waiting samples above which a sample's time is [`MOST_TIME`]: half of the window.
 const LATE: u32 = 128;
 const MOST_TIME: usize = 69;

@@ -11,30 +11,32 @@ use crate::num::math::larger;
 use crate::sample::SampleTime;
 use crate::stats::line::Line;
 
-/// Least rest between slow slips, swings. An oscillation of the force, which rises as it falls, is
-/// fitted by slips with rests of half a swing to one, whatever its period.
+/// Least rest between slow slips, in units of the swing `1/ω`. A smooth oscillation of the force,
+/// which rises as it falls, is fitted by slips with rests of half a swing to one, whatever its
+/// period.
 const SWINGS: f32 = 1.4;
 
-/// What speaks for and against a fit.
+/// Evidence for and against a fit.
 #[derive(Clone, Copy, Debug, Default)]
 struct Belief {
-    /// The slip looks like one that is made of samples of many faster slips.
+    /// The slip is an alias: made of single samples of many faster slips.
     folded: bool,
-    /// Loading rate and swing are those of one cable, by the speed of the winch.
+    /// Loading rate and swing give the same stiffness of the cable, at the known speed of the
+    /// winch.
     agrees_with_winch: bool,
-    /// The loading rate, the drop or the rest may be nothing.
+    /// The loading rate, the drop or the rest does not differ significantly from zero.
     unsure: bool,
 }
 
 impl CycleTracker {
-    /// The fit has ended: gives the event, with its times kept between the stop of the event before
-    /// and the peak of the next slip.
+    /// Ends the fit and gives the event, its times limited to the interval from the stop of the
+    /// event before to the peak of the next slip.
     pub(super) fn end(&mut self, outcome: Outcome) -> Option<Finished> {
         let CycleFit { slip, after, mut measured, .. } = self.finishing.take()?;
         let slip = &slip;
         let (mut finished, load) = match outcome {
             Outcome::Failed(reason) => {
-                // The rest before a slip without a fit, and the rest after it, are not one.
+                // The rest before this slip and the rest after it must not be taken for one.
                 self.rested = None;
                 (self.without_coefficients(slip, reason).into(), None)
             }
@@ -59,7 +61,7 @@ impl CycleTracker {
         Some(finished)
     }
 
-    /// The event of a fit, and the moment at which its cable begins to load again.
+    /// The event of a fit, and the time at which its cable begins to load again.
     fn fitted(
         &mut self,
         slip: &SlipRecord,
@@ -79,15 +81,16 @@ impl CycleTracker {
         let event = self.measured(slip, posterior, &shape, shift);
         let mut finished = self.judged(event, alone, posterior, shift, *verdict);
         if event.slack && !slip.shows(after, loads) {
-            // How far the block slid on a slack cable was not seen.
+            // The samples do not show how far the block slid while the cable was slack.
             (finished.event.mu, finished.alone) = (None, None);
             finished.event.reason = finished.event.reason.or(Some(Reason::TooShort));
         }
         (finished, SampleTime::after(slip.origin, loads))
     }
 
-    /// Why an event that has no reason yet is not believed: by all events of late, or, where the
-    /// next slip follows soon, by this one alone. `fit` is what was fitted, if anything was.
+    /// Why an event is refused: by its own fit, or because most recent events look aliased; where
+    /// the next slip follows within [`FAST`] periods, any refusal counts as a sign of that. `fit`
+    /// is the posterior.
     #[inline(never)]
     fn refused(
         &mut self,
@@ -102,7 +105,7 @@ impl CycleTracker {
         let overlaps = (overlaps && event.reason.is_none()).then_some(Reason::NoFit);
         let Belief { folded, agrees_with_winch, unsure } =
             fit.map(|posterior| self.of_fit(posterior, slip.limit)).unwrap_or_default();
-        // Without any line a slack cable that loads within two samples shows no loading rate.
+        // Without a stick line, a slack cable that loads within two samples shows no loading rate.
         let is_steep = |it: &Posterior| 2.0 * it.cycle.rate > it.cycle.static_n;
         let has_line = slip.before.count + after.count > 0;
         let loads_fast = event.slack && !has_line && fit.is_some_and(is_steep);
@@ -112,9 +115,9 @@ impl CycleTracker {
         let hangs = fit.filter(|_| event.slack).is_some_and(|it| self.slackness.is_long(it));
         let hangs = hangs.then_some(Reason::LetGo);
         let reason = refusal::of_event(event).or(hangs).or(overlaps).or(without_rest);
-        // What is not believed for reasons of its own is no sign that the others are folded: but of
-        // slips in quick succession any reason is one, of slower slips that the force does not take
-        // the course of a slip.
+        // An event refused for reasons of its own is no evidence that the others are aliased,
+        // except: among fast slips any reason is evidence; among slow ones, that the force does not
+        // take the course of a slip.
         let doubted = reason.or(event.reason).is_some_and(|it| is_fast || it.is_of_shape());
         let doubtful =
             self.recurrence.is_folded(folded || doubted) && fit.is_some() && !agrees_with_winch;
@@ -122,12 +125,12 @@ impl CycleTracker {
         reason.or(doubtful.then_some(why))
     }
 
-    /// What speaks for and against a fit, where the next slip is at its time, periods.
+    /// Evidence for and against a fit; the next slip is at the time `next`, periods.
     fn of_fit(&self, posterior: &Posterior, next: f32) -> Belief {
         let Posterior { cycle, unknowns, .. } = posterior;
         let (site, learnt) = (self.site(), &self.learnt);
         let (rate, swing) = (learnt.rate.now(), learnt.mass.inverse_omega().now());
-        // Told by all events, not by a single one.
+        // Decided by the mean swing of all events, not by that of a single one.
         let is_clear = learnt.knows_omega() && core::f32::consts::PI * swing.0 > CLEAR;
         let periods = next - cycle.onset;
         let learnt = RootStiffnessRatio::new(&site, rate, swing);
@@ -136,13 +139,13 @@ impl CycleTracker {
         let is_fast = periods < FAST;
         let own = RootStiffnessRatio::new(&site, rate, (cycle.inverse_omega(), unknowns[4]));
         let agrees_with_winch = own.is_one();
-        // An oscillation of the force can be fitted as slips as well, but without a sample that is
-        // surely at rest, or a rest that is longer than part of a slow oscillation. Not so a slip
-        // that the winch asks for.
+        // A smooth oscillation of the force can be fitted as slips as well, but without a sample
+        // that is surely at rest, or with rests shorter than `SWINGS` if it is slow. A slip whose
+        // stiffness agrees with the winch needs no such rest.
         let least = if is_fast { 1.0 } else { SWINGS * cycle.inverse_omega() };
         let rests = (2.0 * drop.0 - least * rate.0, 4.0 * drop.1 + least * least * rate.1);
         let shown = if agrees_with_winch { drop } else { rests };
-        // Without a load nothing slips.
+        // Without a positive loading rate nothing slips.
         let unsure = !refusal::is_no_chance(rate) || !refusal::is_no_chance(shown);
         if !is_fast {
             return Belief { folded, unsure, ..Belief::default() };
@@ -152,7 +155,7 @@ impl CycleTracker {
         Belief { folded, agrees_with_winch, unsure: unsure || own.is_low() }
     }
 
-    /// An event with its coefficients; with omega where the slip shows it.
+    /// The event with its coefficients, and with omega where the slip is resolved.
     fn measured(
         &self,
         slip: &SlipRecord,
@@ -177,7 +180,7 @@ impl CycleTracker {
         event
     }
 
-    /// Times and forces of an event, its coefficients left open.
+    /// Times and forces of an event; its coefficients are left open.
     fn bare(&self, slip: &SlipRecord, cycle: &CycleParams, shape: &Shape) -> Event {
         let hz = self.site.rate_hz;
         let onset = SampleTime::after(slip.origin, cycle.onset);
@@ -203,7 +206,7 @@ impl CycleTracker {
         }
     }
 
-    /// An event that was seen and not measured, by its highest and its lowest sample.
+    /// An event without coefficients: forces of its highest and lowest sample, times of its fall.
     fn without_coefficients(&self, slip: &SlipRecord, reason: Reason) -> Event {
         let (onset, stop) = slip.fall_edges();
         let fall = stop - onset;

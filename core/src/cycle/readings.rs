@@ -1,4 +1,4 @@
-//! What others may read of the events so far: noise, rate, omega, effects, weight.
+//! Estimates that other modules read: noise, rate, omega, effects, weight.
 
 use crate::coefficient::Site;
 use crate::cycle::CycleTracker;
@@ -13,7 +13,7 @@ use crate::num::math;
 use crate::stats::quantity::Quantity;
 
 impl CycleTracker {
-    /// Standard deviation of the noise, N, by the residuals of all fits.
+    /// Standard deviation of the noise, N, from the residuals of all fits.
     #[must_use]
     pub(crate) fn noise_n(&self) -> Option<f32> {
         self.learnt.residuals.variance_n2().map(math::sqrt)
@@ -25,8 +25,8 @@ impl CycleTracker {
         self.learnt.creep_periods()
     }
 
-    /// Loading rate, N/s, and omega, rad/s, that the next event is expected to have, each with its
-    /// standard deviation; omega unless that is a third of it or more.
+    /// Loading rate, N/s, and omega, rad/s, expected for the next event, each with its standard
+    /// deviation. Omega is `None` where its standard deviation is a third of it or more.
     #[must_use]
     pub(crate) fn shared(&self) -> (Option<Quantity>, Option<Quantity>) {
         let hz = self.site.rate_hz;
@@ -53,7 +53,7 @@ impl CycleTracker {
         rate.mean().zip(swing).map_or(0.0, |(rate, swing)| rate * swing)
     }
 
-    /// Which effects the events show, but for levels and drifts.
+    /// The effects found in the events, except changes of level and drifts.
     #[must_use]
     pub(crate) fn found(&self) -> Effects {
         let Expectations { corner, damping, onset, rate, rate_change, .. } = &self.learnt;
@@ -61,7 +61,7 @@ impl CycleTracker {
         Effects::NONE
             .with(Effect::Corner, corner.get().is_some_and(|corner| !corner.is_sharp()))
             .with(Effect::Sag, sags)
-            // What a cable that sags does to the rate is the sag's.
+            // A sagging cable changes the rate as well: that is attributed to the sag.
             .with(Effect::Stiffening, !sags && stiffening::is_found(rate, rate_change))
             .with(Effect::Mass, self.weight_ratio().1 > 0.0)
             .with(Effect::Damping, damping.read(Damping::is_found))
@@ -103,7 +103,7 @@ impl CycleTracker {
         self.site.slope
     }
 
-    /// The force, N, that a coefficient is at the weight in use.
+    /// The force, N, of a coefficient at the weight in use.
     #[must_use]
     pub(crate) fn force_n(&self, coefficient: f32) -> f32 {
         let site = self.site();

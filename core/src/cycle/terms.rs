@@ -1,4 +1,4 @@
-//! What an event's residuals tell of the force terms and the oscillations that its fit lacks.
+//! Score tests of an event's residuals for force terms and oscillations that its fit lacks.
 
 use core::ops::Range;
 
@@ -16,21 +16,20 @@ use crate::noise::ripple::ColoredNoise;
 use crate::noise::sinusoid::Sinusoid;
 
 impl Expectations {
-    /// Are there force terms to ask events for? Where none is compiled in that is known at compile
-    /// time.
+    /// Are there force terms to test for? False at compile time where none is compiled in.
     #[inline(always)]
     pub(crate) fn asks(&self) -> bool {
         let terms = [Effect::Damping, Effect::Onset, Effect::Corner];
         terms.into_iter().any(|effect| self.effects.has(effect))
     }
 
-    /// Is the event to be asked for its corners? Counts it.
+    /// Is the event due for a test of its corners? Counts the event.
     pub(crate) fn asks_corner(&mut self, used: &Corner) -> bool {
         self.effects.has(Effect::Corner) && self.corner.update(|corner| corner.is_due(used))
     }
 
-    /// Learns the corners from what the event's levels told, and moves what was learnt of rate,
-    /// swing and rate change along with them. Gives the correction of the event itself.
+    /// Learns the corners from the score test of an event, and moves the estimates of rate, swing
+    /// and rate change accordingly. Returns the correction of the event itself.
     pub(crate) fn learn_corner(
         &mut self,
         used: Corner,
@@ -48,8 +47,8 @@ impl Expectations {
         effect
     }
 
-    /// Learns from an event, if it `teaches`, whether an oscillation about its lines, which is known
-    /// about either, is the cable's or the cell's; gives the correction of its forces that follows.
+    /// Learns from an event, if it `teaches`, whether the oscillation about its two lines is the
+    /// cable's or the cell's. Returns the correction of the event's forces.
     pub(crate) fn learn_oscillation(
         &mut self,
         wander: &ColoredNoise,
@@ -68,7 +67,7 @@ impl Expectations {
         })
     }
 
-    /// Asks levels of the event for the force terms that only widen: losses, and the two of the
+    /// Adds levels to the score test of the terms that only widen: losses, and the two of the
     /// onset.
     pub(crate) fn ask_scores(
         &self,
@@ -85,11 +84,12 @@ impl Expectations {
         }
     }
 
-    /// Learns what all levels told of these terms; gives the variance of `Fs` by them, N².
+    /// Learns these terms when all levels are in. Returns the variance that they add to `Fs`, N².
     pub(crate) fn learn_scores(&mut self, asked: &mut Asked, alone: &Alone, noise_n2: f32) -> f32 {
         asked.free(alone);
         if self.effects.has(Effect::Damping) {
-            // The slip of a cable that sags is no ellipse, which looks like losses of a tenth and more.
+            // The slip of a sagging cable is no ellipse, which looks like a damping ratio of a
+            // tenth or more.
             let sags = self.sags();
             self.damping.update(|damping| {
                 if sags {

@@ -1,15 +1,15 @@
-//! Losses in the cable or the air, from what the fits leave over.
+//! Damping ratio of the losses in cable or air, estimated from the residuals of the fits.
 //!
-//! With a damping ratio `D` the force decays towards `Fp`, `F − Fp = e^(−D ωτ) (d cos ωτ + q sin
-//! ωτ)` to first order. An event that is fitted without it leaves `−ωτ (F − Fp)` times `D`: a force
-//! term, whose score tells `D` (`effects/score.rs`), to about ±.018 after ten events and ±.008
-//! after fifty.
+//! With a damping ratio `D` the force decays towards `Fp`,
+//! `F − Fp = e^(−D ωτ) (d cos ωτ + q sin ωτ)` to first order. A fit without it leaves the residual
+//! `−D ωτ (F − Fp)`. This is a force term, and its score (`effects/score.rs`) determines `D` to
+//! about ±.018 after ten events and ±.008 after fifty.
 //!
-//! What is found is never taken off, since friction that varies along the slip looks much the same.
-//! It widens the stated prior, by `D̂²` in the variance, however little is sure of it. With `D ~
-//! N(0, s²)` the events are most likely under `s² = D̂² − var D̂`; but a `D̂` that came out low by
-//! chance must not hide losses, so it counts as a little more ([`LOW`]). Losses that are stated to
-//! be known exactly, with 0, stay so.
+//! The estimate `D̂` never corrects a value, since friction that varies along the slip has nearly
+//! the same residual. It widens the stated prior by `D̂²` in the variance, significant or not. With
+//! `D ~ N(0, s²)` the likelihood is largest for `s² = D̂² − var D̂`; but a `D̂` that came out low
+//! by chance must not hide losses, so it counts as a little more ([`LOW`]). Losses that are stated
+//! to be known exactly, with 0, stay so.
 
 use crate::config::InputStd;
 use crate::effect::Parameter;
@@ -18,25 +18,26 @@ use crate::model::{CycleParams, Shape};
 use crate::num::math;
 use crate::stats::normal_equations::Gradient;
 
-/// Part of the stated standard deviation by which a damping ratio above zero may have come out low by
-/// chance, up to twice what was found: few events tell it to less than that. Tuned: without it drag of
-/// 30 N s/m, two and a half of the usual stated standard deviations, is covered by .70 of the intervals
-/// of `mu` of two-minute records, with it by .92; with 1 that is the same, and they are a ninth wider.
+/// Part of the stated standard deviation that is added to a damping ratio above zero, which may
+/// have come out low by chance; at most the ratio is doubled. Few events determine it better.
+/// Tuned: drag of 30 N s/m is two and a half of the default standard deviations. Without this, .70
+/// of the intervals of `mu` of two-minute records cover with that drag, with it .92; with 1 as many
+/// do, and the intervals are a ninth wider.
 const LOW: f32 = 0.5;
 
-/// The damping ratio, a term's amplitude, as the events tell it.
+/// The damping ratio, estimated as the amplitude of a force term.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Damping(pub(crate) ScoreSum);
 
-/// Force by losses with a ratio of one, N, to first order, at a time since the onset at which the
-/// model has this gradient: the force decays towards `Fp`, `−ωτ (F − Fp)`, and the line after the
-/// stop, where `F − Fp = −d`, keeps the force it has there.
+/// Force by losses with a damping ratio of one, N, to first order, at a time since the onset, from
+/// the model's gradient at that time. The slip decays towards `Fp` by `−ωτ (F − Fp)`; the line
+/// after the stop, where `F − Fp = −d`, keeps the shift it has at the stop.
 ///
-/// What `sin ωτ` adds is left out: losses in the cable have the opposite of those in the air, and
-/// an onset that is a little earlier or later has the same.
+/// The term in `sin ωτ` is left out: its sign is opposite for losses in the cable and in the air,
+/// and a shift of the onset has the same form.
 ///
-/// On the line after the slip losses are a smaller drop. That drop is taken out of the term, so
-/// that only the slip's samples tell the rest, which is no small difference of large sums.
+/// On the line after the slip losses look like a smaller drop. That drop is subtracted from the
+/// term, so that only the slip's samples determine `D`, without a small difference of large sums.
 pub(crate) fn term_n(shape: &Shape) -> impl Fn(f32, &Gradient) -> f32 {
     let CycleParams { omega, rate, half_drop_n, .. } = *shape.cycle();
     let slide = shape.slide_time();
@@ -49,7 +50,7 @@ pub(crate) fn term_n(shape: &Shape) -> impl Fn(f32, &Gradient) -> f32 {
 }
 
 impl Damping {
-    /// The stated standard deviation, widened by what the events show, from the third one on.
+    /// The stated standard deviation, from the third event on widened by the estimated losses.
     pub(crate) fn std(&self, stated: f32) -> f32 {
         if !self.0.counts() || stated <= 0.0 {
             return stated;
@@ -127,8 +128,8 @@ mod tests {
         }
     }
 
-    /// What is stated is never narrowed, what is found widens it, and a little more than that; what
-    /// is stated to be exact stays so.
+    /// The stated value is never narrowed; an estimate widens it by its size and a little more; a
+    /// value stated to be exact stays exact.
     #[test]
     fn what_is_found_widens_what_is_stated() {
         let stated = 0.005;

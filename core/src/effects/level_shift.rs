@@ -1,20 +1,20 @@
-//! Have the forces gone to another level?
+//! Detection of a change in the level of the forces.
 //!
-//! Friction scatters and wanders from event to event; a change is more than that: the middle half
-//! of the last eight events' `Fs` or `Fp` lies elsewhere than the events before, by several times
-//! what such differences have been so far. The scale is learnt from the differences themselves, so
-//! it knows the scatter, the wandering and the drifts of this very test.
+//! Friction scatters and wanders between events. A change is larger: the mean of the middle half of
+//! the last eight events' `Fs` or `Fp` differs from the mean before them by several times the root
+//! mean square of such differences so far. That scale is estimated from the differences themselves,
+//! so it includes the scatter, the wander and the drifts of this test.
 
 use crate::num::math::{larger, smaller};
 use crate::sample::SampleTime;
 
-/// Why the forces changed, as far as the events tell.
+/// Why the forces changed, as far as the events determine it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
 pub enum Cause {
-    /// The block's mass changed: so says omega.
+    /// The block's mass changed, since omega did.
     Mass,
     /// Omega is the same: the friction changed.
     Friction,
@@ -29,30 +29,35 @@ pub enum Cause {
 pub struct Change {
     /// Index of the first event after the change.
     pub event: u32,
-    /// Onset of that event; where the level of the forces tells it, of the event that did.
+    /// Onset of that event; of a change found by the level of the forces, the onset of the event
+    /// that showed it.
     pub onset: SampleTime,
     /// What changed.
     pub cause: Cause,
-    /// Weight in use from there on over the given one.
+    /// Weight in use from that event on, over the given one.
     pub weight_ratio: f32,
-    /// Its standard deviation, common to all coefficients from there on.
+    /// Standard deviation of the ratio, common to all coefficients from that event on.
     pub weight_ratio_std: f32,
 }
 
-/// Events that make a level: two that are far off, to either side, do not move their middle half.
+/// Number of events in a level: two outliers on either side do not shift the mean of their middle
+/// half.
 const RECENT: usize = 8;
-/// Events over which the mean before, and the usual differences, fade: so many that this mean is surer
-/// than the level that is compared with it (1/24 of the variance and .15). More follow less of what
-/// wanders.
+/// Memory, in events, of the mean before and of the mean squared differences. The variance of this
+/// mean, 1/24 of an event's, is then well below that of the level compared with it, .15. More
+/// events follow less of a wander.
 const MEMORY: f32 = 24.0;
-/// Events before which there is no mean to differ from: as many as make a level.
+/// Number of events in the mean before, from which on a level is compared with it: as many as in a
+/// level.
 const FEWEST: f32 = 8.0;
-/// Sum of both forces' squared differences, over their usual squares, beyond which the level
-/// changed: seven standard deviations. Few levels tell what is usual, and every event is asked.
+/// Sum of both forces' squared differences, each over its mean square, beyond which the level has
+/// changed: seven standard deviations. Few levels determine the mean square, and every event is
+/// tested.
 const FAR_SQUARED: f32 = 49.0;
-/// Such a square beyond which a difference is no longer learnt as a usual one: two standard deviations.
+/// Ratio of a squared difference to the mean square at which it is clipped for the mean: two
+/// standard deviations.
 const MOST_USUAL: f32 = 4.0;
-/// A smaller relative difference is not worth telling: as with a change of the mass (`LEAST` in
+/// Least relative change that is reported, the same as for a change of the mass (`LEAST` in
 /// `mass_change/swings.rs`).
 const LEAST: f32 = 0.05;
 
@@ -63,16 +68,16 @@ struct Level {
     recent: [f32; RECENT],
     /// Mean of the values before those, N.
     before: f32,
-    /// Mean of the middle half of the recent values, less that mean, N.
+    /// Mean of the middle half of the recent values, less `before`, N.
     off: f32,
-    /// Mean squares of a value's distance from the mean before, and of `off`, N².
+    /// Mean squares of a value's distance from `before`, and of `off`, N².
     scatter: f32,
     difference: f32,
 }
 
 impl Level {
-    /// Takes a value. `left` is the number of values that have left the recent ones since the last
-    /// change, `compared` that of the levels compared in all.
+    /// Adds a value. `left` is the number of values that have left the recent ones since the last
+    /// change, `compared` the number of levels compared in the test.
     fn add(&mut self, value: f32, left: f32, compared: f32) {
         let [oldest, rest @ ..] = self.recent;
         self.recent = [value; RECENT];
@@ -86,31 +91,32 @@ impl Level {
         if left >= FEWEST {
             self.off = middle_half(&self.recent) - self.before;
             let share = 1.0 / smaller(compared + 1.0, MEMORY);
-            // A change is not usual: what exceeds the usual by far counts for less.
+            // A change of level must not enter its own scale: large squares are clipped.
             let square = smaller(self.off * self.off, MOST_USUAL * self.usual());
             self.difference += share * (square - self.difference);
         }
     }
 
-    /// Usual square of `off`, N²: the one that was seen, or that of independent events if it is more.
+    /// Expected square of `off`, N²: the mean so far, or that of independent events if it is
+    /// larger.
     fn usual(&self) -> f32 {
         // Variances of the middle half of eight normal values, and of the mean before.
         const INDEPENDENT: f32 = 0.15 + 1.0 / MEMORY;
         larger(self.difference, INDEPENDENT * self.scatter)
     }
 
-    /// Starts anew, but for the usual difference.
+    /// Resets the level, except the mean square of the differences.
     fn forget(&mut self) {
         *self = Self { difference: self.difference, ..Self::default() };
     }
 
-    /// Squared difference in units of the usual one.
+    /// Squared difference over its expected value.
     fn score(&self) -> f32 {
         let usual = self.usual();
         if usual > 0.0 { self.off * self.off / usual } else { 0.0 }
     }
 
-    /// How many of the recent events in a row lie nearer to the new level.
+    /// Number of newest events in a row that lie nearer to the new level than to the old one.
     fn since(&self) -> u32 {
         let off = self.off;
         let is_new = |value: &&f32| (**value - self.before) * off > 0.5 * off * off;
@@ -132,17 +138,17 @@ fn middle_half(values: &[f32; RECENT]) -> f32 {
     0.25 * ranked.map(|(value, _)| value).sum::<f32>()
 }
 
-/// Follows the levels of `Fs` and `Fp`.
+/// The levels of `Fs` and `Fp`.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Levels {
-    /// Values taken since the last change, and levels compared in all, which outlast a change.
+    /// Values added since the last change; and levels compared in the test, also before a change.
     taken: f32,
     compared: f32,
     static_n: Level,
     dynamic_n: Level,
 }
 
-/// Where the levels changed.
+/// A change of the level.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct NewLevel {
     /// Number of events since the first one of the new level.
@@ -152,7 +158,7 @@ pub(crate) struct NewLevel {
 }
 
 impl Levels {
-    /// Takes an event's forces; `None` unless the level has changed.
+    /// Adds an event's forces. Returns `None` unless the level has changed.
     pub(crate) fn take(&mut self, static_n: f32, dynamic_n: f32) -> Option<NewLevel> {
         let left = self.taken - RECENT as f32;
         self.taken += 1.0;
@@ -174,7 +180,7 @@ impl Levels {
         Some(shift)
     }
 
-    /// Nothing before counts any more, but how much the levels usually differ.
+    /// Drops all values, except the mean squares of the differences.
     pub(crate) fn forget(&mut self) {
         self.taken = 0.0;
         self.static_n.forget();
@@ -192,7 +198,7 @@ mod tests {
         level_n * (1.0 + 0.17 * noise)
     }
 
-    /// Where changes are told, and since when.
+    /// Events at which changes are found, and the first event of the new level of each.
     fn told(forces: impl Iterator<Item = f32>) -> impl Iterator<Item = (usize, usize)> {
         let mut levels = Levels::default();
         forces.enumerate().filter_map(move |(i, force_n)| {

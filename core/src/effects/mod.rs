@@ -1,4 +1,5 @@
-//! Effects: what makes an event depart from line, ellipse, line, and what changes between events.
+//! Effects: departures of an event from the model of line, ellipse, line, and changes between
+//! events.
 
 pub(crate) mod corner;
 pub(crate) mod damping;
@@ -13,7 +14,7 @@ pub(crate) mod zero_drift;
 
 #[cfg(test)]
 mod synthetic {
-    //! Events of DFF8-13 with something that the model lacks, and noise.
+    //! Events of DFF8-13 with noise and an effect that the model lacks.
 
     use crate::fit::{Alone, Data, Fit, Samples};
     use crate::model::CycleParams;
@@ -25,15 +26,15 @@ mod synthetic {
 
     pub(super) const NOISE_N: f32 = 2.0;
 
-    /// A fit without what was expected of it.
+    /// The normal equations at a fit without its priors.
     pub(super) fn alone(fit: &Fit, data: &Data<'_>) -> Option<Alone> {
         let mut pass = fit.anew();
         while !pass.advance(data) {}
         fit.alone(data, pass.normal())
     }
 
-    /// Gives `count` events, their onsets spread over a period, with sharp corners expected;
-    /// `force_n` is the force, N, of a cycle at a time.
+    /// Generates `count` events with sharp corners, their onsets spread over a period; `force_n` is
+    /// the force, N, of a cycle at a time.
     pub(super) fn events(
         count: u16,
         force_n: impl Fn(&CycleParams, f32) -> f32,

@@ -1,13 +1,12 @@
-//! Slips whose force does not take the course of the model, from what the fits leave over.
+//! Departures of a slip's force from the ellipse, estimated from the residuals of the fits.
 //!
-//! A smooth onset, friction that depends on speed or varies along the way, a cell that lags, a
-//! block that rocks: the force of the slip departs from the ellipse, most where it falls fastest.
-//! The scores of two terms of such a course are asked (`effects/score.rs`): `A d (4 x (1 − x))²` at
-//! the part `x` of the slip, close to `sin² πx`, and the same times `1 − 2 x`, which has different
-//! signs in the two halves. The cause is not known, so nothing is shifted: `Fs`, which the line and
-//! the beginning of the slip tell together, is as unsure as the terms would move it. The first
-//! three events hardly tell the terms: there a prior, `UNTOLD`, and their samples together say how
-//! large they may be.
+//! Causes are a smooth onset, friction that depends on speed or position, a cell that lags, or a
+//! block that rocks. The departure is largest where the force falls fastest. Two force terms are
+//! tested by their scores (`effects/score.rs`): `A d (4 x (1 − x))²` at the part `x` of the slip,
+//! close to `sin² πx`, and the same times `1 − 2 x`, which changes sign in the middle. The cause is
+//! not known, so no value is shifted: the variance of `Fs`, which the line and the beginning of the
+//! slip determine together, grows by the shift that the terms would cause. The first three events
+//! hardly determine the amplitudes; until then the prior `UNTOLD` is combined with their scores.
 
 use crate::effect::Parameter;
 use crate::effects::score::{Score, ScoreSum};
@@ -16,30 +15,30 @@ use crate::model::Shape;
 use crate::num::math::larger;
 use crate::stats::prior::surely;
 
-/// Standard errors beyond which a term is possible. Tuned: with 2 the median event of snow is given a
-/// percent wider than the noise makes it, a larger one makes a block that rocks too sure.
+/// Standard errors beyond which a term is possible. Tuned: with 2 the intervals of the median event
+/// of snow are a percent wider than the noise makes them, a larger one makes those of a block that
+/// rocks too narrow.
 const POSSIBLE: f32 = 2.2;
 
-/// Factor on the variance: the cause has another course than the terms, and moves `Fs` by as much
-/// again where they do not see it.
+/// Factor on the variance: the true departure has another course than the terms, and its remainder
+/// shifts `Fs` by as much again.
 const COURSE: f32 = 2.0;
 
-/// Standard deviation of an amplitude before the events tell it. Tuned: a smaller one leaves the
-/// first event of a slow cell or a smooth onset more than five standard deviations off, a larger
-/// one makes the first three events of a test that has neither twice as wide as their errors.
+/// Prior standard deviation of an amplitude. Tuned: a smaller one leaves the first event of a slow
+/// cell or a smooth onset more than five standard deviations off, a larger one makes the intervals
+/// of the first three events of a test with neither twice as wide as their errors.
 const UNTOLD: f32 = 0.06;
 
-/// What an event counts as whose slip is too brief to tell the terms, parts of one. Where slips
-/// never have more samples they are taken as the model has them from the twenty-fifth on, as
-/// shorter slips are. Tuned: with a quarter two more of 773 events of `jitter_10` are beyond five
-/// standard deviations.
+/// Weight, in events, of an event whose slip is too brief to determine the terms. Where no slip has
+/// more samples, the prior is dropped from the twenty-fifth event on, as for shorter slips. Tuned:
+/// with a quarter two more of 773 events of `jitter_10` are beyond five standard deviations.
 const UNTELLING: f32 = 0.1;
 
-/// What the events tell of the two terms, whose amplitudes are parts of half the drop.
+/// Estimates of the two terms, whose amplitudes are parts of half the drop.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Onset {
     terms: [ScoreSum; 2],
-    /// Events that were asked; one whose slip has too few samples counts as [`UNTELLING`].
+    /// Number of events tested; one whose slip has too few samples counts as [`UNTELLING`].
     asked: f32,
 }
 
@@ -51,8 +50,8 @@ pub(crate) fn terms_n(shape: &Shape, since_onset: f32) -> [f32; 2] {
 }
 
 impl Onset {
-    /// Takes what an event tells of the terms; gives a variance of `Fs`, N²: that by terms which
-    /// are possible, and by terms which are not told yet.
+    /// Adds an event's scores of the terms. Returns the variance of `Fs`, N², by terms that are
+    /// possible and by amplitudes that are not determined yet.
     pub(crate) fn learn(&mut self, event: &[Score; 2], noise_n2: f32) -> f32 {
         let mut possible_n2 = 0.0;
         let tells = event.iter().any(|term| term.information > 0.0);
@@ -66,14 +65,13 @@ impl Onset {
         possible_n2
     }
 
-    /// Part that the events leave of what is not told: all of it with the first one, none from the
-    /// fourth on.
+    /// Part of the prior that remains: all of it in the first event, none from the fourth on.
     fn left(&self) -> f32 {
         const TELLING: f32 = 2.5;
         larger(1.0 - self.asked / TELLING, 0.0)
     }
 
-    /// Square of the first term's largest force, N², for half a drop, as far as it is possible.
+    /// Square of the first term's largest force, N², for half a drop, as far as it is significant.
     pub(crate) fn largest_n2(&self, half_drop_n: f32) -> f32 {
         let [even, _] = &self.terms;
         possible(even) * half_drop_n * half_drop_n
@@ -100,8 +98,8 @@ fn possible(sum: &ScoreSum) -> f32 {
     square * surely(square, POSSIBLE * POSSIBLE * sum.variance())
 }
 
-/// Mean square of an amplitude: what the events tell if it is possible, or, with a part of
-/// [`UNTOLD`], that and what they tell together.
+/// Mean square of an amplitude: its square where possible, or, weighted by `left`, its mean square
+/// under the posterior of the prior [`UNTOLD`] and the scores; the larger of the two.
 #[inline(never)]
 fn mean_square(sum: &ScoreSum, left: f32) -> f32 {
     const PRIOR: f32 = UNTOLD * UNTOLD;
@@ -118,8 +116,8 @@ mod tests {
     use crate::effects::synthetic::{self, NOISE_N};
     use crate::model::CycleParams;
 
-    /// The first event's own samples narrow what a term may be, and widen it where they show one;
-    /// a slip that tells nothing leaves the prior.
+    /// The first event's own samples narrow the prior of a term, and widen it where they show one;
+    /// a slip without information leaves the prior.
     #[test]
     fn the_first_event_tells_what_its_samples_show() {
         let square = |amplitude: f32, std: f32| {
@@ -137,8 +135,8 @@ mod tests {
         assert!((square(UNTOLD, 0.01 * UNTOLD) - COURSE * prior).abs() < 0.01 * prior);
     }
 
-    /// A term in the samples is found with its size, and `Fs` is the less sure for it; without any
-    /// nothing is, and from the fourth event on `Fs` is as sure as it was.
+    /// A term in the samples is found with its size and adds variance to `Fs`; without a term none
+    /// is found, and from the fourth event on no variance is added.
     #[test]
     fn an_amplitude_is_found_and_none_is_none() {
         for amplitudes in [[0.0, 0.0], [0.05, 0.0], [-0.05, 0.0], [0.0, 0.1], [0.0, -0.1]] {

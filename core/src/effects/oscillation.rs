@@ -1,15 +1,17 @@
-//! An oscillation about the stick lines, by a winch that cogs or by hum: is it the cable's or the
-//! cell's?
+//! Source of an oscillation about the stick lines, from a winch that cogs or from hum: cable or
+//! cell.
 //!
-//! On the lines both look alike. Where the cable oscillates, what counts at the onset is the force
-//! there, and the mean of the line is off by the oscillation; where the cell does, it is the other
-//! way round. The oscillation next to the slip is known (`noise::sinusoid`), so by how much `D` it
-//! moves the forces if it is the cable's. If a share `κ` of it is, `Fs` and `Fp` by the lines are
-//! off by `−κ D`. Friction does not know of `D`, so the scatter of the forces tells `κ`, by least
-//! squares over each event's distances of both from their usual values of late.
+//! Both look the same on the lines. An oscillation of the cable is part of the force at the onset,
+//! so the forces by the lines are off by it; one of the cell is an error of measurement, and the
+//! lines are right. The oscillation next to the slip is known (`noise::sinusoid`), and so is the
+//! shift `D` of the forces that it causes if it is the cable's. If a share `κ` of it is, `Fs` and
+//! `Fp` by the lines are off by `−κ D`. Friction is independent of `D`, so the scatter of the
+//! forces determines `κ`, by least squares over the distances of each event's forces from their
+//! running means.
 //!
-//! It is the one or the other: `κ` and its standard deviation give the probability `p` that it is the
-//! cable's, and the forces move by `p D`. The frequency is followed from event to event.
+//! Cable or cell is a choice of two: `κ` and its standard deviation give the probability `p` that
+//! it is the cable's, and the forces are shifted by `p D`. The frequency is tracked from event to
+//! event.
 
 use crate::effect::Parameter;
 use crate::effects::score::{Score, ScoreSum};
@@ -20,57 +22,61 @@ use crate::noise::ripple::ColoredNoise;
 use crate::noise::sinusoid::Sinusoid;
 use crate::num::math::{self, larger, smaller};
 
-/// Probability that it is the cable's before the events tell. A choice: about even, and a cell whose
-/// hum is taken for the cable's is made worse, where cogging that is not is only left as it is.
+/// Prior probability that the oscillation is the cable's. A choice: about even, and less than a
+/// half since a wrong correction for hum of the cell adds an error, where a missing one for cogging
+/// only leaves it.
 const CABLE: f32 = 0.45;
-/// Standard deviation of the share before the events tell it, which is then in the middle: of one of two.
+/// Prior standard deviation of the share, whose prior mean is [`CABLE`], between the two possible
+/// values.
 const SPREAD: f32 = 0.6;
-/// Part of an event's distance from the usual one by which that follows: friction wanders.
+/// Gain of the running means of the forces: friction wanders.
 const GAIN: f32 = 0.2;
-/// By how much the share's variance is larger where few events show how far friction scatters: by so
-/// many over their number less one, parts of it. Tuned: without it events of `hum_5` at 60 Hz are 5.5
-/// standard deviations off (4.0), of `cogging_5` at 32 samples a second 6.6 (4.7).
+/// Relative increase of the share's variance, over the number of events less one, since few events
+/// determine the scatter of the friction badly. Tuned: without it events of `hum_5` at 60 Hz are
+/// 5.5 standard deviations off (4.0), of `cogging_5` at 32 samples a second 6.6 (4.7).
 const FEW: f32 = 6.0;
-/// Part of a cable's oscillation that is missed where it is taken off, in its variance: what the model
-/// makes of it while the block slides holds to about a tenth.
+/// Part of the variance of a cable's oscillation that a correction misses: the model of the
+/// oscillation while the block slides holds to about a tenth.
 const MISSED: f32 = 0.01;
-/// Part of what was told of the frequency that is left after an event: a winch changes its speed.
+/// Part of the information on the frequency that is kept after an event: a winch changes its speed.
 /// Tuned: with .9 the frequency of `cogging_5` is off by .04 rad at times.
 const FADE: f32 = 0.95;
-/// Most by which the followed frequency may differ from that of the innovations, rad a period: with 24
-/// samples a Gauss-Newton step finds a frequency that is off by less, `π/24`.
+/// Largest distance of the tracked frequency from that of the innovations, rad per period: with 24
+/// samples a Gauss-Newton step corrects an error below `π/24`.
 const NEAR: f32 = 0.15;
-/// Nearest to the natural frequency that an oscillation is taken to be, parts of it.
+/// Least distance from the natural frequency, relative, that is used for an oscillation near
+/// resonance.
 const RESONANCE: f32 = 0.05;
 
-/// Whose the oscillation is.
+/// Estimate of the oscillation's source and frequency.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Oscillation {
     sum: ScoreSum,
-    /// `Fs` and `Fp` by the lines, N: means of late.
+    /// Running means of `Fs` and `Fp` by the lines, N.
     usual_n: Option<[f32; 2]>,
-    /// Angle of a period, rad, and what it was told, N².
+    /// Angle per period, rad, and the information on it, N².
     angle: f32,
     information_n2: f32,
 }
 
-/// An event by its lines, and by how much an oscillation of the cable moves it.
+/// An event's forces by its lines, and their shift if the oscillation is the cable's.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Moved {
     /// `Fs` and `Fp` by the lines, N, and their variances if all noise about the lines were white,
     /// N².
     pub(crate) forces_n: [f32; 2],
     pub(crate) plain_n2: [f32; 2],
-    /// By how much they move, N, and the variances of that, N².
+    /// Shifts of the two forces, N, and the variances of the shifts, N².
     pub(crate) by_n: [f32; 2],
     pub(crate) own_n2: [f32; 2],
-    /// Part of the plain variances by which they are too large, since the lines take off most of an
+    /// Relative excess of the plain variances: the lines already average out most of an
     /// oscillation.
     pub(crate) less: f32,
 }
 
 impl Oscillation {
-    /// Angle of a period, rad: as it was followed, or as the innovations have it.
+    /// Angle per period, rad: the tracked one if it is near `seen`, the one of the innovations;
+    /// else `seen`.
     pub(crate) fn angle(&self, seen: f32) -> f32 {
         if self.is_near(seen) { self.angle } else { seen }
     }
@@ -79,8 +85,8 @@ impl Oscillation {
         (seen - self.angle).abs() < NEAR
     }
 
-    /// Follows the frequency, by an event's two oscillations with the angle `seen` for each: a mean by
-    /// information of what each of them makes of it, a Gauss-Newton step from there.
+    /// Updates the tracked frequency with an event's two oscillations, each estimated with the
+    /// angle `seen`: a Gauss-Newton step from there, averaged by information with the angle so far.
     pub(crate) fn follow(&mut self, seen: f32, (before, after): (&Sinusoid, &Sinusoid)) {
         self.information_n2 *= FADE;
         if !self.is_near(seen) {
@@ -96,12 +102,13 @@ impl Oscillation {
         }
     }
 
-    /// What an oscillation about both lines of an event does to its forces, if it is the cable's.
+    /// Shift of an event's forces by an oscillation about its lines, if it is the cable's.
     ///
-    /// `Fs` is the force at the onset, `s` above the line. While the block slides `M x'' = F − Fp`
-    /// adds `−s ρ²/(1 − ρ²)` to the force, `ρ` being the frequency over the natural one, so `Fp`,
-    /// the mean of `Fs` and `Fe` without that, is off by the mean of both `s` over `1 − ρ²`. Half a
-    /// natural turn lies between them: either gives the other one, which holds in resonance as well.
+    /// `Fs` is the force at the onset, `s` above the line. While the block slides, `M x'' = F − Fp`
+    /// adds `−s ρ²/(1 − ρ²)` to the force, where `ρ` is the frequency over the natural one. `Fp` is
+    /// the mean of `Fs` and `Fe` without that, so it is off by the mean of both `s` over `1 − ρ²`.
+    /// Onset and stop are half a natural turn apart: each `s` follows from the other, a form that
+    /// holds in resonance as well.
     pub(crate) fn event(
         &self,
         (wander, noise_n2): (&ColoredNoise, f32),
@@ -118,7 +125,7 @@ impl Oscillation {
         let gain = 0.5 / (1.0 - ratio * ratio);
         let (sin, cos) = math::sin_cos(core::f32::consts::PI * ratio);
         let (by_value, by_quarter) = (gain * (1.0 + cos), gain * sin);
-        // Before it is followed the frequency is off by anything near.
+        // The prior of the frequency is its distance from that of the innovations.
         let angle_variance = 1.0 / (self.information_n2 / white_n2 + 1.0 / (NEAR * NEAR));
         let at = |line: &Sinusoid, time: f32| {
             let (n, quarter_n) = line.at(time, angle);
@@ -137,13 +144,14 @@ impl Oscillation {
             plain_n2: [posterior.static_n2, posterior.dynamic_n2],
             by_n: [on_n, by_dynamic],
             own_n2: [on_n2, gain2 * (on_n2 + off_n2)],
-            // What is left at the end of a line of an oscillation's variance, over what would be left
-            // of white noise: `2/n`, the variance of the cosine, over `1 − cos ω`, which is `ω²/2`.
+            // Variance that an oscillation leaves at the end of a line over that of white noise of
+            // the same variance: `2/n`, the variance of the cosine, over `1 − cos ω`, which is
+            // `ω²/2`.
             less: (1.0 - white) * (1.0 - smaller(2.0 * before.variance / (angle * angle), 1.0)),
         }
     }
 
-    /// Takes what an event tells.
+    /// Updates the share of the cable with an event.
     pub(crate) fn learn(&mut self, event: &Moved, noise_n2: f32) {
         let Some(usual_n) = &mut self.usual_n else {
             self.usual_n = Some(event.forces_n);
@@ -160,7 +168,7 @@ impl Oscillation {
         self.sum.learn(&score, noise_n2);
     }
 
-    /// Share of the oscillation that is the cable's as the events have it, and one over its variance.
+    /// Estimate of the share of the oscillation that is the cable's, and one over its variance.
     fn told(&self) -> (f32, f32) {
         let few = 1.0 + FEW / (self.sum.count() - 1.0);
         let weight = if self.sum.counts() { 1.0 / (few * self.sum.variance()) } else { 0.0 };
@@ -168,7 +176,7 @@ impl Oscillation {
     }
 
     /// Probability that the oscillation is the cable's and not the cell's, and the variance of its
-    /// share: one of two cannot be told from a part of it, which is as far from either.
+    /// share, larger where the estimate lies between the two, as if it were a part of each.
     fn cable(&self) -> (f32, f32) {
         const BEFORE: f32 = 1.0 / (SPREAD * SPREAD);
         let (told, weight) = self.told();
@@ -179,7 +187,7 @@ impl Oscillation {
         (cable, cable * (1.0 + MISSED - cable) + apart * apart)
     }
 
-    /// By how much the forces of an event move, and how much less sure they are.
+    /// Shift of an event's forces, and the variance that it adds.
     pub(crate) fn correction(&self, event: &Moved) -> Correction {
         let (cable, variance) = self.cable();
         let wider_n2 = |i: usize| {
@@ -194,7 +202,7 @@ impl Oscillation {
         }
     }
 
-    /// The share, once events tell it.
+    /// The share, once enough events determine it.
     pub(crate) fn parameter(&self) -> Option<Parameter> {
         let (value, weight) = self.told();
         let std = math::sqrt(1.0 / weight);
@@ -209,8 +217,8 @@ mod tests {
 
     const NOISE_N2: f32 = 4.0;
 
-    /// An event with an oscillation of some newtons at the onset and at the stop, of which the part
-    /// `share` is the cable's; friction scatters.
+    /// An event with an oscillation at the onset and at the stop of standard deviation `moved_n`,
+    /// of which the part `share` is the cable's; friction scatters.
     fn event(random: &mut Random, moved_n: f32, share: f32) -> Moved {
         let by_n = [0.0; 2].map(|_: f32| moved_n * random.normal());
         let friction_n = [780.0, 490.0].map(|n| n + 8.0 * random.normal());
@@ -223,7 +231,7 @@ mod tests {
         }
     }
 
-    /// After many such events, and the next one.
+    /// The estimate after 400 such events, and the next event.
     fn learnt(share: f32) -> (Oscillation, Moved) {
         let (mut oscillation, mut random) = (Oscillation::default(), Random(3));
         assert_eq!(oscillation.parameter(), None);
@@ -239,7 +247,7 @@ mod tests {
             let (oscillation, _) = learnt(share);
             let found = oscillation.parameter().unwrap();
             assert!((found.value - share).abs() < 3.0 * found.std, "{found:?}");
-            // What so many events tell, and room for how well they show their scatter.
+            // The standard error after these events, with a margin for the error of their scatter.
             let std = math::sqrt(oscillation.sum.variance());
             assert!(std < 0.05 && found.std < 1.1 * std, "{std} {found:?}");
         }
@@ -257,7 +265,7 @@ mod tests {
         }
     }
 
-    /// Where both oscillate the one that is taken is unsure by as much as it is off.
+    /// Where both oscillate, the variance covers the error of the choice.
     #[test]
     fn an_oscillation_of_both_is_unsure() {
         let (oscillation, event) = learnt(0.6);
@@ -267,7 +275,7 @@ mod tests {
         assert!(off_n.abs() < 1.5 * math::sqrt(static_n2), "{off_n} {static_n2}");
     }
 
-    /// Before the events tell anything an event is as unsure as it is off by either answer.
+    /// Before any event is used, the variance covers either source.
     #[test]
     fn what_is_not_told_is_unsure() {
         let (oscillation, mut random) = (Oscillation::default(), Random(3));
@@ -280,7 +288,7 @@ mod tests {
         }
     }
 
-    /// A change of the block is one foul event, and the oscillation's share is still told.
+    /// A change of the block is one outlier; the oscillation's share is still found.
     #[test]
     fn one_foul_event_in_twenty_does_no_harm() {
         let (mut oscillation, mut random) = (Oscillation::default(), Random(5));

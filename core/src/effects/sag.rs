@@ -1,9 +1,9 @@
-//! A cable that sags is softer at small forces.
+//! Sag: a cable that sags is softer at small forces.
 //!
-//! At rest the elongation ([`Elongation`]) grows at the steady rate `k w`, so a rest from `Fe` to
-//! `Fs` takes longer than the rate towards its end would need: that tells the softness `S`. Once it
-//! counts, events are fitted in elongation, in which their lines are straight, and their forces are
-//! those that stretch the cable so far. And a slip ends where its work is done,
+//! At rest the elongation ([`Elongation`]) grows at the constant rate `k w`. A rest from `Fe` to
+//! `Fs` therefore lasts longer than the rate near its end implies, which determines the softness
+//! `S`. Once `S` is significant, events are fitted in elongation, in which their lines are
+//! straight, and the results are converted back to forces. A slip ends where its work is done,
 //! `∫ (F − Fp) dy = 0` from `Fs` to `Fe`, whatever the winch does meanwhile:
 //!
 //! `Fp = (Fs + Fe)/2 − S Δ² / (4 (Fs² Fe² + S (Fs + Fe)/2))`, `Δ = Fs − Fe`.
@@ -14,33 +14,34 @@ use crate::model::elongation::Elongation;
 use crate::num::math::{self, larger};
 use crate::stats::fading_trend::FadingTrend;
 
-/// Standard deviations of the softness beyond which it counts. Tuned: with 5 the events of a cable that
-/// flops as well are fitted in elongation from the fifteenth on only.
+/// Standard errors of the mean softness beyond which it is significant. Tuned: with 5 the events of
+/// a cable that flops as well are fitted in elongation from the fifteenth on only.
 const CLEAR: f32 = 2.0;
 
-/// Standard deviations of the softness between rests beyond which it counts. Tuned: with 1 a winch that
-/// ripples once in a second passes for a sag more often, with 1.7 scene `all` loses its sag in mid-record.
+/// Standard deviations of the softness between rests beyond which its mean is significant. Tuned:
+/// with 1 a winch that ripples once in a second passes for a sag more often, with 1.7 scene `all`
+/// loses its sag in mid-record.
 const ALIKE: f32 = 1.4;
 
 /// A rest between two slips.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Rest {
-    /// How long, periods.
+    /// Duration, periods.
     pub(crate) time: f32,
     /// Force at its start, N, and its variance, N².
     pub(crate) from_n: f32,
     pub(crate) from_n2: f32,
     /// Force at its end, N.
     pub(crate) to_n: f32,
-    /// Rate of the elongation towards its end, N per period, its variance, and the force that it
-    /// belongs to, N.
+    /// Rate of the elongation near its end, N per period, the variance of the rate, and the force
+    /// at which it holds, N.
     pub(crate) rate: f32,
     pub(crate) rate_variance: f32,
     pub(crate) rate_at_n: f32,
 }
 
 impl Rest {
-    /// Softness `S`, N³, and its variance, from a rest that was followed in this elongation.
+    /// Softness `S`, N³, and its variance, from a rest whose rate was measured in this elongation.
     fn softness(&self, cable: &Elongation) -> Option<(f32, f32)> {
         let inverse_square = |force_n: f32| 1.0 / (force_n * force_n);
         let by_softness = 0.5 * (inverse_square(self.from_n) - inverse_square(self.to_n))
@@ -58,37 +59,37 @@ impl Rest {
     }
 }
 
-/// The softness that the rests of a test show.
+/// Running mean of the softness over the rests of a test.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Sag {
     softness: FadingTrend,
 }
 
 impl Sag {
-    /// Lets the past count for less, once an event.
+    /// Fades the past, once per event.
     pub(crate) fn forget(&mut self) {
         self.softness.fade();
     }
 
-    /// Has a rest told of it? Then all tell, also those that say that the cable does not sag.
+    /// Has any rest been used? All later rests are then used too, also those without a sign of sag.
     pub(crate) fn has_begun(&self) -> bool {
         self.softness.mean().is_some()
     }
 
-    /// Takes a rest that was followed in this elongation.
+    /// Updates the mean with a rest whose rate was measured in this elongation.
     pub(crate) fn learn(&mut self, rest: &Rest, cable: &Elongation) {
         if let Some((softness, variance)) = rest.softness(cable) {
-            // The trend moves on only with a rest that tells of it.
+            // The trend moves on only with a rest that determines the softness.
             self.softness.pass();
             self.softness.add(softness, variance);
         }
     }
 
-    /// The softness and its variance, if it counts: what a winch that ripples feigns scatters from
-    /// rest to rest. Not for an event with this lowest force, N, at which the cable would hardly be
-    /// taut at all.
+    /// The softness and its variance, if it is significant, also against its scatter between rests,
+    /// which a winch that ripples would cause. `None` for a lowest force, N, at which the cable
+    /// would hardly be taut.
     fn clear(&self, low_n: f32) -> Option<(f32, f32)> {
-        /// Most softness, parts of the cube of the lowest force.
+        /// Largest softness, as a part of the cube of the lowest force.
         const MOST: f32 = 4.0;
         let (mean, variance) = self.softness.now();
         let of_a_rest = 1.0 / self.softness.prior(1.0).weight;
@@ -98,22 +99,22 @@ impl Sag {
         (counts && is_taut).then_some((mean, variance))
     }
 
-    /// The softness, once it counts.
+    /// The softness, once it is significant.
     pub(crate) fn parameter(&self) -> Option<Parameter> {
         let (value, variance) = self.clear(f32::INFINITY)?;
         Some(Parameter { name: "softness_n3", value, std: math::sqrt(variance) })
     }
 
-    /// The elongation in which an event with this lowest force, N, is to be fitted: the force itself
-    /// while the softness does not count.
+    /// The elongation in which an event with this lowest force, N, is fitted: the force itself
+    /// while the softness is not significant.
     pub(crate) fn elongation(&self, low_n: f32) -> Elongation {
         let of = |(softness, _)| Elongation { softness, zero_n: low_n };
         self.clear(low_n).map_or_else(Elongation::default, of)
     }
 
-    /// How far `Fp` lies below `(Fs + Fe)/2`, N, and its variance. A mean that is itself uncertain
-    /// shifts `Fp` by the part of it that its variance leaves (James and Stein), and by nothing
-    /// before it counts; what it does not shift is uncertainty.
+    /// Distance of `Fp` below `(Fs + Fe)/2`, N, and its variance. The softness that shifts `Fp` is
+    /// its mean, shrunk for its variance (James and Stein), and zero before it is significant; the
+    /// rest of the mean adds to the variance.
     pub(crate) fn shift(&self, cycle: &CycleParams) -> (f32, f32) {
         let (high_n, low_n) = (cycle.static_n, cycle.restick_n());
         let (product, drop_n) = (high_n * low_n, high_n - low_n);
@@ -137,7 +138,7 @@ mod tests {
 
     const CABLE: Elongation = Elongation { softness: 5.24e6, zero_n: 226.0 };
 
-    /// A rest on that cable, followed in another elongation.
+    /// A rest on that cable, measured in another elongation.
     fn rest(from_n: f32, followed: &Elongation) -> Rest {
         let (to_n, winch, rate_at_n) = (780.0, 22.5, 700.0);
         let time = (CABLE.of(to_n) - CABLE.of(from_n)) / winch;
@@ -198,7 +199,8 @@ mod tests {
         assert!(variance_n2 > 0.0 && variance_n2 < shift_n * shift_n);
         let Elongation { softness, zero_n } = sag.elongation(226.0);
         assert!((softness / CABLE.softness - 1.0).abs() < 0.01 && zero_n > 225.0, "{softness}");
-        // So low a force would hardly stretch the cable at all: what no fit takes shifts nothing.
+        // A force this low would hardly stretch the cable: no fit uses the sag, and it shifts
+        // nothing.
         assert!(!sag.elongation(100.0).sags());
         let slips_to_low = CycleParams { half_drop_n: 340.0, ..cycle };
         let (shift_n, variance_n2) = sag.shift(&slips_to_low);

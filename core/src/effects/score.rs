@@ -1,10 +1,10 @@
-//! What the events' residuals tell of a force term that the fit lacks: Rao's score, event by event.
+//! Rao's score test of the events' residuals for a force term that the fit lacks.
 //!
 //! A term of amplitude `A` adds `A c(t)` to the samples of a slip. With the weights `W`, the
-//! residuals `r` and the model's derivatives `U`, and the event's own unknowns free, its score is
-//! `cᵀ W r − Rᵀ Uᵀ W r` and its information `cᵀ W c − Rᵀ Uᵀ W c`, `R = (Uᵀ W U)⁻¹ Uᵀ W c`: an
-//! amplitude of one that the fit does not know moves its unknowns by `−R`. Scores and information
-//! are summed over the events, and `A` is the one sum over the other.
+//! residuals `r`, the model's derivatives `U`, and the event's own unknowns free, its score is
+//! `cᵀ W r − Rᵀ Uᵀ W r` and its information `cᵀ W c − Rᵀ Uᵀ W c`, `R = (Uᵀ W U)⁻¹ Uᵀ W c`. A term
+//! of amplitude one that the fit lacks moves its unknowns by `−R`. Scores and information are
+//! summed over the events, and the estimate of `A` is the ratio of the two sums.
 
 use core::ops::Range;
 
@@ -13,35 +13,37 @@ use crate::model::Shape;
 use crate::num::math::{self, larger};
 use crate::stats::normal_equations::{Gradient, Normal, dot};
 
-/// Terms that an event is asked for at a time.
+/// Number of terms that are tested at a time.
 pub(crate) const TERMS: usize = 3;
-/// Least part of a term's information that is left with the unknowns free: less is rounding.
+/// Least part of a term's information that is left with the unknowns free; less is rounding.
 const LEAST_OWN: f32 = 1e-4;
-/// Events, their number fading, up to which nothing counts: from the third on it does.
+/// Number of events, fading, that has to be exceeded before an amplitude counts: it does from the
+/// third on.
 const LEAST_EVENTS: f32 = 2.0;
-/// Part that is left of the past with every event. A choice: a longer past tells smaller amplitudes, a
-/// shorter one follows a cable that changes.
+/// Part of the sums that is kept with every event. A choice: a longer memory resolves smaller
+/// amplitudes, a shorter one follows a cable that changes.
 const FADE: f32 = 1.0 - 1.0 / 200.0;
-/// Standard errors beyond which an amplitude is found: of normal ones one in 370.
+/// Standard errors beyond which an amplitude is significant: of normal variables one in 370.
 const SIGNIFICANT: f32 = 3.0;
 
-/// What an event's samples tell of some terms: normal equations of the amplitudes, with the event's
-/// unknowns first held, then free.
+/// An event's normal equations for the amplitudes of some terms, with the event's own unknowns held
+/// at first, and then free.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Asked {
-    /// Of the amplitudes, the first three unknowns of six; the others stay zero.
+    /// Normal equations of the amplitudes, the first three unknowns of six; the others stay zero.
     pub(crate) normal: Normal,
-    /// Of each term: `Uᵀ W c` while the unknowns are held; `R`, by how much they fall when its
-    /// amplitude grows by one, once they are free.
+    /// For each term: at first `Uᵀ W c`; once the unknowns are free, `R`, by which they fall when
+    /// the term's amplitude grows by one.
     pub(crate) response: [Gradient; TERMS],
-    /// Part of each term's information that is left with the unknowns free; NaN without any.
+    /// Part of each term's information that is left with the unknowns free; NaN without
+    /// information.
     pub(crate) left: [f32; TERMS],
 }
 
 impl Asked {
-    /// Adds the levels at some places, with `by_n`, the forces of the terms with amplitudes of one
-    /// at a time since the onset where the model has this gradient. Only samples of the slip are added,
-    /// before the cable goes slack.
+    /// Adds the levels at some places, those of samples in the slip and before the cable goes
+    /// slack. `by_n` gives the forces of the terms with amplitudes of one, N, from the time since
+    /// the onset and the model's gradient there.
     #[inline(always)]
     pub(crate) fn take(
         &mut self,
@@ -59,7 +61,7 @@ impl Asked {
         }
     }
 
-    /// The score of one term; a term that the samples do not tell has no information.
+    /// The score of one term; its information is zero where the samples do not determine the term.
     pub(crate) fn score(&self, term: usize) -> Score {
         let is_told = self.left[term] > LEAST_OWN;
         let information = if is_told { self.normal.matrix[[term, term]] } else { 0.0 };
@@ -77,7 +79,7 @@ impl Asked {
         }
     }
 
-    /// Frees the event's unknowns, once all its samples are added.
+    /// Frees the event's unknowns, once all its levels are added.
     #[inline(never)]
     pub(crate) fn free(&mut self, alone: &Alone) {
         let Self { normal, response, left } = self;
@@ -93,33 +95,33 @@ impl Asked {
     }
 }
 
-/// What one event tells of one term.
+/// One event's score and information for one term.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Score {
     pub(crate) score: f32,
     pub(crate) information: f32,
-    /// By how much the unknowns fall when the amplitude grows by one.
+    /// Decrease of the unknowns when the amplitude grows by one.
     pub(crate) response: Gradient,
 }
 
-/// What the events of a fading past tell of an amplitude.
+/// Sums of the events' scores and information for one amplitude, with a fading memory.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct ScoreSum {
     count: f32,
     /// Sums over events, in units of the noise variance.
     information: f32,
     score: f32,
-    /// Σ of the events' squared scores, each less what the events before let expect and over its
-    /// variance: 1 an event after the first, if there is nothing but noise.
+    /// Σ of the events' squared scores, each less its expectation from the events before and over
+    /// its variance: 1 per event after the first, if there is nothing but noise.
     chi_square: f32,
 }
 
 impl ScoreSum {
-    /// Takes what an event tells.
+    /// Adds an event's score.
     pub(crate) fn learn(&mut self, event: &Score, noise_n2: f32) {
         let (score, information) = (event.score / noise_n2, event.information / noise_n2);
         let off = score - self.value() * information;
-        // What is expected is unsure as well, in the first events as much as the score itself.
+        // The expectation has an error as well, in the first events as large as that of the score.
         let (known, all) = (self.information, self.information + information);
         let square = off * off / information * known / all;
         // False without information as well.
@@ -133,24 +135,24 @@ impl ScoreSum {
         fade(&mut self.chi_square, square);
     }
 
-    /// The amplitude.
+    /// The estimate of the amplitude.
     #[inline(never)]
     pub(crate) fn value(&self) -> f32 {
         if self.information > 0.0 { self.score / self.information } else { 0.0 }
     }
 
-    /// Its variance, larger where the scores scatter by more than the noise.
+    /// Variance of the amplitude, larger where the scores scatter by more than the noise.
     #[inline(never)]
     pub(crate) fn variance(&self) -> f32 {
         larger(self.chi_square / (self.count - 1.0), 1.0) / self.information
     }
 
-    /// How many events tell it; the past fades.
+    /// Number of events in the sums; the past fades.
     pub(crate) fn count(&self) -> f32 {
         self.count
     }
 
-    /// Do enough events tell it?
+    /// Are there enough events for the amplitude to count?
     pub(crate) fn counts(&self) -> bool {
         self.count > LEAST_EVENTS
     }

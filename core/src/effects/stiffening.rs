@@ -1,20 +1,22 @@
-//! A cable that gets shorter gets stiffer while the block slides (scene `shortening`).
+//! Shift of `Fp` by a cable that gets shorter, and so stiffer, while the block slides (scene
+//! `shortening`).
 //!
-//! With the stiffness `k` its loading rate grows by `b` over a slip: a rate change that stays is the
-//! cable's, for a winch that gained speed would do so in rests as well. The slip ends where its work
-//! is done, `∫ (F − Fp) dF / k = 0`; with `k` going evenly from one rate to the other `Fp` lies
-//! `d b / 6 r` above the middle of `Fs` and `Fe`, `d` half the drop and `r` the rate.
+//! With the stiffness `k` the loading rate grows by `b` over a slip. A rate change that persists is
+//! the cable's, since a winch that gained speed would do so in rests as well. The slip ends where
+//! its work is done, `∫ (F − Fp) dF / k = 0`; with `k` changing linearly over the slip, `Fp` lies
+//! `d b / 6 r` above the midpoint of `Fs` and `Fe`, where `d` is half the drop and `r` the loading
+//! rate.
 
 use crate::effect::Parameter;
 use crate::model::CycleParams;
 use crate::num::math;
 use crate::stats::fading_trend::FadingTrend;
 
-/// Part of the rate: no cable becomes stiffer by more in a slip.
+/// Upper limit of the relative gain of the rate in a slip: no cable stiffens by more.
 const MOST: f32 = 0.1;
 
-/// By which part of a loading rate, N per period, it grows over a slip, by its changes so far; zero
-/// where no cable does.
+/// Relative gain of a loading rate, N per period, over a slip, from the mean rate change so far;
+/// zero where the gain is too large for a cable.
 #[inline(never)]
 fn gain(rate_change: &FadingTrend, rate: f32) -> f32 {
     let part = rate_change.prior_around_zero(1.0).mean / rate;
@@ -22,18 +24,18 @@ fn gain(rate_change: &FadingTrend, rate: f32) -> f32 {
     if part.abs() < MOST { part } else { 0.0 }
 }
 
-/// How far `Fp` lies above the middle of `Fs` and `Fe`, N, by the changes of the rate so far, N per
+/// Distance of `Fp` above the midpoint of `Fs` and `Fe`, N, from the mean rate change so far, N per
 /// period.
 pub(crate) fn shift_n(rate_change: &FadingTrend, cycle: &CycleParams) -> f32 {
     cycle.half_drop_n * gain(rate_change, cycle.rate) / 6.0
 }
 
-/// Do the events show that the rate grows over a slip?
+/// Is the mean gain of the rate over a slip not zero?
 pub(crate) fn is_found(rate: &FadingTrend, rate_change: &FadingTrend) -> bool {
     rate.mean().is_some_and(|rate| gain(rate_change, rate).abs() > 0.0)
 }
 
-/// By which part of it the loading rate grows over a slip, where the events show that.
+/// The relative gain of the loading rate over a slip, once the rate is known.
 pub(crate) fn parameter(rate: &FadingTrend, rate_change: &FadingTrend) -> Option<Parameter> {
     let rate_n = rate.mean()?;
     let std = 1.0 / math::sqrt(rate_change.prior_around_zero(1.0).weight) / rate_n;
@@ -65,7 +67,7 @@ mod tests {
         }
     }
 
-    /// Newton's law: the work along the way, on a cable whose stiffness goes evenly with the force.
+    /// Newton's law: the work along the slide, on a cable whose stiffness is linear in the force.
     #[test]
     fn the_shift_is_where_the_work_is_done() {
         let (cycle, gain) = (cycle(22.5), 0.9);

@@ -1,50 +1,52 @@
-//! How far may the zero of the load cell have moved?
+//! Estimate of a possible drift of the load cell's zero during a test.
 //!
-//! The zero is taken before the test. When it moves it adds the same force to `Fs` and `Fp`, the
+//! The zero is taken before the test. When it moves, it adds the same force to `Fs` and `Fp`, the
 //! same number to both coefficients, and nothing to their difference, the drop. Friction that
-//! scatters from event to event does not last, and friction that changes for good changes the drop
-//! as well, except by coincidence. So a lasting move of `mu` that the drop does not go with may be
-//! the zero's. It cannot be taken off, for friction may do the same: it widens the intervals.
+//! scatters between events does not persist, and friction that changes permanently also changes the
+//! drop, except by coincidence. So a persistent shift of `mu` without a shift of the drop may be a
+//! drift of the zero. It cannot be corrected, since friction may cause the same; it widens the
+//! intervals.
 //!
-//! The move is the mean of the last `K` events less that of the first `K`, `K` = 1, 4 and 16, as
-//! far as it is significant. The scatter comes from second differences, which a smooth move does
-//! not have. Where the drop `D = mu_s − mu` has moved by `δD`, friction explains up to `δD mu/D` of
-//! the move in the same direction (both coefficients in proportion), and up to `δD` in the other
-//! one (`mu` alone). What is left is extended to the whole test, from the zero's last known value
-//! to the newest event, as if it had grown evenly.
+//! The shift is the mean of the last `K` events less that of the first `K`, `K` = 1, 4 and 16, as
+//! far as it is significant. The scatter is estimated from second differences, to which a smooth
+//! drift adds nothing. Where the drop `D = mu_s − mu` has shifted by `δD`, friction explains up to
+//! `δD mu/D` of a shift of the same sign (both coefficients in proportion), and up to `δD` of one
+//! of the other sign (`mu` alone). The rest is extrapolated to the whole test, as if it had grown
+//! linearly.
 
 use crate::coefficient::Coefficient;
 use crate::num::math;
 use crate::stats::prior::surely;
 
-/// The first events, in which the core still learns what events share (two tell it, see
-/// `stats/fading_trend.rs`): they are no reference.
+/// Number of first events that are no reference: the core still learns the shared quantities there,
+/// for which two events are needed (`stats/fading_trend.rs`).
 const LEARNING: f32 = 2.0;
-/// Events over which a mean is taken, each four times as many: few see a quick move, many a small one.
+/// Numbers of events in a mean, each four times the one before: few resolve a quick move, many a
+/// small one.
 const SPANS: [f32; 3] = [1.0, 4.0, 16.0];
-/// Second differences that tell a scatter beyond the stated one; with fewer it is taken for more, with
-/// so many for twice what was seen.
+/// Number of second differences at which the variance of the scatter is doubled, as a margin for
+/// its own error; the margin is larger with fewer.
 const FEW: f32 = 20.0;
-/// Least part of the drop's variance, the stated one and the scatter, that `mu` is taken to scatter
-/// by: a few events may happen to lie on a line. Tuned: with .1 noise with a correlation of .9
-/// is given a fifteenth wider, with .5 friction that wanders is 3.8 standard deviations off (3.2).
+/// Least variance of the scatter of `mu`, as a part of the drop's variance (stated and scatter): a
+/// few events may happen to lie on a line. Tuned: with .1 the intervals of noise with a correlation
+/// of .9 are a fifteenth wider, with .5 friction that wanders is 3.8 standard deviations off (3.2).
 const LEAST_SHARE: f32 = 0.25;
-/// Part of the past that is left with every event: of how they scatter, and of a move that was
-/// seen. As long a past as that of what events share.
+/// Part of the past that is kept with every event, of the scatter and of a move found: the same as
+/// for the quantities that events share.
 const FADE: f32 = 1.0 - 1.0 / 40.0;
-/// Standard errors beyond which a move of `mu` counts: of normal ones one in 2000, and three means are
-/// asked with every event.
+/// Standard errors beyond which a shift of `mu` is significant: of normal variables one in 2000.
+/// Three means are tested with every event.
 const SIGNIFICANT: f32 = 3.5;
-/// Standard errors beyond which a move of the drop explains it: fewer, for what friction may have done
-/// is not the zero's.
+/// Standard errors beyond which a shift of the drop is significant: fewer, since what friction may
+/// explain is not attributed to the zero.
 const DROP_SIGNIFICANT: f32 = 2.0;
-/// Mean square of the zero's part of a move without a cause: all of it is the zero's or nothing,
-/// one as likely as the other.
+/// Mean square of the zero's part in an unexplained shift: either all of it or nothing, with equal
+/// odds.
 const SHARE: f32 = 0.5;
-/// Least part of the test that a move is extended from to the whole: with it twice the move.
+/// Least part of the test from which a shift is extrapolated to the whole; it then doubles.
 const LEAST_PART: f32 = 0.5;
 
-/// `mu`, the drop `mu_s − mu`, and the stated variances of the two: of an event, or means.
+/// `mu`, the drop `mu_s − mu`, and their stated variances: of one event, or means over events.
 type Values = [f32; 4];
 
 /// Means over the first and over the last events.
@@ -54,39 +56,40 @@ struct Span {
     last: Values,
 }
 
-/// Follows what may be a drift of the zero.
+/// Estimator of a possible drift of the zero.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Drift {
-    /// Events with both coefficients.
+    /// Number of events with both coefficients.
     events: f32,
     spans: [Span; SPANS.len()],
     /// The last event and the one before it.
     before: [Values; 2],
-    /// Second differences of `mu` and of the drop: Σ of their squares, less what the stated
-    /// variances make of them, in variances of an event; and how many there are.
+    /// Second differences of `mu` and of the drop: Σ of their squares less the expectation from the
+    /// stated variances, in units of an event's variance; and their number.
     second_differences: [f32; 2],
     count: f32,
-    /// In units of the coefficients, over the events: mean of the moves since the test began, and
-    /// square of the largest one of a fading past.
+    /// Mean over the events of the shifts found since the test began, and the square of the largest
+    /// shift with a fading memory; in the unit of the coefficients.
     mean: f32,
     square: f32,
-    /// The newest move.
+    /// The newest shift.
     last: f32,
 }
 
 impl Drift {
-    /// Standard deviation that the zero's drift gives to both coefficients.
+    /// Standard deviation of both coefficients of an event due to the drift.
     pub(crate) fn std(&self) -> f32 {
         math::sqrt(SHARE * self.square)
     }
 
-    /// The same for the means over all events: the mean of what was seen with each, but at least
-    /// half of the newest move, as if it had grown evenly before it could be seen.
+    /// Standard deviation of the means over all events due to the drift: from the mean of the
+    /// shifts, but at least half of the newest one, as if it had grown linearly before it became
+    /// significant.
     pub(crate) fn mean_std(&self) -> f32 {
         math::sqrt(SHARE) * math::larger(self.mean.abs(), 0.5 * self.last.abs())
     }
 
-    /// Takes an event.
+    /// Updates the estimate with an event's coefficients.
     pub(crate) fn take(&mut self, mu_s: Coefficient, mu: Coefficient) {
         let variance = mu.std * mu.std;
         let event = [mu.value, mu_s.value - mu.value, variance, variance + mu_s.std * mu_s.std];
@@ -117,11 +120,11 @@ impl Drift {
         }
         self.mean += (moved - self.mean) / self.events;
         self.last = moved;
-        // The zero may come back, and friction may hide it: what was seen holds for a while.
+        // The zero may come back, and friction may hide its shift, so a shift found fades slowly.
         self.square = math::larger(moved * moved, FADE * self.square);
     }
 
-    /// Takes the second differences that end with an event.
+    /// Updates the second differences with the one that ends at this event.
     fn add_second_difference(&mut self, event: Values, taken: f32) {
         let [last, older] = self.before;
         self.before = [event, last];
@@ -136,7 +139,8 @@ impl Drift {
         }
     }
 
-    /// Variance of an event beyond the stated one, with room for what few tell.
+    /// Variance between events beyond the stated one, with a margin where few second differences
+    /// determine it.
     fn scatter(&self, sum: f32) -> f32 {
         let few = FEW / self.count;
         math::larger(sum / self.count, 0.0) * (1.0 + few * few)
@@ -144,7 +148,7 @@ impl Drift {
 }
 
 impl Span {
-    /// Takes an event, the `number`th, into means over `length` events.
+    /// Updates the means over `length` events with an event, the `number`th.
     fn take(&mut self, event: Values, number: f32, length: f32) {
         let share = 1.0 / math::smaller(number, length);
         mix(&mut self.last, event, share);
@@ -153,8 +157,8 @@ impl Span {
         }
     }
 
-    /// Move of `mu` that friction does not explain, as far as it is significant. The scatters are
-    /// variances.
+    /// The significant shift of `mu` that friction does not explain. `mu_scatter` and
+    /// `drop_scatter` are variances.
     fn moved(&self, [mu_scatter, drop_scatter]: [f32; 2], length: f32) -> f32 {
         let by = |i: usize| self.last[i] - self.first[i];
         let variance =
@@ -184,13 +188,13 @@ mod tests {
 
     const STD: f32 = 0.001;
 
-    /// Even, of variance one.
+    /// Uniform, of variance one.
     fn noise(random: &mut Random) -> f32 {
         3.464 * (random.even() - 0.5)
     }
 
-    /// After events whose coefficients `(mu_s, mu)` have moved as `moved` says, each with its noise
-    /// and with a scatter of its own, relative to the coefficients.
+    /// The estimate after events whose coefficients `(mu_s, mu)` shift by `moved`, each with its
+    /// noise and with a relative scatter of its own.
     fn after(events: u32, scatter: f32, moved: impl Fn(f32) -> (f32, f32)) -> Drift {
         let (mut drift, mut random) = (Drift::default(), Random(1));
         for i in 0..events {

@@ -1,14 +1,14 @@
-//! A correction of an event's forces, learnt after its fit.
+//! A correction of an event's forces, estimated after its fit.
 
 use crate::stats::normal_equations::Gradient;
 
-/// What is known after an event's fit of its corners, of an oscillation that may be the cable's, or
-/// of its onset.
+/// Correction of an event from the estimates, after its fit, of its corners, of an oscillation that
+/// may be the cable's, or of its onset.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Correction {
-    /// By how much the event's unknowns move.
+    /// Shift of the event's unknowns.
     pub(crate) moved: Gradient,
-    /// Variances of `Fs` and `Fp` because of that, N².
+    /// Variances of `Fs` and `Fp` that the correction adds, N².
     pub(crate) static_n2: f32,
     pub(crate) dynamic_n2: f32,
 }

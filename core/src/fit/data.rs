@@ -1,4 +1,4 @@
-//! What one event's fit is made from: lines, samples, expectations.
+//! The data of one event's fit: lines, samples, priors.
 
 use crate::effect::{Effect, Effects};
 use crate::fit::slip_scatter::{OwnSwing, SlipResiduals, steepness};
@@ -11,18 +11,19 @@ use crate::stats::line::Line;
 use crate::stats::normal_equations::{Gradient, Normal, UNKNOWNS, dot, scaled};
 use crate::stats::prior::{Prior, loosened};
 
-/// The samples of the slip and its surroundings, one a period.
+/// The samples of the slip and its surroundings, one per period.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Samples<'a> {
     /// Time of the first, sampling periods from the event's origin.
     pub start: f32,
     /// Forces, N; NaN where a sample is missing or bad.
     pub forces_n: &'a [f32],
-    /// Weight of the samples later than `rest_from`, one over their variance; the others have 1.
+    /// Weight of the samples later than `rest_from`: the noise variance over theirs. The others
+    /// have 1.
     pub rest_weight: f32,
     /// Beginning of the rest after the slip, periods.
     pub rest_from: f32,
-    /// When the slip begins and ends, periods.
+    /// Times at which the slip begins and ends, periods.
     pub slip: (f32, f32),
 }
 
@@ -49,7 +50,7 @@ impl<'a> Samples<'a> {
         steepness((time - self.slip.0) / (self.slip.1 - self.slip.0))
     }
 
-    /// Times, periods, and forces, N, of the good samples.
+    /// Times, periods, and forces, N, of the valid samples.
     pub(crate) fn good(&self) -> impl Iterator<Item = (f32, f32)> + use<'a> {
         let (start, forces_n) = (self.start, self.forces_n);
         let timed = forces_n.iter().enumerate().map(move |(i, &f)| (start + i as f32, f));
@@ -57,33 +58,33 @@ impl<'a> Samples<'a> {
     }
 }
 
-/// Everything one event's fit is made from.
+/// All data of one event's fit.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Data<'a> {
     /// Stick line up to the first sample.
     pub before: &'a Line,
-    /// The samples in between.
+    /// The samples between the two lines.
     pub samples: Samples<'a>,
     /// Stick line after the last sample.
     pub after: &'a Line,
-    /// How far the force wanders about both lines.
+    /// Correlated noise about both lines.
     pub wander: ColoredNoise,
-    /// Loading rate from earlier events, N per period.
+    /// Prior of the loading rate, N per period.
     pub rate: Prior,
-    /// Swing `1/ω` from earlier events, periods.
+    /// Prior of the swing `1/ω`, periods.
     pub inverse_omega: Prior,
-    /// Change of the loading rate over the slip, N per period.
+    /// Prior of the change of the loading rate over the slip, N per period.
     pub rate_change: Prior,
-    /// What rounds off the corners.
+    /// The rounding of the corners.
     pub corner: Corner,
-    /// The onset as the slip's extremes have it, or held at a place.
+    /// Prior of the onset, from the slip's extremes; or the place at which the onset is held.
     pub onset: Prior,
 }
 
 impl Data<'_> {
-    /// Squared residuals, N², that a step may leave because the model is not linear: where the step
-    /// turns the slide by an angle `a`, each sample is off by up to `δd a + (d + q) a²/2`. Onset
-    /// and swing turn it, and so does the drop, by `φ = atan(q/d)` at either end.
+    /// Squared residuals, N², that a step may leave because the model is not linear. Where the step
+    /// turns the slide by an angle `a`, the error of each sample is up to `δd a + (d + q) a²/2`.
+    /// Onset and swing turn the slide, and so does the drop, by `φ = atan(q/d)` at either end.
     ///
     /// Infinite where the cable goes slack: there the force has kinks.
     pub(crate) fn nonlinearity_n2(&self, cycle: &CycleParams, step: &Gradient) -> f32 {
@@ -97,14 +98,15 @@ impl Data<'_> {
         self.samples.forces_n.len() as f32 * bend_n * bend_n
     }
 
-    /// The force that a shape has with what rounds off its corners, if anything does.
+    /// The model force of a shape, with the rounding of its corners, if any.
     #[inline(never)]
     pub(crate) fn model<'a>(&self, shape: &'a Shape) -> Model<'a> {
         let is_round = Effects::COMPILED.has(Effect::Corner) && !self.corner.is_sharp();
         Model { shape, rounded: is_round.then(|| self.corner.at(shape)) }
     }
 
-    /// Adds samples to the normal equations at a trial cycle: as many as given, from a place on.
+    /// Adds at most `most` samples, from the place `from` on, to the normal equations at a trial
+    /// cycle.
     pub(crate) fn add_samples(&self, normal: &mut Normal, shape: &Shape, from: usize, most: usize) {
         let forces_n = self.samples.forces_n.get(from..).unwrap_or_default();
         let model = self.model(shape);
@@ -118,7 +120,7 @@ impl Data<'_> {
         }
     }
 
-    /// Weighted squares of what samples and lines are off a shape with sharp corners, N².
+    /// Weighted squared residuals of samples and lines about a shape with sharp corners, N².
     #[inline(never)]
     pub(crate) fn squares_n2(&self, shape: &Shape) -> f32 {
         let mut squares_n2 = 0.0;
@@ -129,14 +131,14 @@ impl Data<'_> {
         squares_n2
     }
 
-    /// The residuals of the slip's samples at a fit, in units of the noise variance, and what a
-    /// scatter beyond the noise of `λ` = 1 adds to the variances. Of a long slip eight samples at
-    /// most are taken, evenly spread.
+    /// The residuals of the slip's samples at a fit, in units of the noise variance, and the
+    /// variances that a scatter beyond the noise of `λ` = 1 adds. Of a long slip at most eight
+    /// samples, evenly spread, are used.
     ///
-    /// The fit is the one without that scatter, `x = A⁻¹ Σ w u r`, so its covariance grows by `λ Σ
-    /// g w² (A⁻¹ u)(A⁻¹ u)ᵀ`. The scatter may be the same in every slip: then what the others told
-    /// of the swing has it too and does not help. For the forces, therefore, `A` is the one without
-    /// that expectation.
+    /// The fit is made without that scatter, `x = A⁻¹ Σ w u r`, so its covariance grows by
+    /// `λ Σ g w² (A⁻¹ u)(A⁻¹ u)ᵀ`. The scatter may be the same in every slip. The prior of the
+    /// swing then has the same error and does not reduce it, so for the forces `A` is the matrix
+    /// without that prior.
     #[must_use]
     pub(crate) fn slip_scatter(
         &self,
@@ -144,7 +146,7 @@ impl Data<'_> {
         knows_swing: bool,
         noise_n2: f32,
     ) -> (SlipResiduals, Variances) {
-        // Their pairs, 28, grow with the square.
+        // The number of their pairs, 28, grows with the square.
         const MOST: usize = 8;
         let (mut slip, mut wider) = (SlipResiduals::default(), Variances::default());
         let Some(factor) = fit.normal.factor(0.0) else { return (slip, wider) };
@@ -155,7 +157,7 @@ impl Data<'_> {
         let stride = ((1.0 + (to - from) / MOST as f32) as usize).max(1);
         let inside = self.samples.good().filter(|&(time, _)| time > from && time < to);
         let model = self.model(&fit.shape);
-        // Of each so far: its steepness, and by how much its error moves the unknowns.
+        // Of each sample used so far: its steepness, and the shift of the unknowns by its error.
         let mut others = [(0.0, Gradient::default()); MOST];
         let (mut place, mut swing_by_scatter) = (0, 0.0);
         for (number, (time, measured_n)) in inside.enumerate() {
@@ -180,9 +182,9 @@ impl Data<'_> {
             swing_by_scatter += weight * moved_apart[SWING] * moved_apart[SWING];
             wider.add(&moved, &moved_apart, weight);
         }
-        // What the swings scatter is learnt with them.
+        // The scatter of the swings is estimated with the trend of the swings.
         wider.unknowns[SWING] = 0.0;
-        // Before the slips tell a swing, it may have any size.
+        // While the swing is unknown, the estimate of one slip may have any size.
         if let Some(alone) = alone.as_ref().filter(|_| knows_swing) {
             let variance = apart.variance(SWING);
             slip.swing = OwnSwing {
@@ -194,7 +196,7 @@ impl Data<'_> {
         (slip, wider)
     }
 
-    /// Adds the lines and the expectations to the normal equations at a trial cycle.
+    /// Adds the lines and the priors to the normal equations at a trial cycle.
     pub(crate) fn add_lines(&self, normal: &mut Normal, shape: &Shape) {
         let cycle = shape.cycle();
         let (before, after) = (self.before, self.after);
@@ -219,7 +221,7 @@ impl Data<'_> {
         }
     }
 
-    /// Time, periods, force, N, and weight of each level at some places: samples first, then both
+    /// Time, periods, force, N, and weight of the levels at some places: samples first, then both
     /// lines.
     pub(crate) fn levels_in(
         &self,
@@ -228,12 +230,12 @@ impl Data<'_> {
         places.filter_map(|place| self.level(place))
     }
 
-    /// Places of samples, also where one is missing, and of lines.
+    /// Number of places: of samples, also where one is missing, and of both lines.
     pub(crate) fn places(&self) -> usize {
         self.samples.forces_n.len() + 2
     }
 
-    // Not inlined: three loops look at the levels.
+    // Not inlined: three loops use it.
     #[inline(never)]
     fn level(&self, place: usize) -> Option<(f32, f32, f32)> {
         if let Some(&force_n) = self.samples.forces_n.get(place) {
@@ -248,7 +250,7 @@ impl Data<'_> {
         Some((line.time, line.level_n, loosened(line.weight, self.wander.level)))
     }
 
-    /// What is expected of each unknown, and its value.
+    /// The prior of each unknown, and the unknown's value.
     #[must_use]
     #[inline(never)]
     pub(crate) fn priors(&self, cycle: &CycleParams) -> [(Prior, f32); UNKNOWNS] {
@@ -264,7 +266,7 @@ impl Data<'_> {
     }
 }
 
-/// The force that the samples are compared with.
+/// The model force with which the samples are compared.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Model<'a> {
     shape: &'a Shape,
@@ -272,10 +274,10 @@ pub(crate) struct Model<'a> {
 }
 
 impl Model<'_> {
-    /// What a sample lies above the model, N, and the model's derivatives.
+    /// Residual of a sample, N, and the model's derivatives.
     #[inline(always)]
     pub(crate) fn residual(&self, time: f32, measured_n: f32) -> (f32, Gradient) {
-        // Changed in place: it is long.
+        // Changed in place, since it is large.
         let mut at = self.shape.force(time);
         at.0 = measured_n - at.0;
         if let Some(rounded) = &self.rounded {
@@ -286,17 +288,17 @@ impl Model<'_> {
         at
     }
 
-    /// What the corners add to the force at a time since the onset, N.
+    /// Shift of the force by the corners at a time since the onset, N.
     fn shift_n(&self, since_onset: f32) -> f32 {
         self.rounded.map_or(0.0, |rounded| rounded.shift(since_onset).force_n)
     }
 }
 
-/// Adds the level of a line as one observation, less sure by how far the force wanders.
+/// Adds the level of a line as one observation, its variance increased by the wander.
 fn add_level(normal: &mut Normal, line: &Line, wander: &ColoredNoise, level: &(f32, Gradient)) {
     if line.weight > 0.0 {
-        // The unknown rate is that next to the slip: from there to the line's middle the force
-        // wanders off.
+        // The unknown rate is the one next to the slip: from there to the middle of the line the
+        // force wanders.
         let far = wander.level + wander.slope * line.time * line.time;
         normal.add(line.level_n - level.0, &level.1, loosened(line.weight, far));
     }

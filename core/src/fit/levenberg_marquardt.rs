@@ -1,4 +1,4 @@
-//! Damped Gauss-Newton (Levenberg, Marquardt), a bounded piece of it at a time.
+//! Damped Gauss-Newton (Levenberg, Marquardt), in steps of limited length.
 
 use core::ops::ControlFlow;
 
@@ -8,44 +8,46 @@ use crate::model::CycleParams;
 use crate::num::math::{larger, smaller};
 use crate::stats::normal_equations::{Factor, Gradient, Normal, dot};
 
-/// Most iterations before giving up; one or two are usual.
+/// Most iterations; one or two usually suffice.
 const MOST_STEPS: u8 = 24;
-/// Part of the noise variance that decides: the fit has settled when the next step, which is still
-/// taken, would gain less, or leave less by its nonlinearity: a tenth of a standard deviation.
+/// Tolerance, as a part of the noise variance. The fit has converged when the next step, which is
+/// still taken, would gain less, or leave less by its nonlinearity: a tenth of a standard
+/// deviation.
 const SETTLED: f32 = 1e-2;
-/// As [`SETTLED`], when the iterations are used up: a sample may sit right on an end of the slip,
-/// where the sum of squares has a kink. A fifth of a standard deviation.
+/// Tolerance when the iterations are used up, as a part of the noise variance: a sample may lie
+/// right at an end of the slip, where the sum of squares has a kink. A fifth of a standard
+/// deviation.
 const NEARLY_SETTLED: f32 = 0.05;
-/// Damping after the first refused step; ten times as much after every other one (Marquardt's factor).
+/// Damping after the first refused step; each further one makes it ten times as large (Marquardt's
+/// factor).
 const DAMPING: f32 = 1e-3;
-/// Damping below which there is none. Tuned: where there is none after one good step, the next one goes
-/// too far again in a valley that bends, as that of a slip with one sample does.
+/// Damping below which it is set to zero. Tuned: if it is zero after one good step, the next step
+/// goes too far again in a curved valley, as that of a slip with one sample.
 const LEAST_DAMPING: f32 = 1e-6;
 /// Damping beyond which the data do not determine the unknowns: twelve refused steps more.
 const MOST_DAMPING: f32 = 1e9;
 
-/// Samples that one step looks at: most slips have fewer, and are passed over in one step.
+/// Samples per step of a pass: most slips have fewer, and take one step.
 pub(crate) const SAMPLES_A_STEP: usize = 20;
 
-/// A fit under way, so that a board can do a piece of it with each sample.
+/// A fit in progress, divided into steps so that a board can do one with each sample.
 ///
-/// A *pass* takes the samples and lines at a trial cycle into normal equations. Every
-/// [`Fitting::step`] wants the same data, but for what is expected, which may become better
-/// known meanwhile. Its cost is bounded: `SAMPLES_A_STEP` samples, two lines, one
-/// factorisation.
+/// A *pass* adds the samples and lines to the normal equations at a trial cycle. Every
+/// [`Fitting::step`] needs the same data; only the priors may become narrower meanwhile. Its time
+/// is limited: `SAMPLES_A_STEP` samples, two lines, one factorisation.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Fitting {
     /// The best cycle so far, and the normal equations there.
     cycle: CycleParams,
     normal: Normal,
-    /// What the trial under way is expected to gain, N².
+    /// Expected gain of the current trial, N².
     gain: f32,
     damping: f32,
     steps: u8,
     pass: Option<Pass>,
 }
 
-/// Normal equations at a trial cycle, as far as the samples have been taken.
+/// Normal equations at a trial cycle, with the samples added so far.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Pass {
     trial: CycleParams,
@@ -62,7 +64,7 @@ impl Pass {
         &self.normal
     }
 
-    /// Adds the next samples; with the last ones the lines as well, and then it is true.
+    /// Adds the next samples; after the last ones also the lines, and then returns true.
     pub(crate) fn advance(&mut self, data: &Data<'_>) -> bool {
         let shape = self.trial.shape();
         data.add_samples(&mut self.normal, &shape, self.next, SAMPLES_A_STEP);
@@ -80,23 +82,21 @@ impl Fitting {
     #[must_use]
     pub(crate) fn new(guess: &CycleParams) -> Self {
         let cycle = limited(*guess);
-        // So the guess is taken, whatever it costs.
+        // An infinite cost, so that the guess is accepted whatever it costs.
         let normal = Normal { cost: f32::INFINITY, ..Normal::default() };
         let pass = Some(Pass::at(cycle));
         Self { cycle, normal, gain: 0.0, damping: 0.0, steps: 0, pass }
     }
 
-    /// Starts from a guess, for so many steps at most.
+    /// Starts from a guess, with at most `most_steps` steps.
     #[must_use]
     pub(crate) fn brief(guess: &CycleParams, most_steps: u8) -> Self {
         Self { steps: MOST_STEPS.saturating_sub(most_steps), ..Self::new(guess) }
     }
 
-    /// One piece. Breaks with the fit, or with `None` when the data do not determine the
-    /// unknowns.
+    /// One step. Breaks with the fit, or with `None` when the data do not determine the unknowns.
     ///
-    /// `noise_n2` is the variance of a sample: it decides only when the iteration
-    /// has settled.
+    /// `noise_n2` is the variance of a sample; it is used for the convergence test only.
     pub(crate) fn step(&mut self, data: &Data<'_>, noise_n2: f32) -> ControlFlow<Option<Fit>> {
         if let Some(pass) = &mut self.pass {
             if !pass.advance(data) {
@@ -107,11 +107,11 @@ impl Fitting {
         self.propose(data, noise_n2)
     }
 
-    /// Takes the trial that was passed, or refuses it.
+    /// Accepts the trial at the end of its pass, or refuses it.
     fn judge(&mut self, noise_n2: f32) -> ControlFlow<Option<Fit>> {
         let least_n2 = self.least_n2(noise_n2);
-        // Rounding may make a good step look a little worse. A NaN cost compares false and
-        // is a refused step.
+        // Rounding may make a good step look slightly worse. A NaN cost compares false and is a
+        // refused step.
         let most_n2 = self.normal.cost + SETTLED * least_n2;
         let good = self.pass.as_ref().filter(|pass| pass.normal.cost <= most_n2);
         let is_good = good.is_some();
@@ -129,12 +129,12 @@ impl Fitting {
         ControlFlow::Break(self.settled(self.gain < NEARLY_SETTLED * least_n2))
     }
 
-    /// The next trial, unless the best cycle so far is as good as it.
+    /// Proposes the next trial, or ends the fit if the step to it is below the tolerance.
     fn propose(&mut self, data: &Data<'_>, noise_n2: f32) -> ControlFlow<Option<Fit>> {
         self.steps += 1;
         let Some(factor) = self.normal.factor(self.damping) else { return self.refuse() };
         let step = factor.solve(&self.normal.right);
-        // What the step is expected to gain: in units of the noise, its length squared.
+        // The expected gain of the step: its squared length in units of the noise.
         let gain = dot(&step, &self.normal.right);
         let least_n2 = self.least_n2(noise_n2);
         let trial = limited(moved(&self.cycle, &step));
@@ -152,7 +152,7 @@ impl Fitting {
         noise_n2 + rounding_n2(self.cycle.static_n)
     }
 
-    /// Smaller steps from here on.
+    /// Makes the next steps smaller.
     fn refuse(&mut self) -> ControlFlow<Option<Fit>> {
         self.damping = if self.damping > 0.0 { 10.0 * self.damping } else { DAMPING };
         if self.damping > MOST_DAMPING || self.steps > MOST_STEPS {
@@ -162,7 +162,7 @@ impl Fitting {
     }
 
     fn settled(&self, converged: bool) -> Option<Fit> {
-        // A matrix that is all but singular in single precision gets as little damping as it needs.
+        // A nearly singular matrix in single precision gets as little damping as it needs.
         const LEAST_HELP: f32 = 1e-5;
         let factor = self.normal.factor(0.0).or_else(|| self.normal.factor(LEAST_HELP));
         self.fit(&factor?, converged)
@@ -184,10 +184,10 @@ impl Fitting {
     }
 }
 
-/// A cycle after a step, no further than the step can be trusted.
+/// A cycle after a step, limited to where the step can be trusted.
 pub(super) fn moved(cycle: &CycleParams, step: &Gradient) -> CycleParams {
-    // Rate, half the drop and swing stay above zero: a step takes two thirds of them at most, or
-    // adds twice as much. Not `clamp`, which panics at a limit that is no number.
+    // Rate, half the drop and swing stay above zero: a step reduces them by two thirds at most, or
+    // triples them. Not `clamp`, which panics at a NaN limit.
     let grown = |value: f32, by: f32| smaller(larger(value + by, 0.33 * value), 3.0 * value);
     CycleParams {
         onset: cycle.onset + step[0].clamp(-1.0, 1.0),
@@ -199,10 +199,10 @@ pub(super) fn moved(cycle: &CycleParams, step: &Gradient) -> CycleParams {
     }
 }
 
-/// Keeps the unknowns where the formulas hold.
+/// Limits the unknowns to where the formulas hold.
 #[inline(never)]
 fn limited(cycle: CycleParams) -> CycleParams {
-    // Above zero is all that the formulas need: far below what single precision can tell from it.
+    // The formulas need values above zero only: this is below what single precision resolves.
     const TINY: f32 = 1e-12;
     let least_n = larger(TINY * cycle.static_n.abs(), f32::MIN_POSITIVE);
     CycleParams {
@@ -223,7 +223,7 @@ mod tests {
     use crate::stats::prior::Prior;
 
     impl Data<'_> {
-        /// Starts from a guess and returns the best fit near it, see [`Fitting`].
+        /// Fits from a guess to convergence, see [`Fitting`].
         #[must_use]
         pub(crate) fn fit(&self, guess: &CycleParams, noise_n2: f32) -> Option<Fit> {
             let mut fitting = Fitting::new(guess);

@@ -1,10 +1,10 @@
-//! The model fitted to a whole event: stick line, slip samples, stick line.
+//! The fit of the model to a whole event: stick line, slip samples, stick line.
 //!
-//! Least squares for the six unknowns of a [`CycleParams`] by damped Gauss-Newton
-//! (Levenberg, Marquardt). A stick line of any length enters as two observations,
-//! its level and its slope, which is all that a straight line holds; the samples
-//! around the slip enter one by one; what earlier events told of the loading rate, of
-//! its change and of omega enters as three more, and a held onset as another.
+//! Least squares for the six unknowns of a [`CycleParams`] by damped Gauss-Newton (Levenberg,
+//! Marquardt). A stick line of any length enters as two observations, its level and its slope,
+//! which are sufficient statistics. The samples around the slip enter one by one. The priors of the
+//! loading rate, its change and the swing from earlier events are three more observations, that of
+//! the onset another.
 
 pub(crate) mod correction;
 pub(crate) mod data;
@@ -34,10 +34,9 @@ pub(crate) struct Fit {
     pub forces: Forces,
     /// Variances of the unknowns, in units of the noise variance.
     pub variances: Gradient,
-    /// What was added to the variances of `Fs` and `Fp` since the fit, in units of the noise
-    /// variance.
+    /// Variances added to those of `Fs` and `Fp` since the fit, in units of the noise variance.
     wider: (f32, f32),
-    /// Whether the iteration settled.
+    /// Whether the iteration converged.
     pub converged: bool,
 }
 
@@ -49,13 +48,13 @@ pub(crate) struct Variances {
 }
 
 impl Variances {
-    /// An oscillation of variance 1 about both lines: `Fs` and `Fe` are each off by it, `Fp` by
-    /// half of both.
+    /// An oscillation of variance 1 about both lines: `Fs` and `Fe` each have its variance, `Fp`
+    /// half of it.
     pub(crate) const UNSURE_OSCILLATION: Self =
         Self { unknowns: [0.0, 0.0, 1.0, 0.5, 0.0, 0.0], forces: (1.0, 0.5) };
 
-    /// Adds an error of this variance, which moves the unknowns by `moved`, and the forces as
-    /// unknowns that are moved by `apart`.
+    /// Adds an error of this variance that shifts the unknowns by `moved`, and the forces as
+    /// unknowns shifted by `apart` do.
     fn add(&mut self, moved: &Gradient, apart: &Gradient, variance: f32) {
         for (sum, by) in self.unknowns.iter_mut().zip(moved) {
             *sum += variance * by * by;
@@ -66,7 +65,7 @@ impl Variances {
     }
 }
 
-/// `Fs` and `Fp` with their variances, N and units of the noise variance.
+/// `Fs` and `Fp`, N, with their variances in units of the noise variance.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Forces {
     /// `Fs`.
@@ -80,7 +79,7 @@ pub(crate) struct Forces {
 }
 
 impl Forces {
-    /// Of a cycle, with the factor of its information matrix.
+    /// The forces of a cycle, with variances from the factor of its information matrix.
     fn new(cycle: &CycleParams, information: &Factor) -> Self {
         let (static_n, dynamic_n) = (cycle.static_n, cycle.dynamic_n());
         let static_variance = information.spread(&STATIC, FIRST);
@@ -93,7 +92,7 @@ impl Forces {
         self.dynamic_variance += dynamic_variance;
     }
 
-    /// Applies what became known after the fit; `noise_n2` is the unit of the variances, N².
+    /// Applies a correction found after the fit; `noise_n2` is the unit of the variances, N².
     pub(crate) fn apply(&mut self, correction: &Correction, noise_n2: f32) {
         let (static_n, dynamic_n) = forces_by(&correction.moved);
         self.static_n += static_n;
@@ -107,12 +106,12 @@ impl Forces {
 pub(crate) const STATIC: Gradient = [0.0, 0.0, 1.0, 0.0, 0.0, 0.0];
 /// `Fp = Fs − d` as a combination of the unknowns.
 pub(crate) const DYNAMIC: Gradient = [0.0, 0.0, 1.0, -1.0, 0.0, 0.0];
-/// The first unknown that either has.
+/// The first unknown with a coefficient in either force.
 const FIRST: usize = 2;
 /// The place of the swing among the unknowns.
 pub(crate) const SWING: usize = 4;
 
-/// By how much `Fs` and `Fp` move when the unknowns do.
+/// Shift of `Fs` and `Fp` for a shift of the unknowns.
 fn forces_by([_, _, static_n, half_drop_n, ..]: &Gradient) -> (f32, f32) {
     (*static_n, static_n - half_drop_n)
 }
@@ -130,21 +129,21 @@ impl Fit {
         self.normal.cost
     }
 
-    /// Takes squared residuals, N², out of the cost: those of samples that became part of a stick
-    /// line.
+    /// Subtracts the squared residuals, N², of samples that became part of a stick line from the
+    /// cost.
     pub(crate) fn leave(&mut self, left_n2: f32) {
         self.normal.cost -= left_n2;
     }
 
-    /// Multiplies all variances by the ratio of the event's own residuals to the noise.
+    /// Multiplies all variances by the ratio of the event's own mean square residual to the noise.
     pub(crate) fn scale(&mut self, ratio: f32) {
         let Forces { static_variance, dynamic_variance, .. } = self.forces;
         let forces = (static_variance, dynamic_variance);
         self.widen(&Variances { unknowns: self.variances, forces }, ratio - 1.0);
     }
 
-    /// Adds `times` their own variances to those of `Fs`, `d` and `Fp`: noise with correlated
-    /// neighbours makes them less sure. What the events share is not told any better or worse.
+    /// Adds `times` their own variances to those of `Fs`, `d` and `Fp`, for noise with correlated
+    /// neighbours. The variances of the quantities that events share stay the same.
     pub(crate) fn widen_forces(&mut self, times: f32) {
         let Forces { static_variance, dynamic_variance, .. } = self.forces;
         let [_, _, static_n2, half_drop_n2, ..] = self.variances;
@@ -153,7 +152,7 @@ impl Fit {
         self.widen(&Variances { unknowns, forces }, times);
     }
 
-    /// Adds `times` the given variances: what the event is unsure of beyond the noise.
+    /// Adds `times` the given variances, of errors beyond the noise.
     pub(crate) fn widen(&mut self, wider: &Variances, times: f32) {
         if times == 0.0 {
             return;
@@ -166,13 +165,13 @@ impl Fit {
         self.forces.widen(forces);
     }
 
-    /// What was added to the variances of `Fs` and `Fp` since the fit, N².
+    /// Variances added to those of `Fs` and `Fp` since the fit, N².
     pub(crate) fn wider_n2(&self, noise_n2: f32) -> (f32, f32) {
         (noise_n2 * self.wider.0, noise_n2 * self.wider.1)
     }
 
-    /// The forces as the event would give them without what was expected of its
-    /// loading rate: the expectation is taken out of the normal equations again.
+    /// The forces without the prior of the loading rate: it is subtracted from the normal
+    /// equations.
     ///
     /// `None` when the event alone does not determine them.
     #[must_use]
@@ -185,7 +184,7 @@ impl Fit {
         Some(forces)
     }
 
-    /// The forces where `Fs` and half the drop are moved by so much, N, with the variances of an
+    /// The forces after a shift of `Fs` and of half the drop, N, with the variances of an
     /// information matrix.
     fn forces_at(&self, by_static: f32, by_drop: f32, information: &Factor) -> Forces {
         let mut cycle = *self.cycle();
@@ -194,20 +193,20 @@ impl Fit {
         Forces::new(&cycle, information)
     }
 
-    /// Its normal equations without what is expected of the swing.
+    /// The normal equations without the prior of the swing.
     pub(crate) fn without_swing(&self, swing: Prior) -> Option<Alone> {
         let value = self.cycle().inverse_omega();
         without(&self.normal, Gradient::default(), SWING, &[(swing, value)])
     }
 
-    /// A pass over the data at the fit. The fit ended with a step whose result was not looked at
-    /// again: what that leaves is no noise, and would add up over the events.
+    /// A pass over the data at the fit. The fit ended with a step whose result was not evaluated,
+    /// and what that left is no noise: it would add up over the events.
     pub(crate) fn anew(&self) -> Pass {
         Pass::at(*self.cycle())
     }
 
-    /// The event's normal equations, from those of such a pass, without what is expected of all
-    /// unknowns but the last, the rate change. `None` where they are singular.
+    /// The event's normal equations, from those of such a pass, without the priors of all unknowns
+    /// but the last, the rate change. `None` where they are singular.
     #[must_use]
     pub(crate) fn alone(&self, data: &Data<'_>, normal: &Normal) -> Option<Alone> {
         let [expected @ .., _] = data.priors(self.cycle());
@@ -215,15 +214,15 @@ impl Fit {
     }
 }
 
-/// The normal equations of an event alone at its fit: their factor and right-hand side.
+/// The normal equations of an event without priors, at its fit: their factor and right-hand side.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Alone {
     pub(crate) factor: Factor,
     pub(crate) right: Gradient,
 }
 
-/// Normal equations with a right-hand side, after the expectations of the unknowns from `first` on,
-/// each with the unknown's value, are taken out.
+/// Normal equations without the priors of the unknowns from `first` on; each prior comes with the
+/// unknown's value.
 #[inline(never)]
 fn without(
     normal: &Normal,
@@ -239,7 +238,7 @@ fn without(
     Some(Alone { factor: matrix.factor(0.0)?, right })
 }
 
-/// Variance that rounding to single precision gives a force, N²: the noise of a quiet cell may be
+/// Variance of a force due to rounding in single precision, N²: the noise of a quiet cell may be
 /// less.
 pub(crate) fn rounding_n2(force_n: f32) -> f32 {
     // Fifty units of 2⁻²⁴, for all that a residual is computed from.

@@ -1,11 +1,10 @@
-//! Slips of hardly a sample, averaged over the onset.
+//! Average over the onset, for slips with hardly a sample.
 //!
-//! Where the slip holds enough samples the best fit and its information matrix say
-//! it all. A slip of hardly a sample is different: its onset may lie anywhere
-//! between two samples, every place with its own best fit and almost the same sum
-//! of squares, with a kink where the slip's end passes a sample. There the onset is
-//! held at a row of places, and the fits are averaged with their likelihoods
-//! `exp(−cost / 2 σ²)`: what the samples cannot tell widens the interval.
+//! With enough samples in the slip the best fit and its information matrix are sufficient. With
+//! hardly a sample the onset may lie anywhere between two samples. Each place of it has its own
+//! best fit and almost the same sum of squares, with a kink where the slip's end passes a sample.
+//! So the onset is held at a row of places, and the fits are averaged with their likelihoods
+//! `exp(−cost / 2 σ²)` as weights. What the samples do not determine widens the interval.
 
 use core::ops::ControlFlow;
 
@@ -17,44 +16,45 @@ use crate::num::math::{self, smaller};
 use crate::stats::normal_equations::{UNKNOWNS, scaled};
 use crate::stats::prior::Prior;
 
-/// Length, periods, up to which a slip is averaged as well while no other event tells how long a
-/// slip is, or if it ends right at a sample on a slack cable: a longer one has three samples.
+/// Length, periods, up to which a slip is also averaged while the swing is not known from other
+/// events, or if it ends right at a sample on a slack cable: a longer slip has three samples.
 const CLEARLY_RESOLVED: f32 = 3.0;
 /// Distance between places of the onset, periods.
 const STEP: f32 = 0.125;
-/// Places on either side of the best fit: up to a period from it.
+/// Number of places on either side of the best fit, up to a period from it.
 const STEPS: i16 = 8;
-/// How many times closer those within the first step are where the slip is short: a sample right at
-/// an end of it leaves a tenth of a period open.
+/// Factor by which the places within the first step are closer where the slip is short: a sample
+/// right at one of its ends leaves a tenth of a period open.
 const FINE: i16 = 4;
-/// Information that holds the onset in its place: so many times what one sample on
-/// the steepest part of the slip would tell, so to a hundredth of what that leaves open.
+/// Information that holds the onset at a place, in units of that of one sample on the steepest part
+/// of the slip: it holds to a hundredth of what such a sample leaves open.
 const HELD: f32 = 1e4;
-/// Most steps of the fit at a place: one or two are usual. A fit that has not settled by then has a
-/// kink, and is as good as it gets.
+/// Most steps of the fit at a place; one or two usually suffice. A fit that has not converged by
+/// then has a kink and gets no better.
 const MOST_STEPS: u8 = 8;
-/// Part that counts of what the best fit is unsure of beyond the noise: a scatter of the slip's
-/// samples moves the onset, and the places have some of that. Tuned: none makes slips that are no
-/// ellipse too sure, all of it three halves of their errors.
+/// Part of the best fit's variances beyond the noise that is added to the average: a scatter of the
+/// slip's samples shifts the onset, and the places include some of that. Tuned: with none the
+/// intervals of slips that are no ellipse are too narrow, with all of it three halves of their
+/// errors.
 const SCATTER: f32 = 0.5;
-/// A likelihood, in parts of the best fit's, that adds nothing to sums in single precision.
+/// Likelihood relative to the best fit's that adds nothing to sums in single precision.
 const UNLIKELY: f32 = 1.2e-7;
 
-/// Averages over places of the onset, weighted by likelihood: one iteration of one place's
-/// fit a step.
+/// Average over places of the onset, weighted by likelihood. A step is one iteration of the fit at
+/// one place.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct OverOnset {
     sums: Sums,
-    /// Places within the first step.
+    /// Number of places within the first step.
     fine: i16,
-    /// Next place, and where its fit begins.
+    /// The next place, and the cycle from which its fit begins.
     place: i16,
     from: CycleParams,
     fitting: Option<Fitting>,
 }
 
 impl OverOnset {
-    /// For a slip that its best fit does not resolve; `None`: the fit says it all.
+    /// Begins the average for a slip that its best fit does not resolve; else `None`.
     #[must_use]
     pub(crate) fn new(best: &Fit, knows_omega: bool, noise_n2: f32) -> Option<Self> {
         let fall = best.shape.fall_time();
@@ -65,7 +65,7 @@ impl OverOnset {
         (fall < least).then_some(Self { sums, fine, place, from, fitting: None })
     }
 
-    /// One iteration; breaks with the result after the last place.
+    /// One iteration. Breaks with the posterior after the last place.
     pub(crate) fn step(
         &mut self,
         data: &Data<'_>,
@@ -85,12 +85,12 @@ impl OverOnset {
         self.take(data, best, fit, noise_n2)
     }
 
-    /// How many places were looked at.
+    /// Number of places that were fitted.
     pub(crate) fn seen(&self) -> i16 {
         if self.place < 0 { STEPS + self.fine - 1 - self.place } else { self.place }
     }
 
-    /// Takes the fit of one place.
+    /// Adds the fit of one place.
     fn take(
         &mut self,
         data: &Data<'_>,
@@ -100,7 +100,7 @@ impl OverOnset {
     ) -> ControlFlow<Posterior> {
         let (by, width) = offset(self.place, self.fine);
         let onset = best.cycle().onset + by;
-        // Beyond a place where nothing is likely nothing is.
+        // Beyond an unlikely place all places are unlikely.
         let mut ends = fit.is_none();
         if let Some(fit) = &fit {
             let expected =
@@ -113,7 +113,7 @@ impl OverOnset {
         let Some(next) = following(self.place, STEPS + self.fine - 1, ends) else {
             return ControlFlow::Break(self.sums.posterior(best, noise_n2));
         };
-        // The other side begins at the best fit again.
+        // The other side begins again at the best fit.
         let turns = self.place > 0 && next < 0;
         let (fit, here) = match &fit {
             Some(fit) if !turns => (fit, by),
@@ -125,11 +125,11 @@ impl OverOnset {
     }
 }
 
-/// Is the last sample before a cable goes slack within the noise of zero? It would be as likely if
-/// the cable had gone slack earlier, and of the end of the fall the fit knows only that this sample
-/// lies before it.
+/// Is the force of the last sample before the cable goes slack within the noise of zero? The cable
+/// may then have gone slack earlier with the same likelihood: the fit determines only that the fall
+/// does not end before this sample.
 fn is_at_edge(shape: &Shape, noise_n2: f32) -> bool {
-    // Standard deviations: of normal ones one in 16 000.
+    // Standard deviations: of normal variables one in 16 000.
     const SURE: f32 = 4.0;
     if !shape.is_slack() {
         return false;
@@ -138,7 +138,7 @@ fn is_at_edge(shape: &Shape, noise_n2: f32) -> bool {
     force_n * force_n < SURE * SURE * noise_n2
 }
 
-/// A fit whose onset is moved, the other unknowns with it as far as the data tie them to it.
+/// A fit after a shift of its onset, the other unknowns shifted by their correlation with it.
 fn along(fit: &Fit, by: f32) -> CycleParams {
     let onset = [1.0, 0.0, 0.0, 0.0, 0.0, 0.0];
     let Some(tied) = fit.normal.factor(0.0).map(|factor| factor.solve(&onset)) else {
@@ -147,8 +147,8 @@ fn along(fit: &Fit, by: f32) -> CycleParams {
     moved(fit.cycle(), &scaled(&tied, by / tied[0]))
 }
 
-/// How far a place is from the best fit, periods, and how wide the part is that it stands for,
-/// in steps.
+/// Distance of a place from the best fit, periods, and the width of the interval that it
+/// represents, in steps.
 fn offset(place: i16, fine: i16) -> (f32, f32) {
     let (number, closer) = (place.abs(), f32::from(fine));
     let (steps, width) = if number < fine {
@@ -159,7 +159,7 @@ fn offset(place: i16, fine: i16) -> (f32, f32) {
     ((STEP * steps).copysign(f32::from(place)), width)
 }
 
-/// Places go up to the last, or to one that ends them, and then down.
+/// The place after this one: up to the last, or to one that ends this side, and then down.
 fn following(place: i16, last: i16, ends: bool) -> Option<i16> {
     if place < 0 {
         (!ends && place > -last).then_some(place - 1)
@@ -180,7 +180,7 @@ struct Sums {
 
 impl Sums {
     fn add(&mut self, weight: f32, one: &Posterior, best: &Fit) {
-        // Likelihoods above one: the best fit was not quite the best.
+        // Likelihoods above one occur: the best fit was not quite the best.
         let weight = if weight.is_finite() { smaller(weight, 1e3) } else { 0.0 };
         self.weight += weight;
         let [onset, rate, static_n2, half_drop_n2, swing, rate_change] = one.unknowns;
@@ -221,8 +221,9 @@ impl Sums {
         let dynamic_n2 = by_dynamic[1] + SCATTER * wider.1;
         let (fall_time, common_n2) = (cycle.shape().fall_time(), (0.0, 0.0));
         let over = Posterior { cycle, fall_time, static_n2, dynamic_n2, common_n2, unknowns };
-        // An onset that is known better than the places are apart: few places have all the
-        // weight, and their fits know nothing of the onset's own uncertainty.
+        // If the onset is known better than the spacing of the places, few of these carry all the
+        // weight, and their fits lack the onset's own variance: the best fit's variances are the
+        // least.
         if best.shape.fall_time() < RESOLVED && over.unknowns[0] > STEP * STEP / 4.0 {
             over
         } else {
@@ -250,7 +251,7 @@ mod tests {
         core::array::from_fn(|i| shape.force(i as f32 - 6.0).0)
     }
 
-    /// With the passes that it took and the places that were looked at.
+    /// The true cycle, its posterior, and the numbers of passes and of places.
     fn posterior(slide: f32, onset: f32) -> (CycleParams, Posterior, [u32; 2]) {
         let omega = 3.3 / slide;
         let truth = CycleParams {

@@ -1,4 +1,4 @@
-//! What an event's samples tell of its unknowns: means and variances.
+//! Posterior of one event's unknowns: means and variances.
 
 use crate::fit::Fit;
 use crate::fit::correction::Correction;
@@ -6,35 +6,38 @@ use crate::model::CycleParams;
 use crate::num::math::larger;
 use crate::stats::normal_equations::{Gradient, scaled};
 
-/// Slips shorter than this are averaged over the onset, periods: half of them or more have one sample at most.
+/// Length below which slips are averaged over the onset, periods: half of them or more have at most
+/// one sample.
 pub(crate) const RESOLVED: f32 = 1.5;
-/// Slips longer than this show their length whatever the samples fall on, periods: they have two.
+/// Length above which the samples always determine a slip's length, periods: it has two at least.
 pub(crate) const CLEAR: f32 = 2.0;
-/// A slip whose swing is less well known than this part of it is not resolved. Tuned to little: with half
-/// or twice as much a hundredth of the events of `jitter_10` gets or loses its coefficients.
+/// Least relative standard deviation of the swing at which a slip is not resolved. Tuned to little:
+/// with half or twice as much a hundredth of the events of `jitter_10` gets or loses its
+/// coefficients.
 const SWING_KNOWN: f32 = 0.2;
 
 /// Means and variances of one event's unknowns; forces in N, times in periods.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Posterior {
-    /// The cycle of the means.
+    /// The cycle with the mean values.
     pub cycle: CycleParams,
-    /// How long the force tells of its slide, periods: up to the stop, or up to a slack cable.
+    /// Time in which the force depends on the slide, periods: up to the stop, or up to a slack
+    /// cable.
     pub fall_time: f32,
     /// Variance of `Fs`, N².
     pub static_n2: f32,
     /// Variance of `Fp`, N².
     pub dynamic_n2: f32,
-    /// What of these two is common to the events, N²: how the corners are rounded off, and what
-    /// the samples of the slips scatter, which may be the same in all of them.
+    /// Parts of these two variances that are common to all events, N²: from the corners, and from
+    /// the scatter of the slips' samples, which may be the same in all of them.
     pub common_n2: (f32, f32),
-    /// Variances of the unknowns as the fit left them. Those of `Fs` and of the drop, the two in
-    /// the middle, tell whether there was a drop at all.
+    /// Variances of the unknowns from the fit. Those of `Fs` and of half the drop, the two in the
+    /// middle, serve to test whether there was a drop at all.
     pub unknowns: Gradient,
 }
 
 impl Posterior {
-    /// Is the slip long enough for the samples?
+    /// Is the slip resolved: long enough for the samples, with a known swing?
     #[must_use]
     #[inline(never)]
     pub(crate) fn is_resolved(&self) -> bool {
@@ -42,25 +45,25 @@ impl Posterior {
         self.fall_time >= RESOLVED && self.unknowns[4] < most * most
     }
 
-    /// Does the slip tell the next events how long a slip is? `variance` is that of its swing
-    /// without what was expected of it. In a slip of less than two periods one sample leaves the
-    /// swing open in a way that is no normal distribution: many such events know no more than one.
+    /// Does the slip determine the swing well enough for the next events? `variance` is that of its
+    /// swing without the prior. In a slip of less than two periods one sample leaves an error of
+    /// the swing that is not normal and does not average out over such events.
     #[must_use]
     #[inline(never)]
     pub(crate) fn tells_swing(&self, variance: f32) -> bool {
-        // Standard deviation of a swing that is known well, parts of it.
+        // Relative standard deviation of a well-known swing.
         const WELL: f32 = 0.08;
         let well = WELL * self.cycle.inverse_omega();
         self.is_resolved() && (self.fall_time > CLEAR || variance < well * well)
     }
 
-    /// Counts the variances of a correction as the same in every event.
+    /// Adds the variances of a correction to the parts that are common to all events.
     pub(crate) fn share(&mut self, correction: &Correction) {
         self.common_n2.0 += correction.static_n2;
         self.common_n2.1 += correction.dynamic_n2;
     }
 
-    /// Applies what became known after the fit.
+    /// Applies a correction found after the fit.
     #[inline(never)]
     pub(crate) fn apply(&mut self, correction: &Correction) {
         let Correction {
@@ -78,10 +81,11 @@ impl Posterior {
         self.dynamic_n2 += correction.dynamic_n2;
     }
 
-    /// The slip may have begun anywhere within a period before and after, and have any length that
-    /// goes with it: `Fs` is as unsure as the onset makes it, `Fp` half as much.
+    /// Adds the uncertainty of a slip that may have begun anywhere within a period before and
+    /// after, with any length: the standard deviation of `Fs` follows from that of the onset, and
+    /// `Fp` gets half of it.
     pub(crate) fn begin_anywhere(&mut self) {
-        // Variance of an even distribution from −1 to 1.
+        // Variance of a uniform distribution from −1 to 1.
         const UNIFORM: f32 = 1.0 / 3.0;
         let CycleParams { rate, omega, .. } = self.cycle;
         let onset_n2 = UNIFORM * rate * rate;
@@ -91,7 +95,7 @@ impl Posterior {
         self.unknowns[4] += 1.0 / (omega * omega);
     }
 
-    /// Raises each variance to at least that of another one.
+    /// Raises each variance to at least that of `other`.
     #[inline(never)]
     pub(crate) fn widened(mut self, other: &Self) -> Self {
         self.static_n2 = larger(self.static_n2, other.static_n2);
@@ -102,7 +106,7 @@ impl Posterior {
         self
     }
 
-    /// At the best fit, for a noise of this variance, N².
+    /// The posterior at the best fit, for a noise of this variance, N².
     #[must_use]
     #[inline(never)]
     pub(crate) fn at(fit: &Fit, noise_n2: f32) -> Self {

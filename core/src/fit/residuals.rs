@@ -1,5 +1,5 @@
-//! What the fits leave over: the noise that is reported and that scales every
-//! standard deviation.
+//! Residuals of the fits: they estimate the noise that is reported and that scales every standard
+//! deviation.
 
 use crate::num::math::{self, smaller};
 use crate::stats::prior::surely;
@@ -7,8 +7,8 @@ use crate::stats::quantile::Quantile;
 
 /// Pooled residuals of the events' fits.
 ///
-/// The mean square over all degrees of freedom, without events that fit badly (a
-/// start in the middle of things, a slip that was none).
+/// The variance is their mean square over all degrees of freedom, without events that fit badly (an
+/// incomplete first slip, a fall that is no slip).
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Residuals {
     squares_n2: f32,
@@ -16,33 +16,32 @@ pub(crate) struct Residuals {
     median_n2: Quantile,
 }
 
-/// Degrees of freedom after which old events fade: they tell the noise to about 1 %, `1/√(2 × 4000)`.
+/// Degrees of freedom after which old events fade: they determine the noise to about 1 %,
+/// `1/√(2 × 4000)`.
 const MEMORY: f32 = 8000.0;
-/// An event whose residuals are so many times those of the median event is left out: with ten degrees
-/// of freedom chance does that once in 3e8.
+/// An event whose mean square is this many times that of the median event is left out: with ten
+/// degrees of freedom chance does that once in 3e8.
 const LIMIT: f32 = 6.0;
-/// An event whose residuals are so many times the usual ones does not fit: as if every sample were off
-/// by seven standard deviations.
+/// An event whose mean square is this many times the median does not fit the model: as if every
+/// sample were off by seven standard deviations.
 const MISFIT: f32 = 50.0;
 
-/// What the first events may leave in each degree of freedom, times the rough noise variance. Tuned: with
-/// 1.5 events of `creep_quiet` are eleven standard deviations off.
+/// Largest mean square expected of the first events, in units of the rough noise variance. Tuned:
+/// with 1.5 events of `creep_quiet` are eleven standard deviations off.
 const ROUGH: f32 = 3.0;
 
 impl Residuals {
-    /// Nothing yet.
+    /// No residuals.
     #[must_use]
     pub(crate) const fn new() -> Self {
         Self { squares_n2: 0.0, free: 0.0, median_n2: Quantile::new(0.5) }
     }
 
-    /// Takes an event's squared residuals and their degrees of freedom.
-    ///
-    /// `rough_n2` is a rough variance of the noise, for the first events.
+    /// Adds an event's squared residuals and their degrees of freedom.
     pub(crate) fn add(&mut self, squares_n2: f32, free: f32, rough_n2: f32) {
         // Median of χ²/ν over its mean (Wilson and Hilferty).
         let skew = 1.0 - 2.0 / (9.0 * math::larger(free, 1.0));
-        // Limits foul events among the first ones to what the median comes back from.
+        // Limits outliers among the first events, so that the median recovers from them.
         let most_n2 = LIMIT * ROUGH * rough_n2;
         self.median_n2.add(math::smaller(squares_n2 / (free * skew * skew * skew), most_n2));
         let limit = LIMIT * self.usual_n2(rough_n2);
@@ -51,7 +50,7 @@ impl Residuals {
             self.free *= 0.5;
         }
         if self.squares_n2 > limit * self.free {
-            // What was pooled before the median was known does not belong.
+            // What was pooled before the median was known is too large: it is dropped.
             self.free = smaller(self.free, 2.0);
             self.squares_n2 = limit / LIMIT * self.free;
         }
@@ -61,11 +60,11 @@ impl Residuals {
         }
     }
 
-    /// Does an event leave so much more than the others that the model cannot be what
-    /// its samples show? The winch paused or started, the block hit something.
+    /// Are the event's residuals so much larger than those of the others that the model does not
+    /// describe its samples? The winch paused or started, or the block hit something.
     ///
-    /// `rough_n2` is a rough variance of the noise, for the first events, `rounding_n2` the variance of
-    /// what single precision leaves of its forces.
+    /// `rough_n2` is a rough variance of the noise, for the first events; `rounding_n2` that of
+    /// rounding to single precision.
     #[must_use]
     pub(crate) fn is_outlier(
         &self,
@@ -77,13 +76,13 @@ impl Residuals {
         squares_n2 > MISFIT * usual_n2 * math::larger(free, 1.0)
     }
 
-    /// The median, or what the first events may leave.
+    /// The median, N², or the limit for the first events.
     #[inline(never)]
     fn usual_n2(&self, rough_n2: f32) -> f32 {
         self.median_n2.value().unwrap_or(ROUGH * rough_n2)
     }
 
-    /// Degrees of freedom that count.
+    /// Number of pooled degrees of freedom.
     #[must_use]
     pub(crate) fn free(&self) -> f32 {
         self.free
@@ -96,9 +95,8 @@ impl Residuals {
     }
 }
 
-/// How many times the noise variance the mean square of an event's own residuals is (the square of
-/// Birge's ratio), where that is clear; else 1. What the model lacks in one event is seldom what it
-/// lacks in the next.
+/// The square of Birge's ratio, if significantly above 1: an event's own mean square residual over
+/// the noise variance; else 1. What the model lacks in one event it seldom lacks in the next.
 #[must_use]
 pub(crate) fn excess_ratio(squares_n2: f32, free: f32, noise_n2: f32) -> f32 {
     // Standard errors.
@@ -121,13 +119,13 @@ impl Default for Residuals {
 mod tests {
     use super::*;
 
-    /// The first events are compared with the detector's noise, later ones with what they leave themselves.
+    /// The first events are compared with the detector's noise, later ones with the median of all.
     #[test]
     fn a_foul_event_is_told_from_the_first_one_on() {
         let (mut residuals, known) = (Residuals::new(), (4.0, 0.0));
         assert!(residuals.is_outlier(20.0 * 1000.0, 20.0, known));
         assert!(!residuals.is_outlier(20.0 * 100.0, 20.0, known));
-        // What all of them leave is how things are.
+        // Large residuals of all events are no outliers.
         (0..12).for_each(|_| residuals.add(20.0 * 60.0, 20.0, 4.0));
         assert!(!residuals.is_outlier(20.0 * 1000.0, 20.0, known));
         assert!(residuals.is_outlier(20.0 * 10_000.0, 20.0, known));

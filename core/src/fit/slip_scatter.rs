@@ -1,53 +1,54 @@
-//! What the samples of the slips scatter beyond the noise: a clock that jitters, a cell that
-//! lags, a block that rocks, a winch that cogs, friction that varies along the way.
+//! Scatter of the slips' samples beyond the noise, from a clock that jitters, a cell that lags, a
+//! block that rocks, a winch that cogs, or friction that varies along the way.
 //!
-//! All of these are errors in time or along the fall, so their variance goes with the squared rate
-//! of the force, `g` over its largest. In units of the noise's variance
-//! `E Σ g r² = Σ g f + λ Σ g R² g`, where `R` is the part of each sample's error that the fit leaves
-//! in each residual and `f` its diagonal. Slips of two samples leave hardly a residual, but each
-//! tells a swing, and neither cable nor mass changes from one slip to the next: the squared
-//! difference of a swing and the last ones over its variance `v` by the noise is one more square, of
-//! `1 + λ Σ g a² / v`, where `a` is by how much a sample's error moves the swing. The ratio of all
-//! squares to all degrees of freedom is pooled as the residuals are, so that foul slips do no harm.
+//! All of these are errors in time or along the fall, so their variance is proportional to `g`, the
+//! squared rate of the force over its largest. In units of the noise variance,
+//! `E Σ g r² = Σ g f + λ Σ g R² g`, where `R` is the part of each sample's error that the fit
+//! leaves in each residual and `f` its diagonal. Slips of two samples have almost no residual, but
+//! each determines a swing, and neither cable nor mass changes between slips. So the squared
+//! difference of a swing from the mean of the last ones, over its variance `v` by the noise, is one
+//! more square, with expectation `1 + λ Σ g a² / v`, where `a` is the shift of the swing by a
+//! sample's error. The ratio of all squares to all degrees of freedom is pooled with outliers left
+//! out (`fit/residuals.rs`).
 
 use crate::fit::residuals::Residuals;
 use crate::num::math::{self, larger};
 use crate::stats::prior::surely;
 
-/// Standard errors beyond which the scatter counts, fully from twice as many on: it only widens.
+/// Standard errors beyond which the scatter counts, in full from twice as many on: it only widens.
 const SIGNIFICANT: f32 = 2.0;
 
-/// Squared rate of the force at the part `part` of a slip's time, over its largest, without the
-/// winch's own rate: `(4 x (1 − x))²`, close to `sin² πx`; zero outside the slip.
+/// Squared rate of the force at the part `part` of a slip's time, relative to its largest value and
+/// without the winch's own rate: `(4 x (1 − x))²`, close to `sin² πx`; zero outside the slip.
 #[must_use]
 pub(crate) fn steepness(part: f32) -> f32 {
     let root = 4.0 * part * (1.0 - part);
     if root > 0.0 { root * root } else { 0.0 }
 }
 
-/// The samples of one slip at its fit: `Σ g r²` in units of the noise's variance, `Σ g f`, and
-/// `Σ g R² g`.
+/// Sums over the samples of one slip at its fit: `Σ g r²` in units of the noise variance, `Σ g f`,
+/// and `Σ g R² g`.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct SlipResiduals {
     squares: f32,
     free: f32,
     shown: f32,
-    /// The swing of the slip alone.
+    /// The swing from this slip alone.
     pub swing: OwnSwing,
 }
 
 impl SlipResiduals {
-    /// Takes a sample with its squared residual, in units of the noise's variance, and the degree
-    /// of freedom that is left of it.
+    /// Adds a sample: its steepness, its squared residual in units of the noise variance, and its
+    /// remaining degree of freedom.
     pub(crate) fn add(&mut self, steepness: f32, square: f32, left: f32) {
         self.squares += steepness * square;
         self.free += steepness * left;
         self.shown += steepness * steepness * left * left;
     }
 
-    /// Takes how far the swing of this slip and the mean of those before are apart.
+    /// Adds the squared difference of this slip's swing from the mean of those before.
     fn add_swings(&mut self, before: &OwnSwing) {
-        // Part of the differences, each of which shares slips with the next, that is independent.
+        // Independent part of the differences: each shares slips with the next one.
         const INDEPENDENT: f32 = 2.0 / 3.0;
         let swing = self.swing;
         let off = swing.value - before.value;
@@ -57,44 +58,44 @@ impl SlipResiduals {
         self.shown += INDEPENDENT * swing.by_scatter;
     }
 
-    /// Takes two samples: the product of their steepnesses, and the part of either's error that
-    /// the fit moves to the other's residual.
+    /// Adds a pair of samples: the product of their steepnesses, and the part of either's error
+    /// that the fit moves to the other's residual.
     pub(crate) fn add_pair(&mut self, steepness: f32, part: f32) {
         self.shown += 2.0 * steepness * part * part;
     }
 }
 
-/// The swing as the samples of one slip alone tell it, periods; all zero where they tell none.
+/// The swing from the samples of one slip alone, periods; all zero where they do not determine it.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct OwnSwing {
     /// `1/ω`.
     pub value: f32,
     /// Its variance by the noise.
     pub variance: f32,
-    /// What a scatter of `λ` = 1 adds to that, over it.
+    /// Variance that a scatter of `λ` = 1 adds, relative to `variance`.
     pub by_scatter: f32,
 }
 
 impl OwnSwing {
-    /// Is it a number with a variance?
+    /// Is it a finite value with a variance?
     fn is_told(&self) -> bool {
         self.variance > 0.0 && (self.value + self.variance + self.by_scatter).is_finite()
     }
 }
 
-/// What the slips so far scatter.
+/// Estimator of the scatter.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct SlipScatter {
     pooled: Residuals,
     /// Mean of `Σ g R² g` over `Σ g f`.
     shown: f32,
-    /// Mean of the last slips.
+    /// Running mean over the last slips.
     swing: OwnSwing,
 }
 
 impl SlipScatter {
-    /// Variance beyond the noise where the force is steepest, over that of the noise, as far as
-    /// it is significant: `λ`.
+    /// The scatter `λ`: variance beyond the noise where the force is steepest, over that of the
+    /// noise, as far as it is significant.
     #[must_use]
     pub(crate) fn excess(&self) -> f32 {
         let more = self.pooled.variance_n2().map_or(0.0, |ratio| ratio - 1.0);
@@ -102,24 +103,24 @@ impl SlipScatter {
             return 0.0;
         }
         let limit = SIGNIFICANT * math::sqrt(2.0 / self.pooled.free());
-        // With few degrees of freedom it may have come out far too small: about as Student's
-        // variance is to the normal one.
+        // With few degrees of freedom the estimate may be far too small: corrected by about the
+        // ratio of Student's variance to the normal one.
         let few = 1.0 + 2.0 / self.pooled.free();
         if more > limit { few * more * surely(more, limit) / self.shown } else { 0.0 }
     }
 
-    /// Takes a slip.
+    /// Adds a slip.
     pub(crate) fn learn(&mut self, mut slip: SlipResiduals) {
-        // Fewest degrees of freedom of a slip that tell anything, and largest ratio that is
-        // believed of the first slips.
+        // Fewest degrees of freedom of a slip that is used, and largest ratio accepted from the
+        // first slips.
         const LEAST: f32 = 0.2;
         const LARGEST: f32 = 1e4;
-        // What the swings before the last one count for. Tuned: with half of it a cable that gets
-        // shorter is taken for a scatter, with a quarter slips of two samples under jitter are surer
-        // than they should be.
+        // Weight of the earlier swings in the mean, over that of the last one. Tuned: with half of
+        // it a shortening cable is taken for a scatter, with a quarter the intervals of slips of
+        // two samples under jitter are too narrow.
         const FADE: f32 = 0.4;
         if slip.swing.is_told() {
-            // The first one is all.
+            // The first swing is the mean.
             let mut part = 1.0;
             let (before, next) = (&mut self.swing, slip.swing);
             if before.variance > 0.0 {
@@ -143,7 +144,7 @@ mod tests {
     use super::*;
     use crate::tests::Random;
 
-    /// A slip whose samples' squares are `times` what they are without scatter.
+    /// A slip with squares `times` as large as without scatter.
     fn slip(times: f32) -> SlipResiduals {
         let mut slip = SlipResiduals::default();
         for part in [0.2, 0.4, 0.6, 0.8] {
@@ -160,8 +161,8 @@ mod tests {
             some.learn(slip(1.0 + 8.0));
         }
         assert_eq!(none.excess().to_bits(), 0.0_f32.to_bits());
-        // A flat excess of 8, and of each error half is left in its own residual: 8 over
-        // 1/2 Σ g² / Σ g.
+        // A uniform excess of 8, and half of each error is left in its own residual: 8 over
+        // `1/2 Σ g² / Σ g`.
         assert!((19.0..22.0).contains(&some.excess()), "{}", some.excess());
     }
 

@@ -1,34 +1,35 @@
-//! What rounds off the corners between stick line and slip.
+//! Rounding of the corners between stick line and slip, by creep and by the aperture of the
+//! converter.
 //!
-//! *Creep*: before it slips the block already moves, at `f w exp((F − Fs)/c)`. On the
+//! *Creep*: the block already moves before it slips, at the speed `f w exp((F − Fs)/c)`. On the
 //! stick line then, with `h = −c ln(1 − f)` and the time `t ≤ 0` to the onset,
 //!
 //! `F = Fs + r t + h − c ln(1 + y)`, `y = (exp(h/c) − 1) exp(r t / c)`
 //!
-//! so the line, continued to the onset, is `h` above `Fs`, and the slip begins with the
-//! force rate `(1 − f) r`. *Aperture*: the converter takes means over a time `τ`. It shows
-//! `F + κ F''`, `κ = τ²/24`: lines stay as they are, and the ellipse shrinks by `κ ω²`.
+//! so the line, continued to the onset, is `h` above `Fs`, and the slip begins with the force rate
+//! `(1 − f) r`. *Aperture*: the converter averages over a time `τ`. It shows `F + κ F''`,
+//! `κ = τ²/24`: lines are unchanged, and the ellipse shrinks by `κ ω²`.
 
 use crate::model::Shape;
 use crate::num::math::{self, larger, smaller};
 
-/// Numbers that describe the corners: `κ`, `h` and `ln c`.
+/// Number of parameters of the corners: `κ`, `h` and `ln c`.
 pub(crate) const NUMBERS: usize = 3;
 pub(crate) type Numbers = [f32; NUMBERS];
 
-/// How much the corners are rounded off; nothing by default.
+/// Parameters of the rounded corners; sharp by default.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Corner {
     /// `κ`, periods².
     pub smoothing: f32,
-    /// `h`, N: what the force lacks at the onset.
+    /// `h`, N: the force missing at the onset.
     pub missing_n: f32,
-    /// `c`, N: at a force that is lower by `c` the creep is slower by the factor `e`. Above zero,
+    /// `c`, N: creep is slower by the factor `e` where the force is lower by `c`. Above zero,
     /// unless all three are zero.
     pub range_n: f32,
 }
 
-/// What the corners add to the force at a time.
+/// Shift of the force by the corners at one time.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Shift {
     /// Force, N.
@@ -46,10 +47,10 @@ impl Corner {
         self.smoothing <= 0.0 && self.missing_n <= 0.0
     }
 
-    /// The corners of a cycle: what all its times share, computed once.
+    /// The corners of a cycle, with the terms that all times share.
     #[must_use]
     pub fn at<'a>(&self, shape: &'a Shape) -> Rounded<'a> {
-        // Half of τ = √(24 κ), and no less than that of a usual converter.
+        // Half of τ = √(24 κ), and at least that of a common converter.
         const LEAST: f32 = 0.3;
         let half = larger(math::sqrt(6.0 * self.smoothing), LEAST);
         // Most events do not creep.
@@ -71,7 +72,7 @@ pub struct Rounded<'a> {
 }
 
 impl Rounded<'_> {
-    /// What is added to the force at a time since the onset, periods.
+    /// Shift of the force at a time since the onset, periods.
     #[must_use]
     #[inline(never)]
     pub fn shift(&self, since_onset: f32) -> Shift {
@@ -79,7 +80,7 @@ impl Rounded<'_> {
             return self.creep(since_onset);
         }
         let (cycle, slide_time) = (self.shape.cycle(), self.shape.slide_time());
-        // A slack cable shows nothing of it.
+        // Where the cable is slack the force does not depend on the corners.
         if self.shape.is_slack() && since_onset > self.shape.fall_time() {
             return Shift::default();
         }
@@ -95,7 +96,7 @@ impl Rounded<'_> {
             self.creep(since_onset)
         } else {
             // The slip begins with the rate (1 − f) r, so the ellipse's q is smaller by the part f;
-            // after the stop the shift stays what it is there.
+            // after the stop the shift keeps the value that it has there.
             let Corner { missing_n: h, range_n: c, .. } = self.corner;
             let f = 1.0 - 1.0 / self.rise;
             let rate = if since_onset < slide_time { -f * cycle.rate * cos } else { 0.0 };
@@ -107,7 +108,7 @@ impl Rounded<'_> {
         shift
     }
 
-    /// On the stick line before the slip.
+    /// Shift by creep on the stick line before the slip.
     fn creep(&self, since_onset: f32) -> Shift {
         let (Corner { missing_n: h, range_n: c, .. }, rise) = (self.corner, self.rise);
         let rate_n = self.shape.cycle().rate;
@@ -124,8 +125,8 @@ impl Rounded<'_> {
     }
 }
 
-/// Part of `κ F''` that a mean over `τ` shows, at a time, in units of `τ/2`, since `F''` jumped up
-/// from zero: 0 up to −1, and 1 from 1 on.
+/// Part of `κ F''` in a mean over `τ` at a time since `F''` jumped from zero, in units of `τ/2`: 0
+/// up to −1, and 1 from 1 on.
 fn seen(halves: f32) -> f32 {
     let z = halves.clamp(-1.0, 1.0);
     let inside = larger(z, 0.0);
@@ -155,7 +156,7 @@ mod tests {
             Corner { missing_n: 20.2, ..corner },
             Corner { range_n: 30.3, ..corner },
         ];
-        // Away from the corners, where kappa changes how much of it is seen.
+        // Away from the corners, where kappa changes which part of it is seen.
         for time in [-4.0, -2.0, -0.8, 1.0, 1.4, 4.0] {
             let shift = corner.at(&shape).shift(time);
             for (k, (more, step)) in more.iter().zip([2e-4, 0.2, 0.01]).enumerate() {

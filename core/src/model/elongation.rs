@@ -1,8 +1,8 @@
-//! How far a cable that sags is stretched by a force.
+//! Elongation of a sagging cable as a function of the force.
 //!
 //! With `1/k_eff = (1 + S/F³)/k` (Ernst; `S = k q² L³/12`, `q` the cable's weight per length) a
-//! force stretches it by `y(F) = F − S/(2 F²)`, in units of force and from any zero. At rest `y`
-//! grows at the steady rate `k w`: stick lines are straight in it.
+//! force stretches the cable by `y(F) = F − S/(2 F²)`, in units of force and from any zero. At rest
+//! `y` grows at the constant rate `k w`: stick lines are straight in it.
 
 use crate::effect::{Effect, Effects};
 use crate::num::math::larger;
@@ -12,7 +12,7 @@ use crate::num::math::larger;
 pub(crate) struct Elongation {
     /// `S`, N³; zero for a straight cable.
     pub(crate) softness: f32,
-    /// The force that is its own elongation, N, above zero where the cable sags.
+    /// The force that equals its own elongation, N; above zero where the cable sags.
     pub(crate) zero_n: f32,
 }
 
@@ -35,13 +35,13 @@ impl Elongation {
         force_n + self.slack_n(self.zero_n) - self.slack_n(force_n)
     }
 
-    /// `S/(2 F²)`; of forces far below its zero that of half of it.
+    /// `S/(2 F²)`; for forces below half of the zero force its value there.
     fn slack_n(&self, force_n: f32) -> f32 {
         let force_n = larger(force_n, 0.5 * self.zero_n);
         0.5 * self.softness / (force_n * force_n)
     }
 
-    /// The force, N, that stretches the cable so far: Newton's method, from below.
+    /// The force, N, with this elongation: Newton's method, from below.
     #[must_use]
     #[inline(never)]
     pub(crate) fn force_n(&self, elongation_n: f32) -> f32 {
@@ -57,7 +57,7 @@ impl Elongation {
         force_n
     }
 
-    /// By how much the force grows with the elongation.
+    /// Derivative of the force by the elongation.
     #[must_use]
     pub(crate) fn stiffness(&self, force_n: f32) -> f32 {
         1.0 / (1.0 + self.softness / (force_n * force_n * force_n))

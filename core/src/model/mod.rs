@@ -1,9 +1,9 @@
 //! The block on a cable: Pritchard, Knoke and Echert (2012), equations (4) to (31).
 //!
-//! A cycle is five numbers, and a sixth that is zero while the winch turns steadily.
-//! While the block rests the force rises at the loading
-//! rate `k w` (4) until `Fs` (1). It then slides on the ellipse around `Fp` (7, 15)
-//! and rests again at `Fe = 2 Fp − Fs` (16), where the next line starts.
+//! A cycle has five parameters, and a sixth that is zero while the winch turns steadily. While the
+//! block rests, the force rises at the loading rate `k w` (4) until `Fs` (1). The block then slides
+//! on the ellipse around `Fp` (7, 15) and rests again at `Fe = 2 Fp − Fs` (16), where the next line
+//! starts.
 //!
 //! ```text
 //!  F   Fs ......peak
@@ -16,9 +16,9 @@
 //!
 //! If `a > Fp` the cable goes slack on the way (`model/slack.rs`).
 //!
-//! Any unit of time will do, as long as the rate, ω and the times agree; the fit
-//! uses sampling periods. Exactness: `tests/equations/main.rs` integrates the equations
-//! of motion by brute force and compares.
+//! The unit of time is free, as long as the rate, ω and the times agree; the fit uses sampling
+//! periods. Exactness: `tests/equations/main.rs` compares with a numerical integration of the
+//! equations of motion.
 
 pub mod corner;
 pub(crate) mod elongation;
@@ -44,8 +44,8 @@ pub struct CycleParams {
     pub half_drop_n: f32,
     /// Natural frequency while sliding, rad per unit of time.
     pub omega: f32,
-    /// Loading rate after the slip less that before it, by which the winch or the cable changed
-    /// during the slip.
+    /// Loading rate after the slip less that before it: the winch or the cable changed during the
+    /// slip.
     pub rate_change: f32,
 }
 
@@ -81,7 +81,7 @@ impl CycleParams {
         math::atan2(self.rate / self.omega, self.half_drop_n) / self.omega
     }
 
-    /// Swing `1/ω`: the time in which the slide turns by one radian of the ellipse.
+    /// Swing `1/ω`: the time in which the phase of the slide advances by one radian.
     #[must_use]
     pub(crate) fn inverse_omega(&self) -> f32 {
         1.0 / self.omega

@@ -1,11 +1,11 @@
-//! The force of one cycle at any time, piece by piece, with its derivatives by the six unknowns.
+//! The force of one cycle at any time, by pieces, with its derivatives by the six unknowns.
 
 use crate::model::CycleParams;
 use crate::model::slack::{ByShape, Slack, Then};
 use crate::num::math::{self, larger};
 use crate::stats::normal_equations::Gradient;
 
-/// What several formulas of one [`CycleParams`] share.
+/// Precomputed terms that several formulas of one [`CycleParams`] share.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Shape {
     cycle: CycleParams,
@@ -15,10 +15,10 @@ pub struct Shape {
     a2: f32,
     /// `φ = atan(q / d)`.
     phase: f32,
-    /// `T_slide` (25), or up to the stop on a slack cable.
+    /// Time of sliding: `T_slide` (25), or up to the stop on a slack cable.
     slide: f32,
-    /// By how much a rate change of one that grows evenly over the slip shifts the centre of the
-    /// ellipse: `1 / (T_slide ω²)`, from `F'' + ω² (F − Fp) = k w'`. Zero on a slack cable.
+    /// Shift of the ellipse's centre by a rate change of one that grows linearly over the slip:
+    /// `1 / (T_slide ω²)`, from `F'' + ω² (F − Fp) = k w'`. Zero on a slack cable.
     ramp: f32,
     /// Time since the onset up to which the force is on the ellipse: to the stop, or until the
     /// cable is slack.
@@ -32,13 +32,13 @@ struct Rest {
     time: f32,
     /// Derivatives of that time.
     by: ByShape,
-    /// Force there, N, with its derivatives by `Fs` and `d`.
+    /// Force at that time, N, with its derivatives by `Fs` and `d`.
     force_n: f32,
     force_by: [f32; 2],
 }
 
 impl CycleParams {
-    /// Precomputes what the force and its gradient need.
+    /// Precomputes the terms of the force and its gradient.
     #[must_use]
     pub fn shape(&self) -> Shape {
         let q = self.rate / self.omega;
@@ -64,7 +64,7 @@ impl Shape {
         self.slide
     }
 
-    /// Time from the onset in which the force tells of the slide: up to the stop, or up to where the
+    /// Time from the onset in which the force depends on the slide: up to the stop, or until the
     /// cable goes slack.
     #[must_use]
     pub(crate) fn fall_time(&self) -> f32 {
@@ -119,7 +119,7 @@ impl Shape {
         }
     }
 
-    /// The force and its gradient from the moment on at which the ellipse has reached zero.
+    /// The force and its gradient after the ellipse has reached zero.
     fn after_fall(&self, slack: &Slack, since_onset: f32) -> (f32, Gradient) {
         if since_onset < slack.taut {
             return (0.0, Gradient::default());
@@ -127,8 +127,8 @@ impl Shape {
         match &slack.then {
             Then::Slides(delay, by) if since_onset < slack.stop => {
                 let (force_n, mut gradient) = self.during(since_onset - delay);
-                // A delay acts as a later onset does: its derivatives enter by way of that by the
-                // onset.
+                // A delay acts like a later onset: its derivatives enter through the derivative by
+                // the onset.
                 let [by_onset, by_shape @ .., _] = &mut gradient;
                 by_shape.iter_mut().zip(by).for_each(|(g, by)| *g += *by_onset * by);
                 (force_n, gradient)
@@ -144,7 +144,7 @@ impl Shape {
         (c.static_n + c.rate * since_onset, [-c.rate, since_onset, 1.0, 0.0, 0.0, 0.0])
     }
 
-    /// On the ellipse: `F − Fp = d cos ωτ + q sin ωτ`, and what the winch gains meanwhile.
+    /// On the ellipse: `F − Fp = d cos ωτ + q sin ωτ`, plus the term of the rate change.
     fn during(&self, since_onset: f32) -> (f32, Gradient) {
         let c = &self.cycle;
         let (sin, cos) = math::sin_cos(c.omega * since_onset);
@@ -165,8 +165,8 @@ impl Shape {
         let [by_rate, by_static, by_drop, by_inverse_omega] = by;
         let since_rest = since_onset - time;
         let rate = c.rate + c.rate_change;
-        // At the stop 1 − cos ω T = 2 cos² φ = 2 d²/a². The rate change moves the stop as well,
-        // which changes nothing: the force goes on at the winch's rate either way.
+        // At the stop 1 − cos ω T = 2 cos² φ = 2 d²/a². The rate change shifts the stop as well,
+        // with no effect on the force: it goes on at the winch's rate either way.
         let by_rate_change = since_rest + 2.0 * c.half_drop_n * c.half_drop_n / self.a2 * self.ramp;
         let gradient = [
             -rate,
@@ -179,7 +179,7 @@ impl Shape {
         (force_n + c.rate * since_rest + c.rate_change * by_rate_change, gradient)
     }
 
-    /// The stop on a taut cable; on a slack one the moment at which it is taut again.
+    /// The stop on a taut cable; on a slack one the time at which it is taut again.
     fn rest(&self) -> Rest {
         let c = &self.cycle;
         let (d, q) = (c.half_drop_n, self.q);

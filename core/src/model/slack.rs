@@ -1,8 +1,9 @@
-//! A cable does not push: where the ellipse would go below zero it hangs slack.
+//! Slip on a slack cable. A cable does not push: where the ellipse would go below zero it hangs
+//! slack.
 //!
-//! With `h² = a² − Fp²` the force reaches zero at the angle `π + φ − ψ`,
-//! `ψ = atan(h / Fp)`, falling at `ω h`. The block then moves with `k v = ω (q + h)`
-//! and is slowed down by friction alone, `k dv/dt = −ω² Fp`.
+//! With `h² = a² − Fp²` the force reaches zero at the angle `π + φ − ψ`, `ψ = atan(h / Fp)`,
+//! falling at `ω h`. The block then moves with `k v = ω (q + h)` and is decelerated by friction
+//! alone, `k dv/dt = −ω² Fp`.
 //!
 //! ```text
 //!  h > q: it stops before the winch has caught up     h ≤ q: the winch catches it moving
@@ -14,15 +15,15 @@
 //!                                                                          mirror point
 //! ```
 //!
-//! - It stops `(q + h) / (ω Fp)` after the fall, having taken the slack
-//!   `(q + h)² / (2 Fp)` in units of force; the winch takes that up at the rate `ω q`.
-//!   So the time at zero tells `Fp`, and neither `k` nor the weight is needed.
-//! - Or it is caught `2 h / (ω Fp)` after the fall with the force rising at `ω h`:
-//!   the same ellipse goes on where the fall's mirror point is. All that follows is
-//!   later by `2 (z − atan z) / ω`, `z = h / Fp`.
+//! - It stops `(q + h) / (ω Fp)` after the fall, with a slack of `(q + h)² / (2 Fp)` in units
+//!   of force; the winch takes that up at the rate `ω q`. So the time at zero force determines
+//!   `Fp`, without `k` and the weight.
+//! - Or it is caught `2 h / (ω Fp)` after the fall with the force rising at `ω h`, and the
+//!   same ellipse goes on from the mirror point of the fall. The rest of the cycle is later
+//!   by `2 (z − atan z) / ω`, `z = h / Fp`.
 //!
-//! Both are the same at `h = q`, and without slack, `h = 0`, nothing changes.
-//! Exactness: `tests/equations/main.rs`.
+//! Both forms agree at `h = q`; without slack, `h = 0`, the delay is zero. Exactness:
+//! `tests/equations/main.rs`.
 
 use crate::model::CycleParams;
 use crate::num::math::{self, larger};
@@ -30,16 +31,16 @@ use crate::num::math::{self, larger};
 /// Derivatives by the loading rate, `Fs`, `d` and the swing.
 pub(crate) type ByShape = [f32; 4];
 
-/// The slack of one cycle; times are since the onset, in the unit of the cycle's.
+/// The slack of one cycle; times are since the onset, in the cycle's unit of time.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Slack {
-    /// The force reaches zero.
+    /// Time at which the force reaches zero.
     pub(crate) falls: f32,
-    /// The block has come to rest.
+    /// Time at which the block has come to rest.
     pub(crate) stop: f32,
-    /// The cable is taut again.
+    /// Time at which the cable is taut again.
     pub(crate) taut: f32,
-    /// What the block does then.
+    /// What the block does when the cable is taut again.
     pub(crate) then: Then,
 }
 
@@ -48,7 +49,7 @@ pub(crate) struct Slack {
 pub(crate) enum Then {
     /// It rests: a stick line from zero. Derivatives of the time at which it starts.
     Rests(ByShape),
-    /// It still slides, on the ellipse delayed by a time, with its derivatives.
+    /// It still slides, on the ellipse with this delay; derivatives of the delay.
     Slides(f32, ByShape),
 }
 
@@ -61,7 +62,7 @@ struct Angle {
 }
 
 impl Slack {
-    /// `None` if the cable stays taut, or if nothing would stop the block.
+    /// `None` if the cable stays taut, or if no friction would stop the block.
     pub(crate) fn of(cycle: &CycleParams, q: f32, a2: f32, phase: f32) -> Option<Self> {
         let centre_n = cycle.dynamic_n();
         if a2 <= centre_n * centre_n || centre_n <= 0.0 {
@@ -114,7 +115,7 @@ impl Ellipse {
         }
     }
 
-    /// Angle `2 (z − atan z)` by which the ellipse goes on later.
+    /// Angle `2 (z − atan z)` by which the ellipse is delayed.
     fn delay(&self, until: f32) -> Angle {
         let Self { drop_n: d, q, h, centre_n, a2 } = *self;
         let part = 2.0 * h / (a2 * centre_n);
@@ -128,7 +129,7 @@ impl Ellipse {
 }
 
 impl Angle {
-    /// Derivatives of the time in which the slide turns by this angle.
+    /// Derivatives of the time in which the phase advances by this angle.
     fn time(&self, q: f32, inverse_omega: f32) -> ByShape {
         [
             inverse_omega * inverse_omega * self.by_q,

@@ -1,5 +1,5 @@
-//! What follows an event's fit, a step each: how far its samples are from it, what the next events
-//! learn from its unknowns, and what its levels tell of the force terms that it lacks.
+//! The steps after an event's fit, one per call: judge the misfit of its samples, update the
+//! expectations of the next events, and test its residuals for force terms that the fit lacks.
 
 use crate::cycle::cable::relax;
 use crate::cycle::cycle_fit::{CycleFit, FitStage, Measured, Outcome, Terms};
@@ -17,23 +17,23 @@ use crate::fit::{Fit, Variances};
 use crate::model::elongation::Elongation;
 use crate::num::math::{larger, smaller};
 
-/// Part of the drop, beside what the line rises in a period, by which the ends of a strained fit
-/// may differ from the highest and the lowest sample. Tuned with the pauses of heavy blocks.
+/// Part of the drop by which the ends of a strained fit may differ from the highest and the lowest
+/// sample, besides what the line rises in a period. Tuned with the pauses of heavy blocks.
 const SPANNED: f32 = 0.03;
 
-/// Levels that one step asks for other force terms: with twelve it takes 60 of the 62 units of a
-/// sample's time (`next_takes`).
+/// Levels per step of the score test: twelve take 60 of the 62 units of a sample's time
+/// (`next_takes`).
 pub(super) const LEVELS_A_STEP: usize = 12;
 
 impl CycleFit {
-    /// Judges how far the samples are from the fit: noise, scatter of the slip, strain.
-    // Of its own: inside `step` it takes two hundred bytes of flash more.
+    /// Judges the misfit of the samples: noise, scatter in the slip, strain.
+    // A function of its own: inlined into `step` it takes two hundred bytes of flash more.
     #[inline(never)]
     pub(super) fn judge(&mut self, learnt: &mut Expectations) {
         let (fit, slip, noise_n2) = (&mut self.fit, &self.slip, self.expected.noise_n2);
         let data = self.expected.data(slip, &self.after);
         let (squares_n2, free) = own_residuals(&data, fit);
-        // Not counting the residuals of the line after it, which fits whatever the slip does.
+        // Without the residuals of the line after the slip: that line fits whatever the slip does.
         let (line_n2, points) = (self.after.residual(), larger(self.after.weight - 2.0, 0.0));
         let around_n2 = squares_n2 - line_n2;
         let misfit = learnt.is_misfit(slip, around_n2, free - points);
@@ -49,22 +49,22 @@ impl CycleFit {
         fit.scale(self.excess);
         fit.widen_forces(slip.wander.alike);
         if counts {
-            // While the noise is not known the lines tell it.
+            // While the noise is unknown, the residuals about the lines estimate it.
             let (lines_n2, lines) = slip.line_residuals(&self.after);
             let line_n2 = lines_n2 / larger(lines, 1.0);
             let quiet_n2 = larger(noise_n2, line_n2);
-            // Where a converter's steps leave less about one line than they should, all samples of
-            // that are off alike, as far as the noise (what all residuals have beyond the steps)
-            // does not smear them.
+            // Where the residuals about one line are less than the converter's steps leave, the
+            // samples on that line all have the same rounding error, as far as the noise (the
+            // excess of all residuals over the steps) does not smear it.
             let hidden_n2 = larger(2.0 * step_n2 - now_n2 - quieter_n2, 0.0);
             fit.widen(&Variances::UNSURE_OSCILLATION, hidden_n2 / now_n2);
             let (scatter, wider) = data.slip_scatter(fit, knows_swing, quiet_n2);
-            // A force that wanders does so in the slip as well.
+            // Residuals of a force that wanders are no scatter of the slip's own.
             if !slip.wanders() {
                 learnt.slip_scatter.learn(scatter);
             }
             fit.widen(&wider, learnt.slip_scatter.excess());
-            // What an oscillation does is known after the fit.
+            // The error by an oscillation is estimated after the fit.
             if !slip.wander.is_disputed() {
                 fit.widen(&Variances::UNSURE_OSCILLATION, learnt.unsure(slip, now_n2));
             }
@@ -86,9 +86,9 @@ impl CycleFit {
         }
     }
 
-    /// Hands the samples that lie on a stick line at all places of the onset to that line. The
-    /// places reach a period to either side, and the stop is not known better than before the last
-    /// fit.
+    /// Moves the samples that lie on a stick line for every place of the onset into that line. The
+    /// places reach one period to either side of the fit; onset and stop are uncertain by
+    /// [`UNSURE`] besides.
     fn shorten(&mut self) {
         const FAR: f32 = 1.0 + UNSURE;
         let (fit, slip) = (&mut self.fit, &mut self.slip);
@@ -99,8 +99,8 @@ impl CycleFit {
         }
     }
 
-    /// The next events learn from this one.
-    // Of its own: inside `step` it takes two hundred bytes of flash more.
+    /// Updates the expectations of the next events.
+    // A function of its own: inlined into `step` it takes two hundred bytes of flash more.
     #[inline(never)]
     pub(super) fn learn(&mut self, learnt: &mut Expectations) {
         let (fit, noise_n2) = (&self.fit, learnt.noise_n2(&self.slip));
@@ -111,8 +111,8 @@ impl CycleFit {
             posterior.common_n2 = fit.wider_n2(noise_n2);
         }
         let is_resolved = posterior.is_resolved();
-        // The events before told the rate and not how long a slip is, so theirs were brief: this
-        // one looks longer by what is missing.
+        // The earlier events determined the rate but not the length of a slip, so their slips were
+        // brief: the missing samples make this one look longer.
         let length_told =
             learnt.rate.mean().is_none() || learnt.mass.inverse_omega().mean().is_some();
         if is_resolved && !length_told && slip.hides_length() {
@@ -130,14 +130,14 @@ impl CycleFit {
             self.measured.apply(&correction);
         }
         let Measured { posterior, verdict, .. } = &self.measured;
-        // A slip of two samples shows nothing of its corners.
+        // A slip of two samples holds no information on its corners.
         let shows = posterior.is_resolved() && fit.shape.slide_time() > CLEAR;
         let asked =
             *verdict == Verdict::Same && self.strain == Strain::None && shows && learnt.asks();
         self.stage = if asked { FitStage::Alone(self.fit.anew()) } else { FitStage::Done };
     }
 
-    /// Sets up the normal equations of the event without what was expected of it.
+    /// Sets up the normal equations of the event without its priors.
     pub(super) fn alone(&mut self) {
         let FitStage::Alone(pass) = &mut self.stage else { return };
         let data = self.expected.asked(&self.slip, &self.after);
@@ -149,9 +149,9 @@ impl CycleFit {
         }
     }
 
-    /// Asks some levels for force terms. When all have been asked, learns; then the same for the
-    /// corners, if the event is due for them.
-    // Of its own: inside `step` it takes two hundred bytes of flash more.
+    /// Adds some levels to the score test. After the last one the terms are learnt; then the
+    /// corners follow, if the event is due for them.
+    // A function of its own: inlined into `step` it takes two hundred bytes of flash more.
     #[inline(never)]
     pub(super) fn asked(&mut self, learnt: &mut Expectations) {
         let FitStage::Asked(terms, alone, asked, next) = &mut self.stage else {
@@ -183,9 +183,9 @@ impl CycleFit {
         self.measured.share(&correction);
     }
 
-    /// A misfit gives coefficients only as a sign of another block, and a strained fit only if it
-    /// ends near the highest and the lowest sample: a winch that stood in the slip bends it away
-    /// from them.
+    /// A misfit has coefficients only if a change of mass is suspected; a strained fit only if it
+    /// ends near the highest and the lowest sample, since a winch that stood during the slip bends
+    /// the fit away from them.
     pub(super) fn outcome(&self) -> Outcome {
         let Measured { posterior, verdict, .. } = &self.measured;
         let fits = match self.strain {
@@ -198,7 +198,8 @@ impl CycleFit {
 }
 
 impl Measured {
-    /// Takes it back to forces where it was fitted in the elongation of a cable that sags.
+    /// Converts the estimates back to forces, if the fit was made in the elongation of a sagging
+    /// cable.
     pub(crate) fn relax(&mut self, cable: &Elongation) {
         if !cable.sags() {
             return;
@@ -214,13 +215,13 @@ impl Measured {
         }
     }
 
-    /// Applies what became known after the fit, whose variances are the same in every event.
+    /// Applies a correction found after the fit whose error is the same in every event.
     fn share(&mut self, correction: &Correction) {
         self.apply(correction);
         self.posterior.share(correction);
     }
 
-    /// Applies what became known after the fit.
+    /// Applies a correction found after the fit.
     #[inline(never)]
     pub(crate) fn apply(&mut self, correction: &Correction) {
         self.posterior.apply(correction);
@@ -230,19 +231,19 @@ impl Measured {
     }
 }
 
-/// How far the samples around the slip are from the fit.
+/// Misfit of the samples around the slip.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Strain {
     None,
-    /// Too far for the next events to learn from.
+    /// Too large for the event to update the expectations.
     Strained,
-    /// So far that the model does not describe them.
+    /// So large that the model does not describe the samples.
     Misfit,
 }
 
 impl Strain {
-    /// The average over places of an onset knows only the noise: an event that leaves far more is
-    /// no surer than by its fit, whose variances were multiplied for that.
+    /// The posterior averaged over places of the onset includes the noise only. Where the misfit is
+    /// larger, its variances are raised to those of the fit, which include the misfit.
     pub(super) fn around(self, posterior: Posterior, fit: &Fit, noise_n2: f32) -> Posterior {
         match self {
             Self::None => posterior,

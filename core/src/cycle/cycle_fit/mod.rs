@@ -1,5 +1,6 @@
-//! The last fit of an event whose lines are complete, and what is learnt from it, spread over the samples
-//! that follow: no sample has to wait for a whole fit.
+//! The last fit of an event, made when both its lines are complete, and the steps that learn from
+//! it. One step follows another over the next samples, so that no sample has to wait for a whole
+//! fit.
 //!
 //! ```text
 //!        iterations                                  a step each
@@ -30,13 +31,13 @@ use crate::num::math::{larger, smaller};
 use crate::signal::window::Window;
 use crate::stats::line::Line;
 
-/// Samples that wait, beyond which no more places of an onset are looked at: what comes after those
-/// still has time.
+/// Number of waiting samples from which on no more places of an onset are tried: the remaining
+/// steps still have time.
 const NO_PLACES: u32 = MOST_PUT_OFF - 8;
 
-/// Most places of an onset that are looked at, for every period until the next slip. Tuned: where
-/// several slips are taken for one, the slips follow each other fast, and with all their places
-/// looked at some are believed.
+/// Most places of an onset that are tried, per period until the next slip. Tuned: where several
+/// slips are taken for one, the recurrence is short, and with all places tried some of these slips
+/// are believed.
 const PLACES: f32 = 2.0;
 
 /// An event being fitted.
@@ -46,18 +47,17 @@ const PLACES: f32 = 2.0;
 pub(crate) struct CycleFit {
     pub(crate) slip: SlipRecord,
     pub(crate) after: Line,
-    /// The oscillation about it, if it is one.
+    /// The oscillation about `after`, if the noise is an oscillation.
     oscillation: Sinusoid,
     stage: FitStage,
-    /// What is expected of the event: the same from the fit's beginning to its end.
+    /// The event's priors, the same from the beginning of the fit to its end.
     expected: Expected,
-    /// The fit, once there is one.
+    /// The fit, once it has converged.
     fit: Fit,
-    /// How far the samples around the slip are from it, and by what its variances were multiplied for
-    /// that.
+    /// Misfit of the samples around the slip, and the factor by which it multiplied the variances.
     strain: Strain,
     excess: f32,
-    /// What is known of the event so far.
+    /// Estimates of the event so far.
     pub(crate) measured: Measured,
 }
 
@@ -68,63 +68,63 @@ pub(crate) struct CycleFit {
 enum FitStage {
     /// Nothing done yet.
     New,
-    /// Fitted with hardly any expectation.
+    /// Being fitted with almost no weight on the priors.
     ///
-    /// Where the block never rests the detector's noise is only a bound, far too
-    /// large, and would make rough expectations look precise: there the event's own
-    /// residuals come first.
+    /// Where the block never rests the detector's noise is only an upper bound, far too large, and
+    /// would give weak priors too much weight. So this fit comes first: its residuals estimate the
+    /// noise.
     Free(Fitting),
-    /// Fitted with what is expected.
+    /// Being fitted with the priors.
     Expected(Fitting),
-    /// Fitted; how far the samples are from the fit is still to be judged.
+    /// Fitted; the misfit of the samples is still to be judged.
     Fitted,
     /// Being averaged over places of the onset.
     Places(OverOnset),
-    /// Its unknowns are known; the next events have still to learn from it.
+    /// The unknowns are estimated; the expectations have still to be updated.
     Learning,
-    /// Learnt from; the normal equations without what was expected of it are being set up.
+    /// The expectations are updated; the normal equations without priors are being set up.
     Alone(Pass),
-    /// Its levels are being asked for other force terms, from the place in the last number on.
+    /// Being tested for other force terms (score test), from the level with the last number on.
     Asked(Terms, Alone, Asked, usize),
-    /// All that it tells is known.
+    /// All steps are done.
     Done,
     /// It has no fit.
     Failed(Reason),
 }
 
-/// The force terms that an event is asked for.
+/// The force terms of a score test.
 #[derive(Clone, Copy, Debug)]
 enum Terms {
-    /// Those that widen its intervals and shift nothing.
+    /// Terms that widen the intervals and shift nothing.
     Widen,
-    /// Its corners, which move its forces.
+    /// Rounded corners, which shift the forces.
     Corner,
 }
 
-/// What the fit of an event tells.
+/// Estimates from the fit of an event.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Measured {
     pub(crate) posterior: Posterior,
-    /// The forces without what other events told of the loading rate.
+    /// The forces without the prior of the loading rate.
     pub(crate) alone: Option<Forces>,
     /// Variance of the noise, N².
     pub(crate) noise_n2: f32,
-    /// Whether the block is still the same.
+    /// Result of the test for a change of mass.
     pub(crate) verdict: Verdict,
 }
 
-/// What became of an event.
+/// How the fit of an event has ended.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Outcome {
     /// It has coefficients.
     Fitted,
-    /// It was seen and not measured.
+    /// It was detected, but has no coefficients.
     Failed(Reason),
 }
 
 impl CycleFit {
-    /// Of a slip whose line after it is not known yet.
-    // Made where it is kept.
+    /// A new fit of a slip whose following line is not known yet.
+    // Constructed in place.
     #[inline(always)]
     pub(crate) fn new(slip: &SlipRecord) -> Self {
         Self {
@@ -140,8 +140,8 @@ impl CycleFit {
         }
     }
 
-    /// Gives it the stick line after it, which ends at the next slip's highest sample, or with
-    /// `last`, the last index before that slip's onset.
+    /// Sets the stick line after the slip. It ends at the next slip's highest sample, or at `last`,
+    /// the last index before that slip's onset, if known.
     pub(crate) fn give_lines(
         &mut self,
         stick: &Stick,
@@ -157,7 +157,8 @@ impl CycleFit {
         }
     }
 
-    /// One step: an iteration of the fit, or what comes after it. `waiting` samples wait for it.
+    /// One step: an iteration of the fit, or one that follows it. `waiting` is the number of
+    /// samples that wait for it.
     #[inline(never)]
     pub(crate) fn step(&mut self, learnt: &mut Expectations, waiting: u32) -> ControlFlow<Outcome> {
         match &self.stage {
@@ -167,7 +168,7 @@ impl CycleFit {
             FitStage::Fitted => self.judge(learnt),
             FitStage::Places(_) => self.place(waiting > NO_PLACES),
             FitStage::Learning => self.learn(learnt),
-            // Without terms to ask for never reached: then what asks for them is not in the image.
+            // Never reached without force terms to test: their code is then left out of the image.
             FitStage::Alone(_) if learnt.asks() => self.alone(),
             FitStage::Asked(..) if learnt.asks() => self.asked(learnt),
             FitStage::Alone(_) | FitStage::Asked(..) | FitStage::Done => {
@@ -190,7 +191,7 @@ impl CycleFit {
             FitStage::Expected(_) => 4 + self.expected.pass(&self.slip),
             FitStage::Places(_) => 10 + self.expected.pass(&self.slip),
             FitStage::Fitted => 27 + 5 * (self.slip.fall() as usize).min(8),
-            // With an oscillation about its lines, if it is one.
+            // More with an oscillation about the lines, whose source is then estimated.
             FitStage::Learning => 22 + if self.slip.wander.is_disputed() { 6 } else { 0 },
             FitStage::Alone(_) => 4 + self.expected.pass(&self.slip),
             FitStage::Asked(Terms::Widen, .., next) => {
@@ -251,7 +252,7 @@ impl CycleFit {
         };
         let holds = |fit: &&Fit| fit.converged && slip.holds(&fit.shape);
         let Some(fit) = fit.as_ref().filter(holds) else {
-            // Corners that are not there may be why it did not fit.
+            // A wrong estimate of the corners may be why the fit failed.
             learnt.corner = Kept::default();
             learnt.contradict();
             self.stage = FitStage::Failed(Reason::NoFit);
@@ -261,9 +262,9 @@ impl CycleFit {
         self.stage = slip.hidden.map_or(FitStage::Fitted, FitStage::Failed);
     }
 
-    /// The next place; or the end, if it is `late` or slips follow each other too fast for more. An
-    /// onset whose likely places were not all looked at may be anywhere, unless enough samples lie
-    /// in the slip.
+    /// Fits the next place of the onset; ends if it is `late`, or if as many places were tried as
+    /// the time to the next slip allows. The onset is then undetermined within a period to either
+    /// side, unless enough samples lie in the slip.
     fn place(&mut self, late: bool) {
         let FitStage::Places(places) = &mut self.stage else { return };
         let (fit, noise_n2) = (&self.fit, self.expected.noise_n2);

@@ -5,40 +5,44 @@ use crate::fit::rounding_n2;
 use crate::num::math::{self, larger};
 use crate::stats::line::Line;
 
-/// Most variance of an even fall about its line, in variances of the noise, which at times is known
-/// from few samples only. Tuned: with 5 a fall of `winding_back` is taken for a slip, with 20 no class
-/// of `docs/honesty.md` changes.
+/// Largest residual variance of an even fall about its line, in units of the noise variance, which
+/// may come from few samples. Tuned: with 5 a fall of `winding_back` is taken for a slip, with 20
+/// no class of `docs/honesty.md` changes.
 const EVEN: f32 = 10.0;
-/// Shortest fall, periods, whose samples in between, three of them, can lie off a line.
+/// Shortest fall that is tested, periods: its three inner samples can depart from a line.
 const SHORTEST: f32 = 4.0;
-/// Periods beyond which a fall is judged by its middle. A choice: with 8 or 18 no class of
+/// Fall, periods, above which only the steep middle is tested. A choice: with 8 or 18 no class of
 /// `docs/honesty.md` changes.
 const LONGEST: f32 = 12.0;
-/// Fewest periods of that middle.
+/// Shortest steep middle that is tested, periods.
 const SHAPELY_PERIODS: f32 = 6.0;
-/// Fewest samples of a fall that tell half a cosine from a line.
+/// Fewest samples of a fall that distinguish half a cosine from a line.
 const SHAPELY: u32 = 4;
-/// By how many variances of the noise half a cosine has to lie further off than a line: twice the
-/// logarithm of the ratio of their likelihoods. A choice: with half or twice as much none changes.
+/// Threshold of twice the log-likelihood ratio of line and half cosine: by how many noise variances
+/// the squared residuals of the cosine are larger. A choice: with half or twice as much no class
+/// changes.
 const LIKELIER: f32 = 12.0;
-/// And by how many times what the line is off. A choice: with 1.2 or 4 none changes.
+/// Least ratio of the difference of squared residuals, cosine less line, to those of the line. A
+/// choice: with 1.2 or 4 no class changes.
 const FURTHER: f32 = 2.0;
-/// Part of what a slip falls from sample to sample that an even fall stays below. Tuned: a slip on a
-/// coarse clock reaches nine tenths.
+/// An even fall is slower than this part of the steepest fall of a slip from sample to sample.
+/// Tuned: a slip on a coarse clock reaches nine tenths.
 const SLOW: f32 = 0.85;
-/// Standard deviations by which it does: of normal ones one in 3.5 million.
+/// Standard deviations by which an even fall is slower: exceeded by a normal variable once in 3.5
+/// million.
 const SURELY: f32 = 5.0;
 
-/// Does the force fall as evenly as a winch that turns back makes it? Then it lies on a straight
-/// line, as far as the noise allows, and no slip does: a slip with the swing that is known falls
-/// faster on its way, and where none is known half a cosine from the highest sample to the lowest
-/// has to lie further off. Looks at the samples of the slip's record.
+/// Does the force fall evenly, as when the winch turns back? Its samples then lie on a straight
+/// line within the noise. In addition, where the swing is known, the line falls more slowly than a
+/// slip with that swing would; where it is unknown, half a cosine from the highest to the lowest
+/// sample fits significantly worse than the line. Of a long fall the steep middle is tested, and
+/// either condition is enough.
 pub(super) fn is_even(slip: &SlipRecord, swing: Option<f32>, after: &Line) -> bool {
     let (peak, low) = slip.extremes();
     if low - peak < SHORTEST {
         return false;
     }
-    // The highest sample of a long fall may lie anywhere on a slow rest: its edges count.
+    // The highest sample of a long fall may lie anywhere on a slow rest; the edges do not.
     let is_long = low - peak > LONGEST;
     let edges = slip.fall_edges();
     let (straight, cosine) = if is_long {
@@ -63,15 +67,15 @@ pub(super) fn is_even(slip: &SlipRecord, swing: Option<f32>, after: &Line) -> bo
     swing.is_none() && is_straight && is_shapely && is_clear
 }
 
-/// Is a line through the samples far likelier than half a cosine, without knowing the noise?
+/// Is a line significantly likelier than half a cosine, for an unknown noise variance?
 fn is_likelier(straight: &Line, cosine: &Line) -> bool {
     let likelier = straight.count as f32 * math::ln(cosine.residual() / straight.residual());
     // False for a force without any noise, and for NaN.
     likelier > LIKELIER
 }
 
-/// Lines through the samples between two times, one over their time, one over the cosine of an
-/// angle. That goes evenly from `angle` at the third time to `π − angle` at the fourth.
+/// Least-squares lines of the force between two times: over time, and over the cosine of an angle
+/// that runs linearly from `angle` at `from` to `π − angle` at `to`.
 #[inline(never)]
 fn lines(
     slip: &SlipRecord,
@@ -90,8 +94,8 @@ fn lines(
     (straight, cosine)
 }
 
-/// Does a fall along a line take longer than a slip with this swing, periods? Wherever its samples
-/// lie, such a slip falls once from one sample to the next by `sin(1/s)` times half its drop.
+/// Is a straight fall slower than a slip with this swing `s`, periods? Wherever the samples lie,
+/// such a slip falls at least once from one sample to the next by `sin(1/s)` times half its drop.
 fn is_slow(slip: &SlipRecord, swing: f32, straight: &Line, noise_n2: f32) -> bool {
     let angle = math::smaller(1.0 / swing, core::f32::consts::FRAC_PI_2);
     let part = 0.5 * math::sin_cos(angle).0;

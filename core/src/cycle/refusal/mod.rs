@@ -1,6 +1,6 @@
-//! Falls of the force that are no slips, and slips that the samples cannot tell. Before anything is
-//! fitted, what the force does before, in and after a fall decides; after it, whether a fit is to
-//! be believed.
+//! Refusal of falls that are no slips, and of slips that the samples do not determine. Before the
+//! fit the force before, in and after the fall decides; after the fit, the fitted values and their
+//! errors.
 
 mod even_fall;
 mod recurrence;
@@ -17,30 +17,30 @@ pub(super) use recurrence::{FAST, Recurrence};
 pub(super) use slackness::Slackness;
 pub(super) use stiffness::RootStiffnessRatio;
 
-/// Part of the rise after it below which a fall is no slip: the first load on a cable that was
-/// quieter before makes one like that. A choice: with half or twice as much those classes stay the same.
+/// Least drop of a slip, as a part of the rise after it; the first load on a quiet cable falls by
+/// less. A choice: with half or twice as much no class of `docs/honesty.md` changes.
 const LEAST_FALL: f32 = 0.02;
-/// Part of the mean rate after a fall; with a lower rate before it the force was held there. A choice:
-/// half or twice as much hardly changes a class of `docs/honesty.md`.
+/// A line that rises at less than this part of the mean rate after the fall is a force that was
+/// held. A choice: half or twice as much hardly changes a class of `docs/honesty.md`.
 const FLAT: f32 = 0.25;
-/// Fall, periods, that shows no sample between its ends: samples in a row are one apart, two with
-/// another one in between.
+/// Longest fall, periods, that shows no sample between its ends: consecutive samples are one period
+/// apart, samples with another one in between two.
 const INSTANT: f32 = 1.5;
-/// Largest force, parts of the drop, at the end of a fall to zero. A choice as well.
+/// Upper limit of the force at the end of a fall to zero, as a part of the drop. A choice.
 const NEAR_ZERO: f32 = 0.08;
-/// Part of its drop by which the force rises again after a slip, at least: to the same `Fs` by all of
-/// it, the rest is room for friction that scatters.
+/// Least rise after a slip, as a part of its drop. With a constant `Fs` the force rises by the
+/// whole drop; the rest is room for friction that scatters.
 const RISES: f32 = 0.6;
-/// A coefficient beyond this is no friction: tuned to nothing, ice stays below 2.
+/// Largest coefficient of friction that is believed: ice stays below 2. Tuned to nothing.
 const LARGEST: f32 = 3.0;
-/// Least `mu` over `mu_s` of a slack cable. A block that slides on one until friction has stopped
-/// it stays on it for `Fs (Fs - 2 Fp) / (2 Fp r)`: with a tenth, four times as long as the force
-/// took to rise from zero. A cable that stays slack for longer was let go.
+/// Least `mu / mu_s` on a slack cable. A block that friction alone stops leaves the cable slack for
+/// `Fs (Fs - 2 Fp) / (2 Fp r)`: at a tenth, four times as long as the force took to rise from zero.
+/// A cable that stays slack for longer was let go.
 const LEAST_RATIO: f32 = 0.1;
 
-/// Why a fall gives no coefficient, if that can be said without a fit: from the line after it and
-/// the highest force on that, N, the periods until the next slip or the end, whether a slip of this
-/// test was seen to take time, and the swing, periods, if it is known.
+/// Why a fall gives no coefficient, as far as that is known without a fit. Arguments: the line
+/// after it and the highest force on that, N; the periods until the next slip or the end; whether a
+/// slip of this test has a sample on its fall; the swing, periods, if known.
 pub(crate) fn of_fall(
     slip: &SlipRecord,
     (after, next_n): (&Line, f32),
@@ -70,34 +70,35 @@ pub(crate) fn of_fall(
     (stays || is_held(slip, rise_n / periods)).then_some(Reason::NoRest)
 }
 
-/// Was the force held before a fall, so that no load made the block slip? Then its line rises, for
-/// sure, by far less than `rate`, the mean rate of the force after the fall.
+/// Was the force held before the fall, so that no load made the block slip? Then the slope of the
+/// line before it is significantly below [`FLAT`] times `rate`, the mean rate of the force after
+/// the fall.
 fn is_held(slip: &SlipRecord, rate: f32) -> bool {
     let before = &slip.before;
     let less = FLAT * rate - before.slope().unwrap_or(0.0);
     is_no_chance((less, slip.noise_n2 / before.slope_weight()))
 }
 
-/// Does a sample show the force on its way down? A hand that lets go shows none.
+/// Does the fall have a sample between its ends? The fall of a cable that is let go has none.
 pub(crate) fn takes_time(slip: &SlipRecord) -> bool {
     let (from, to) = slip.fall_edges();
     to - from >= INSTANT
 }
 
-/// Is a value, with its variance, surely above zero? What may be zero says nothing: fits of slips
-/// that follow each other too fast may end with hardly a drop. False for NaN.
+/// Is a value, with its variance, above zero by more than [`SURE`] standard deviations? Fits of
+/// slips that follow each other too fast may end with hardly a drop. False for NaN.
 #[inline(never)]
 pub(crate) fn is_no_chance((value, variance): (f32, f32)) -> bool {
     value > 0.0 && SURE * SURE * variance < value * value
 }
 
-/// Why a measured event is not believed.
+/// Why a measured event is refused, by its coefficients alone.
 pub(crate) fn of_event(event: &Event) -> Option<Reason> {
     let (mu_s, mu) = (event.mu_s?, event.mu);
     if event.slack && mu.is_some_and(|mu| mu.value < LEAST_RATIO * mu_s.value) {
         return Some(Reason::LetGo);
     }
-    // A coefficient that is no larger than its own standard deviation says nothing.
+    // A coefficient smaller than its own standard deviation is not determined.
     if mu_s.std > mu_s.value.abs() {
         return Some(Reason::TooShort);
     }

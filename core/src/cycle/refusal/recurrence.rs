@@ -1,23 +1,23 @@
-//! How the slips follow each other: too fast for the sampling, or as the samples of faster ones would.
+//! Recurrence of the slips: too short for the sampling, or a sign that the slips are aliases of
+//! faster ones.
 
 use crate::num::math;
 
-/// Fewest periods from slip to slip: two samples of a rest and two of a slip.
+/// Shortest recurrence that can be sampled, periods: two samples of a rest and two of a slip.
 pub(super) const FEWEST_PERIODS: f32 = 4.0;
-/// Periods from slip to slip below which a single event may tell that it is folded, or that its
-/// rate is not known; of slower slips only all events together tell.
+/// Recurrence, periods, below which a single event may be found to be an alias or without a known
+/// rate; for slower slips only all events together decide.
 pub(crate) const FAST: f32 = 16.0;
-/// Events over which these means fade.
+/// Memory of the running means, events.
 const MEMORY: f32 = 16.0;
 
-/// How the slips of late follow each other: the mean number of periods from one to the next (of
-/// slips every 3.8 samples most are seen four apart), and how many of their fits say that slips in
-/// between were missed.
+/// Running means over recent slips: the recurrence, periods (slips every 3.8 samples are mostly
+/// seen four apart), and the part of events whose fits are aliases of faster slips.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Recurrence {
     mean: f32,
-    /// Part of the events of late that were folded by their own fits, or refused for reasons of
-    /// their own.
+    /// Part of recent events that are aliases by their own fits, or that were refused for reasons
+    /// of their own.
     folded: f32,
 }
 
@@ -29,17 +29,18 @@ impl Default for Recurrence {
 }
 
 impl Recurrence {
-    /// Takes the periods to the next slip: does it follow too fast for the sampling?
+    /// Updates the mean with the periods to the next slip. Is the recurrence too short for the
+    /// sampling?
     pub(crate) fn is_aliased(&mut self, periods: f32) -> bool {
-        // Tuned: slips every four samples stay above the limit less this.
+        // Tuned: the mean of slips every four samples stays above the limit less this.
         const UNSURE: f32 = 0.05;
         self.mean += (math::smaller(periods, FAST) - self.mean) / MEMORY;
         periods < FEWEST_PERIODS || self.mean < FEWEST_PERIODS - UNSURE
     }
 
-    /// Is an event folded, by its own fit, or because most events of late were?
+    /// Is an event an alias, by its own fit (`fit_tells`) or because most recent events were?
     pub(crate) fn is_folded(&mut self, fit_tells: bool) -> bool {
-        // Most events of late.
+        // More than half of the recent events.
         const MOST: f32 = 0.5;
         let now = if fit_tells { 1.0 } else { 0.0 };
         self.folded += (now - self.folded) / MEMORY;
@@ -71,9 +72,9 @@ mod tests {
     #[test]
     fn most_of_late_decide_for_all() {
         let mut recurrence = Recurrence::default();
-        // One in four by chance: each for itself.
+        // One in four by chance: only these are refused.
         assert!((0..64).all(|i| recurrence.is_folded(i % 4 == 0) == (i % 4 == 0)));
-        // Three in four: after some of them all.
+        // Three in four: after a few events all are refused.
         let refused = (0..64).filter(|i| recurrence.is_folded(i % 4 != 0)).count();
         assert!((58..=64).contains(&refused), "{refused}");
         // It ends.

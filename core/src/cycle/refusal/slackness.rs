@@ -1,25 +1,24 @@
-//! For how long the cable hangs slack: a winch that stands meanwhile, or a hand that lets go, makes it
-//! longer.
+//! Detection of a cable that is slack for too long, because the winch stood or a hand let it go.
 //!
-//! On a slack cable the time without force tells `Fp` (`model/slack.rs`), to a thousandth, if the
-//! winch turns; a winch that stands makes that as much lower as its pause is long, and nothing else
-//! in the event shows it. So `Fp / Fs` has to be near those of the events before; of three in a row
-//! that are not, the third is how things are now (`stats/fading_trend.rs`).
+//! On a slack cable the time without force determines `Fp` (`model/slack.rs`) to a thousandth, if
+//! the winch turns. A pause of the winch makes that time longer and `Fp` too low, and nothing else
+//! in the event shows it. So `Fp / Fs` is compared with that of the events before; an outlier is
+//! refused, and the third outlier in a row is accepted as a change (`stats/fading_trend.rs`).
 
 use crate::fit::posterior::Posterior;
 use crate::stats::fading_trend::FadingTrend;
 
-/// Least scatter of `Fp / Fs` from event to event, parts of it: two events that happen to lie near each
-/// other do not make the third far off. A choice: six times as much is found, in scene `slack` a pause
-/// of two thirds of the time without force.
+/// Least standard deviation of `Fp / Fs` between events, relative: two events that happen to be
+/// close do not make the third an outlier. A choice: six times as much is found, in scene `slack` a
+/// pause of two thirds of the time without force.
 const SCATTER: f32 = 0.02;
 
-/// `Fp / Fs` of the events with a slack cable.
+/// Running mean of `Fp / Fs` over the events with a slack cable.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Slackness(FadingTrend);
 
 impl Slackness {
-    /// Takes an event with a slack cable: was that slack for far longer than usual?
+    /// Updates the mean with an event on a slack cable. Is its `Fp / Fs` an outlier below the mean?
     pub(crate) fn is_long(&mut self, posterior: &Posterior) -> bool {
         let Self(trend) = self;
         let static_n = posterior.cycle.static_n;

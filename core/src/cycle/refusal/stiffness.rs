@@ -1,23 +1,24 @@
-//! The cable's stiffness by the winch, over that by the slips: where they are not the same, a fit has
-//! found another slip than the one that was pulled.
+//! Ratio of the cable's stiffness from the winch to that from the slips. Where it is not one, the
+//! fitted slip is not the slip that the block made.
 
 use crate::coefficient::Site;
 use crate::cycle::refusal::recurrence::FEWEST_PERIODS;
 use crate::num::math::{self, larger};
 
-/// Ratio of the stiffness by the winch to that by the slip that no error of weight, winch or model
-/// makes: of the scenes that can be read none comes to 1.2.
+/// Ratio of the stiffnesses above which no error of weight, winch or model explains it: of the
+/// scenes that can be read none reaches 1.2.
 const STIFFER: f32 = 2.0;
-/// Such a ratio the other way: weight and winch speed are known better than to a half.
+/// Ratio of the stiffnesses below which no error of weight or winch speed explains it: both are
+/// known better than to a half.
 const SOFTER: f32 = 2.0 / 3.0;
-/// The root of that ratio is one within these limits: the ratio within about 20 %.
+/// Limits of the root of the ratio within which the ratio counts as one: within about 20 %.
 const CLOSE: (f32, f32) = (0.9, 1.11);
-/// Standard errors by which it has to be beyond a limit, where the true ratio is far beyond. Tuned:
-/// at four, seven times as many events of `aliased_fast` and `aliased_stiff` are believed.
+/// Standard errors by which the root has to be beyond a limit, where the true ratio is far beyond.
+/// Tuned: at four, seven times as many events of `aliased_fast` and `aliased_stiff` are believed.
 const LIKELY: f32 = 2.0;
 
-/// Limits of the root of the ratio of two stiffnesses, `k = F'/w` over `k = ω² M`. NaN where the speed
-/// of the winch is not known: then neither limit tells anything.
+/// Confidence limits of the root of the ratio of two stiffnesses, `k = F'/w` over `k = ω² M`. NaN
+/// where the speed of the winch is unknown: all comparisons are then false.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct RootStiffnessRatio {
     least: f32,
@@ -29,29 +30,29 @@ impl RootStiffnessRatio {
     #[inline(never)]
     pub(crate) fn new(site: &Site, rate: (f32, f32), swing: (f32, f32)) -> Self {
         let root = swing.0 * math::sqrt(rate.0 / site.momentum);
-        // Of the root the rate's relative error is halved.
+        // The relative error of a root is half that of its argument.
         let unsure = 0.25 * rate.1 / (rate.0 * rate.0) + swing.1 / (swing.0 * swing.0);
         let by = LIKELY * root * math::sqrt(unsure);
         Self { least: root - by, most: root + by }
     }
 
-    /// Does the winch show a stiff cable, and the slips a soft one? Then the slips that are seen are
-    /// made of single samples of many: with time stretched by a factor, `k = F'/w` falls by it and
-    /// `k = ω² M` by its square, and the true slips follow each other that much faster. `periods`
-    /// is the time to the next slip.
+    /// Is the stiffness from the winch significantly larger than that from the slips? Then the
+    /// slips are aliases, made of single samples of many faster slips: time stretched by a factor
+    /// lowers `k = F'/w` by the factor and `k = ω² M` by its square, and the true slips recur that
+    /// much faster. `periods` is the time to the next slip.
     pub(crate) fn is_folded(self, periods: f32) -> bool {
         self.least > 0.0 && self.least * self.least > larger(STIFFER, periods / FEWEST_PERIODS)
     }
 
-    /// Is the ratio surely one, as far as weight and winch are known? Then the slips are not folded,
-    /// and no oscillation of the cell.
+    /// Is the ratio significantly close to one? Then the slips are neither aliases nor an
+    /// oscillation of the cell.
     pub(crate) fn is_one(self) -> bool {
         self.least > CLOSE.0 && self.most < CLOSE.1
     }
 
-    /// Is the loading rate surely far too low for the swing? A winch of known speed loads the cable
-    /// that the swing shows by `ω² M w`; at two thirds of that the fit has found another slip than
-    /// the one in the samples, as it may with few of them.
+    /// Is the loading rate significantly too low for the swing? A winch of known speed loads the
+    /// cable at `ω² M w`; at two thirds of that the fit has found another slip than the one in the
+    /// samples, which happens with few of them.
     pub(crate) fn is_low(self) -> bool {
         self.most * self.most < SOFTER
     }

@@ -1,5 +1,5 @@
-//! What the highest and the lowest sample tell of a slip, where the samples between them hardly
-//! tell it.
+//! Estimates from the highest and the lowest sample of a slip, for slips with hardly a sample
+//! between them.
 
 use crate::cycle::slip_record::{PI, SURE, SlipRecord, TELLING};
 use crate::detector::Stick;
@@ -10,14 +10,15 @@ use crate::signal::window::Window;
 use crate::stats::line::Line;
 use crate::stats::prior::Prior;
 
-/// The highest or the lowest sample of a slip: its time, periods from the event's origin, and force.
+/// The highest or the lowest sample of a slip: time, periods from the event's origin, and force.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Extreme {
     pub(crate) time: f32,
     pub(crate) force_n: f32,
 }
 
-/// Loading rate, N per period, to within a factor of two, and the length of the slip.
+/// Rough estimates: the loading rate, N per period, to within a factor of two, and the slip's
+/// length.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Rough {
     pub(crate) rate: f32,
@@ -27,20 +28,21 @@ pub(crate) struct Rough {
     slide: f32,
     slide_std: f32,
     is_slack: bool,
-    /// When the force has fallen half-way, periods.
+    /// Time at which the force has fallen half-way, periods.
     pub(crate) middle: f32,
-    /// Times of the last sample before that which is still high, and of the first one after it
-    /// which is low, periods: the highest and the lowest sample may lie anywhere on a slow line.
+    /// Times, periods, of the last sample before `middle` that is still high and of the first one
+    /// after it that is low: the highest and the lowest sample may lie anywhere on a slow line.
     pub(super) edges: (f32, f32),
-    /// Part of the drop that is still high, or low already: beyond what the noise does.
+    /// Part of the drop within which a sample counts as still high or already low, beyond the
+    /// noise.
     pub(super) edge_part: f32,
-    /// Angle at which half a cosine has fallen by that part.
+    /// Angle at which half a cosine has fallen by `edge_part`.
     edge_angle: f32,
 }
 
-/// Standard deviation of the swing that winch and weight ask for, a part of it. Tuned: with .03
-/// slips that begin smoothly or with jitter are covered in less than nine tenths, with .1 slips of
-/// a sample are given twice as wide as they are. A winch speed that is off by a tenth is covered.
+/// Relative standard deviation of the swing from winch and weight. Tuned: with .03 the intervals of
+/// slips that begin smoothly or with jitter cover less than nine tenths, with .1 those of slips of
+/// one sample are twice too wide. It allows for a winch speed that is off by a tenth.
 const WINCH: f32 = 0.05;
 
 /// A slip that ended on a slack cable.
@@ -53,8 +55,8 @@ pub(super) struct Slack {
 }
 
 impl Rough {
-    /// The loading rate by the line before, or else by the rise to the highest sample; the length
-    /// of the slip by the number of samples in between.
+    /// The loading rate from the line before, else from the rise to the highest sample; the length
+    /// of the slip from the number of samples in between.
     pub(super) fn new(
         stick: &Stick,
         window: &Window,
@@ -71,12 +73,14 @@ impl Rough {
         let least = 1e-4 * drop_n;
         let rate = larger(line.or(climb).unwrap_or(0.0), least);
         let fall = since(peak.index, low.index);
-        // The force turns faster on the slip's side: of the two samples around each end of the slip
-        // the outer one is the highest, or the lowest, more often. Wider for slow ends of long slips.
+        // The force changes faster inside the slip: of the two samples around each end, the outer
+        // one is the extreme more often. The standard deviation grows with the slow ends of long
+        // slips.
         let (slide, slide_std) = (fall - 0.4, 0.3 + 0.25 * fall);
-        // From the highest to the lowest force the slide turns by π, in all by π + 2 φ.
+        // From the highest to the lowest force the phase advances by `π`, from onset to stop by
+        // `π + 2 φ`.
         let turn = core::f32::consts::FRAC_2_PI * fall / drop_n;
-        // `sin φ = q / a`. The rate is rough, and so may the root be that makes an angle of it.
+        // `sin φ = q / a`. The rate is rough, so a rough root is enough for the angle.
         let sin = smaller(rate * turn, 1.0);
         let phase = math::atan2(sin, math::rough_sqrt(1.0 - sin * sin));
         let longer = 1.0 + core::f32::consts::FRAC_2_PI * phase;
@@ -88,9 +92,9 @@ impl Rough {
         Self { rate, rise, slide, slide_std, edge_part, edge_angle, ..Self::default() }
     }
 
-    /// The swing `1/ω` and its standard deviation, periods: that of the samples; or, where they
-    /// hardly show how long the slip was and do not contradict it, that which the winch asks for,
-    /// `by_winch`, NaN where its speed is not known.
+    /// The swing `1/ω` and its standard deviation, periods: from the samples; or, where these
+    /// hardly determine the length of the slip and do not contradict it, `by_winch`, the value from
+    /// winch and weight (NaN where the speed of the winch is unknown).
     pub(crate) fn swing(&self, by_winch: f32) -> (f32, f32) {
         let (seen, std) = (self.slide / PI, self.slide_std / PI);
         let hides = self.is_slack || PI * by_winch < CLEAR;
@@ -99,8 +103,8 @@ impl Rough {
         if hides && agrees { (by_winch, WINCH * by_winch) } else { (seen, std) }
     }
 
-    /// Expected onset: the slip lies around its middle, to what a single sample in between can
-    /// tell.
+    /// Prior of the onset: half the slide before `middle`, with the uncertainty that a single
+    /// sample in between leaves.
     pub(crate) fn onset(&self, noise_n2: f32) -> Prior {
         let spread = 0.3 * larger(self.slide, 1.0);
         Prior { mean: self.middle - 0.5 * self.slide, weight: noise_n2 / (spread * spread) }
@@ -118,33 +122,33 @@ impl SlipRecord {
         self.rough.rate
     }
 
-    /// Where the fall begins and ends as the samples have it, periods.
+    /// Times, periods, of the edges of the fall, see [`Rough`].
     pub(crate) fn fall_edges(&self) -> (f32, f32) {
         self.rough.edges
     }
 
-    /// When the force is highest and lowest, periods.
+    /// Times, periods, of the highest and the lowest sample.
     pub(crate) fn extremes(&self) -> (f32, f32) {
         (self.peak.time, self.low.time)
     }
 
-    /// The times, periods, between which the samples of the fall lie that are neither the highest
-    /// nor the lowest one, without plateaus.
+    /// Times, periods, between which the samples of the steep fall lie: without the highest and the
+    /// lowest one, and without plateaus.
     pub(crate) fn steep(&self) -> (f32, f32) {
         let ((peak, low), (from, to)) = (self.extremes(), self.fall_edges());
         (larger(peak + 0.5, from), smaller(low - 0.5, to))
     }
 
     /// Variance of the noise about the stick lines before and after, N²; the detector's where both
-    /// are brief.
+    /// lines are brief.
     pub(crate) fn line_noise_n2(&self, after: &Line) -> f32 {
-        // Fewer tell it to no better than a half, `√(2/8)`.
+        // With fewer degrees of freedom its relative standard error is above a half, `√(2/8)`.
         const BRIEF: f32 = 8.0;
         self.mean_n2(self.line_residuals(after), BRIEF)
     }
 
-    /// As [`Self::line_noise_n2`], about the quieter one of the two lines that are not too brief;
-    /// both rise at the same rate.
+    /// Variance of the noise about the quieter of the two stick lines, N²; lines that are too brief
+    /// do not count. Both lines rise at the same rate.
     pub(crate) fn quieter_n2(&self, after: &Line) -> f32 {
         // Tuned: with one degree of freedom the few samples of a brief line lie on it by chance.
         const BRIEF: f32 = 3.0;
@@ -165,7 +169,8 @@ impl SlipRecord {
         (before.0 + after.0, before.1 + after.1)
     }
 
-    /// The rough slip, with its length from the slack cable if the stick line after it shows one.
+    /// The rough estimates; the length is that of a slack cable if the line after the slip shows
+    /// one.
     pub(crate) fn rough(&self, after: &Line) -> Rough {
         let Some(Slack { part, .. }) = self.slack(after) else { return self.rough };
         // From the highest sample, less than one off the onset, to the first one at zero.
@@ -179,14 +184,14 @@ impl SlipRecord {
         self.low.time - self.peak.time
     }
 
-    /// Periods from its highest sample to that of a later one.
+    /// Periods from the highest sample to that of a later slip.
     pub(crate) fn periods_to(&self, later: &Self) -> f32 {
         since(self.origin, later.origin) + later.peak.time - self.peak.time
     }
 
-    /// The slip ended on a slack cable if the stick line after it, continued back to the lowest
-    /// sample, lies below zero there, by `x`: that far the block slid on, and the winch took it up.
-    /// But for the winch's own work that of friction is `Fp (Fs + x) = Fs² / 2`.
+    /// The slack of the cable, if the stick line after the slip, continued back to the lowest
+    /// sample, lies below zero there, by `x`: the block slid on by `x`, and the winch took that up.
+    /// Without the winch's own work, the work of friction gives `Fp (Fs + x) = Fs² / 2`.
     pub(super) fn slack(&self, after: &Line) -> Option<Slack> {
         let slope = after.slope()?;
         let below_n = -after.at(self.low.time, slope);
@@ -199,32 +204,33 @@ impl SlipRecord {
         Some(Slack { centre_n, part })
     }
 
-    /// Does the lowest sample show a slack cable? It, or its neighbour if that is missing, lies
-    /// less than a period from where the cable began to load at `rate`, N per period; beyond that
-    /// the noise counts.
+    /// Does the lowest sample show a slack cable? It, or its neighbour if it is missing, lies less
+    /// than a period from where the cable began to load at `rate`, N per period; noise and zero
+    /// error add to that.
     #[inline(never)]
     pub(super) fn reaches_zero(&self, rate: f32) -> bool {
         const PERIODS: f32 = 2.0;
-        // Of the highest force: a zero of the cell that is that far off makes no other error as large.
+        // Part of the highest force, for a zero error of the cell: missing the slack would be its
+        // worst effect.
         const ZERO: f32 = 0.03;
         let noise_n = SURE * math::sqrt(self.noise_n2);
         self.low.force_n < PERIODS * rate + noise_n + ZERO * self.peak.force_n
     }
 
-    /// Is a sample missing in or next to a slip that has hardly another one? The slip may have
+    /// Is a sample missing in or next to a slip with hardly another one? The slip may then have
     /// begun, or ended, on either side of it.
     pub(crate) fn hides_length(&self) -> bool {
         let samples = self.samples();
         self.fall() <= TELLING && samples.good().count() < samples.forces_n.len()
     }
 
-    /// Angle at which half a cosine has fallen by the part of the edges.
+    /// Angle at which half a cosine has fallen by the part of the drop that defines the edges.
     pub(crate) fn edge_angle(&self) -> f32 {
         self.rough.edge_angle
     }
 
-    /// Times, periods, of the last high sample before the middle of the fall and of the first low
-    /// one after it.
+    /// Times, periods, of the edges: the last high sample before the middle of the fall, and the
+    /// first low one after it.
     pub(super) fn edges(&self) -> (f32, f32) {
         let part_n = self.rough.edge_part * (self.peak.force_n - self.low.force_n);
         let (high_n, low_n) = (self.peak.force_n - part_n, self.low.force_n + part_n);
@@ -241,7 +247,7 @@ impl SlipRecord {
         (from, low)
     }
 
-    /// Time at which the samples fall through half the drop.
+    /// Time, periods, at which the samples fall through half the drop.
     pub(super) fn crossing(&self) -> f32 {
         let half_n = 0.5 * (self.peak.force_n + self.low.force_n);
         let (peak, low) = self.extremes();

@@ -1,4 +1,4 @@
-//! Where the fit of a slip begins: at the cycle of the first answer, or at a guess from the
+//! Initial values for the fit of a slip: the cycle of the first answer, or a guess from the
 //! extremes.
 
 use crate::cycle::slip_record::{PI, SlipRecord};
@@ -7,26 +7,26 @@ use crate::model::CycleParams;
 use crate::num::math::{self, larger};
 use crate::stats::line::Line;
 
-/// Lengths of a slip that are tried besides the time from its highest to its lowest sample, parts
-/// of that: each a quarter to a third longer than the one before.
+/// Lengths of a slip that are tried, besides the time from its highest to its lowest sample, as
+/// parts of that time: each is a quarter to a third longer than the one before.
 const OTHERS: [f32; 4] = [0.6, 0.8, 1.25, 1.6];
 
 impl SlipRecord {
-    /// Can a fit begin at the cycle of the first answer? Not on a slack cable, which that, without
-    /// the line after the slip, hardly determines.
+    /// Can a fit begin at the cycle of the first answer? Not on a slack cable: without the line
+    /// after the slip the first answer is then hardly determined.
     #[inline(never)]
     pub(crate) fn begins_again(&self, after: &Line) -> bool {
         self.early.is_some() && self.slack(after).is_none()
     }
 
-    /// Begins a fit there, if it can.
+    /// Begins a fit at the cycle of the first answer, if possible.
     pub(crate) fn begin_again(&self, after: &Line) -> Option<Fitting> {
         let early = self.early.filter(|_| self.begins_again(after));
         early.map(|early| Fitting::new(&early))
     }
 
-    /// Begins a fit at a guess: through the lines and half-way down, with the swing that is
-    /// expected, or, if none is known, that of the length which fits best of a few.
+    /// Begins a fit at a guess that lies on the line before and goes through the point half-way
+    /// down. Its swing is the prior's, or, without one, that of the best of a few lengths.
     pub(crate) fn guess(&self, data: &Data<'_>, known_swing: bool) -> Fitting {
         let middle_n = 0.5 * (self.peak.force_n + self.low.force_n);
         let slack = self.slack(data.after);
@@ -54,8 +54,8 @@ impl SlipRecord {
         Fitting::new(&best)
     }
 
-    /// A guess with a swing, periods, a rate and a centre, N: on the line before, and half-way down
-    /// when the samples are.
+    /// A guess with the given swing, periods, rate and centre, N: it lies on the line before and is
+    /// half-way down when the samples are.
     #[inline(never)]
     fn with_swing(&self, inverse_omega: f32, rate: f32, centre_n: f32) -> CycleParams {
         let (peak_n, low_n) = (self.peak.force_n, self.low.force_n);
@@ -69,13 +69,13 @@ impl SlipRecord {
         CycleParams { onset, rate, static_n, half_drop_n, omega, rate_change: 0.0 }
     }
 
-    /// Moves the onset of a guess, along the stick line, and its drop so that it goes through the
-    /// lowest sample and the one nearest to half-way down.
+    /// Shifts the onset of a guess along the stick line, and changes its drop, so that it goes
+    /// through the lowest sample and the one nearest to half-way down.
     fn through_samples(&self, mut cycle: CycleParams) -> CycleParams {
         let shape = cycle.shape();
         let middle = math::floor(self.rough.middle + 0.5);
         let middle_n = self.samples().forces_n.get((middle - self.start) as usize);
-        // What a sample lies above the guess, and what onset and drop add to that.
+        // Residual of a sample, and its derivatives by onset (along the line) and drop.
         let seen = |time: f32, force_n: f32| {
             let (guess_n, [by_onset, _, by_static, by_drop, ..]) = shape.force(time);
             (force_n - guess_n, by_onset + cycle.rate * by_static, by_drop)

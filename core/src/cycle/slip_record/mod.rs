@@ -23,81 +23,82 @@ use crate::stats::line::Line;
 
 const PI: f32 = core::f32::consts::PI;
 
-/// Most samples between the two stick lines: 384 bytes; at 16 Hz a slip may take six seconds.
+/// Most samples between the two stick lines, 384 bytes: at 16 Hz a slip may take six seconds.
 const CORE: usize = 96;
 
 /// Most samples of a line in elongation: two such lines take a third of a step's time.
 const MOST_OF_LINE: u32 = 24;
 
-/// Standard deviations of the noise beyond which nothing is chance: of normal ones one in 16 000.
+/// Standard deviations of the noise beyond which a difference is significant: a normal variable
+/// exceeds them once in 16 000.
 pub(crate) const SURE: f32 = 4.0;
 
-/// By how much onset and stop of a slip that is hardly resolved may be off before the last fit,
-/// periods.
+/// Uncertainty of onset and stop, periods, of a slip that is hardly resolved, before its last fit.
 pub(crate) const UNSURE: f32 = 0.25;
 
-/// Fewest periods from the highest to the lowest sample that tell when a slip began and how long it
-/// took: a single sample in between could be anywhere in slips of many lengths.
+/// Fewest periods from the highest to the lowest sample that determine onset and length of a slip:
+/// with a single sample in between, slips of many lengths fit.
 pub(crate) const TELLING: f32 = 3.0;
 
-/// A slip as the detector saw it.
+/// A slip as the detector found it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SeenSlip {
-    /// Highest sample before it.
+    /// Highest sample before the slip.
     pub(crate) peak: ForcePoint,
     /// Lowest sample.
     pub(crate) low: ForcePoint,
-    /// Index of the newest sample then.
+    /// Index of the newest sample when the re-stick was detected.
     pub(crate) last: u32,
     /// Weight of the samples since the lowest one.
     pub(crate) rest_weight: f32,
-    /// Saturated samples hide a part of it.
+    /// Saturated samples hide a part of the slip.
     pub(crate) hides: bool,
 }
 
 /// A slip, gathered while the stick line after it still grows.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SlipRecord {
-    /// Index of time zero, for the samples, `before` and all other times.
+    /// Index of time zero: for the samples, `before` and all other times.
     pub(crate) origin: u32,
     pub(crate) before: Line,
-    /// In which its forces are kept, and those of its lines: the elongation of the cable.
+    /// Elongation of the cable as a function of the force. The forces here, and those of the lines,
+    /// are kept in elongation where the cable sags.
     pub(crate) elongation: Elongation,
-    /// The later half of the rest before it, where that may tell that the cable sags.
+    /// Line of the later half of the rest before the slip, where that rest can determine the sag.
     pub(crate) late: Line,
     /// The samples between the lines, N, the first `length` of them; NaN where one is missing.
     forces_n: [f32; CORE],
-    /// Time of the first of them, periods, and their number.
+    /// Time of the first sample, periods, and the number of samples.
     start: f32,
     length: usize,
     pub(crate) peak: Extreme,
     pub(crate) low: Extreme,
-    /// What the extremes alone tell, for a slip that the samples hardly resolve.
+    /// Estimates from the extremes alone, for a slip that the samples hardly resolve.
     rough: Rough,
     /// Rough variance of the noise, from the detector, N².
     pub(crate) noise_n2: f32,
-    /// How far the force wanders about its stick lines.
+    /// Correlated noise about the stick lines.
     pub(crate) wander: ColoredNoise,
-    /// The oscillation about the line before it.
+    /// The oscillation about the line before the slip.
     pub(crate) oscillation: Sinusoid,
-    /// Weight of the samples after the stop, and the time from which on they have it, periods.
+    /// Weight of the samples after the stop, and the time, periods, from which it applies.
     pub(crate) rest_weight: f32,
     rest_from: f32,
-    /// Why the samples between the lines are not all there: a gap, saturated ones, or too many.
+    /// Why samples between the lines are missing: a gap, saturation, or no room.
     pub(crate) hidden: Option<Reason>,
-    /// The cycle as the first answer has it, without the stick line after it.
+    /// The cycle from which the last fit begins: of the first answer, or of the fit without priors.
     pub(crate) early: Option<CycleParams>,
-    /// When the slip begins and ends, periods: as that cycle has it, or as the extremes do.
+    /// Onset and stop, periods: of the cycle `early`, or else the times of the extremes.
     slip: (f32, f32),
     /// Latest time that the event may reach, periods: the highest sample before the next slip.
     pub(crate) limit: f32,
-    /// Why it is not even fitted.
+    /// Why the event is refused without a fit.
     pub(crate) refused: Option<Reason>,
 }
 
 impl SlipRecord {
-    /// Of a slip whose samples have yet to be gathered from the index `start` on.
-    // Made where it is kept.
+    /// The record of a slip whose samples, from the index `start` on, have yet to be gathered.
+    // Constructed in place.
     #[inline(always)]
     pub(crate) fn new(
         detector: &Detector,
@@ -137,7 +138,7 @@ impl SlipRecord {
         }
     }
 
-    /// Gathers its samples up to the last one that the detector had looked at.
+    /// Gathers the samples up to the last one that the detector has looked at.
     pub(crate) fn gather(&mut self, window: &Window, slip: &SeenSlip) {
         self.take(window, slip.last);
         self.rough.middle = self.crossing();
@@ -147,7 +148,7 @@ impl SlipRecord {
         self.hidden = if slip.hides || missing > 3 { Some(Reason::Hidden) } else { too_long };
     }
 
-    /// Takes the cycle of the first answer, if there is one.
+    /// Sets the cycle of the first answer, if there is one.
     pub(crate) fn take_first_answer(&mut self, cycle: Option<CycleParams>) {
         self.begin_from(cycle);
         if self.rest_weight < 1.0 && cycle.is_some() {
@@ -155,14 +156,13 @@ impl SlipRecord {
         }
     }
 
-    /// Takes the cycle from which the last fit begins, if there is one.
+    /// Sets the cycle from which the last fit begins, if there is one.
     pub(crate) fn begin_from(&mut self, cycle: Option<CycleParams>) {
         let slip = |cycle: CycleParams| (cycle.onset, cycle.shape().stop());
         (self.early, self.slip) = (cycle, cycle.map_or_else(|| self.extremes(), slip));
     }
 
-    /// Appends the samples right after those that were taken, up to the index `to`, as many as there
-    /// is room for.
+    /// Appends the samples that follow the last one taken, up to the index `to`, as room allows.
     fn take(&mut self, window: &Window, to: u32) {
         let start = self.origin.saturating_add_signed(self.start as i32);
         let from = start + self.length as u32;
@@ -181,20 +181,20 @@ impl SlipRecord {
         Samples { rest_weight, rest_from, slip: self.slip, ..Samples::new(self.start, forces_n) }
     }
 
-    /// Variance of the noise, N², where residuals say `own_n2`: no less than a converter's steps
-    /// leave.
+    /// Variance of the noise, N², for a residual variance `own_n2`: at least that of a converter's
+    /// steps.
     pub(crate) fn least_n2(&self, own_n2: f32) -> f32 {
         larger(own_n2, self.step_n2(own_n2))
     }
 
-    /// Variance that a converter's steps leave, a twelfth of their square, N². Zero unless the
-    /// residuals are far smaller than the detector's noise: then the samples may lie on their lines
-    /// by chance.
+    /// Variance of a converter's rounding, a twelfth of the squared step, N². Zero unless the
+    /// residual variance `own_n2` is far below the detector's: then the samples may lie on their
+    /// lines by chance.
     pub(crate) fn step_n2(&self, own_n2: f32) -> f32 {
         const FAR_LESS: f32 = 0.2;
         const PART: f32 = 1.0 / 12.0;
-        // Tolerance, parts of the force: some hundreds of newtons with three decimals are off by
-        // less.
+        // Tolerance, relative to the force: three decimals of some hundreds of newtons are more
+        // exact.
         const EXACT: f32 = 4e-5;
         if own_n2 > FAR_LESS * self.noise_n2 {
             return 0.0;
@@ -204,9 +204,9 @@ impl SlipRecord {
         PART * step_n * step_n
     }
 
-    /// Ends the event before the next slip begins: with `last`, the last index before its onset, or
-    /// a little before its highest sample. After a rest too brief for a line the samples up to
-    /// there are taken one by one.
+    /// Ends the event before the next slip: at `last`, the last index before its onset, or else a
+    /// little before its highest sample. After a rest too brief for a line its samples are appended
+    /// one by one.
     pub(crate) fn end_before(
         &mut self,
         stick: &Stick,
@@ -224,22 +224,21 @@ impl SlipRecord {
         self.length = self.length.min(most);
     }
 
-    /// The last index before the slip begins for sure, if there is a first answer; creep begins
-    /// earlier.
+    /// The last index that is surely before the onset of the first answer, and before its creep.
     pub(crate) fn last_before(&self, creep_periods: f32) -> Option<u32> {
         let begins = |cycle: CycleParams| cycle.onset - creep_periods - UNSURE;
         self.early.map(|cycle| SampleTime::after(self.origin, begins(cycle)).index)
     }
 
-    /// The stick line after the slip, up to the last index before the next onset if that is known:
-    /// the detector's own line stays behind.
+    /// The stick line after the slip, extended to `last`, the last index before the next onset,
+    /// where that is known: the detector's own line lags some samples behind.
     pub(crate) fn line_after(&self, stick: &Stick, window: &Window, last: Option<u32>) -> Line {
         if self.elongation.sags() {
             let end = last.map_or(stick.next, |last| last + 1);
             return self.line_of(window, stick.origin..end.max(stick.origin));
         }
         let mut line = stick.first_from(self.origin);
-        // A first answer on a slip on a slack cable is rough.
+        // On a slack cable the first answer is too rough.
         let is_straight = self.has_straight(stick, &line) && self.slack(&line).is_none();
         if let Some(last) = last.filter(|_| is_straight) {
             for index in window.first_from(stick.next)..last + 1 {
@@ -251,9 +250,10 @@ impl SlipRecord {
         line
     }
 
-    /// Takes the later half of the rest before it, whose rate tells how much softer the cable was in
-    /// the earlier one. Where it is known to sag the line before the slip is that of the whole rest in
-    /// elongation, for the detector's own is that of forces; and how that bends is then no ripple.
+    /// Sets `late`, the line of the later half of the rest before the slip. Its rate and the
+    /// duration of the rest determine the sag. Of a cable known to sag the line before the slip is
+    /// refitted to the whole rest in elongation, where it is straight, so no slope variance is
+    /// left.
     pub(crate) fn take_late(&mut self, window: &Window, stick: &Stick) {
         let half = (stick.next - stick.origin) / 2;
         self.late = self.line_of(window, stick.next - half..stick.next);
@@ -263,7 +263,7 @@ impl SlipRecord {
         }
     }
 
-    /// The line of a part of a rest: of a long one, of samples spread evenly over it.
+    /// The line of a part of a rest; of a long part, through samples evenly spread over it.
     fn line_of(&self, window: &Window, rest: Range<u32>) -> Line {
         let mut line = Line::default();
         let each = (rest.end - rest.start) / MOST_OF_LINE + 1;
@@ -275,16 +275,16 @@ impl SlipRecord {
         line
     }
 
-    /// Did the samples see the stick line after the slip, which starts at a time, clearly above its
-    /// start? Without it a fit ends the slack where the last samples would begin to contradict.
+    /// Do the samples show the stick line from the time `start` on, significantly above its start?
+    /// Without that the fit ends the slack where the last samples would begin to contradict it.
     pub(crate) fn shows(&self, after: &Line, start: f32) -> bool {
         let risen_n = self.rate() * (self.samples().end() - start);
         after.count > 0 || risen_n > SURE * math::sqrt(self.noise_n2)
     }
 
-    /// Puts the samples from the stop of the slip before up to the re-stick, which the detector
-    /// sees later, on the stick line before this slip. Not where the cable flops or was slack:
-    /// there they are off it.
+    /// Adds the samples between the stop of the previous slip and its re-stick to the line before
+    /// this slip: the detector's line begins at the re-stick. Not where the cable flops or was
+    /// slack, since these samples are then off the line.
     pub(crate) fn lengthen_line(&mut self, previous: &Self, stick: &Stick) {
         let was_slack = previous.slack(&stick.first_from(previous.origin)).is_some();
         let is_steady = self.rest_weight >= 1.0
@@ -302,15 +302,15 @@ impl SlipRecord {
         }
     }
 
-    /// Is there a line, about which the samples scatter by noise alone?
+    /// Is there a line about which the samples scatter by white noise alone?
     fn has_straight(&self, stick: &Stick, line: &Line) -> bool {
         stick.is_straight() && line.count > 0 && self.wander.level <= 0.0
     }
 
-    /// Is a fitted cycle the slip that the samples show? Its ends have to lie within half the drop
-    /// and what the line rises in two periods of the highest and the lowest sample. Its fall has to
-    /// begin and end within two periods, and half the fall, of where the samples' fall does; on a
-    /// slack cable the samples have to fall to zero.
+    /// Is a fitted cycle the slip in the samples? Its ends have to lie near the highest and the
+    /// lowest sample, within half the drop plus the rise of the line in two periods. Its fall has
+    /// to begin and end near the edges of the samples' fall, within two periods plus half the fall;
+    /// on a slack cable the samples have to fall to zero.
     pub(crate) fn holds(&self, shape: &Shape) -> bool {
         let cycle = shape.cycle();
         let (from, to) = self.rough.edges;
@@ -325,8 +325,8 @@ impl SlipRecord {
         begins && ends && self.is_spanned(cycle, 0.5, 2.0)
     }
 
-    /// Do the ends of a cycle differ from the highest and the lowest sample by less than a part of
-    /// the drop and what the line rises in some periods?
+    /// Do the ends of a cycle lie near the highest and the lowest sample, within `part` of the drop
+    /// plus the rise of the line in `periods`?
     #[inline(never)]
     pub(crate) fn is_spanned(&self, cycle: &CycleParams, part: f32, periods: f32) -> bool {
         let (peak_n, low_n) = (self.peak.force_n, self.low.force_n);
@@ -335,8 +335,8 @@ impl SlipRecord {
         is_near(cycle.static_n, peak_n) && (!cycle.is_taut() || is_near(cycle.restick_n(), low_n))
     }
 
-    /// Time from the onset to where the fall of a cycle, as `edges` counts it, begins; and from
-    /// where it ends to the stop.
+    /// Time from the onset of a cycle to the beginning of its fall, with the fall defined as in
+    /// `edges`; by symmetry also the time from the end of the fall to the stop.
     fn lead(&self, shape: &Shape) -> f32 {
         shape.peak_time() + self.edge_angle() / shape.cycle().omega
     }

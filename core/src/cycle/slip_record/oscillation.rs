@@ -1,4 +1,4 @@
-//! How far the force strays from a slip's stick lines, and the oscillation about them.
+//! Correlated noise about a slip's stick lines, and the oscillation about them.
 
 use core::ops::Range;
 
@@ -11,27 +11,27 @@ use crate::signal::window::Window;
 use crate::stats::line::Line;
 
 impl SlipRecord {
-    /// Does the force stray from its lines, in a bend or an oscillation?
+    /// Does the force depart from its lines by a bend or an oscillation?
     pub(crate) fn wanders(&self) -> bool {
         self.wander.level > 0.0 || self.wander.is_disputed()
     }
 
-    /// The noise's part of the mean square of all residuals. Only those about the line contain how
-    /// far the force wanders.
+    /// Part of the white noise in the mean square of all residuals. Only the residuals about the
+    /// line contain the wander.
     pub(crate) fn white_share(&self) -> f32 {
         let line = self.before.count as f32;
         let part = line / (line + self.length as f32);
         1.0 - part * (1.0 - self.wander.white_share())
     }
 
-    /// Takes the oscillation about the line before it, of this angle a period, rad.
+    /// Estimates the oscillation about the line before the slip, of `angle` rad a period.
     pub(crate) fn take_oscillation(&mut self, window: &Window, stick: &Stick, angle: f32) {
         self.wander.angle = angle;
         let from = stick.next.saturating_sub(sinusoid::MOST).max(stick.origin);
         self.oscillation = self.oscillation_about(&self.before, window, from..stick.next);
     }
 
-    /// The oscillation about a line, by the samples of a range.
+    /// The oscillation about a line, estimated from the samples of a range.
     pub(crate) fn oscillation_about(
         &self,
         line: &Line,

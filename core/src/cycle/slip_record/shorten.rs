@@ -1,12 +1,13 @@
-//! Samples that lie on a stick line whatever the slip does, handed over to that line.
+//! Transfer of the samples that lie on a stick line, whatever the slip does, into that line.
 
 use crate::cycle::slip_record::SlipRecord;
 use crate::stats::line::Line;
 
 impl SlipRecord {
-    /// Hands the samples before one time to the stick line before the slip, those after another to
-    /// the line after it, if there is one: a fit looks at a line's two numbers instead of at each
-    /// sample. Gives the squares about the lines that no fit has any more, N².
+    /// Moves the samples before the time `from` into the stick line before the slip, and those
+    /// after `to` into the line after it, if there is one: a fit then uses two numbers of a line
+    /// instead of each sample. Returns the squared residuals about the lines that this takes out of
+    /// the fit, N².
     pub(crate) fn shorten(&mut self, after: &mut Line, (from, to): (f32, f32)) -> f32 {
         let around_n2 = self.before.residual() + after.residual();
         let place = |time: f32| (time - self.start) as usize;

@@ -1,9 +1,9 @@
-//! How much the corners of a test's events are rounded off, from what the fits leave over.
+//! Rounding of the corners between stick line and slip, estimated from the residuals of the fits.
 //!
-//! The score of a fitted event, all six unknowns free, tells its own `κ`, `h` and `ln c`
-//! (`model/corner.rs`), and the scores of the events add up. `κ` and `h` stay zero until they are
-//! significantly above it; before that they widen the intervals. The event's own fit, and what the
-//! events told of rate, swing and rate change, move along with them, to first order.
+//! The score of a fitted event, all six unknowns free, gives its estimate of `κ`, `h` and `ln c`
+//! (`model/corner.rs`), and the scores of the events are summed. `κ` and `h` stay zero until they
+//! are significantly above it; before that they widen the intervals. When they change, the event's
+//! own fit and the estimates of rate, swing and rate change are corrected to first order.
 
 #![allow(clippy::needless_range_loop, reason = "an index is that of rows and columns alike")]
 
@@ -20,74 +20,75 @@ use crate::num::math::{self, larger, smaller};
 use crate::stats::normal_equations::{ENTRIES_OF_FIRST, Factor, Gradient, Symmetric, dot, place};
 use crate::stats::prior::surely;
 
-/// What the events share.
+/// Estimate of the corners that the events share.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct CornerEstimator {
-    /// Sums over the events of a fading past, in units of the noise variance: information matrix
-    /// and right-hand side of the three numbers' normal equations.
+    /// Sums over the events, with a fading memory, in units of the noise variance: information
+    /// matrix and right-hand side of the normal equations of `κ`, `h` and `ln c`.
     information: [f32; ENTRIES_OF_FIRST],
     right: Numbers,
-    /// Number of these events, fading, and Σ of their squared scores, each less what was expected
-    /// of it, over its variance.
+    /// Number of these events, fading; and Σ of their squared scores, each less its expectation,
+    /// over its variance.
     count: f32,
     chi_square: f32,
-    /// The third number is the logarithm of the range over this force, N: all is as exact whatever
-    /// the size of the forces.
+    /// Unit of the range, N: the third parameter is the logarithm of the range over it, so that
+    /// rounding does not depend on the size of the forces.
     unit_n: f32,
-    /// The most likely numbers.
+    /// The most likely values of the three parameters.
     best: Numbers,
-    /// What the next event is expected to have.
+    /// The corners expected for the next event.
     corner: Corner,
-    /// Variances of `κ` and `h` by what they may be while they do not count.
+    /// Variances of `κ` and `h` by values that are possible but not significant.
     possible: [f32; 2],
-    /// Variances of `κ` and `h` as the events tell them.
+    /// Variances of the estimates of `κ` and `h`.
     variances: [f32; 2],
-    /// Events that could tell, asked or not.
+    /// Number of events that could be tested, whether they were or not.
     events: u32,
 }
 
-/// Events that are asked first, without any sign of a round corner: asking takes two passes of a fit.
+/// Number of first events tested without any sign of a round corner; a test takes two passes.
 const FIRST: u32 = 12;
-/// Of those after them one in so many is asked.
+/// After those, one event in this number is tested.
 const SELDOM: u32 = 4;
-/// Part that is left of the past with every event that is asked: as of what events share.
+/// Part of the sums kept with every tested event: the same as for quantities that events share.
 const FADE: f32 = 1.0 - 1.0 / 40.0;
-/// Events up to which no number counts: it may widen at most.
+/// Number of events up to which no parameter is significant; it may only widen.
 const LEAST_EVENTS: f32 = 2.5;
-/// Standard errors beyond which a number counts: of normal ones one in 370.
+/// Standard errors beyond which a parameter is significant: of normal variables one in 370.
 const SIGNIFICANT: f32 = 3.0;
-/// Standard errors beyond which it is possible, and widens. Tuned: a smaller one widens linear scenes, a
-/// larger one lets smooth onsets pass for sharp ones.
+/// Standard errors beyond which a parameter is possible and widens. Tuned: a smaller one widens
+/// linear scenes, a larger one lets smooth onsets pass for sharp ones.
 const POSSIBLE: f32 = 1.1;
-/// The same in the first events, where none counts. Tuned: 2 leaves the first two of creep in 5 N
-/// of noise up to 11 standard deviations off, 1.3 makes those of tests of one to three events twice
-/// as wide as they are off.
+/// Standard errors beyond which a parameter is possible in the first events, where none is
+/// significant. Tuned: 2 leaves the first two events of creep in 5 N of noise up to 11 standard
+/// deviations off, 1.3 makes the intervals of tests of one to three events twice as wide as their
+/// errors.
 const POSSIBLE_EARLY: f32 = 1.5;
-/// Information that holds a number that does not count at zero, over its own: a millionth is left open.
+/// Information, over its own, that holds an insignificant parameter at zero: within a millionth.
 const HELD: f32 = 1e12;
-/// Range before the events tell it: the force by which the line rises in so many swings. Tuned: with 3 the
-/// mean `mu` of `rate_and_state` is 2.3 standard deviations off at worst, with 1.5 one.
+/// Range before the events determine it: the rise of the line in this number of swings. Tuned: with
+/// 3 the mean `mu` of `rate_and_state` is 2.3 standard deviations off at worst, with 1.5 one.
 const RANGE: f32 = 1.5;
-/// One over the variance of its logarithm then: it is known to a factor of two, `e^√½`.
+/// Prior information on the logarithm of the range: it is known to a factor of two, `e^√½`.
 const RANGE_KNOWN: f32 = 2.0;
-/// What is known of `κ`, periods⁻⁴, with every event: next to nothing, but a slack cable hides `κ`.
+/// Information on `κ = 0`, periods⁻⁴, added per event: negligible except on a slack cable.
 const SMOOTHING_KNOWN: f32 = 0.025;
-/// Part of the square of what the corners move `Fp` by that is in its variance where they may not
-/// be the cause. Tuned with the smooth onsets of the honesty scenes.
+/// Part of the squared shift of `Fp` by the corners that is added to its variance where another
+/// cause is possible. Tuned with the smooth onsets of the honesty scenes.
 const PART: f32 = 0.5;
 /// Largest `κ`, periods²: a mean over one and a half periods, `√(24 κ)`.
 const MOST_SMOOTHING: f32 = 0.1;
-/// Least range, parts of `h`.
+/// Least range `c`, as a part of `h`.
 const LEAST_RANGE: f32 = 0.125;
-/// Most that an event changes `ln c`, a factor of two: beyond that first order is not enough.
+/// Largest step of `ln c` per event, a factor of two: first order does not hold beyond it.
 const MOST_STEP: f32 = 0.7;
-/// Most that it moves its own onset by, swings.
+/// Largest shift of the event's own onset by a step, in swings.
 const MOST_ONSET: f32 = 0.4;
-/// Most that it moves its own swing by, parts of that.
+/// Largest relative shift of the event's own swing by a step.
 const MOST_SWING: f32 = 0.1;
 
 impl CornerEstimator {
-    /// The corners that the next event is expected to have, for its rate and its swing.
+    /// The corners expected for the next event, which has this rate and swing.
     pub(crate) fn expected(&self, rate: f32, inverse_omega: f32) -> Corner {
         if self.count > 0.0 {
             return self.corner;
@@ -95,8 +96,8 @@ impl CornerEstimator {
         Corner { range_n: RANGE * rate * inverse_omega, ..Corner::default() }
     }
 
-    /// The numbers that count: what the force lacks at the onset, N, and the time, s, over which
-    /// the converter takes its mean, `τ² = 24 κ`.
+    /// The significant parameters: the force missing at the onset, `h`, N, and the averaging time
+    /// of the converter, s, `τ² = 24 κ`.
     pub(crate) fn parameters(&self, rate_hz: f32) -> [Option<Parameter>; 2] {
         let Corner { smoothing, missing_n, .. } = self.corner;
         let [of_smoothing, of_missing] = self.variances.map(math::sqrt);
@@ -109,34 +110,34 @@ impl CornerEstimator {
         [found(missing_n, missing), found(smoothing, averaging)]
     }
 
-    /// Are the corners as sharp as the model has them, as far as is known?
+    /// Are the estimated corners sharp, as in the model?
     pub(crate) fn is_sharp(&self) -> bool {
         self.corner.is_sharp()
     }
 
-    /// What the force lacks at the onset, N.
+    /// The force missing at the onset, `h`, N.
     pub(crate) fn missing_n(&self) -> f32 {
         self.corner.missing_n
     }
 
-    /// How far below `Fs` the force already lacks `lacking_n` by creep, N; zero if it never lacks
-    /// as much.
+    /// Distance below `Fs`, N, from which creep lowers the force by `lacking_n` or more; zero if it
+    /// never does.
     pub(crate) fn creep_n(&self, lacking_n: f32) -> f32 {
         let Corner { missing_n, range_n, .. } = self.corner;
         if missing_n > lacking_n { range_n * math::ln(missing_n / lacking_n) } else { 0.0 }
     }
 
-    /// Is the next event to be asked? Without any sign of a round corner only the first ones and some
-    /// others are.
+    /// Is the next event to be tested? Without any sign of a round corner only the first ones and
+    /// one in [`SELDOM`] are.
     pub(crate) fn is_due(&mut self, used: &Corner) -> bool {
         self.events = self.events.wrapping_add(1);
         let is_sharp = used.is_sharp() && self.possible.iter().all(|&v| v <= 0.0);
         !is_sharp || self.events <= FIRST || self.events.is_multiple_of(SELDOM)
     }
 
-    /// Takes what an event's residuals tell; gives what follows for its forces. `other_n2` is the
-    /// square of another force by which the slips depart from the model: as far as that is as large
-    /// as what the corners lack they may not be the cause, and `Fp` is as unsure as they move it.
+    /// Adds an event's score; returns the correction of its forces. `other_n2` is the square of
+    /// another force by which the slips depart from the model. As far as that is as large as `h` it
+    /// may be the cause instead of the corners, and their shift of `Fp` is added to the variance.
     pub(crate) fn learn(
         &mut self,
         used: Corner,
@@ -153,7 +154,7 @@ impl CornerEstimator {
             let [by_smoothing, by_missing, _] = score.by(&DYNAMIC);
             let moved_n = by_smoothing * smoothing + by_missing * missing_n;
             let doubt = math::smaller(other_n2, missing_n * missing_n) / (missing_n * missing_n);
-            // Not without creep, for whose onset the other departure would be taken.
+            // Only with creep, for which the other departure may be mistaken.
             if missing_n > 0.0 {
                 effect.dynamic_n2 += PART * doubt * moved_n * moved_n;
             }
@@ -161,13 +162,12 @@ impl CornerEstimator {
         if effect.is_finite() && (smoothing + missing_n + range_n).is_finite() {
             return effect;
         }
-        // Numbers that overflow tell nothing.
+        // After an overflow the estimates are undefined.
         *self = Self::default();
         Correction::default()
     }
 
-    /// Begins with the corners that the first event was fitted with: only the range is thought to
-    /// be known.
+    /// Begins with the corners that the first event was fitted with: only the range has a prior.
     fn begin(&mut self, corner: &Corner) {
         (self.corner, self.unit_n) = (*corner, corner.range_n);
         self.best = self.numbers(corner);
@@ -178,7 +178,7 @@ impl CornerEstimator {
         [corner.smoothing, corner.missing_n, math::ln(corner.range_n / self.unit_n)]
     }
 
-    /// Variance of a force, N², by the numbers that do not count: `by` is how much they move it.
+    /// Variance of a force, N², by the possible parameters; `by` is its change per unit of each.
     fn possible_n2(&self, by: Numbers) -> f32 {
         self.possible.iter().zip(by).fold(0.0, |sum, (v, by)| sum + v * by * by)
     }
@@ -201,13 +201,13 @@ impl CornerEstimator {
         let (before, after) = (score.times(&self.best), score.times(&best));
         self.chi_square *= FADE;
         for k in (0..2).filter(|&k| score.tells(k)) {
-            // The event's distance from what was expected before it, times that from what is most
-            // likely with it: on average the variance of the noise.
+            // The distance from the expectation before this event, times that from the estimate
+            // with it: its mean is the variance of the noise.
             let squared = (sharp[k] - before[k]) * (sharp[k] - after[k]);
             self.chi_square += 0.5 * squared / (score.asked.normal.matrix[[k, k]] * noise_n2);
         }
         self.best = best;
-        // The scores scatter by more than the noise: the numbers are less sure by as much.
+        // Scores that scatter by more than the noise make the variances larger in proportion.
         let excess = math::larger(self.chi_square / math::larger(self.count - 1.0, 1.0), 1.0);
         let factor = self.decide(information, &free, excess, &used)?;
         let moved = self.limited(score, &used);
@@ -221,20 +221,20 @@ impl CornerEstimator {
         Some(Correction { moved, static_n2, dynamic_n2 })
     }
 
-    /// Adds what an event tells.
+    /// Adds an event's score and information.
     fn add(&mut self, score: &CornerScore, sharp: &Numbers, used: &Numbers, noise_n2: f32) {
         self.count = FADE * self.count + 1.0;
         let fade = |sum: &mut f32, by: f32| *sum = FADE * *sum + by / noise_n2;
         let of_event = score.asked.normal.matrix.entries();
         self.information.iter_mut().zip(of_event).for_each(|(sum, by)| fade(sum, *by));
         self.right.iter_mut().zip(sharp).for_each(|(sum, by)| fade(sum, *by));
-        // While nothing tells the range it stays what it was thought to be.
+        // Keeps the prior of the range while no event determines it.
         self.information[place(2, 2)] += (1.0 - FADE) * RANGE_KNOWN;
         self.right[2] += (1.0 - FADE) * RANGE_KNOWN * used[2];
         self.information[place(0, 0)] += SMOOTHING_KNOWN;
     }
 
-    /// Decides which numbers count, and sets the corners.
+    /// Decides which parameters are significant, and sets the corners.
     fn decide(
         &mut self,
         mut likely: Symmetric,
@@ -256,7 +256,7 @@ impl CornerEstimator {
             counts[k] = sure > 0.0;
             let errors = if is_early { POSSIBLE_EARLY } else { POSSIBLE };
             self.possible[k] = (1.0 - sure) * beyond(errors) * square;
-            // A normal prior about zero: of its own size as far as it counts, else next to nothing.
+            // Prior about zero: as wide as the estimate as far as it counts, else nearly exact.
             let own = &mut likely[[k, k]];
             *own += if counts[k] { 1.0 / (sure * square) } else { HELD * *own };
         }
@@ -273,8 +273,8 @@ impl CornerEstimator {
         Some(factor)
     }
 
-    /// Goes from the numbers that were used to those that count now, no farther than first order
-    /// holds. Gives by how much the event's own unknowns move.
+    /// Moves the corners from the values used in the fit to those that count now, within the limits
+    /// of first order. Returns the shift of the event's own unknowns.
     fn limited(&mut self, score: &CornerScore, used: &Numbers) -> Gradient {
         let mut steps = self.numbers(&self.corner);
         steps.iter_mut().zip(used).for_each(|(step, used)| *step -= used);
@@ -302,8 +302,8 @@ mod tests {
     use crate::fit::Data;
     use crate::model::CycleParams;
 
-    /// Events with the corners `truth`: how many were taken for round, and what is learnt in the
-    /// end.
+    /// Events with the corners `truth`: the number with round corners found, and the estimate after
+    /// the last.
     fn learnt(events: u16, truth: &Corner) -> (u16, CornerEstimator) {
         let (mut learnt, mut round) = (CornerEstimator::default(), 0);
         let force_n = |cycle: &CycleParams, time: f32| {
@@ -315,7 +315,7 @@ mod tests {
             let noise_n2 = NOISE_N * NOISE_N;
             let Some(fit) = data.fit(cycle, noise_n2) else { return };
             let Some(alone) = synthetic::alone(&fit, &data) else { return };
-            // In two pieces, as the samples of a long slip are.
+            // In two parts, as for the samples of a long slip.
             let mut asked = Asked::default();
             ask(&mut asked, &data, &fit, 0..5);
             ask(&mut asked, &data, &fit, 5..data.places());
@@ -332,7 +332,7 @@ mod tests {
         assert!(round < 40, "{round}");
     }
 
-    // Without the feature a fit has sharp corners, whatever is learnt.
+    // Without the feature a fit has sharp corners, whatever the estimate.
     #[cfg(feature = "corner")]
     #[test]
     fn creep_and_aperture_are_told_apart() {

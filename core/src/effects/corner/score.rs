@@ -1,4 +1,4 @@
-//! What one event says of the corners by itself: Rao's score with its information.
+//! One event's score for the corners, with its information (Rao's score test).
 
 use core::ops::Range;
 
@@ -7,20 +7,20 @@ use crate::fit::{Alone, Data, Fit};
 use crate::model::corner::{Corner, NUMBERS, Numbers};
 use crate::stats::normal_equations::{Factor, Gradient, dot};
 
-/// Least part of a number's information that has to be left when the unknowns are free: less is
-/// lost in rounding, and the event does not tell the number.
+/// Least part of a parameter's information that is left with the unknowns free: less is lost in
+/// rounding, and the event does not determine the parameter.
 const LEAST_OWN: f32 = 1e-3;
 
-/// What an event tells of the corners by itself.
+/// One event's score for the corners, without priors.
 pub(super) struct CornerScore {
-    /// The corners that it was fitted with, and its swing.
+    /// The corners that the event was fitted with, and its swing.
     pub(super) corner: Corner,
     pub(super) inverse_omega: f32,
-    /// Of the three numbers' steps from there, the unknowns free.
+    /// Normal equations of the steps of the three parameters from there, the unknowns free.
     pub(super) asked: Asked,
 }
 
-/// Asks an event's levels at some places for its corners.
+/// Adds an event's levels at some places to the score of its corners.
 pub(crate) fn ask(asked: &mut Asked, data: &Data<'_>, fit: &Fit, places: Range<usize>) {
     let (shape, rounded) = (&fit.shape, data.corner.at(&fit.shape));
     for (time, force_n, weight) in data.levels_in(places) {
@@ -32,26 +32,26 @@ pub(crate) fn ask(asked: &mut Asked, data: &Data<'_>, fit: &Fit, places: Range<u
 }
 
 impl CornerScore {
-    /// Frees the unknowns, when all levels have been asked. `None` where the terms are no numbers.
+    /// Frees the unknowns, when all levels are added. `None` where the information is NaN.
     pub(super) fn of(corner: Corner, fit: &Fit, alone: &Alone, mut asked: Asked) -> Option<Self> {
         let inverse_omega = fit.cycle().inverse_omega();
         asked.free(alone);
-        // Zero is a number: without creep there is no information on its range.
+        // Zero is valid: without creep there is no information on its range.
         let is_number = (0..NUMBERS).all(|i| !asked.normal.matrix[[i, i]].is_nan());
         is_number.then_some(Self { corner, inverse_omega, asked })
     }
 
-    /// Does the event tell a number, but for rounding?
+    /// Does the event determine a parameter beyond rounding?
     pub(super) fn tells(&self, number: usize) -> bool {
         self.asked.left[number] > LEAST_OWN
     }
 
-    /// By how much a force falls when the numbers grow by one each.
+    /// Decrease of a force when each parameter grows by one.
     pub(super) fn by(&self, force: &Gradient) -> Numbers {
         self.asked.response.map(|response| dot(&response, force))
     }
 
-    /// By how much the unknowns move when the numbers grow by these steps.
+    /// Shift of the unknowns when the parameters grow by these steps.
     pub(super) fn moved(&self, steps: &Numbers) -> Gradient {
         let mut moved = Gradient::default();
         for (response, step) in self.asked.response.iter().zip(steps) {
@@ -60,14 +60,14 @@ impl CornerScore {
         moved
     }
 
-    /// The score as if the fit had used sharp corners.
+    /// The score that a fit with sharp corners would have, to first order.
     pub(super) fn of_sharp(&self, used: &Numbers) -> Numbers {
         let mut score = self.times(used);
         score.iter_mut().zip(self.asked.normal.right).for_each(|(score, right)| *score += right);
         score
     }
 
-    /// The information times the numbers.
+    /// The information matrix times the parameters.
     #[inline(never)]
     pub(super) fn times(&self, numbers: &Numbers) -> Numbers {
         let mut product = Numbers::default();
@@ -80,12 +80,12 @@ impl CornerScore {
     }
 }
 
-/// The numbers as unknowns of a fit, whose other three are zero.
+/// The three parameters as the first unknowns of a fit, the other three zero.
 pub(super) fn with_zeros([smoothing, missing_n, range]: &Numbers) -> Gradient {
     [*smoothing, *missing_n, *range, 0.0, 0.0, 0.0]
 }
 
-/// The numbers that solve their normal equations.
+/// The parameters that solve the normal equations.
 pub(super) fn numbers_of(factor: &Factor, right: &Numbers) -> Numbers {
     let [smoothing, missing_n, range, ..] = factor.solve(&with_zeros(right));
     [smoothing, missing_n, range]

@@ -1,16 +1,16 @@
-//! Has the mass changed, by the swings of the events?
+//! Detection of a change of the block's mass from the swings of the events.
 //!
-//! While the block slides `ω² = k / M`. The cable does not change from one event to
-//! the next (the loading rate `k w` would show it), so the swing `1/ω` goes with the
-//! square root of the mass: `M'/M = (ω/ω')²`, whatever the friction does.
+//! While the block slides `ω² = k / M`. The cable does not change from one event to the next (the
+//! loading rate `k w` would show it), so the swing `1/ω` is proportional to the root of the mass:
+//! `M'/M = (ω/ω')²`, whatever the friction does.
 //!
-//! An event far off is a suspect and gives no coefficient; where its force `Fp` is far off as well, as
-//! that mass would have it, less is enough. The next one is fitted without what was known of the swing.
-//! If it is off as well, and its force is nearer to the new weight's than to the old one's, the mass has
-//! changed, and the weight is corrected by the measured ratio, whose uncertainty is common to all later
-//! events. An event whose force is far off and whose swing does not tell why has a weight as unsure as
-//! that. Where single events tell too little of the swing, a change of the forces' level starts a trial
-//! (`trial`).
+//! An event whose swing is an outlier is a suspect and gives no coefficient; the limit is lower
+//! where its force `Fp` deviates as that mass implies. The next event is fitted without a prior of
+//! the swing. If its swing is off as well, and its `Fp` is nearer to the new weight's than to the
+//! old one's, the mass has changed. The weight is then multiplied by the measured ratio, whose
+//! error is common to all later events. Where `Fp` is an outlier and the swing does not determine
+//! why, the deviation is the uncertainty of that event's weight. Where single events hardly
+//! determine the swing, a change of the forces' level starts a trial (`trial`).
 
 mod swings;
 mod trial;
@@ -21,35 +21,38 @@ use crate::effects::mass_change::swings::{LEAST, Ratio, Swings};
 use crate::stats::fading_trend::FadingTrend;
 use crate::stats::prior::Prior;
 
-/// Standard deviations by which the mean swing of a trial has to be off. Tuned: fewer than for
-/// one event, since a trial is only begun where the forces have changed as well.
+/// Standard deviations beyond which the mean swing of a trial is off. Tuned: fewer than for one
+/// event, since a trial is only begun where the forces have changed as well.
 const FAR_MEAN: f32 = 4.0;
 
-/// Standard deviations of `Fp` beyond which one is no usual one.
+/// Standard deviations beyond which an event's `Fp` is an outlier.
 const FAR_FORCE: f32 = 5.0;
 
-/// Events since the last change before which no swing is judged.
+/// Number of events since the last change before which no swing is judged.
 const FEWEST: u32 = 5;
-/// Events whose swings make the ratio; later ones may have another cable length.
+/// Largest number of events whose swings determine the ratio; later ones may have another cable
+/// length.
 const MOST: u32 = 16;
-/// Suspects in a row without a mass that explains them: something else has changed (as `FadingTrend` has it).
+/// Suspects in a row, without a mass that explains them, that mean another change (as in
+/// `FadingTrend`).
 const ODD: u32 = 3;
-/// The same number for events that do not tell their swing: more, for each says less.
+/// Suspects in a row without a swing of their own that mean another change: more, since each holds
+/// less information.
 const SILENT: u32 = 8;
 
-/// What an event says of the mass.
+/// Result of the test of one event for a change of mass.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) enum Verdict {
-    /// Nothing new.
+    /// No change.
     #[default]
     Same,
-    /// Not known yet whether the mass has changed.
+    /// It is not known yet whether the mass has changed.
     Suspect,
     /// The mass has changed since the first suspect, or the start of the trial.
     Mass,
-    /// The trial says that the mass is the same.
+    /// The trial shows that the mass is the same.
     SameMass,
-    /// The cable or the winch has changed, or there is no telling.
+    /// The cable or the winch has changed, or the cause cannot be determined.
     Unknown,
 }
 
@@ -57,26 +60,26 @@ pub(crate) enum Verdict {
 enum State {
     #[default]
     Steady,
-    /// An event was off: the swing as it was before, and the number of such events.
+    /// An event was off: the trend of the swing before it, and the number of such events in a row.
     Suspect(FadingTrend, u32),
-    /// The forces have changed: the number of events since.
+    /// The forces have changed: number of events since.
     Trial(u32),
 }
 
-/// Follows the swing, and the mass with it. Before the first event the weight is the given one.
+/// Estimator of the swing, and of the weight ratio that follows from it. The ratio begins at one.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Mass {
-    /// What the next event may expect.
+    /// Trend of the swing since the last change.
     inverse_omega: FadingTrend,
     state: State,
-    /// Events since the last change.
+    /// Number of events since the last change.
     seen: u32,
     /// Mean `Fp` of the recent events, N, and its mean squared deviation, N².
     dynamic_n: f32,
     scatter_n2: f32,
     /// The weight in use over the given one, up to the last change.
     base: Ratio,
-    /// By which part another weight may be in the newest event.
+    /// Relative uncertainty of the newest event's weight, from an outlier of `Fp` of unknown cause.
     doubt: f32,
     /// The swing before the last change of mass or the trial, and the swings since.
     before: Option<Prior>,
@@ -84,13 +87,13 @@ pub(crate) struct Mass {
 }
 
 impl Mass {
-    /// What the events since the last change tell of the swing.
+    /// Trend of the swing since the last change, periods.
     #[must_use]
     pub(crate) fn inverse_omega(&self) -> &FadingTrend {
         &self.inverse_omega
     }
 
-    /// The same; while it is in doubt what was known before the suspect.
+    /// Trend of the swing, periods; during a suspicion the one from before the suspect.
     #[must_use]
     pub(crate) fn usual(&self) -> &FadingTrend {
         if let State::Suspect(kept, _) = &self.state { kept } else { &self.inverse_omega }
@@ -101,23 +104,23 @@ impl Mass {
         self.inverse_omega.translate(by);
     }
 
-    /// Lets the past swings count for less, see [`FadingTrend::forget`].
+    /// Fades the past swings, see [`FadingTrend::forget`].
     pub(crate) fn forget(&mut self) {
         self.inverse_omega.forget();
     }
 
-    /// Forgets the swing, and what was under way; the weight's ratio stays.
+    /// Drops the trend of the swing and any suspicion or trial; the weight ratio stays.
     pub(crate) fn forget_all(&mut self) {
         self.inverse_omega = FadingTrend::default();
         self.state = State::Steady;
         self.start(None);
     }
 
-    /// Judges an event. What is [`Verdict::Suspect`] outside a trial is not learnt.
+    /// Tests an event. An event that is [`Verdict::Suspect`] outside a trial is not learnt from.
     pub(crate) fn judge(&mut self, evidence: &Evidence) -> Verdict {
         let off = self.off(evidence);
         let forces = 1.0 + off;
-        // The friction is another one if the swing tells that the mass is not that of the force.
+        // The swing excludes the mass that the force implies: then the friction has changed.
         let is_friction = evidence.excludes(self.inverse_omega.prior(1.0), forces);
         self.doubt = if is_friction { 0.0 } else { off };
         match self.state {
@@ -136,7 +139,7 @@ impl Mass {
         Verdict::Suspect
     }
 
-    /// The event after a suspect.
+    /// Tests the event after a suspect.
     fn judge_suspect(
         &mut self,
         evidence: &Evidence,
@@ -149,7 +152,7 @@ impl Mass {
             || (evidence.inverse_omega.is_some() && !evidence.is_off(before, forces))
         {
             self.inverse_omega = *kept;
-            // One that the model cannot describe is not to be learnt from either.
+            // An event that the model does not describe is not learnt from either.
             (if evidence.strained { Verdict::Suspect } else { Verdict::Same }, State::Steady)
         } else if evidence.explains(before, self.dynamic_n) {
             self.start(Some(before));
@@ -164,7 +167,7 @@ impl Mass {
         verdict
     }
 
-    /// Learns from an event, and may end the trial.
+    /// Learns from an event. Returns the verdict of a trial that ends with it.
     pub(crate) fn learn(&mut self, evidence: &Evidence) -> Option<Verdict> {
         self.seen = self.seen.saturating_add(1);
         if let Some((inverse_omega, variance)) = evidence.inverse_omega {
@@ -182,7 +185,7 @@ impl Mass {
             self.dynamic_n = self.since.dynamic_n_or(self.dynamic_n);
             return Some(verdict);
         }
-        // What another weight may be in is no usual one.
+        // An `Fp` that another weight may have caused does not enter the mean.
         if self.doubt.abs() <= 0.0 {
             let share = 1.0 / self.seen.clamp(1, 8) as f32;
             let off_n = evidence.dynamic_n - self.dynamic_n;
@@ -192,7 +195,8 @@ impl Mass {
         None
     }
 
-    /// By which part of the usual one an event's `Fp` is off it, if by far more than events are; else zero.
+    /// Relative deviation of an event's `Fp` from the mean, if it is an outlier by more than
+    /// [`LEAST`]; else zero.
     fn off(&self, evidence: &Evidence) -> f32 {
         let off_n = evidence.dynamic_n - self.dynamic_n;
         let is_far = off_n * off_n > FAR_FORCE * FAR_FORCE * self.scatter_n2;
@@ -279,7 +283,7 @@ mod tests {
         assert_eq!(mass.weight_ratio_and_std(), (1.0, 0.0));
     }
 
-    /// Each swing is known to 4 % only.
+    /// The swing of each event has an error of 4 %.
     #[test]
     fn a_trial_tells_a_lighter_block_from_another_friction() {
         for (inverse_omega, expected) in [(0.69, Verdict::Mass), (0.845, Verdict::SameMass)] {
@@ -294,8 +298,9 @@ mod tests {
         }
     }
 
-    /// The forces of a block that broke by an eighth are far off, and so is the swing, by four deviations: its
-    /// first event is enough. Without a swing of its own it is as unsure as the force is off.
+    /// `Fp` of a block that broke by an eighth is an outlier, and its swing is off by four standard
+    /// deviations: its first event is enough. Without a swing the deviation of `Fp` is the
+    /// uncertainty of the weight.
     #[test]
     fn forces_that_go_with_the_mass_tell_it_sooner() {
         let ratio = 0.87_f32;
@@ -310,7 +315,7 @@ mod tests {
         let mut unsure = mass;
         assert_eq!(unsure.judge(&silent), Verdict::Same);
         assert!((unsure.weight_ratio_and_std().1 - 0.14).abs() < 0.02);
-        // A swing that stays is friction's doing.
+        // A swing that stays the same means a change of friction.
         let slippery = Evidence { dynamic_n: 300.0, ..measured(2, 0.845, 0.008, 0.0) };
         assert_eq!(unsure.judge(&slippery), Verdict::Same);
         assert!(unsure.weight_ratio_and_std().1 < 1e-6);

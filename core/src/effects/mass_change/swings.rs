@@ -1,30 +1,31 @@
-//! Swings of events and what they say of the mass: `M'/M = (s'/s)²`, `s = 1/ω`.
+//! Swings of the events and the mass ratio from them: `M'/M = (s'/s)²`, `s = 1/ω`.
 
 use crate::stats::prior::Prior;
 
-/// Standard deviations by which the swing of one event has to be off: of normal ones one in 5e8, for a
-/// suspect has no coefficients.
+/// Standard deviations beyond which the swing of one event is off: of normal variables one in 5e8,
+/// since a suspect gives no coefficients.
 const FAR: f32 = 6.0;
-/// The same where its forces are as far off: what is left is one in 400.
+/// Standard deviations beyond which the swing of one event is off where `Fp` deviates in the same
+/// way: of normal variables one in 400.
 const LIKELY: f32 = 3.0;
-/// A smaller change of the mass is not claimed: sag and wear change the stiffness
-/// like that.
+/// Least relative change of the mass that is reported: sag and wear change the stiffness by as
+/// much.
 pub(super) const LEAST: f32 = 0.05;
 
-/// What an event tells of the mass.
+/// An event's evidence on the mass.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Evidence {
-    /// Its swing and the variance of that, periods, with nothing from other events.
+    /// The event's swing, periods, and its variance, without the prior.
     pub inverse_omega: Option<(f32, f32)>,
     /// `Fp`, N.
     pub dynamic_n: f32,
-    /// The loading rate is what it was: so are cable and winch.
+    /// The loading rate has not changed, so neither have cable and winch.
     pub same_cable: bool,
-    /// The model, with what is known of the swing, is far from the samples.
+    /// The model, with the prior of the swing, is far from the samples.
     pub strained: bool,
 }
 
-/// The weight in use over the one that was given.
+/// The weight in use over the given one.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Ratio {
     pub(super) value: f32,
@@ -57,15 +58,16 @@ impl Swings {
         self.dynamic_n += (dynamic_n - self.dynamic_n) / self.count as f32;
     }
 
-    /// The mean `Fp`, or what it was before where no swing was seen since, N.
+    /// The mean `Fp`, N, or `before_n` where no swing was seen since.
     pub(super) fn dynamic_n_or(&self, before_n: f32) -> f32 {
         if self.count > 0 { self.dynamic_n } else { before_n }
     }
 }
 
 impl Evidence {
-    /// Is the swing off by more than its noise, and by more than a cable may vary? Less is enough where
-    /// `Fp` is `forces` times the usual one as that mass would have it.
+    /// Does the swing imply a mass that has changed significantly, and by more than [`LEAST`]? The
+    /// limit is lower where `forces`, the ratio of `Fp` to its mean, is nearer to that mass ratio
+    /// than to one.
     #[inline(never)]
     pub(super) fn is_off(&self, expected: Prior, forces: f32) -> bool {
         let masses = self.mass_ratio(expected);
@@ -73,13 +75,13 @@ impl Evidence {
         self.is_far(expected, 1.0, if agree { LIKELY } else { FAR }) && (masses - 1.0).abs() > LEAST
     }
 
-    /// Does the swing tell that the mass is not `ratio` times the one with the expected swing?
+    /// Does the swing exclude a mass of `ratio` times the one with the expected swing?
     pub(super) fn excludes(&self, expected: Prior, ratio: f32) -> bool {
         self.is_far(expected, ratio, LIKELY)
     }
 
-    /// Is the mass ratio so many standard deviations from `ratio`? Its variance is four times itself,
-    /// times the variance of the swing over the square of the expected one.
+    /// Is the mass ratio more than `far` standard deviations from `ratio`? Its variance is four
+    /// times the ratio, times the variances of both swings over the square of the expected one.
     #[inline(never)]
     fn is_far(&self, expected: Prior, ratio: f32, far: f32) -> bool {
         let told = self.inverse_omega.filter(|_| expected.weight > 0.0);
@@ -90,7 +92,8 @@ impl Evidence {
         })
     }
 
-    /// Has the mass changed: with the same cable, and the force with it?
+    /// Does a change of the mass explain the event: the cable is the same, and `Fp` changed as the
+    /// mass?
     pub(super) fn explains(&self, before: Prior, dynamic_before_n: f32) -> bool {
         let forces = self.dynamic_n / dynamic_before_n;
         self.inverse_omega.is_some()
@@ -98,7 +101,7 @@ impl Evidence {
             && is_nearer(forces, self.mass_ratio(before))
     }
 
-    /// Mass over that of the expected swing.
+    /// Ratio of the mass to the one with the expected swing.
     fn mass_ratio(&self, expected: Prior) -> f32 {
         let ratio =
             self.inverse_omega.map_or(1.0, |(inverse_omega, _)| inverse_omega / expected.mean);

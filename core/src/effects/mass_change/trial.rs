@@ -1,5 +1,6 @@
-//! Where single events tell too little of the swing: a change of the forces' level starts a trial, and the
-//! swings before and after it decide. Also the weight that follows from them.
+//! Trials, where single events hardly determine the swing: a change of the forces' level starts
+//! one, and the mean swings before and after it decide. Also the weight ratio that follows from the
+//! swings.
 
 use crate::effects::mass_change::swings::{LEAST, Ratio, Swings, is_nearer};
 use crate::effects::mass_change::{FAR_MEAN, MOST, Mass, State, Verdict};
@@ -8,8 +9,8 @@ use crate::stats::fading_trend::FadingTrend;
 use crate::stats::prior::Prior;
 
 impl Mass {
-    /// The forces have changed; `dynamic_before_n` was `Fp` before: starts a trial. `false` if the
-    /// swing is known too little for one to tell anything.
+    /// Starts a trial after a change of the forces; `dynamic_before_n` is `Fp` before it. Returns
+    /// `false` if the swing is known too badly for a trial to decide.
     pub(crate) fn try_weight(&mut self, dynamic_before_n: f32) -> bool {
         let before = self.inverse_omega.prior(1.0);
         let known = before.weight * before.mean * before.mean * LEAST * LEAST > 1.0;
@@ -22,7 +23,7 @@ impl Mass {
         known
     }
 
-    /// The force has changed, and nothing tells why: the weight may have, by as much.
+    /// The force has changed for an unknown reason: the weight may have changed by as much.
     pub(crate) fn leave_open(&mut self, dynamic_n: f32, before_n: f32) {
         let off = dynamic_n / before_n - 1.0;
         self.base.variance += off * off;
@@ -34,13 +35,13 @@ impl Mass {
         matches!(self.state, State::Trial(_))
     }
 
-    /// The weight over the given one.
+    /// The weight in use over the given one.
     #[must_use]
     pub(crate) fn weight_ratio(&self) -> f32 {
         self.weight().value
     }
 
-    /// The weight over the given one, and its relative standard deviation.
+    /// The weight in use over the given one, and the relative standard deviation of the ratio.
     #[must_use]
     pub(crate) fn weight_ratio_and_std(&self) -> (f32, f32) {
         let Ratio { value, variance } = self.weight();
@@ -51,7 +52,7 @@ impl Mass {
         if self.is_on_trial() { self.base } else { self.ratio() }
     }
 
-    /// What the trial says so far; `None` while it goes on.
+    /// The verdict of the trial; `None` while it goes on.
     pub(super) fn tried(&mut self, events: u32) -> Option<Verdict> {
         let Ratio { value, variance } = self.ratio();
         let (value, variance) = (value / self.base.value, variance - self.base.variance);
@@ -74,7 +75,7 @@ impl Mass {
         Some(verdict)
     }
 
-    /// Weight in use over the given one, if the mass is the cause of what the swings show.
+    /// Weight in use over the given one, if the mass is the cause of the change in the swings.
     fn ratio(&self) -> Ratio {
         let Some(before) = self.before.filter(|_| self.since.count > 0) else { return self.base };
         let inverse_omega = self.since.mean / before.mean;
@@ -86,7 +87,7 @@ impl Mass {
         }
     }
 
-    /// Begins to count the swings anew; what they showed so far stays in the weight's ratio.
+    /// Starts new sums of the swings; their result so far stays in the weight ratio.
     pub(super) fn start(&mut self, before: Option<Prior>) {
         self.base = self.ratio();
         (self.before, self.seen, self.since) = (before, 0, Swings::default());
