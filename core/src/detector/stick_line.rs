@@ -85,8 +85,7 @@ impl Stick {
         Some(force_n - self.line.at(time, slope))
     }
 
-    /// Standard deviation of a sample with this `variance` minus its forecast, units of a late
-    /// one's.
+    /// Standard deviation of an innovation, units of a late sample's; `variance` is the sample's.
     #[inline(always)]
     pub(super) fn spread(&self, time: f32, variance: f32) -> f32 {
         math::rough_sqrt(variance + self.line.leverage(time))
