@@ -65,8 +65,8 @@ mod tests {
     use crate::num::math;
     use crate::tests::Random;
 
-    /// Standard deviation of the noise, N, as it is seen, a mean: of noise of 2 N and an oscillation with
-    /// this amplitude and this period in samples.
+    /// Mean estimate of the noise's standard deviation, N: for noise of 2 N and an oscillation of
+    /// this amplitude, with this period in samples.
     fn seen(amplitude_n: f32, samples: f32) -> f32 {
         let (mut oscillation, mut random) = (WithoutOscillation::new(), Random(3));
         let mut last = [0.0; 5];
