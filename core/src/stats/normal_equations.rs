@@ -6,11 +6,11 @@ use core::ops::{Index, IndexMut};
 pub(crate) const UNKNOWNS: usize = 6;
 
 /// Gradient of the force with respect to the unknowns of the fit: onset, rate, `Fs`, `d`, swing
-/// `1/ω` and rate change. The swing, not ω: times are proportional to it, so what few samples tell
-/// of it is close to a normal distribution.
+/// `1/ω` and rate change. The swing, not ω: times are proportional to it, so its estimate from few
+/// samples is nearly normally distributed.
 pub(crate) type Gradient = [f32; UNKNOWNS];
 
-/// The first unknowns, onset, rate and `Fs`: the stick line before the slip depends on no others.
+/// Number of first unknowns, onset, rate and `Fs`: the line before the slip depends on no others.
 const FIRST: usize = 3;
 
 /// Entries of a symmetric matrix of the fit's size, on its diagonal and below.
@@ -203,7 +203,7 @@ impl Factor {
         core::array::from_fn(|unknown| self.variance(unknown))
     }
 
-    /// The one of an unknown.
+    /// Variance of one unknown, in units of the variance of weight one.
     #[inline(always)]
     pub(crate) fn variance(&self, unknown: usize) -> f32 {
         let mut unit = Gradient::default();
