@@ -11,14 +11,13 @@ const LEAST_BLOCK: f32 = 16.0;
 /// Fewest and most blocks of a stretch: a shorter one may be a slow stick line, a longer one is
 /// given in parts.
 const BLOCKS: (u32, u32) = (8, 128);
-/// Standard deviations beyond which a difference or a slope is significant: of normal ones one in
-/// 16 000.
+/// Standard deviations with which a difference or slope is significant: by chance 1 in 16 000.
 const SURE: f32 = 4.0;
 /// Standard errors of a rise beyond which a stretch is not given: it may be a slow stick line. Less
 /// than [`SURE`]: a stretch that is left out is no error.
 const UNLIKELY: f32 = 3.0;
-/// Block means that differ by less than this part of the force are equal. A choice: with less, friction
-/// that wanders ends a stretch where there is hardly any noise.
+/// Block means that differ by less than this part of the force are equal. A choice: with less,
+/// friction that wanders ends a stretch where there is hardly any noise.
 const SAME: f32 = 0.01;
 /// Standard deviations by which the highest of 300 000 normal samples lies above their mean.
 const HIGHEST: f32 = 4.5;
