@@ -5,9 +5,9 @@ use core::fmt;
 use crate::coefficient::Coefficient;
 use crate::sample::SampleTime;
 
-/// A first answer on a slip that is going on or has just ended, from the samples so far and what
-/// earlier events told. The [`Event`] itself is complete when the next slip has ended the stick
-/// line after this one.
+/// A first answer on a slip that is going on or has just ended, from the samples so far and the
+/// expectations from earlier events. The [`Event`] itself is complete when the next slip has ended
+/// the stick line after this one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
