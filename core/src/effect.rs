@@ -32,8 +32,8 @@ pub enum Effect {
     /// The force strays from its stick lines in a way that is not white noise.
     Ripple,
     /// Losses in the cable or the air: they widen the intervals and shift no value. Bit 8 belonged
-    /// to an effect that was taken out; it stays free, so that the masks in old logs mean what they
-    /// did.
+    /// to an effect that was taken out; it stays free, so that the masks in old logs keep their
+    /// meaning.
     Damping = 9,
     /// Slips whose force departs from the ellipse along the way: they widen the intervals and shift
     /// no value.

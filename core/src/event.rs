@@ -154,7 +154,7 @@ pub struct Event {
     pub omega_rad_per_s: Option<f32>,
     /// The cable went slack during the slip.
     pub slack: bool,
-    /// How far to trust it.
+    /// How far the event can be trusted.
     pub quality: Quality,
     /// Why a coefficient is missing.
     pub reason: Option<Reason>,

@@ -28,7 +28,7 @@ use crate::num::math;
 use crate::report::Report;
 pub use losses::Losses;
 
-/// What a coefficient depends on.
+/// An input that a coefficient depends on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]

@@ -79,7 +79,8 @@ impl Detector {
     }
 
     /// A record may begin with its highest sample, in the middle of a slip. Where rests are too
-    /// brief for a line no slip is detected before a higher sample, so it is dropped in time.
+    /// brief for a line no slip is detected until a sample is higher, so the first one is dropped
+    /// in time.
     fn forget_first(&mut self) {
         let highest = self.stick.highest.index;
         let is_first =

@@ -52,8 +52,8 @@ use crate::num::math::{larger, smaller};
 use crate::sample::{ForcePoint, Phase, since};
 use crate::signal::window::{WINDOW, Window};
 
-/// Largest noise, parts of the usual drop: the drops, which have to be eight times the noise, could
-/// not have been detected in more.
+/// Upper limit of the noise, parts of the usual drop: the drops have to be eight times the noise,
+/// and could not have been detected in more noise.
 const MOST_NOISE: f32 = 0.1;
 /// Longest gap that a line continues over, periods: a whole slip may hide in a longer one.
 const LONGEST_GAP: u32 = 8;
@@ -79,7 +79,7 @@ pub enum Transition {
 }
 
 /// The state machine.
-// In this order: what every sample touches first, where the board reaches it in one instruction.
+// Field order: first what every sample touches, which the board reaches in one instruction.
 #[derive(Clone, Debug)]
 #[repr(C)]
 pub struct Detector {

@@ -13,13 +13,15 @@ pub(super) const OFF_LINE: f32 = 6.0;
 /// no usual drop to compare with. Tuned: with 6 noise with a correlation of .9 is taken for slips
 /// more than twice as often, with 8 one scene in 350 of `--example plane` has no event for it.
 const FIRST_DROP: f32 = 8.0;
-/// Least drop of a later slip, or of one without a line, as [`OFF_LINE`]: multiples of the noise.
+/// Least drop of a slip once the usual drop is known, or without a line, standard deviations of the
+/// noise: as [`OFF_LINE`].
 const LEAST_DROP: f32 = 6.0;
 /// Least drop of a slip that starts in the upper half of the usual range, parts of the usual drop:
 /// a part of the contact may slip alone. Flop of the cable starts in the lower half. Tuned: a
 /// higher value misses partial slips, a lower one takes ripple for them.
 const LEAST_PART: f32 = 0.05;
-/// Least drop of such a slip where there is no line: one sample too high would feign a smaller one.
+/// Least drop of a slip in the upper half without a line, parts of the usual drop: one sample that
+/// is too high would feign a smaller drop.
 const LEAST_PART_BRIEF: f32 = 0.35;
 /// Least drop of a slip that starts in the lower half, parts of the usual drop. Tuned: a lower
 /// value takes flop for slips.
@@ -83,8 +85,8 @@ impl Detector {
         Some(if rises { larger(below_line, below_mean) } else { below_line })
     }
 
-    /// Sets the peak: the highest sample from the last one on the line on. Where the force rises by
-    /// less than its noise, the highest sample of the rest may lie long before the slip.
+    /// Sets the peak to the highest sample since the force last lay on the line. Where the force
+    /// rises by less than its noise, the highest sample of the rest may lie long before the slip.
     pub(super) fn find_peak(&mut self, now: u32) {
         let most = periods_between(self.stick.highest.index, now).clamp(0, FARTHEST);
         self.spent += most as usize / 2;

@@ -5,7 +5,7 @@ use crate::detector::Detector;
 use crate::num::math::{self, larger, smaller};
 use crate::sample::{ForcePoint, since};
 
-/// Rise that ends a slip at once, standard deviations of the noise: of normal ones one in 16 000.
+/// Rise that ends a slip at once, standard deviations of the noise (normal: one in 16 000).
 const SURE_RISE: f32 = 4.0;
 /// Rise that ends a slip where [`SURE_RISE`] is larger, parts of the drop.
 const MOST_RISE: f32 = 0.5;
@@ -21,7 +21,8 @@ const AS_LOW: f32 = 3.0;
 /// A slip leaves the force lower by at least this part of its drop; a spike does not. Tuned: a slip
 /// that is cut short by flop needs a low value, two spikes in a row a high one.
 const LEAST_SHIFT: f32 = 0.4;
-/// The same limit without a line: below the sample before the peak. Tuned like [`LEAST_SHIFT`].
+/// Part of the drop by which a slip without a line ends below the sample before its peak. Tuned
+/// like [`LEAST_SHIFT`].
 const LEAST_SHIFT_BRIEF: f32 = 0.1;
 
 /// Gain of the running estimates of a slip's drop, fall and rise. Tuned: a larger gain follows each

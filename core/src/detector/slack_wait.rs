@@ -10,15 +10,15 @@ use crate::sample::ForcePoint;
 /// Rise that shows a taut cable, standard deviations of the noise: two samples in a row do not
 /// reach it by chance.
 const RISE: f32 = 5.0;
-/// Upper limit of that rise, parts of the slip's drop: where the block never rests only an upper
-/// bound of the noise is known.
+/// Upper limit of the rise that shows a taut cable, parts of the slip's drop: where the block never
+/// rests only an upper bound of the noise is known.
 const MOST_RISE: f32 = 0.25;
-/// A slip whose lowest sample is within this part of its drop of zero may leave a slack cable: room
-/// for a small error of the cell's zero. Tuned, with little effect: half as much changes no class
-/// of `docs/honesty.md`, twice as much moves two of them (`hum_20`, `falling`) in their last
-/// digits.
+/// The cable may hang slack where a slip's lowest sample is less than this part of the drop from
+/// zero: room for a small error of the cell's zero. Tuned, with little effect: half as much changes
+/// no class of `docs/honesty.md`, twice as much moves two of them (`hum_20`, `falling`) in their
+/// last digits.
 const NEAR_ZERO: f32 = 0.1;
-/// Part of the rise that is added to that range: two standard deviations of the noise.
+/// Part of the rise that is added to [`NEAR_ZERO`]: two standard deviations of the noise.
 const NEAR: f32 = 0.4;
 /// Part of a rise that is certainly due to loading since the cable became taut: the rest allows for
 /// noise, one and a half standard deviations of it.

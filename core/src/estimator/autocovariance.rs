@@ -127,15 +127,15 @@ impl Correlation {
         Some(products / pairs as f32 + m * m)
     }
 
-    /// Factor by which the variance of the mean exceeds that of independent values, 1 or more: `I =
-    /// 1 + 2 Σ ρ_k` over the `K` lags up to the first one whose correlation is not significant
+    /// Factor by which the variance of the mean exceeds that of independent values, 1 or more:
+    /// `I = 1 + 2 Σ ρ_k` over the `K` lags up to the first one whose correlation is not significant
     /// (Geyer's initial positive sequence, cut at one and a half standard errors), and at most up
     /// to a quarter of the number of values.
     ///
     /// The mean is that of the values themselves: it removes `I/n` of their variance, and as much
-    /// from every covariance. So, with the observed correlations, `I = (1 + 2 Σ ρ_k) / (1 − 2 (K −
-    /// Σ ρ_k) / n)`, and the variance of a value is `(n − 1) / (n − I)` times what it would be for
-    /// independent values.
+    /// from every covariance. So, with the observed correlations,
+    /// `I = (1 + 2 Σ ρ_k) / (1 − 2 (K − Σ ρ_k) / n)`, and the variance of a value is
+    /// `(n − 1) / (n − I)` times what it would be for independent values.
     #[must_use]
     pub(crate) fn inflation(&self, mean: DoubleSingle, variance: f32) -> f32 {
         if variance <= 0.0 {

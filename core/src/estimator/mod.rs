@@ -290,7 +290,7 @@ mod tests {
         assert!(real.std_error.unwrap() > 0.15);
     }
 
-    /// What the first events share stays in the mean as far as they do themselves.
+    /// The shared part of the first events stays in the mean with the weight of these events.
     #[test]
     fn what_unsure_events_share_weighs_no_more_than_they_do() {
         let of = |common: Common| {

@@ -1,11 +1,11 @@
 //! Extra scatter of the first samples after a re-stick.
 //!
 //! After a slip the cable flops: the force oscillates while the block rests, and the oscillation
-//! decays. The residuals `r` of a straight line through a stick have the variance `sigma² (1 +
-//! excess e^(−decay age))`. `sigma²` is estimated from the second halves of the sticks, excess and
-//! decay from two moments of the first halves: the sum of `r² − sigma²` and its mean age, tapered
-//! over the length of a stick. An excess that is not significant, or no more than 1, is set to
-//! zero: then all samples have the same weight.
+//! decays. The residuals `r` of a straight line through a stick have the variance
+//! `sigma² (1 + excess e^(−decay age))`. `sigma²` is estimated from the second halves of the
+//! sticks, excess and decay from two moments of the first halves: the sum of `r² − sigma²` and its
+//! mean age, tapered over the length of a stick. An excess that is not significant, or no more than
+//! 1, is set to zero: then all samples have the same weight.
 
 use crate::effect::Parameter;
 use crate::num::math::{self, larger, smaller};
@@ -17,17 +17,17 @@ use crate::stats::prior::surely;
 const MEMORY: f32 = 16.0;
 /// Fewest samples of a stick that is used: four in either half.
 const FEWEST: u32 = 8;
-/// Fewest sticks, a number with forgetting, that show a first excess: three.
+/// Least effective number of sticks (with forgetting) for a first excess: three sticks.
 const FEWEST_STICKS: f32 = 2.5;
-/// Standard errors beyond which an excess is significant: of normal ones one in 16 000.
+/// Standard errors beyond which an excess is significant (normal: one in 16 000).
 const SIGNIFICANT: f32 = 4.0;
 /// Least excess that is used: with less a first sample weighs more than half of a late one.
 const LEAST: f32 = 1.0;
-/// Sticks without an excess, a number with forgetting, after which only one of [`SELDOM`] is used.
+/// Effective number of sticks without an excess after which only one of [`SELDOM`] is used.
 const SETTLED: f32 = 8.0;
 const SELDOM: u8 = 8;
-/// Limit of a squared residual, in units of its variance: no outlier decides alone. Of normal ones
-/// one in 600 is larger.
+/// Limit of a squared residual, in units of its variance: no outlier decides alone. Of normal
+/// residuals one in 600 is larger.
 const LARGEST: f32 = 10.0;
 
 /// Scatter of a resting block's samples by their age since the re-stick, periods.

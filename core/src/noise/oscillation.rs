@@ -10,7 +10,7 @@ use crate::num::math::larger;
 
 /// Time constant of the forgetting, samples: 64 give a variance to a fifth, `√(2/64)`.
 const MEMORY: f32 = 64.0;
-/// Fewest samples, a number with forgetting, for an estimate: to a quarter, `√(2/30)`.
+/// Least effective number of samples for an estimate: right to a quarter, `√(2/30)`.
 const FEWEST: f32 = 30.0;
 /// A smooth oscillation leaves less than this part of its squared second differences, both in units
 /// of what white noise has. Tuned: with more, noise is now and then taken for an oscillation.

@@ -18,7 +18,7 @@ use crate::num::math::{self, larger, smaller};
 use crate::stats::quantile::Quantile;
 
 /// Running robust standard deviation.
-// In this order: what every sample touches first.
+// Field order: first what every sample touches.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub(crate) struct Noise {
@@ -59,8 +59,8 @@ const BELIEVED: u8 = 4;
 /// Median and upper quartile of |x|, for a normal distribution.
 const MEDIAN: f32 = 0.674_49;
 const QUARTILE: f32 = 1.150_35;
-/// Noise over the median of |second difference|, which is 0.6745 √6 of it: a median, since slips
-/// may take nearly half of the time, as in a record that begins in mid-pull.
+/// Noise over the median of |second difference|, one over 0.6745 √6. A median, since slips may take
+/// nearly half of the time, as in a record that begins in mid-pull.
 const STD_PER_SECOND: f32 = 1.0 / 1.652;
 /// Largest noise beside slips, parts of their typical fall in a sample: a first slip has to drop by
 /// eight times the noise, and in more noise none could be detected.

@@ -29,8 +29,8 @@ pub(crate) struct Sinusoid {
     sine_n: f32,
     /// Variance of either amplitude, in units of the noise's.
     pub(crate) variance: f32,
-    /// Correction of the angle per period, rad, to the one assumed, and the information on it, `Σ
-    /// (∂F/∂ω)²`, N².
+    /// Correction of the angle per period, rad, to the one assumed, and the information on it,
+    /// `Σ (∂F/∂ω)²`, N².
     pub(crate) faster: f32,
     pub(crate) information_n2: f32,
 }
@@ -136,7 +136,7 @@ mod tests {
                 squares_n2 += off_n * off_n / 200.0;
                 variance = found.variance;
             }
-            // The line takes some of a slow one with it.
+            // The line takes part of a slow oscillation with it.
             let most = if angle < 0.9 { 6.0 } else { 2.0 };
             assert!(squares_n2 < most * variance, "{angle}: {squares_n2} {variance}");
         }

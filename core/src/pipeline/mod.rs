@@ -69,7 +69,7 @@ impl Step {
 }
 
 /// The whole computation for one test.
-// In this order: what every sample touches first, where the board reaches it in one instruction.
+// Field order: first what every sample touches, which the board reaches in one instruction.
 #[derive(Clone, Debug)]
 #[repr(C)]
 pub struct Pipeline {
@@ -92,7 +92,7 @@ pub struct Pipeline {
     last_hidden: Option<u32>,
     mu_s: Estimator,
     mu: Estimator,
-    /// How far the zero may have moved.
+    /// Statistics for a drift of the zero.
     drift: Kept<Drift, { Effect::Drift.room() }>,
     /// Largest force of the events, N.
     largest_n: f32,

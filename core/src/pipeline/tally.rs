@@ -64,8 +64,8 @@ impl Pipeline {
 
 /// Part of an event's standard deviation that is common to all events. Where the slip is too short
 /// for the sampling, or hidden by a slack cable, all events rest on the same assumptions: a third
-/// is common, so that no number of such events makes a mean sharper than that. After a rest with
-/// few samples an event depends on the rate and the swing of other events.
+/// is common, so that no number of such events makes a mean more precise. After a rest with few
+/// samples an event depends on the rate and the swing of other events.
 fn granted(quality: Quality, rest: f32) -> f32 {
     /// Samples of a rest that determine its line: two for the rate, and as many at either end that
     /// the noise may hide. Fewer determine one combination of an event's rate and swing.

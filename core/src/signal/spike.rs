@@ -99,8 +99,8 @@ impl SpikeFilter {
         held
     }
 
-    /// Is a sample that differs from its neighbours, `span` periods apart, by these forces, N, a
-    /// spike?
+    /// Is a sample a spike that differs by these forces, N, from its neighbours, `span` periods
+    /// apart?
     #[inline(never)]
     fn stands_out(&self, (left, right): (f32, f32), span: u32, usual: Usual) -> bool {
         if span > LONGEST_SPAN {

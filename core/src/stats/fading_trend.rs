@@ -16,14 +16,14 @@ use crate::stats::quantity::Quantity;
 /// Time constant of the forgetting, events. A choice: more make expectations more precise, fewer
 /// follow a cable that gets shorter.
 const MEMORY: f32 = 40.0;
-/// Fewest events, a number with forgetting, for an expectation: two.
+/// Least effective number of events (with forgetting) for an expectation: two events.
 const LEAST_EVENTS: f32 = 1.5;
-/// Standard errors beyond which the mean of a quantity that should be zero is significant: of
-/// normal ones one in 370.
+/// Standard errors beyond which the mean of a quantity that should be zero is significant (normal:
+/// one in 370).
 const SIGNIFICANT: f32 = 3.0;
 /// Standard errors beyond which a trend is significant: more, for it is tested with every event.
 const TREND: f32 = 5.0;
-/// Standard deviations beyond which an event is an outlier: of normal ones one in 5e8.
+/// Standard deviations beyond which an event is an outlier (normal: one in 5e8).
 const FAR_OFF: f32 = 6.0;
 /// Number of outliers in a row with which the quantity has changed, and the past is dropped. A
 /// pause of the winch spoils a stick line, and with it the two events that share it.

@@ -34,7 +34,7 @@ impl Symmetric {
         self.0.get_mut(place(row, 0)..=place(row, row)).unwrap_or_default()
     }
 
-    /// Factors it with its diagonal raised by `damping` times itself.
+    /// Factors the matrix with its diagonal multiplied by one plus `damping`.
     ///
     /// `None` when it is singular to working precision.
     #[must_use]
@@ -42,7 +42,7 @@ impl Symmetric {
         Factor::new(self, damping)
     }
 
-    /// Its entries, row by row: those of the first unknowns come first.
+    /// Its lower triangle, row by row: the entries of the first unknowns come first.
     pub(crate) fn entries(&self) -> &[f32] {
         &self.0
     }

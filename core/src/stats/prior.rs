@@ -18,7 +18,7 @@ impl Prior {
     }
 }
 
-/// A precision, after a variance was added to the variance that it is one over.
+/// The precision `weight` after a variance was added: one over `1/weight + variance`.
 pub(crate) fn loosened(weight: f32, variance: f32) -> f32 {
     weight / (1.0 + variance * weight)
 }

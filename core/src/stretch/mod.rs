@@ -26,7 +26,7 @@ pub struct Stretch {
     pub start: SampleTime,
     /// Its last moment.
     pub stop: SampleTime,
-    /// What it was.
+    /// What the stretch was.
     pub kind: StretchKind,
 }
 

@@ -11,7 +11,7 @@ const LEAST_BLOCK: f32 = 16.0;
 /// Fewest and most blocks of a stretch: a shorter one may be a slow stick line, a longer one is
 /// given in parts.
 const BLOCKS: (u32, u32) = (8, 128);
-/// Standard deviations with which a difference or slope is significant: by chance 1 in 16 000.
+/// Standard deviations of a significant difference or slope (normal: one in 16 000).
 const SURE: f32 = 4.0;
 /// Standard errors of a rise beyond which a stretch is not given: it may be a slow stick line. Less
 /// than [`SURE`]: a stretch that is left out is no error.
@@ -23,7 +23,7 @@ const SAME: f32 = 0.01;
 const HIGHEST: f32 = 4.5;
 
 /// Finds constant forces.
-// In this order: what every sample touches first.
+// Field order: first what every sample touches.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub(super) struct SteadyForce {
@@ -34,7 +34,7 @@ pub(super) struct SteadyForce {
     count: u32,
     mean_n: f32,
     steps_n2: f32,
-    /// Its Σ of squared distances from its mean, N²; mean variance in the full blocks, N².
+    /// Σ of squared distances from the block's mean, N²; mean variance in the full blocks, N².
     squares_n2: f32,
     variance_n2: f32,
     /// First index of the stretch.

@@ -2,9 +2,9 @@
 //!
 //! A winch that ripples or a cable that sags bends the stick line. The bend is in the force itself:
 //! neighbouring samples share it, and at the onset the force counts, not the line. White noise is
-//! independent from sample to sample. So the second difference of the line's innovations, `e − 2 e'
-//! + e''`, shows the noise alone (6 times its variance), and the variance of the innovations beyond
-//! that is of slow departures.
+//! independent from sample to sample. So the second difference of the line's innovations,
+//! `e − 2 e' + e''`, shows the noise alone (6 times its variance), and the variance of the
+//! innovations beyond that is of slow departures.
 
 mod sums;
 

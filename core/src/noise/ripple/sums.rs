@@ -194,11 +194,11 @@ impl Sums {
         self.far_differences * self.count / self.far_count
     }
 
-    /// Relative increase of a line's variance under noise whose correlation decays by the factor `r
-    /// = γ₂/γ₁`. That of a mean is `2 γ₁/γ₀ / (1 − r)`; dividing by another `1 − r` and the factor
-    /// [`HIDDEN`] allow for what a line hides. `r` is taken a standard error higher: a line hides
-    /// the more of the noise the higher `r` is, and beside white noise little can be seen. Zero for
-    /// noise that alternates.
+    /// Relative increase of a line's variance under noise whose correlation decays by the factor
+    /// `r = γ₂/γ₁`. That of a mean is `2 γ₁/γ₀ / (1 − r)`; dividing by another `1 − r` and the
+    /// factor [`HIDDEN`] allow for what a line hides. `r` is taken a standard error higher: a line
+    /// hides the more of the noise the higher `r` is, and beside white noise little can be seen.
+    /// Zero for noise that alternates.
     fn alike(&self) -> f32 {
         let [first, second] = self.products;
         let most = second + self.unsure();
