@@ -1,4 +1,4 @@
-//! Forces as coefficients, and the means over them.
+//! Coefficients from forces, and the means over them.
 
 use crate::effect::Effects;
 use crate::model;
@@ -47,16 +47,16 @@ impl Coefficient {
 pub struct Estimate {
     /// Mean.
     pub mean: f32,
-    /// Standard error of the mean, the random part alone, with the variation between events. One
-    /// event tells nothing of that variation: `None`.
+    /// Standard error of the mean, the random part alone, with the variation between events. `None`
+    /// with one event, which carries no information on that variation.
     pub std_error: Option<f32>,
     /// Degrees of freedom of `std_error`.
     pub freedom: f32,
     /// Standard deviation of what is the same in all events, which no number of them
     /// averages out.
     pub systematic_std: f32,
-    /// The part of `systematic_std` that no input has: parameters that the model learns from the
-    /// events, and assumptions that all of them rest on.
+    /// The part of `systematic_std` that is due to no input: parameters that the model estimates
+    /// from the events, and assumptions that all of them rest on.
     pub common_std: f32,
     /// Standard deviation between events, noise removed; needs two events.
     pub spread: Option<f32>,
@@ -72,18 +72,18 @@ impl Estimate {
     }
 
     /// The 95 % interval by Student's t, its degrees of freedom by Welch and Satterthwaite: those
-    /// of the systematic part are endless. `None` with one event.
+    /// of the systematic part are unlimited. `None` with one event.
     #[must_use]
     pub fn ci95(&self) -> Option<(f32, f32)> {
         let (random, combined) = self.std_error.zip(self.combined_std())?;
-        // At most a thousand: where nothing is random the degrees of freedom are as good as endless.
+        // At most a thousand: where nothing is random the degrees of freedom hardly matter.
         let ratio = combined / math::larger(random, 1e-3 * combined);
         let half = t95(self.freedom * ratio * ratio * ratio * ratio) * combined;
         Some((self.mean - half, self.mean + half))
     }
 }
 
-/// What a test takes for given: it turns forces into coefficients.
+/// Given quantities of a test, which turn forces into coefficients.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Site {
     /// Weight of the block, N.
@@ -100,13 +100,13 @@ pub(crate) struct Site {
 }
 
 impl Site {
-    /// A force and its variance as a coefficient (26 to 28).
+    /// The coefficient of a force with its variance, N² (26 to 28).
     pub(crate) fn coefficient(&self, force_n: f32, variance_n2: f32) -> Coefficient {
         let value = model::coefficient(force_n, self.weight_n, self.slope);
         Coefficient::random(value, self.std(variance_n2))
     }
 
-    /// Standard deviation of a coefficient whose force has such a variance.
+    /// Standard deviation of a coefficient whose force has a variance, N².
     pub(crate) fn std(&self, variance_n2: f32) -> f32 {
         math::sqrt(variance_n2) / (self.weight_n * self.slope.1)
     }

@@ -1,4 +1,4 @@
-//! What the pipeline has to be told, in SI units, and what it refuses.
+//! Configuration of the pipeline, in SI units, and the values that are refused.
 
 use core::fmt;
 
@@ -29,7 +29,7 @@ impl Default for Calibration {
     }
 }
 
-/// Standard deviations of what the pipeline is told; 0 means exactly known.
+/// Standard deviations of the configured inputs; 0 means exactly known.
 ///
 /// They are in every combined uncertainty, never in the random one ([`crate::budget()`]).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -42,8 +42,8 @@ pub struct InputStd {
     pub slope_rad: f32,
     /// Of the zero, N; `None`: 0.1 % of the largest force.
     pub zero_n: Option<f32>,
-    /// Of the span of the load cell, relative. Default 0.1 %. 0 where the block was weighed
-    /// with the same cell: a wrong span is then wrong in force and weight alike.
+    /// Of the span of the load cell, relative. Default 0.1 %. 0 where the block was weighed with
+    /// the same cell: a wrong span then changes force and weight by the same factor.
     pub span: f32,
     /// Of the damping ratio of the cable (critical damping is 1): half-normal, from 0 up. No
     /// coefficient is corrected for it. Default 0.5 %.
@@ -77,7 +77,7 @@ impl InputStd {
         winch: 0.0,
     };
 
-    /// Most damping that counts, a part of the critical one: beyond it no cable swings, and nothing is known.
+    /// Largest damping ratio that counts: beyond it no cable swings, and nothing is known.
     pub const MOST_DAMPING: f32 = 0.3;
 
     /// Standard deviation of the zero, N: as stated, else 0.1 % of the largest force.
@@ -94,7 +94,7 @@ impl InputStd {
     }
 }
 
-/// Everything the pipeline has to be told.
+/// Configuration of the pipeline.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -116,7 +116,7 @@ pub struct Config {
     pub calibration: Calibration,
     /// What to look for beyond the linear model.
     pub effects: Effects,
-    /// How well all this is known.
+    /// Standard deviations of these inputs.
     pub std: InputStd,
 }
 
@@ -180,8 +180,8 @@ fn is_at_least_zero(x: f32) -> bool {
 }
 
 impl Config {
-    /// Steepest slope of the ice, rad: 68.7°, where a third of the weight (`cos α` = .36) still presses
-    /// on it.
+    /// Steepest slope of the ice, rad: 68.7°, where a third of the weight (`cos α` = .36) still
+    /// presses on it.
     pub const STEEPEST_RAD: f32 = 1.2;
 
     /// Checks every value.

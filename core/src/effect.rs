@@ -1,10 +1,9 @@
 //! The effects that a test may look for: what makes an event depart from the plain model of stick
 //! line, ellipse, stick line.
 //!
-//! An effect that is not compiled in (a cargo feature of the same name) leaves the image; one
-//! that is not enabled in [`crate::Config`] leaves a test. What is enabled still has to show
-//! in the data before it changes a number. Sharing between events, the first answer and slack
-//! are no effects: the model has them always.
+//! An effect is in the image if its cargo feature, of the same name, is on; it is in a test if it
+//! is enabled in [`crate::Config`]. An enabled effect changes a number only if the data show it.
+//! Sharing between events, the first answer and slack are no effects: the model has them always.
 
 use core::fmt;
 
@@ -33,8 +32,8 @@ pub enum Effect {
     /// The force strays from its stick lines in a way that is not white noise.
     Ripple,
     /// Losses in the cable or the air: they widen the intervals and shift no value. Bit 8 belonged
-    /// to an effect that was taken out; it stays free, so that the masks in old logs mean what they
-    /// did.
+    /// to an effect that was taken out; it stays free, so that the masks in old logs keep their
+    /// meaning.
     Damping = 9,
     /// Slips whose force departs from the ellipse along the way: they widen the intervals and shift
     /// no value.
@@ -95,8 +94,8 @@ impl fmt::Display for Effect {
     }
 }
 
-/// The state that an effect keeps between samples or events. Where the effect is not compiled in
-/// there is none, in no bytes. `ROOM` is its [`Effect::room`].
+/// State that an effect keeps between samples or events. Where the effect is not compiled in there
+/// is none, in no bytes. `ROOM` is its [`Effect::room`].
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Kept<T, const ROOM: usize>([T; ROOM]);
 
@@ -106,12 +105,12 @@ impl<T, const ROOM: usize> Kept<T, ROOM> {
         self.0.first()
     }
 
-    /// What is read from the state; the default where there is none.
+    /// Result of reading the state; the default where there is none.
     pub(crate) fn read<R: Default>(&self, function: impl FnOnce(&T) -> R) -> R {
         self.get().map_or_else(R::default, function)
     }
 
-    /// What a change of the state gives; the default where there is none.
+    /// Result of changing the state; the default where there is none.
     pub(crate) fn update<R: Default>(&mut self, function: impl FnOnce(&mut T) -> R) -> R {
         self.0.first_mut().map_or_else(R::default, function)
     }
@@ -133,7 +132,7 @@ impl Effects {
     /// Line, ellipse, line: nothing else.
     pub const NONE: Self = Self(0);
 
-    /// Those that this build has, by its cargo features.
+    /// The effects that this build has, by its cargo features.
     pub const COMPILED: Self = Self::NONE
         .with(Effect::Corner, cfg!(feature = "corner"))
         .with(Effect::Sag, cfg!(feature = "sag"))
@@ -184,7 +183,7 @@ impl Effects {
         effect.room() > 0 && self.0 & effect.bit() != 0
     }
 
-    /// Those in the set that are compiled in, in the order of [`Effect::ALL`].
+    /// The effects in the set that are compiled in, in the order of [`Effect::ALL`].
     #[inline]
     pub fn iter(self) -> impl Iterator<Item = Effect> {
         Effect::ALL.into_iter().filter(move |effect| self.has(*effect))
@@ -198,7 +197,7 @@ impl Default for Effects {
     }
 }
 
-/// A parameter of an effect, as the events of a test determine it.
+/// A parameter of an effect, estimated from the events of a test.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Parameter {
@@ -210,7 +209,7 @@ pub struct Parameter {
     pub std: f32,
 }
 
-/// What a test says of one effect.
+/// The result of a test on one effect.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Finding {
@@ -220,7 +219,7 @@ pub struct Finding {
     pub enabled: bool,
     /// Whether the data show it.
     pub found: bool,
-    /// Its numbers, where it has any.
+    /// Its parameters, where it has any.
     pub parameters: [Option<Parameter>; 2],
 }
 

@@ -5,9 +5,9 @@ use core::fmt;
 use crate::coefficient::Coefficient;
 use crate::sample::SampleTime;
 
-/// A first answer on a slip that is going on or has just ended, from the samples so far and what
-/// earlier events told. The [`Event`] itself is complete when the next slip has ended the stick
-/// line after this one.
+/// A first answer on a slip that is going on or has just ended, from the samples so far and the
+/// expectations from earlier events. The [`Event`] itself is complete when the next slip has ended
+/// the stick line after this one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -154,7 +154,7 @@ pub struct Event {
     pub omega_rad_per_s: Option<f32>,
     /// The cable went slack during the slip.
     pub slack: bool,
-    /// How far to trust it.
+    /// How far the event can be trusted.
     pub quality: Quality,
     /// Why a coefficient is missing.
     pub reason: Option<Reason>,

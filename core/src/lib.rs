@@ -1,4 +1,4 @@
-//! Friction of a block pulled over ice, read from the force in its cable.
+//! Friction of a block pulled over ice, estimated from the force in its cable.
 //!
 //! ```text
 //!  counts ─► calibrate ─► derivative ─► detector ─► cycle ─► estimator ─► report
@@ -24,13 +24,14 @@
 //! | swing | `1/ω` of the sliding block, periods; not an *oscillation* of the force about its line |
 //! | rate change | loading rate after a slip less that before it |
 //! | corner | the bend between stick line and slip |
-//! | innovation | a sample less what the stick line so far forecasts |
+//! | innovation | a sample less the forecast of the stick line so far |
 //! | level | a force that a fit compares with the model: a sample's, or that of a line's middle |
-//! | wander | how far the force strays from a stick line beyond white noise |
-//! | expectation, prior | what earlier events tell of an unknown |
+//! | wander | departure of the force from a stick line beyond white noise |
+//! | expectation, prior | distribution of an unknown that earlier events give |
 //!
-//! Unless a name says otherwise a force is in newtons and a time in sampling *periods*; `_n2` is the
-//! variance or square of a force, N². A variance *in units of the noise* is over that of a sample.
+//! Unless a name says otherwise a force is in newtons and a time in sampling *periods*; `_n2` is
+//! the variance or square of a force, N². A variance *in units of the noise* is over that of a
+//! sample.
 #![no_std]
 #![forbid(unsafe_code)]
 #![warn(unreachable_pub)]

@@ -47,12 +47,12 @@ pub struct Report {
     pub stiffness_n_per_m: Option<f32>,
     /// Mean time from onset to onset, s.
     pub recurrence_s: Option<f32>,
-    /// How far the zero of the load cell may have moved, one standard deviation, N; it is in the
-    /// budget. `None` where that is no more than the noise.
+    /// Standard deviation of the drift of the load cell's zero, N; it is in the budget. `None`
+    /// where that is no more than the noise.
     pub zero_n: Option<f32>,
     /// The budget's standard deviation of the zero as it was taken, N.
     pub zero_std_n: f32,
-    /// What the drift of the zero leaves in the means, one standard deviation, N.
+    /// Standard deviation of the means due to the drift of the zero, N.
     pub zero_drift_n: f32,
     /// Standard deviation of the damping ratio: the stated one, widened by what the events show.
     pub damping_std: f32,

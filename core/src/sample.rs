@@ -89,7 +89,7 @@ pub struct ForceSample {
     pub gap: u32,
 }
 
-/// What the block is doing, as far as the samples tell at this moment.
+/// What the block is doing, according to the samples so far.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -158,7 +158,7 @@ pub(crate) fn periods_between(origin: u32, index: u32) -> i32 {
     index.wrapping_sub(origin).cast_signed()
 }
 
-/// As [`periods_between`], as a number.
+/// Periods from `origin` to `index` as a number, negative if `index` lies before.
 #[inline(always)]
 pub(crate) fn since(origin: u32, index: u32) -> f32 {
     periods_between(origin, index) as f32

@@ -1,8 +1,8 @@
-//! What the losses of a cable do to the coefficients of an event.
+//! Effect of the cable's losses on the coefficients of an event.
 //!
-//! A cable has the same losses in every event. When the first events are given no more is known of
-//! them than what is stated; once the test is over, what it showed holds for the first events as
-//! well. So a replay takes the losses that an event was given with out of its standard deviations
+//! A cable has the same losses in every event. When the first events are given only the stated
+//! losses are known; what the whole test shows holds for the first events as well. So a replay
+//! takes the losses that an event was given with out of its standard deviations
 //! ([`Losses::taken_off`]), and puts in those of the whole test ([`Losses::put_on`]).
 
 use crate::coefficient::Coefficient;
@@ -13,7 +13,7 @@ use crate::report::Report;
 /// `mu_s` and `mu` of an event, where they are known.
 type Pair = [Option<Coefficient>; 2];
 
-/// The losses as they are known at some time of a test; the default is none.
+/// The losses as known at some time of a test; the default is none.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Losses {
     /// Standard deviation of the damping ratio.
@@ -66,7 +66,7 @@ impl Losses {
     }
 }
 
-/// Values of both coefficients, each for the other where that is not known.
+/// Values of both coefficients; where one is not known, the other's stands for it.
 pub(crate) fn values(mu_s: Option<&Coefficient>, mu: Option<&Coefficient>) -> [f32; 2] {
     let (a, b) = (mu_s.map(|it| it.value), mu.map(|it| it.value));
     [a.or(b), b.or(a)].map(Option::unwrap_or_default)

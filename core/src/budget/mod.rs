@@ -28,7 +28,7 @@ use crate::num::math;
 use crate::report::Report;
 pub use losses::Losses;
 
-/// What a coefficient depends on.
+/// An input that a coefficient depends on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -50,21 +50,21 @@ pub enum Input {
     ZeroDrift,
     /// Weight over the given one, a factor, where the block has changed.
     WeightChange,
-    /// What the model learns from the events, and what it takes for granted in all of them: a part
-    /// of the coefficient.
+    /// Parameters that the model estimates from the events, and assumptions common to all of them,
+    /// in units of the coefficient.
     Shared,
 }
 
 /// Number of inputs.
 pub(crate) const INPUTS: usize = 9;
 
-/// What an input does to a coefficient.
+/// Effect of an input on a coefficient.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Share {
-    /// Change of the coefficient with the input; unknown where the input has no unit.
+    /// Derivative of the coefficient by the input; `None` where the input has no unit.
     pub sensitivity: Option<f32>,
-    /// Standard deviation of the coefficient because of it.
+    /// Standard deviation of the coefficient due to the input.
     pub contribution: f32,
 }
 
@@ -78,11 +78,11 @@ pub struct Entry {
     pub value: Option<f32>,
     /// Its standard deviation.
     pub std: Option<f32>,
-    /// What it does to `mu_s`, and to `mu`.
+    /// Its effects on `mu_s`, and on `mu`.
     pub shares: [Share; 2],
 }
 
-/// The inputs, as they are known at some time of a test.
+/// The inputs as known at some time of a test.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Known<'a> {
     pub(crate) config: &'a Config,
@@ -119,7 +119,7 @@ impl Known<'_> {
         ]
     }
 
-    /// Standard deviation of each of them, and the derivatives of `mu_s` and `mu` by it.
+    /// Standard deviation of each input, and the derivatives of `mu_s` and `mu` by it.
     fn sensitivities(&self, [mu_s, mu]: [f32; 2]) -> [(f32, [f32; 2]); INPUTS - 1] {
         let Config { weight_n, winch_m_per_s, std, .. } = *self.config;
         let (ratio, ratio_std) = self.weight_ratio;
@@ -141,7 +141,7 @@ impl Known<'_> {
         ]
     }
 
-    /// Variances of both coefficients because of the inputs.
+    /// Variances of both coefficients due to the inputs.
     pub(crate) fn variances(&self, coefficients: [f32; 2]) -> [f32; 2] {
         let mut variances = [0.0; 2];
         for (std, by) in self.sensitivities(coefficients) {
@@ -153,9 +153,9 @@ impl Known<'_> {
     }
 }
 
-/// Coefficient of a block that slides under a constant force, and its combined standard deviation;
-/// from the mean of that force over the weight, and the standard deviation of that mean. The
-/// scatter between events and a drift of the zero are not in it.
+/// Coefficient of a block that slides under a constant force, and its combined standard deviation.
+/// The arguments are the mean of that force over the weight, and the standard deviation of that
+/// mean. The scatter between events and a drift of the zero are not included.
 #[must_use]
 pub fn of_constant_force(config: &Config, (force_over_weight, std): (f32, f32)) -> (f32, f32) {
     let slope @ (sin, cos) = math::sin_cos(config.slope_rad);

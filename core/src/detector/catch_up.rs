@@ -1,6 +1,6 @@
-//! Looking at samples later than they came: while there was no slip, and the noise turns out
-//! to be far less than was thought, the whole window is looked at again, a few samples a step; and
-//! slips that follow each other faster than they are fitted wait in the window.
+//! Examination of samples after their arrival. While there was no slip and the noise estimate falls
+//! far below the one used so far, the whole window is examined again, a few samples a step. Samples
+//! wait in the window while slips recur faster than they can be fitted.
 
 use crate::detector::onset::FARTHEST;
 use crate::detector::{Detector, Transition};
@@ -8,15 +8,15 @@ use crate::num::math::larger;
 use crate::sample::{ForcePoint, Phase, periods_between};
 use crate::signal::window::WINDOW;
 
-/// Samples looked at in a step, while catching up: of the whole window in half as many steps, for each
-/// brings another one.
+/// Samples examined in a step while catching up. One sample arrives in each step, so a backlog of a
+/// whole window is examined in half as many steps as it has samples.
 pub(super) const CATCH_UP: u32 = 3;
-/// It is worth looking at all samples again where the noise is less than this part of what was
-/// thought. Tuned: with .2 an event of `tightened_low` is 4.4 standard deviations off (3.5), with .7 one
-/// of `tightened_held` 3.9 (2.8).
+/// The samples are examined again where the noise estimate is less than this part of the one they
+/// were examined with. Tuned: with .2 an event of `tightened_low` is 4.4 standard deviations off
+/// (3.5), with .7 one of `tightened_held` 3.9 (2.8).
 const LESS_NOISE: f32 = 0.4;
 
-/// Samples that may have been put off: the others are room for what a slip looks back to.
+/// Limit of the number of waiting samples: the rest of the window holds what a slip looks back to.
 pub(crate) const MOST_PUT_OFF: u32 = WINDOW as u32 * 3 / 4;
 
 impl Detector {
@@ -31,8 +31,8 @@ impl Detector {
         self.put_off < MOST_PUT_OFF
     }
 
-    /// Looks at samples that were taken and not yet looked at, as many as given, up
-    /// to the first transition. At the end of a test: until it returns `None`.
+    /// Examines waiting samples, at most `most` of them, up to the first transition. At the end of
+    /// a test the caller repeats this until it returns `None`.
     pub(crate) fn catch_up(&mut self, most: u32) -> Option<Transition> {
         for _ in 0..most {
             if self.is_up_to_date() {
@@ -51,20 +51,20 @@ impl Detector {
         None
     }
 
-    /// Has it looked at all that it was given?
+    /// Has every sample been examined?
     #[must_use]
     pub(crate) fn is_up_to_date(&self) -> bool {
         !self.is_behind
     }
 
-    /// Samples that wait.
+    /// Number of waiting samples, as counted when one was last put off; zero if up to date.
     #[must_use]
     pub(crate) fn waiting(&self) -> u32 {
         if self.is_behind { self.put_off } else { 0 }
     }
 
-    /// In a test without any slip so far: once the noise turns out to be far less than was thought,
-    /// looks at all samples in the window again.
+    /// Called while no slip has been seen: once the noise estimate falls far below the largest one
+    /// used so far, all samples in the window are examined again.
     pub(super) fn judge_again(&mut self) {
         let Some(std) = self.noise_n().filter(|_| self.phase != Phase::Slip) else { return };
         if std < LESS_NOISE * self.judged_with_n {
@@ -78,8 +78,9 @@ impl Detector {
         }
     }
 
-    /// A record may begin with its highest sample, in the middle of a slip. Where the block rests too
-    /// briefly for a line no slip is told before a higher one, so that one is forgotten in the end.
+    /// A record may begin with its highest sample, in the middle of a slip. Where rests are too
+    /// brief for a line no slip is detected until a sample is higher, so the first one is dropped
+    /// in time.
     fn forget_first(&mut self) {
         let highest = self.stick.highest.index;
         let is_first =

@@ -1,12 +1,12 @@
-//! The innovation: how far a sample lies from the stick line's forecast, and how sure that is.
+//! The innovation: a sample minus the stick line's forecast, with its standard deviation.
 
 use crate::detector::Detector;
 use crate::noise::flop::FlopProfile;
 use crate::sample::{ForcePoint, since};
 
-/// The line describes the force while its innovations scatter by less than this, in standard
-/// deviations of the noise from sample to sample. Tuned: a lower one distrusts lines that a
-/// ripple bends, a higher one trusts the lines of a block that never rests.
+/// The stick line describes the force while the standard deviation of its innovations is less than
+/// this multiple of the noise's. Tuned: a lower limit rejects lines that a ripple bends, a higher
+/// one accepts the lines of a block that never rests.
 const LINE_FITS: f32 = 2.5;
 
 impl Detector {
@@ -16,14 +16,14 @@ impl Detector {
         self.stick.off_n(self.stick.time(now.index), now.force_n)
     }
 
-    /// Standard deviation of that in units of a late sample's noise, one or more; the
-    /// sample's own variance as from [`Self::variance`].
+    /// Standard deviation of the innovation in units of a late sample's noise, one or more;
+    /// `variance` is the sample's own, as from [`Self::variance`].
     #[inline(never)]
     pub(super) fn spread(&self, now: ForcePoint, variance: f32) -> f32 {
         self.stick.spread(self.stick.time(now.index), variance)
     }
 
-    /// Variance of a resting block's sample over that of a late one.
+    /// Variance of a sample at rest in units of that of a late sample, long after the re-stick.
     #[inline(always)]
     pub(super) fn variance(&self, index: u32) -> f32 {
         let profile = self.profile.get().filter(|it| !it.is_flat());
@@ -35,8 +35,8 @@ impl Detector {
         profile.variance(since(self.stick.origin, index))
     }
 
-    /// Does the stick line describe the force, or does the block never rest long
-    /// enough?
+    /// Does the stick line describe the force? `false` where the block never rests long enough,
+    /// `true` while the scatter of the innovations is unknown.
     #[inline(never)]
     pub(super) fn line_fits(&self) -> bool {
         self.line_std_n.is_infinite() || self.line_std_n < LINE_FITS * self.std_n

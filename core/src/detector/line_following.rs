@@ -1,5 +1,5 @@
-//! The samples of a resting block, taken into its stick line: some way behind the newest
-//! one, weighted by the flop's profile, and left out where they are off the line.
+//! Extension of the stick line by the samples of a resting block: at some delay behind the newest
+//! one, weighted by the flop profile, and without the samples off the line.
 
 use core::ops::Range;
 
@@ -14,25 +14,25 @@ use crate::num::math::{larger, smaller};
 use crate::sample::{ForcePoint, periods_between};
 use crate::signal::window::WINDOW;
 
-/// After this many samples in a row off the line, all on one side, the line starts anew;
-/// after twice as many on both sides as well. Tuned: two happen by a spike and its neighbour,
-/// four find a new line later.
+/// Number of samples in a row off the line, all on one side, after which the line starts anew;
+/// twice as many if they lie on both sides. Tuned: two happen by a spike and its neighbour, four
+/// find a new line later.
 const NEW_LINE: u8 = 3;
 /// Most samples of a stick that the flop profile looks at.
 const PROFILE: i32 = WINDOW as i32 * 3 / 4;
-/// Samples of a stick that it looks at in one step, when the stick has ended. A longer one takes two
-/// steps: with the first and the second sample of the next one, or, from [`PROFILE`] samples on, with its
-/// own two samples there.
+/// Longest stick, samples, that the profile processes in one step, when the stick has ended. A
+/// longer one takes two steps: at the first and the second sample of the next stick or, from
+/// [`PROFILE`] samples on, at its own two samples there.
 pub(super) const SHORT: i32 = 80;
 const FIRST: i32 = 1;
 const SECOND: i32 = FIRST + 1;
 const PAST_PROFILE: i32 = PROFILE + 1;
 
-/// In a stick that is longer than usual, half of the usual drop is forgotten after every so many
-/// samples; a power of two. Tuned: a knock hides the slips of as many, and no flop lasts as long.
+/// Interval, samples, at which the usual drop is halved in a stick more than twice as long as the
+/// one before; a power of two. Tuned: a knock hides slips for as long, and no flop lasts as long.
 const FORGET: i32 = 32;
-/// Least usual drop that is kept then, standard deviations of the noise: a slip begins with half of
-/// it at least.
+/// Lower limit of a halved usual drop, standard deviations of the noise: a slip that begins low on
+/// the line needs half of the usual drop.
 const TELLS_SLIPS: f32 = 16.0;
 
 /// What the profile does in a step.
@@ -43,25 +43,25 @@ pub(super) enum Look {
     Both,
 }
 
-/// Samples by which a stick line stays behind the newest one, for a usual fall, a usual rise after
-/// the onset and a time of creep before it, in periods.
+/// Samples by which a stick line stays behind the newest one. Arguments, periods: the usual fall,
+/// the usual rise after the onset, and the time of creep before it.
 pub(super) fn line_delay(usual_fall: f32, usual_rise: f32, creep_periods: f32) -> u32 {
     (2 + (0.3 * usual_fall + creep_periods) as u32 + whole(usual_rise)).min(WINDOW as u32 / 4)
 }
 
-/// To the nearest sample.
+/// Rounds to the nearest sample.
 pub(super) fn whole(periods: f32) -> u32 {
     (periods + 0.5) as u32
 }
 
 impl Detector {
-    /// Sets the delay of the line by what is usual now.
+    /// Sets the delay of the line from the usual fall, the usual rise and the time of creep.
     pub(super) fn update_delay(&mut self) {
         self.line_delay = line_delay(self.usual_fall, self.usual_rise, self.creep_periods);
     }
 
-    /// Takes samples into the line, far enough behind the newest one that a slip
-    /// which has just begun, unseen, does not bend it, nor creep before it.
+    /// Takes samples into the line, at a delay long enough that neither a slip that has begun
+    /// unseen nor creep before it bends the line.
     pub(super) fn extend_line(&mut self, newest: u32) {
         while periods_between(self.stick.next, newest) >= self.line_delay.cast_signed() {
             let index = self.stick.next;
@@ -91,8 +91,8 @@ impl Detector {
     }
 
     /// A record may begin in the middle of a slip: then its first line begins two samples after the
-    /// force has stopped falling, as after any slip. Before the noise is known any fall may be one;
-    /// once it is, all samples are looked at again.
+    /// force has stopped falling, as after any slip. Before the noise is known no fall is
+    /// significant; once it is known, all samples are examined again.
     #[cold]
     #[inline(never)]
     fn begins_after_fall(&mut self, newest: u32) -> bool {
@@ -108,9 +108,9 @@ impl Detector {
         falls
     }
 
-    /// No slip for far longer than before: what was usual may have been a knock, or the first slip
-    /// of a block that was frozen in. Half of the usual drop is forgotten, down to what tells slips
-    /// from the noise.
+    /// No slip for more than twice the length of the stick before: the usual drop may be that of a
+    /// knock, or of the first slip of a block that was frozen in. It is halved, down to
+    /// [`TELLS_SLIPS`] standard deviations of the noise.
     #[cold]
     #[inline(never)]
     fn forget_usual(&mut self) {
@@ -118,8 +118,8 @@ impl Detector {
         self.usual_drop_n = larger(0.5 * usual_n, smaller(usual_n, TELLS_SLIPS * self.std_n));
     }
 
-    /// A slip that was seen late, as one after a brief rest is, may have samples on the line: then
-    /// the line is forgotten, and the last samples before the onset count one by one.
+    /// A slip that was seen late, as one after a brief rest is, may have samples on the line. Then
+    /// the line is dropped, and the last samples before the onset are used one by one.
     pub(super) fn shorten_line(&mut self) {
         let Stick { origin, highest, next, .. } = self.stick;
         let end = highest.index.saturating_sub(whole(self.usual_rise)).max(origin);
@@ -144,15 +144,15 @@ impl Detector {
             }
         }
         if self.stick.strikes > 0 {
-            // Next to samples that were left out this one may be off the line as well: it says
-            // nothing of the ripple.
+            // A sample next to samples that were left out may be off the line as well: its
+            // innovation does not count for the ripple.
             self.ripple.update(Ripple::interrupt);
             self.stick.strikes = 0;
         }
         self.stick.take(time, sample.force_n, weight);
     }
 
-    /// A sample off the line is left out; several on one side start a new line.
+    /// Leaves out a sample off the line; several on one side, or twice as many, start a new line.
     #[inline(never)]
     fn strike(&mut self, index: u32, innovation: f32) {
         let stick = &mut self.stick;
@@ -164,13 +164,13 @@ impl Detector {
             return;
         }
         self.spent += 8;
-        // Those of the last samples that are on it are taken once more.
+        // The last samples are examined once more, for the new line.
         let start = (index + 1).saturating_sub(u32::from(NEW_LINE));
         stick.next = start;
         stick.start_line(start);
-        // A cable that flops leaves the line as well.
+        // A cable that flops leaves the line as well, at an unchanged rate.
         stick.broken = self.profile.get().is_none_or(FlopProfile::is_flat);
-        // What was higher before, a spike perhaps, is not of this line.
+        // Earlier samples, a spike perhaps, are not the highest of this line.
         stick.highest = ForcePoint { index: start, force_n: f32::NEG_INFINITY };
         for past in start..self.last.index + 1 {
             let Some(force_n) = self.window.get(past) else { continue };
@@ -180,7 +180,7 @@ impl Detector {
         }
     }
 
-    /// Does the cable still hang slack? Where its force has risen the line starts.
+    /// Does the cable still hang slack? Once its force has risen, the stick line starts.
     pub(super) fn hangs(&mut self, now: ForcePoint) -> bool {
         let Some(wait) = &mut self.slack_wait else { return false };
         if wait.is_endless() {
@@ -197,8 +197,8 @@ impl Detector {
         false
     }
 
-    /// Looks for flop in the stick that has ended, or in the one that `goes_on`, if it has as many
-    /// samples as given.
+    /// Gives the flop profile the stick that has ended, or the current one if `goes_on`, provided
+    /// that its number of samples lies within `lengths`.
     #[inline(never)]
     pub(super) fn look_for_flop(&mut self, look: Look, lengths: Range<i32>, goes_on: bool) {
         let (window, stick) = (&self.window, if goes_on { &self.stick } else { &self.ended });
@@ -208,7 +208,7 @@ impl Detector {
         if !looks || window.first_from(origin) != origin {
             return;
         }
-        // A line that was not followed has to be fitted in the same step: to half as many samples.
+        // Where no single line was followed one is fitted in this step: to half as many samples.
         let most = if stick.is_straight() { PROFILE } else { PROFILE / 2 };
         let forces_n = window.between(origin, next.min(origin + most as u32));
         self.spent += forces_n.iter().map(|part| part.len() * 2 / 3).sum::<usize>();
@@ -223,7 +223,7 @@ impl Detector {
             was_flat && !profile.is_flat()
         });
         if flops {
-            // The innovations so far had the cable's oscillation in them.
+            // The innovations so far contain the cable's oscillation.
             self.forget_ripple();
         }
     }

@@ -11,22 +11,22 @@
 //!       └─── Lost: a long gap, or a fall without end ──┘
 //! ```
 //!
-//! Below, the transitions stand in this order, from [`Detector::step`] on. What decides them has
-//! files of its own: `onset` (does a slip begin?), `restick` (is it over, and was it one?),
-//! `innovation` (how far off the line?), `line_following` and `stick_line` (the line itself).
+//! The methods below follow this order, from [`Detector::step`] on. The criteria: `onset` (does a
+//! slip begin?), `restick` (is it over, and was it a slip?), `innovation` (how far off the line is
+//! a sample?), `line_following` and `stick_line` (the line itself).
 //!
-//! *Stick line*: the straight line followed recursively since the block came to
-//! rest. *Innovation*: a sample minus the line's forecast. *Noise*: the running
-//! scale of the innovations. No limit is in newtons: all are multiples of the noise
-//! or parts of the drops seen so far.
+//! *Stick line*: the straight line fitted recursively to the samples since the block came to rest.
+//! *Innovation*: a sample minus the line's forecast. *Noise*: the running scale of the innovations.
+//! *Usual* drop, fall and rise: running estimates over the slips so far. No limit is in newtons:
+//! all are multiples of the noise or parts of the drops seen so far.
 //!
-//! Delay: an onset high on the line is known at the first sample that is clearly below
-//! the line, a re-stick two samples after the lowest one (half the slip's length for
-//! longer slips). The spike filter before adds a sample; `Detector::foresees_slip`
-//! looks at the sample that it holds, so the phase that is shown has no such delay.
+//! Delay: an onset high on the line is detected at the first sample that is clearly below the line,
+//! a re-stick two samples after the lowest one (half the slip's length for longer slips). The spike
+//! filter before the detector adds a sample; `Detector::foresees_slip` examines the sample that the
+//! filter holds, so the displayed phase has no such delay.
 //!
-//! Before the noise is known nothing can be told: once it is, and while there was no
-//! slip, the window is looked at again, a few samples a step.
+//! Before the noise is known no slip can be detected. Once it is known, and while there was no
+//! slip, the window is examined again, a few samples a step.
 
 mod catch_up;
 mod innovation;
@@ -52,10 +52,10 @@ use crate::num::math::{larger, smaller};
 use crate::sample::{ForcePoint, Phase, since};
 use crate::signal::window::{WINDOW, Window};
 
-/// Most noise, parts of the usual drop: with more of it the drops could not have been seen, which have
-/// to be eight times the noise.
+/// Upper limit of the noise, parts of the usual drop: the drops have to be eight times the noise,
+/// and could not have been detected in more noise.
 const MOST_NOISE: f32 = 0.1;
-/// A gap longer than this starts anew, periods: a whole slip may hide in it.
+/// Longest gap that a line continues over, periods: a whole slip may hide in a longer one.
 const LONGEST_GAP: u32 = 8;
 /// Longest slip, periods: its samples are still in the window when it ends.
 const LONGEST_SLIP: u32 = WINDOW as u32 * 3 / 4;
@@ -72,25 +72,25 @@ pub enum Transition {
         /// Lowest sample.
         low: ForcePoint,
     },
-    /// What looked like a slip was none.
+    /// The fall was no slip: the force is back on the stick line.
     Cancelled,
-    /// A long gap: what was before cannot be continued.
+    /// A gap or a fall was too long: the stick line before it cannot be continued.
     Lost,
 }
 
 /// The state machine.
-// In this order: what every sample touches first, where the board reaches it in one instruction.
+// Field order: first what every sample touches, which the board reaches in one instruction.
 #[derive(Clone, Debug)]
 #[repr(C)]
 pub struct Detector {
     /// Newest sample looked at.
     last: ForcePoint,
-    /// The noise's standard deviations at the newest sample, N; infinite before they are known.
+    /// Standard deviations of a sample's noise and of the innovations, N; infinite before known.
     std_n: f32,
     line_std_n: f32,
     /// Samples by which the line stays behind the newest one.
     line_delay: u32,
-    /// Usual drop of a slip, N; zero before the first.
+    /// Usual drop of a slip, a running estimate, N; zero before the first slip.
     usual_drop_n: f32,
     effects: Effects,
     /// Work of the newest step beyond that of one at rest, in units of 160 instructions on the
@@ -99,7 +99,7 @@ pub struct Detector {
     /// Samples that waited when one was last put off.
     put_off: u32,
     phase: Phase,
-    /// Are there samples that it has not looked at?
+    /// Are there samples in the window that have not been examined?
     is_behind: bool,
     /// The cable may hang slack: the stick line has yet to start.
     slack_wait: Option<SlackWait>,
@@ -108,31 +108,31 @@ pub struct Detector {
     profile: Kept<FlopProfile, { Effect::Flop.room() }>,
     noise: Noise,
     window: Window,
-    /// First index that it has not looked at, where there are any.
+    /// First index that has not been examined, while `is_behind`.
     next: u32,
     ended: Stick,
     lowest: ForcePoint,
-    /// Most noise with which the samples were looked at, N.
+    /// Largest noise that the samples were examined with, N.
     judged_with_n: f32,
-    /// Usual time from the highest to the lowest sample, periods.
+    /// Usual time from the highest to the lowest sample of a slip, periods.
     usual_fall: f32,
     /// Usual time from the onset to the highest force, periods.
     usual_rise: f32,
     /// Time before an onset in which creep bends the line, periods.
     creep_periods: f32,
-    /// Half the usual drop below the last highest sample, N.
+    /// Middle of the usual range of the force, N: half the usual drop below the last peak.
     middle_n: f32,
-    /// A stick line that has not risen above this ends in no slip, N.
+    /// No slip begins before the stick line has risen above this force, N.
     ceiling_n: f32,
 }
 
 impl Detector {
     /// Before the first sample, for a rate in hertz.
     #[must_use]
-    // In one piece: field by field, where it is called, it takes some hundred bytes of flash more.
+    // Not inlined: built field by field by the caller it takes some hundred bytes of flash more.
     #[inline(never)]
     pub fn new(rate_hz: f32, effects: Effects) -> Self {
-        // A fifth of a second: replaced by the first slip.
+        // Initial value, a fifth of a second: the first slip replaces it.
         let usual_fall = 0.2 * rate_hz;
         Self {
             effects,
@@ -163,8 +163,8 @@ impl Detector {
         }
     }
 
-    /// Takes a good sample with an index past all earlier ones. If `waits`, because the cycles have
-    /// no room for another slip, it is looked at later, as far as there is room for that.
+    /// Takes a good sample with an index past all earlier ones. With `waits`, as the cycles have no
+    /// room for another slip, it is examined later, as far as the window has room for that.
     pub fn step(&mut self, index: u32, force_n: f32, waits: bool) -> Option<Transition> {
         self.spent = 0;
         let in_a_row = self.window.push(index, force_n);
@@ -192,7 +192,7 @@ impl Detector {
         self.slack_wait.is_some_and(SlackWait::is_long)
     }
 
-    /// Follows one sample.
+    /// Examines one sample.
     fn look(&mut self, now: ForcePoint) -> Option<Transition> {
         let index = now.index;
         let started = self.phase != Phase::Unknown;
@@ -208,7 +208,7 @@ impl Detector {
         }
     }
 
-    /// At rest: a fall below the stick line is an onset, all else extends the line.
+    /// At rest: a significant fall below the stick line is an onset, any other sample extends it.
     fn stick_step(&mut self, now: ForcePoint) -> Option<Transition> {
         if now.force_n > self.stick.highest.force_n {
             if !self.jumps(now) {
@@ -227,7 +227,7 @@ impl Detector {
         None
     }
 
-    /// Sliding: the force has to turn before anything is decided.
+    /// Sliding: nothing is decided before the force has stopped falling.
     fn slip_step(&mut self, now: ForcePoint) -> Option<Transition> {
         if now.force_n < self.lowest.force_n {
             self.lowest = now;
@@ -244,20 +244,20 @@ impl Detector {
         Some(if self.is_back(now, drop) { self.cancel(now) } else { self.restick(now, drop) })
     }
 
-    /// The block rests again: the usual drop is learnt, and a stick line begins.
+    /// The block rests again: updates the usual drop, and begins a stick line.
     fn restick(&mut self, now: ForcePoint, drop: f32) -> Transition {
         let peak = self.stick.highest;
         let wait = SlackWait::under(self.lowest, drop, self.std_n);
         let low = if wait.is_some() { self.first_low(peak.index) } else { self.lowest };
         if self.usual_drop_n <= 0.0 && !self.line_fits() {
-            // What strayed from the first line may be the line's own bend.
+            // The first line does not fit: its innovations may be due to its own bend.
             self.forget_ripple();
         }
         self.update_usual(drop, since(peak.index, low.index));
-        // Only now is it known how late the first slip was seen.
+        // Only now is the usual rise known, by which the first onset lies before its peak.
         self.shorten_line();
         self.middle_n = peak.force_n - 0.5 * larger(drop, self.usual_drop_n);
-        // As far from the lowest force to the stop as from the onset to the highest.
+        // The stop is as far from the lowest force as the onset is from the highest.
         let stop = low.index + whole(self.usual_rise);
         self.rest_from(now, now.index.max(stop) + 1);
         self.slack_wait = wait;
@@ -265,13 +265,13 @@ impl Detector {
         Transition::Restick { peak, low }
     }
 
-    /// Drops what the innovations told so far, which no longer holds.
+    /// Drops the sums over the innovations so far, which no longer hold.
     #[inline(never)]
     fn forget_ripple(&mut self) {
         self.ripple = Kept::default();
     }
 
-    /// Back to the old line, without the samples that looked like a slip.
+    /// Returns to the old line, without the samples that looked like a slip.
     fn cancel(&mut self, now: ForcePoint) -> Transition {
         self.phase = Phase::Stick;
         self.stick.next = now.index + 1;
@@ -281,7 +281,7 @@ impl Detector {
         Transition::Cancelled
     }
 
-    /// A new stick line whose first sample is `next`.
+    /// Begins a stick line whose first sample is `next`.
     fn rest_from(&mut self, highest: ForcePoint, next: u32) {
         self.spent += 8;
         self.phase = Phase::Stick;
@@ -295,7 +295,7 @@ impl Detector {
             self.ended.forget_line();
         }
         if self.slack_wait.take().is_some() {
-            // It slipped as soon as it rose: what came before the peak may be slack.
+            // The block slipped as soon as the force rose: samples before the peak may be slack.
             self.ended.origin = self.ended.highest.index;
             self.ended.next = self.ended.origin;
         }

@@ -6,37 +6,39 @@ use crate::detector::stick_line::LINE_POINTS;
 use crate::num::math::{self, larger};
 use crate::sample::{ForcePoint, Phase, periods_between};
 
-/// Samples whose innovation exceeds this many standard deviations are not on the line: of
-/// normal noise one in 5e8, and the noise is known to about 10 %.
+/// Innovation beyond which a sample is not on the line, standard deviations of the noise: exceeded
+/// by one normal sample in 5e8, and the noise is known to about 10 %.
 pub(super) const OFF_LINE: f32 = 6.0;
-/// Least drop of the first slip, standard deviations of the noise: more than later, since no
-/// usual drop stands beside it yet. Tuned: with 6 noise with a correlation of .9 is taken for
-/// slips more than twice as often, with 8 one scene in 350 of `--example plane` has no event for it.
+/// Least drop of the first slip, standard deviations of the noise: more than later, since there is
+/// no usual drop to compare with. Tuned: with 6 noise with a correlation of .9 is taken for slips
+/// more than twice as often, with 8 one scene in 350 of `--example plane` has no event for it.
 const FIRST_DROP: f32 = 8.0;
-/// Least drop of a slip when the usual drop is known, or when there is no line: as [`OFF_LINE`].
+/// Least drop of a slip once the usual drop is known, or without a line, standard deviations of the
+/// noise: as [`OFF_LINE`].
 const LEAST_DROP: f32 = 6.0;
-/// Least drop of a slip that starts in the upper half of the usual range, parts of
-/// the usual drop: a part of the contact may slip. Flop of the cable starts in the
-/// lower half. Tuned: a higher one misses partial slips, a lower one takes ripple for them.
+/// Least drop of a slip that starts in the upper half of the usual range, parts of the usual drop:
+/// a part of the contact may slip alone. Flop of the cable starts in the lower half. Tuned: a
+/// higher value misses partial slips, a lower one takes ripple for them.
 const LEAST_PART: f32 = 0.05;
-/// Such a slip without a line, where one sample too high would feign a drop.
+/// Least drop of a slip in the upper half without a line, parts of the usual drop: one sample that
+/// is too high would feign a smaller drop.
 const LEAST_PART_BRIEF: f32 = 0.35;
-/// Least drop of a slip that starts in the lower half, usual drops. Tuned: a lower one takes
-/// flop for slips.
+/// Least drop of a slip that starts in the lower half, parts of the usual drop. Tuned: a lower
+/// value takes flop for slips.
 const LEAST_PART_LOW: f32 = 0.5;
-/// Most samples of a slip before it is seen: going back over them takes 16 of the 62 units of
-/// its time.
+/// Most samples by which a slip is detected late: going back over them takes 16 of the 62 units of
+/// time of a step.
 pub(super) const FARTHEST: i32 = 32;
-/// A larger fall in one sample, usual drops, is not taken for a slip beforehand: it is more
-/// likely a spike. Only the phase that is shown depends on it.
+/// Largest fall, usual drops, that is taken for a slip beforehand: a larger one is more likely a
+/// spike. Only the displayed phase depends on it.
 const LARGEST_DROP: f32 = 1.1;
 
 impl Detector {
-    /// Has the force left the stick line downwards, by more than noise and flop do?
+    /// Has the force left the stick line downwards, by more than noise and flop explain?
     pub(super) fn slips(&self, now: ForcePoint) -> bool {
         let std = self.std_n;
         let drop = self.stick.highest.force_n - now.force_n;
-        // No slip drops by less: for most samples that decides.
+        // No slip has a smaller drop: this decides most samples.
         drop >= LEAST_DROP * std && drop > 0.0 && self.leaves_line(now, drop, std)
     }
 
@@ -44,7 +46,7 @@ impl Detector {
     fn leaves_line(&self, now: ForcePoint, drop: f32, std: f32) -> bool {
         drop >= self.least_drop(std)
             && self.stick.highest.force_n > self.ceiling_n
-            // Rests too briefly for a line: the drop alone decides.
+            // Without a line, after a brief rest, the drop alone decides.
             && self.depth(now).is_none_or(|depth| depth > OFF_LINE * std)
     }
 
@@ -68,11 +70,11 @@ impl Detector {
         larger(LEAST_DROP * std, part * usual)
     }
 
-    /// How far a sample lies below the stick line, N, over the standard deviation of that in units
-    /// of a sample's: it is as significant as a single sample's depth below a known line. `None`
-    /// with fewer than four samples on the line.
+    /// Depth of a sample below the stick line, N, over the standard deviation of its innovation in
+    /// units of a sample's: as significant as the same depth of one sample below a known line.
+    /// `None` with fewer than four samples on the line.
     ///
-    /// Where the line rises its mean is a limit as well, however little is known of its slope.
+    /// Where the line rises its mean is a limit as well, however uncertain the slope is.
     fn depth(&self, now: ForcePoint) -> Option<f32> {
         let off_n = self.off_line_n(now)?;
         let (line, variance) = (&self.stick.line, self.variance(now.index));
@@ -83,8 +85,8 @@ impl Detector {
         Some(if rises { larger(below_line, below_mean) } else { below_line })
     }
 
-    /// Where the force hardly rises in its noise the highest sample may lie long before a slip that
-    /// shows now: the highest sample from the last one on the line on is the peak.
+    /// Sets the peak to the highest sample since the force last lay on the line. Where the force
+    /// rises by less than its noise, the highest sample of the rest may lie long before the slip.
     pub(super) fn find_peak(&mut self, now: u32) {
         let most = periods_between(self.stick.highest.index, now).clamp(0, FARTHEST);
         self.spent += most as usize / 2;
@@ -99,18 +101,18 @@ impl Detector {
         }
     }
 
-    /// Is the sample far above all before and above the stick line: more than one
-    /// spike in a row?
+    /// Is the sample far above all earlier ones and above the stick line, as several spikes in a
+    /// row are?
     pub(super) fn jumps(&self, now: ForcePoint) -> bool {
         let far = OFF_LINE * self.std_n;
-        // A forecast is never surer than a sample: most are decided without its spread.
+        // The spread is one or more: most samples are decided without it.
         let spread = || self.spread(now, self.variance(now.index));
         let is_above = |off_n| off_n > far && off_n > far * spread();
         now.force_n > self.stick.highest.force_n + far && self.off_line_n(now).is_some_and(is_above)
     }
 
-    /// Would this sample begin a slip, if it came next and is no spike? Asked before the sample is
-    /// judged; nothing is changed. A fall much larger than usual is more likely a spike.
+    /// Would this sample begin a slip if it came next and were no spike? Asked before it is judged;
+    /// changes nothing. A fall much larger than the usual drop is more likely a spike.
     #[must_use]
     pub(crate) fn foresees_slip(&self, next: ForcePoint) -> bool {
         let drop = self.stick.highest.force_n - next.force_n;

@@ -1,4 +1,4 @@
-//! What others may read of the detector, and what they tell it.
+//! The detector's results for other modules, and what the events set in it.
 
 use crate::detector::{Detector, Stick};
 use crate::effect::{Effect, Effects, Parameter};
@@ -62,14 +62,14 @@ impl Detector {
         (self.std_n < f32::INFINITY).then_some(self.std_n)
     }
 
-    /// How the force strays from a straight stick line, beside the noise.
+    /// Colored noise: how the force departs from a straight stick line beyond white noise.
     #[must_use]
     pub(crate) fn wander(&self) -> ColoredNoise {
         self.ripple.get().map_or(ColoredNoise::NONE, Ripple::wander)
     }
 
-    /// One weight for all samples from the lowest one to the newest: that of the age, before the
-    /// re-stick, of their middle.
+    /// Common weight of all samples from the lowest one to the newest: the flop profile's at the
+    /// age of their middle, which is negative, before the re-stick.
     #[must_use]
     pub(crate) fn rest_weight(&self) -> f32 {
         let age = -0.5 * since(self.lowest.index, self.last.index);
@@ -82,14 +82,14 @@ impl Detector {
         self.usual_drop_n
     }
 
-    /// Which of the two effects that are noise the rests of late show.
+    /// Which of the two noise effects, flop and ripple, the recent rests show.
     #[must_use]
     pub(crate) fn found(&self) -> Effects {
         let flops = self.profile.get().is_some_and(|profile| !profile.is_flat());
         Effects::NONE.with(Effect::Flop, flops).with(Effect::Ripple, !self.wander().is_none())
     }
 
-    /// What the rests of late show of the two effects that are noise.
+    /// Estimate of the flop or of the ripple from the recent rests; `None` for any other effect.
     #[must_use]
     pub(crate) fn parameter(&self, effect: Effect) -> Option<Parameter> {
         match effect {
@@ -106,28 +106,28 @@ impl Detector {
         }
     }
 
-    /// Takes the noise, N, by the residuals of all events so far, the newest of which is `believed`
-    /// if it has coefficients.
+    /// Takes the noise, N, estimated from the residuals of all events so far; `believed` if the
+    /// newest event has coefficients.
     pub(crate) fn fitted_noise(&mut self, noise_n: f32, believed: bool) {
         self.noise.add_fit(noise_n, believed);
     }
 
-    /// Keeps the samples of so many periods before an onset, which creep bends, out of the line.
+    /// Keeps the samples of the last `periods` before an onset, which creep bends, out of the line.
     pub(crate) fn creeps(&mut self, periods: f32) {
-        // Most periods: the fit takes those samples one by one, and its record has no more room.
+        // Limit, periods: the fit takes those samples one by one, and its record has no more room.
         const ROOM: f32 = 48.0;
-        // Half a sample: a smaller change moves no end of a line.
+        // Half a sample: a smaller change does not move the end of a line.
         const LONGER: f32 = 0.5;
         let before = self.creep_periods;
         self.creep_periods = larger(smaller(periods, ROOM - self.usual_fall), 0.0);
         if self.creep_periods > before + LONGER {
-            // The innovations so far had the creep in them.
+            // The innovations so far contain the creep.
             self.forget_ripple();
         }
         self.update_delay();
     }
 
-    /// Where the force is constant nothing slips before it has risen above this, N.
+    /// Sets the force, N, that a constant force has to rise above before a slip; `None`: no limit.
     pub(crate) fn stays_below(&mut self, ceiling_n: Option<f32>) {
         self.ceiling_n = ceiling_n.unwrap_or(f32::NEG_INFINITY);
     }

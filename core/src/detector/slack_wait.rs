@@ -1,49 +1,50 @@
-//! A force that lies at zero after a slip: the cable hangs slack.
+//! A force at zero after a slip: the cable hangs slack.
 //!
-//! The stick line starts only where the force has risen again; until then the samples
-//! tell nothing of the loading rate. A force that rises at once, or that never was
-//! near zero, starts its line at once.
+//! The stick line starts only when the force has risen again; samples at zero carry no information
+//! on the loading rate. A force that rises at once, or that never was near zero, starts its line at
+//! once.
 
 use crate::num::math::smaller;
 use crate::sample::ForcePoint;
 
-/// Rise that shows that the cable is taut, standard deviations of the noise: two samples in a row are
-/// as high by no chance.
+/// Rise that shows a taut cable, standard deviations of the noise: two samples in a row do not
+/// reach it by chance.
 const RISE: f32 = 5.0;
-/// Most that it has to be, parts of the slip's drop: where the block never rests what
-/// is known of the noise is only a bound.
+/// Upper limit of the rise that shows a taut cable, parts of the slip's drop: where the block never
+/// rests only an upper bound of the noise is known.
 const MOST_RISE: f32 = 0.25;
-/// Part of a slip's drop within which of zero its lowest sample may be that of a slack cable: room for a
-/// small error of the cell's zero. Tuned to little: half as much changes no class of `docs/honesty.md`,
-/// twice as much moves two of them (`hum_20`, `falling`) in their last digits.
+/// The cable may hang slack where a slip's lowest sample is less than this part of the drop from
+/// zero: room for a small error of the cell's zero. Tuned, with little effect: half as much changes
+/// no class of `docs/honesty.md`, twice as much moves two of them (`hum_20`, `falling`) in their
+/// last digits.
 const NEAR_ZERO: f32 = 0.1;
-/// Part of the rise that is added to that: room for two standard deviations of the noise.
+/// Part of the rise that is added to [`NEAR_ZERO`]: two standard deviations of the noise.
 const NEAR: f32 = 0.4;
-/// Part of the rise by which the force has surely risen since the cable became taut: the rest is room
-/// for noise, one and a half standard deviations of it.
+/// Part of a rise that is certainly due to loading since the cable became taut: the rest allows for
+/// noise, one and a half standard deviations of it.
 const SURE_PART: f32 = 0.7;
 
-/// Samples at zero in a row beyond which they are no turning point.
+/// Number of samples at zero in a row that is too large for a turning point.
 const LONG: u32 = 5;
-/// Samples at zero beyond which that is the level of something else, which a knock or a converter's
-/// overflow hid. A choice: a minute at 16 Hz.
+/// Number of samples at zero beyond which this is no slack cable but another force level, which a
+/// knock or a converter's overflow hid. A choice: a minute at 16 Hz.
 const LONGEST: u32 = 1024;
-/// Most periods that the line starts before the rise is seen: where the line before was flat its rate
-/// tells nothing.
+/// Most periods by which the line starts before the rise is detected: the rate of the line before
+/// is no guide where that line was flat.
 const MOST_PERIODS: u32 = 24;
 
-/// Waits for the rise.
+/// Waits for the force on a slack cable to rise.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SlackWait {
     mean_n: f32,
     count: u32,
     rise_n: f32,
-    /// Was the last sample above the level at zero by the rise?
+    /// Did the last sample exceed the level at zero by the rise?
     above: bool,
 }
 
 impl SlackWait {
-    /// After a slip with this drop, N, whose lowest sample is near zero; else `None`.
+    /// Begins after a slip with this drop, N, if its lowest sample is near zero; else `None`.
     pub(crate) fn under(low: ForcePoint, drop_n: f32, std_n: f32) -> Option<Self> {
         let most_n = MOST_RISE * drop_n;
         let rise_n = smaller(most_n, RISE * std_n);
@@ -51,20 +52,19 @@ impl SlackWait {
         is_near.then_some(Self { mean_n: low.force_n, count: 1, rise_n, above: false })
     }
 
-    /// Has it stayed there for longer than any cable hangs slack after a slip?
+    /// Has the force stayed at zero longer than any cable hangs slack after a slip?
     pub(crate) fn is_endless(self) -> bool {
         self.count > LONGEST
     }
 
-    /// Has the force stayed down? A cell that reads no force below zero cuts the noise.
+    /// Has the force stayed down? A cell that reads no force below zero cuts the noise there.
     #[cold]
     #[inline(never)]
     pub(crate) fn is_long(self) -> bool {
         self.count >= LONG
     }
 
-    /// Takes the next sample; gives how far the force has risen, N, when it has. Two
-    /// samples in a row decide.
+    /// Takes the next sample; gives the rise of the force, N, once two samples in a row show it.
     pub(crate) fn risen_n(&mut self, force_n: f32) -> Option<f32> {
         let height_n = force_n - self.mean_n;
         let was_above = core::mem::replace(&mut self.above, height_n > self.rise_n);
@@ -76,7 +76,7 @@ impl SlackWait {
     }
 }
 
-/// Periods since the cable became taut, from a rise, N, and a loading rate, N per period.
+/// Periods since the cable became taut, from its rise, N, and a loading rate, N per period.
 pub(crate) fn periods_above(risen_n: f32, rate: f32) -> u32 {
     ((SURE_PART * risen_n / rate) as u32).min(MOST_PERIODS)
 }

@@ -1,15 +1,14 @@
 //! Correlation between the events of a test, in order.
 //!
-//! Neighbouring events share a stick line, and real friction wanders: a mean over
-//! correlated values is less certain than its count suggests. The autocovariances
-//! of the last [`LAGS`] lags are kept as running sums, so that they can be had for
-//! any mean and merged at any split.
+//! Neighbouring events share a stick line, and real friction wanders: a mean over correlated values
+//! is less precise than their number suggests. The autocovariances up to the lag [`LAGS`] are kept
+//! as running sums, so that they can be computed about any mean and merged at any split.
 
 use crate::num::double_single::DoubleSingle;
 use crate::num::math;
 
-/// Largest distance between two events whose correlation is followed. A quarter of the events is used at
-/// most, so it limits records of more than 96; each takes 16 bytes of each mean's state.
+/// Largest lag, events, whose correlation is followed. A quarter of the events is used at most, so
+/// it limits records of more than 96; each lag takes 16 bytes of each mean's state.
 pub const LAGS: usize = 24;
 
 /// Running sums of products of values `x_i` with `x_{i+k}`, relative to a reference.
@@ -19,7 +18,7 @@ pub(crate) struct Correlation {
     reference: f32,
     count: u32,
     sum: DoubleSingle,
-    /// The first values, and the last ones, newest first; zero until there are as many.
+    /// The first values, and the last ones, newest first; zero where there are fewer.
     first: [f32; LAGS],
     last: [f32; LAGS],
     /// `Σ x_i x_{i+k}` for k = 1..=LAGS.
@@ -27,7 +26,7 @@ pub(crate) struct Correlation {
 }
 
 impl Correlation {
-    /// Nothing yet.
+    /// Without values.
     #[must_use]
     pub(crate) const fn new() -> Self {
         Self {
@@ -76,7 +75,7 @@ impl Correlation {
         }
     }
 
-    /// Takes the values of another one, which came after its own.
+    /// Merges the values of another instance, which came after its own.
     pub(crate) fn merge(&mut self, later: &Self) {
         if self.count == 0 {
             *self = *later;
@@ -128,15 +127,15 @@ impl Correlation {
         Some(products / pairs as f32 + m * m)
     }
 
-    /// By how much the variance of the mean exceeds that of independent values, 1 or
-    /// more: `I = 1 + 2 Σ ρ_k` over the `K` lags up to the first one whose correlation cannot
-    /// be told from none (Geyer's initial positive sequence, cut at one and a half standard
-    /// errors), tapered as a quarter of the values is reached.
+    /// Factor by which the variance of the mean exceeds that of independent values, 1 or more:
+    /// `I = 1 + 2 Σ ρ_k` over the `K` lags up to the first one whose correlation is not significant
+    /// (Geyer's initial positive sequence, cut at one and a half standard errors), and at most up
+    /// to a quarter of the number of values.
     ///
-    /// The mean is that of the values themselves: it takes `I/n` of their variance with it, and as
-    /// much from every covariance. So, with the correlations as they are seen, `I = (1 + 2 Σ ρ_k) /
-    /// (1 − 2 (K − Σ ρ_k) / n)`, and the variance is `(n − 1) / (n − I)` times that of independent
-    /// values.
+    /// The mean is that of the values themselves: it removes `I/n` of their variance, and as much
+    /// from every covariance. So, with the observed correlations,
+    /// `I = (1 + 2 Σ ρ_k) / (1 − 2 (K − Σ ρ_k) / n)`, and the variance of a value is
+    /// `(n − 1) / (n − I)` times what it would be for independent values.
     #[must_use]
     pub(crate) fn inflation(&self, mean: DoubleSingle, variance: f32) -> f32 {
         if variance <= 0.0 {
@@ -238,7 +237,8 @@ mod tests {
         assert!((alternating.inflation(0.5_f32.into(), 0.25) - 1.0).abs() < 1e-9);
     }
 
-    /// Rows of 134 values, each .9 of the one before and noise: nine of ten intervals hold the mean.
+    /// Rows of 134 values, each .9 of the one before and noise: nine of ten intervals cover the
+    /// mean.
     #[test]
     fn intervals_of_rows_that_wander_hold_their_mean() {
         const ROWS: usize = 400;

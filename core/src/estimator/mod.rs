@@ -1,7 +1,7 @@
-//! From events to a coefficient: a mean with an honest error.
+//! From events to a coefficient: a mean and its standard error.
 //!
-//! The events differ by their own noise, whose size each states, and by real variation of the
-//! friction, which has to be found out: random effects. All sums are kept to 48 bits
+//! The events differ by their own noise, whose variance each states, and by real variation of the
+//! friction, whose variance is estimated: random effects. All sums are kept to 48 bits
 //! (`DoubleSingle`), relative to the running mean, so a million events lose nothing, and two
 //! estimators can be merged. What one event adds is rounded to 24 bits, and so are the sums when
 //! they are read.
@@ -10,12 +10,12 @@
 //!
 //! - `τ² = max(0, S² − mean s_i²)`, `S²` the sample variance (method of moments), or, with the
 //!   weights `w_i = 1/s_i²`, `(Σ w_i (x_i − m_w)² − (n − 1)) / (Σ w_i − Σ w_i² / Σ w_i)`
-//!   (DerSimonian and Laird) if that is more: where a few events are far sharper than most, only
-//!   they show how friction scatters. With few events a stated prior comes in (`Scatter`); one event
-//!   tells nothing of `τ²`;
+//!   (DerSimonian and Laird) if that is more: where a few events are much more precise than most,
+//!   only these determine the scatter of friction. With few events a stated prior is used
+//!   (`Scatter`); one event carries no information on `τ²`;
 //! - mean `m = λ m_w + (1 − λ) m_1`: `m_w` weighted by `1/s_i²`, `m_1` plain,
-//!   `λ = s̄²/(s̄² + τ²)` with `s̄²` the harmonic mean of `s_i²`; either is the best
-//!   mean at its end of the scale;
+//!   `λ = s̄²/(s̄² + τ²)` with `s̄²` the harmonic mean of `s_i²`; `m_w` is the best mean for
+//!   small `τ²`, `m_1` for large `τ²`;
 //! - errors that are common to the events do not average out: the mean keeps their mean size
 //!   ([`Common`]), given apart from the random ones;
 //! - variance of `m` from the same weights, times `1 + 2 Σ ρ_k` with the correlations
@@ -38,8 +38,8 @@ use crate::num::math::{self, larger};
 pub struct Common {
     /// By parameters that the model learns from the events: weighted in the mean as the event is.
     pub shared: f32,
-    /// By what all events take for granted where samples are few. The events that know least say
-    /// so, and those that seem to know more rest on it as well: it counts with every event alike.
+    /// By assumptions that all events need where samples are few. The least precise events show
+    /// this part, and the others rest on it as well: it has the same weight in every event.
     pub granted: f32,
 }
 
@@ -68,8 +68,8 @@ pub struct Estimator {
     weighted_squares: DoubleSingle,
     weight_pairs: DoubleSingle,
     correlation: Correlation,
-    /// Means of the common parts of the events' standard deviations: plain, and weighted for what
-    /// they share.
+    /// Means of the common parts of the events' standard deviations: plain ones, and a weighted one
+    /// of the shared part.
     common: Common,
     weighted_shared: f32,
 }
@@ -81,8 +81,8 @@ impl Estimator {
         self.add_with_common(event, Common::default());
     }
 
-    /// As [`Self::add`], for an event that has parts of its standard deviation in common with the
-    /// others: the mean keeps these parts, however many events there are.
+    /// Takes an event's coefficient, see [`Self::add`], with the parts of its standard deviation in
+    /// common with the others: the mean keeps these parts, however many events there are.
     pub fn add_with_common(&mut self, event: Coefficient, common: Common) {
         if !(event.value.is_finite() && (1e-9..=1e9).contains(&event.std)) {
             return;
@@ -141,8 +141,8 @@ impl Estimator {
         self.count
     }
 
-    /// Mean, standard error and spread; `None` without events. Its systematic part is what the
-    /// events have in common, without the inputs.
+    /// Mean, standard error and spread; `None` without events. The systematic part is that common
+    /// to the events, without the inputs.
     #[must_use]
     pub fn estimate(&self) -> Option<Estimate> {
         if self.count == 0 {
@@ -173,7 +173,7 @@ impl Estimator {
         Some(Estimate {
             mean,
             std_error: scatter.map(|_| math::sqrt(variance)),
-            // Correlated values tell their scatter as fewer independent ones do.
+            // Correlated values determine their scatter as fewer independent ones do.
             freedom: scatter.map_or(0.0, |scatter| scatter.freedom / inflation),
             systematic_std: common_std,
             common_std,
@@ -182,7 +182,7 @@ impl Estimator {
         })
     }
 
-    /// Variance between events, noise removed; needs two events.
+    /// Variance between events, without the noise; `None` before two events.
     fn between(&self) -> Option<f32> {
         let free = (self.count.checked_sub(2)? + 1) as f32;
         let plain = larger(self.squares.rounded() / free - self.variance.rounded(), 0.0);
@@ -194,10 +194,10 @@ impl Estimator {
         Some(larger((self.weighted_squares.rounded() - free) / pairs, plain))
     }
 
-    /// Factor on the variance of the mean because the events are correlated: by what is seen, once
-    /// there are thirty of them, but at least by neighbours that share one of their two stick
-    /// lines. Their correlation is a fifth of the noise's share of the variance: tuned, so that the
-    /// means of 400 tests scatter as they say (`means` among the examples of the tests).
+    /// Factor on the variance of the mean for the correlation of the events: as estimated, from
+    /// thirty events on, but at least that of neighbours which share one of their two stick lines.
+    /// Their correlation is a fifth of the noise's share of the variance: tuned, so that the means
+    /// of 400 tests scatter as they say (`means` among the examples of the tests).
     fn inflation(&self, noise_share: f32) -> f32 {
         const ENOUGH: u32 = 30;
         const NEIGHBOURS: f32 = 0.22;
@@ -234,7 +234,7 @@ mod tests {
         (1.27, 0.02),
     ];
 
-    /// Sixty events that tell nothing must not hide how far the three that do are apart.
+    /// Sixty imprecise events must not hide the scatter of the three precise ones.
     #[test]
     fn a_few_sharp_events_show_the_scatter() {
         let mut e = all(&[(1.21, 1e-3), (1.24, 1e-3), (1.27, 1e-3)]);
@@ -284,13 +284,13 @@ mod tests {
         let values = [(1.0, 0.001), (1.05, 0.1), (0.95, 0.1), (1.0, 0.1), (1.0, 0.1)];
         let noise = all(&[values, values].concat()).estimate().unwrap();
         assert!((noise.mean - 1.0).abs() < 1e-3 && noise.spread == Some(0.0));
-        // Much more variation than noise: all events count alike.
+        // Much more variation than noise: all events have the same weight.
         let real = all(&[(1.0, 0.001), (1.5, 0.01), (0.5, 0.01), (1.4, 0.01)]).estimate().unwrap();
         assert!((real.mean - 1.1).abs() < 1e-3, "{}", real.mean);
         assert!(real.std_error.unwrap() > 0.15);
     }
 
-    /// What the first events share stays in the mean as far as they do themselves.
+    /// The shared part of the first events stays in the mean with the weight of these events.
     #[test]
     fn what_unsure_events_share_weighs_no_more_than_they_do() {
         let of = |common: Common| {

@@ -1,32 +1,32 @@
-//! How much friction scatters between events, when there are only a few.
+//! Scatter of friction between events, when there are only a few.
 //!
 //! With `s²` the variance of an event by its noise and `τ²` that between events, the values of `n`
-//! events have the variance `v = s² + τ²`. Two or three of them hardly tell it. So a prior is
+//! events have the variance `v = s² + τ²`. Two or three values hardly determine it. So a prior is
 //! stated: any order of magnitude of `τ` is as likely as any other, from the noise up to about 15 %
 //! of the coefficient,
 //!
 //! `p(τ) ∝ exp(−½ (τ / 0.15 m)²) / (τ + s)`,
 //!
-//! and with the likelihood of the values, `v^(−(n−1)/2) exp(−Σ (x − m)² / 2v)`, this gives
-//! the mean and the variance of `v`. The mean of the events is then distributed as
-//! Student's t, with the degrees of freedom that give `v` this relative variance. From
-//! the ninth event on the values speak for themselves.
+//! and with the likelihood of the values, `v^(−(n−1)/2) exp(−Σ (x − m)² / 2v)`, this gives the mean
+//! and the variance of `v`. The mean of the events is then distributed as Student's t, with the
+//! degrees of freedom that give `v` this relative variance. From the ninth event on the prior is
+//! not used.
 
 use crate::num::math;
 
-/// Events up to which the prior counts: nine tell their own variance to a half, `√(2/8)`.
+/// Number of events up to which the prior is used: nine give their variance to a half, `√(2/8)`.
 pub(super) const FEW: u32 = 8;
 /// Largest likely scatter, relative to the coefficient. Stated, not measured: with twice as much
 /// the interval of two events is a tenth wider, that of three hardly.
 const LARGEST: f32 = 0.15;
-/// Values of `τ` that are tried, in equal steps of its logarithm, from a quarter of the
+/// Number of values of `τ` for the moments, in equal steps of its logarithm, from a quarter of the
 /// noise to three times [`LARGEST`].
 const STEPS: u8 = 16;
 
 /// Variance of an event's value about the mean, and its degrees of freedom.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Scatter {
-    /// Noise and friction together.
+    /// Variance by noise and friction together.
     pub(crate) variance: f32,
     /// 1 or more.
     pub(crate) freedom: f32,
@@ -45,7 +45,7 @@ impl Scatter {
         }
     }
 
-    /// By the values alone: the noise is known, the rest has `free` degrees of freedom (Welch and
+    /// From the values alone: the noise is known, the rest has `free` degrees of freedom (Welch and
     /// Satterthwaite).
     #[inline(never)]
     fn seen(free: f32, squares: f32, noise: f32) -> Self {
@@ -55,7 +55,7 @@ impl Scatter {
         Self { variance, freedom: free * ratio * ratio }
     }
 
-    /// With the prior: the moments of `v` over the values of `τ` that are tried.
+    /// With the prior: the moments of `v` over a grid of `τ`.
     fn few(free: f32, mean: f32, squares: f32, noise: f32) -> Self {
         let (noise_std, largest) = (math::sqrt(noise), LARGEST * mean.abs());
         let (first, last) = (0.25 * noise_std, 3.0 * largest);
@@ -110,7 +110,7 @@ mod tests {
         let scatter = of(&values, 0.001);
         assert!((scatter.variance.sqrt() / 0.02 - 1.0).abs() < 0.02, "{scatter:?}");
         assert!((scatter.freedom - 39.0).abs() < 1.0);
-        // Noise that is known has no end of freedom.
+        // Known noise has unlimited degrees of freedom.
         let noise = of(&[0.78; 40], 0.001);
         assert!(noise.freedom > 1e5 && (noise.variance.sqrt() / 0.001 - 1.0).abs() < 1e-3);
     }

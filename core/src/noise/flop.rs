@@ -1,54 +1,54 @@
-//! How much more the first samples after a re-stick scatter than later ones.
+//! Extra scatter of the first samples after a re-stick.
 //!
-//! After a slip the cable flops: the force swings while the block rests, and the oscillation
-//! dies away. What a straight line through a stick leaves has the variance
-//! `sigma² (1 + excess e^(−decay age))`. `sigma²` is that of the second halves of the
-//! sticks; excess and decay come from two moments of the first halves, the sum of `r² − sigma²` and
-//! its mean age, tapered over the length of a stick. An excess within chance, or no more than 1,
-//! counts as none: then every sample counts alike.
+//! After a slip the cable flops: the force oscillates while the block rests, and the oscillation
+//! decays. The residuals `r` of a straight line through a stick have the variance
+//! `sigma² (1 + excess e^(−decay age))`. `sigma²` is estimated from the second halves of the
+//! sticks, excess and decay from two moments of the first halves: the sum of `r² − sigma²` and its
+//! mean age, tapered over the length of a stick. An excess that is not significant, or no more than
+//! 1, is set to zero: then all samples have the same weight.
 
 use crate::effect::Parameter;
 use crate::num::math::{self, larger, smaller};
 use crate::stats::line::Line;
 use crate::stats::prior::surely;
 
-/// Sticks after which the past has faded. A choice: more tell a smaller excess, fewer follow a cable
-/// that changes.
+/// Time constant of the forgetting, sticks. A choice: more sticks resolve a smaller excess, fewer
+/// follow a cable that changes.
 const MEMORY: f32 = 16.0;
-/// Fewest samples of a stick that tell anything: four in either half.
+/// Fewest samples of a stick that is used: four in either half.
 const FEWEST: u32 = 8;
-/// Fewest sticks, their number fading, that show a first excess: three.
+/// Least effective number of sticks (with forgetting) for a first excess: three sticks.
 const FEWEST_STICKS: f32 = 2.5;
-/// Standard errors beyond which an excess counts: of normal ones one in 16 000.
+/// Standard errors beyond which an excess is significant (normal: one in 16 000).
 const SIGNIFICANT: f32 = 4.0;
-/// Excess beyond which it counts: a first sample that has less weighs more than half of a late one.
+/// Least excess that is used: with less a first sample weighs more than half of a late one.
 const LEAST: f32 = 1.0;
-/// Sticks that scatter alike, their number fading, after which only one of so many is looked at.
+/// Effective number of sticks without an excess after which only one of [`SELDOM`] is used.
 const SETTLED: f32 = 8.0;
 const SELDOM: u8 = 8;
-/// Largest squared residual that counts, in usual ones: no outlier decides alone. Of normal ones one in
-/// 600 is larger.
+/// Limit of a squared residual, in units of its variance: no outlier decides alone. Of normal
+/// residuals one in 600 is larger.
 const LARGEST: f32 = 10.0;
 
 /// Scatter of a resting block's samples by their age since the re-stick, periods.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct FlopProfile {
-    /// Variance at age zero over that of late samples, less one; zero: all alike.
+    /// Variance at age zero over that of late samples, less one; zero: all variances are equal.
     excess: f32,
-    /// Rate at which the excess dies away, per period.
+    /// Decay rate of the excess, per period.
     decay: f32,
     early: Early,
     /// Σ r² of the second halves, N², and their number of samples.
     late_n2: f32,
     late: f32,
     sticks: f32,
-    /// Sticks in all, looked at or not.
+    /// Sticks in all, used or not.
     seen: u8,
-    /// Line of the stick that is looked at.
+    /// Line through the stick in use.
     line: Line,
 }
 
-/// Sums over the first halves: `v`, `v age`, `v r²` and `v age r²` with a taper `v`, which falls
+/// Sums over the first halves: `v`, `v age`, `v r²` and `v age r²` with a taper `v`, which decays
 /// exponentially with the age.
 #[derive(Clone, Copy, Debug, Default)]
 struct Early {
@@ -57,26 +57,26 @@ struct Early {
 }
 
 impl FlopProfile {
-    /// Do all samples scatter alike?
+    /// Have all samples the same variance?
     #[must_use]
     pub(crate) fn is_flat(&self) -> bool {
         self.excess <= 0.0
     }
 
-    /// Variance of a sample over that of a late one.
+    /// Variance of a sample of this age, periods, over that of a late one.
     #[must_use]
     pub(crate) fn variance(&self, age: f32) -> f32 {
         if self.is_flat() { 1.0 } else { 1.0 + self.excess * math::exp(-self.decay * age) }
     }
 
-    /// Weight of a sample, one over that.
+    /// Weight of a sample of this age, periods: one over its [`Self::variance`].
     #[must_use]
     pub(crate) fn weight(&self, age: f32) -> f32 {
         if self.is_flat() { 1.0 } else { 1.0 / self.variance(age) }
     }
 
-    /// Noise of the first samples of a stick over that of late ones, where the sticks show it. The
-    /// excess variance is known as its moment is, whose terms scatter by their own mean square.
+    /// Standard deviation of the first samples of a stick over that of late ones. The excess has
+    /// the relative standard error of its moment, whose terms scatter by their mean square.
     #[must_use]
     pub(crate) fn parameter(&self) -> Parameter {
         let (all, chance) = self.moment();
@@ -86,7 +86,7 @@ impl FlopProfile {
         Parameter { name: "early_noise_ratio", value, std }
     }
 
-    /// Shall the stick that has ended be looked at?
+    /// Counts a stick that has ended; is it to be used?
     fn is_due(&mut self) -> bool {
         self.seen = self.seen.wrapping_add(1);
         !self.is_flat() || self.sticks < SETTLED || self.seen.is_multiple_of(SELDOM)
@@ -101,7 +101,7 @@ impl FlopProfile {
         self.line = if is_due { line() } else { Line::default() };
     }
 
-    /// Takes the forces of the stick that [`Self::begin`] was given.
+    /// Adds the residuals of the stick that [`Self::begin`] was given, and solves for the excess.
     pub(crate) fn learn(&mut self, forces_n: [&[f32]; 2]) {
         let line = self.line;
         let Some(slope) = line.slope().filter(|_| line.count >= FEWEST) else { return };
@@ -110,14 +110,15 @@ impl FlopProfile {
         let half = 0.5 * line.count as f32;
         let taper = self.taper(half);
         let (mut v, step) = (1.0, math::exp(-taper));
-        // Variances of the line: at its mean time, and by its slope a period away from that.
+        // Variances of the line's level at its mean time and of its slope, units of a late
+        // sample's.
         let (level, turn) = (1.0 / line.weight, 1.0 / line.slope_weight());
         let (mut early, mut late_n2, mut late) = (self.early, 0.0, 0.0);
         self.each(forces_n, |age, force_n, variance| {
             if !force_n.is_nan() {
                 let time = age - line.time;
                 let off_n = force_n - line.level_n - slope * time;
-                // What the line takes of a residual leaves a tenth of it at least.
+                // The fitted line leaves this part of a residual's variance; a tenth at least.
                 let free = larger(1.0 - (level + turn * time * time) / variance, 0.1);
                 let square_n2 = smaller(off_n * off_n / free, LARGEST * usual_n2 * variance);
                 if age > half {
@@ -135,7 +136,7 @@ impl FlopProfile {
         self.solve(taper);
     }
 
-    /// The line through a stick, each sample with its weight.
+    /// The line through a stick, each sample weighted by one over its variance.
     fn line_through(&self, forces_n: [&[f32]; 2]) -> Line {
         let mut line = Line::default();
         self.each(forces_n, |age, force_n, variance| {
@@ -168,13 +169,13 @@ impl FlopProfile {
         self.sticks += 1.0;
     }
 
-    /// Decay rate of the taper, one over half the mean length of a stick, where the newest one has
-    /// this half.
+    /// Decay rate of the taper, per period: one over half the mean length of a stick; `half` is
+    /// half the length of the newest one.
     fn taper(&self, half: f32) -> f32 {
         self.sticks / (self.late + half)
     }
 
-    /// `Σ v (r²/sigma² − 1)` over the first halves, and its variance by chance.
+    /// `Σ v (r²/sigma² − 1)` over the first halves, and its variance if there is no excess.
     fn moment(&self) -> (f32, f32) {
         let usual_n2 = self.late_n2 / self.late;
         let Early { sums: [sum, _], squares_n2: [square_n2, _] } = self.early;
@@ -182,7 +183,7 @@ impl FlopProfile {
         (square_n2 / usual_n2 - sum, sum + 2.0 * sum * sum / self.late)
     }
 
-    /// Excess and decay from the moments.
+    /// Estimates excess and decay from the moments.
     fn solve(&mut self, taper: f32) {
         let (all, chance) = self.moment();
         let usual_n2 = self.late_n2 / self.late;
@@ -196,8 +197,8 @@ impl FlopProfile {
         if !is_sure || is_new {
             return;
         }
-        // Decay and taper together make the mean age R: their sum is ln(1 + 1/R), as the
-        // first two terms of 2 artanh(1/(2 R + 1)).
+        // Decay and taper together give the mean age R of the excess: their sum is ln(1 + 1/R), by
+        // the first two terms of 2 artanh(1/(2 R + 1)).
         let inverse = all / (2.0 * larger(by_age, 0.0) + all);
         let both = 2.0 * inverse * (1.0 + inverse * inverse / 3.0);
         self.decay = larger(both - taper, 0.25 * taper);

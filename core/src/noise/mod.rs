@@ -1,4 +1,4 @@
-//! How far the force strays from the stick line: how much, how long, and in which shape.
+//! Departures of the force from the stick line: their scale, their correlation and their course.
 
 pub(crate) mod flop;
 mod oscillation;

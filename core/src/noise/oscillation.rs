@@ -1,25 +1,24 @@
-//! What a force that never rests leaves when its oscillation is taken off.
+//! Noise of a force that never rests: the remainder without its oscillation.
 //!
-//! The second differences `u` of a sinusoid, `ω` a sample, obey `u'' + p u' + u = 0` with `p = −2
-//! cos ω` (primes count samples). `p` is taken by least squares over the past of late; of white
-//! noise the remainder has `2 + 2 (p − 2)² + 4 (1 − p)²` times its variance, the squares of the
-//! weights of five samples. (At `p = −2`, a slow oscillation, it is the fourth difference.) No
-//! remainder is less than the noise.
+//! The second differences `u` of a sinusoid with the angle `ω` per sample obey `u'' + p u' + u = 0`
+//! with `p = −2 cos ω` (primes count samples). Least squares over the recent past give `p`. White
+//! noise leaves a remainder of `2 + 2 (p − 2)² + 4 (1 − p)²` times its variance, the squared
+//! weights of five samples. (At `p = −2`, a slow oscillation, it is the fourth difference.) The
+//! remainder is an upper bound of the noise.
 
 use crate::num::math::larger;
 
-/// Samples over which the past is forgotten: a variance from so many is right to a fifth, `√(2/64)`.
+/// Time constant of the forgetting, samples: 64 give a variance to a fifth, `√(2/64)`.
 const MEMORY: f32 = 64.0;
-/// Fewest samples, their number fading, that tell it: to a quarter, `√(2/30)`.
+/// Least effective number of samples for an estimate: right to a quarter, `√(2/30)`.
 const FEWEST: f32 = 30.0;
-/// A smooth oscillation leaves less than this part of the squares of its second differences, both
-/// in units of what white noise has. Tuned: with more, noise is taken for an oscillation now and
-/// then.
+/// A smooth oscillation leaves less than this part of its squared second differences, both in units
+/// of what white noise has. Tuned: with more, noise is now and then taken for an oscillation.
 const LITTLE: f32 = 0.3;
-/// Least part of the squares that single precision leaves: some seventy units of 2⁻²⁴.
+/// Rounding error of the squares in single precision, parts of them: some seventy units of 2⁻²⁴.
 const ROUNDING: f32 = 4e-6;
 
-/// Running sums over the second differences of late.
+/// Running sums over the recent second differences.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct WithoutOscillation {
     /// Σ u'²: of the one in the middle.
@@ -45,7 +44,7 @@ impl WithoutOscillation {
         self.count = FADE * self.count + 1.0;
     }
 
-    /// Variance of white noise that would leave as much, N²; `None` before enough was seen.
+    /// Variance of white noise that leaves the same remainder, N²; `None` before enough samples.
     pub(crate) fn noise_n2(&self) -> Option<f32> {
         let p = -self.product_n2 / self.middle_n2;
         let left_n2 = larger(self.outer_n2 + p * self.product_n2, ROUNDING * self.outer_n2);
@@ -53,8 +52,8 @@ impl WithoutOscillation {
         (self.count >= FEWEST && self.middle_n2 > 0.0).then(|| left_n2 / (gain * self.count))
     }
 
-    /// Is such a variance far less than that of white noise with these second differences, six
-    /// times it?
+    /// Is a variance, N², far less than that of white noise with these second differences, whose
+    /// mean square is six times its variance?
     pub(crate) fn leaves_little(&self, noise_n2: f32) -> bool {
         6.0 * noise_n2 * self.count < LITTLE * self.middle_n2
     }
@@ -66,8 +65,8 @@ mod tests {
     use crate::num::math;
     use crate::tests::Random;
 
-    /// Standard deviation of the noise, N, as it is seen, a mean: of noise of 2 N and an oscillation with
-    /// this amplitude and this period in samples.
+    /// Mean estimate of the noise's standard deviation, N: for noise of 2 N and an oscillation of
+    /// this amplitude, with this period in samples.
     fn seen(amplitude_n: f32, samples: f32) -> f32 {
         let (mut oscillation, mut random) = (WithoutOscillation::new(), Random(3));
         let mut last = [0.0; 5];

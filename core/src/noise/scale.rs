@@ -1,17 +1,16 @@
-//! How far samples scatter, learnt online.
+//! Scale of the noise, estimated online.
 //!
-//! Running quantiles of a size, moved by a constant factor up or down: no threshold
-//! in newtons, and neither slips nor spikes can carry them away. Good
-//! to about 10 %, for the detector's limits; what is reported comes from the
-//! residuals of the fits.
+//! Running quantiles of absolute values, moved by a constant factor up or down: no threshold is in
+//! newtons, and neither slips nor spikes can carry them away. The estimate is good to about 10 %,
+//! for the detector's limits; the reported noise comes from the residuals of the fits.
 //!
-//! Where the block rests long enough the innovations of the stick line tell the
-//! noise. Where it never does, the line does not describe the force, and two other
-//! measures do, until the first fits are there: what is left of the second differences
-//! when an oscillation is taken off, if that is little (`oscillation.rs`), and how fast slips fall
-//! (`time_asymmetry.rs`). White noise shows neither. Where the innovations are far larger than what
-//! the second differences leave, the line was bent before the noise was known, by a cable that was
-//! tightened, held, and pulled: then the second differences tell the noise.
+//! Where the block rests long enough the innovations of the stick line give the noise. Where it
+//! never does, the line does not describe the force, and two other measures bound the noise until
+//! the first fits: the remainder of the second differences without an oscillation, if it is small
+//! (`oscillation.rs`), and the steepness of the falls (`time_asymmetry.rs`). White noise shows
+//! neither. Where the innovations are far larger than the second differences imply, the line was
+//! bent before the noise was known, by a cable that was tightened, held, and pulled: then the
+//! second differences give the noise.
 
 use crate::noise::oscillation::WithoutOscillation;
 use crate::noise::time_asymmetry::TimeAsymmetry;
@@ -19,70 +18,70 @@ use crate::num::math::{self, larger, smaller};
 use crate::stats::quantile::Quantile;
 
 /// Running robust standard deviation.
-// In this order: what every sample touches first.
+// Field order: first what every sample touches.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub(crate) struct Noise {
-    /// The newest sample, N; no number before the first.
+    /// The newest sample, N; NaN before the first.
     newest_n: f32,
-    /// Smallest step between samples that was seen, N: the resolution. Infinite before.
+    /// Smallest nonzero step between successive samples, N: the resolution; infinite before.
     resolution_n: f32,
-    /// Standard deviation that the resolution hides, N.
+    /// Standard deviation of rounding to the resolution, N.
     hidden_n: f32,
-    /// From the residuals of fits, and how much they count, up to [`TRUSTED`].
+    /// Standard deviation by the residuals of fits, N, and its weight, up to [`TRUSTED`].
     fitted_n: f32,
     fits: u8,
-    /// Two samples in a row were the same.
+    /// Were two samples in a row equal?
     repeats: bool,
-    /// Samples in a row, up to five.
+    /// Number of samples without a gap, up to five.
     filled: u8,
-    /// Median of the innovations' sizes.
+    /// Median of the innovations' absolute values.
     innovation: Quantile,
-    /// Their upper quartile, until the first fit: of the coarse steps of a converter the median
-    /// tells little.
+    /// Their upper quartile, until the first fit: with the coarse steps of a converter the median
+    /// carries little information.
     upper: Quantile,
     time_asymmetry: TimeAsymmetry,
-    /// Median of the second differences' sizes.
+    /// Median of the second differences' absolute values.
     second_difference: Quantile,
     oscillation: WithoutOscillation,
     /// The samples before the newest, newest last.
     row: [f32; 3],
 }
 
-/// Fits after which their residuals are the noise, whatever the samples themselves tell. Before,
-/// both count: one event of a block that never rests may fit badly, and with too large a noise
-/// there would be no other.
+/// Weight of the fits from which on the samples' differences no longer count. Below it both do: one
+/// event of a block that never rests may fit badly, and with too large a noise there would be no
+/// other event.
 const TRUSTED: u8 = 16 * BELIEVED;
-/// An event that has coefficients counts as so many that have none: those of mere noise come and
-/// go.
+/// Weight of an event that has coefficients; one without has the weight one, since events of mere
+/// noise come and go.
 const BELIEVED: u8 = 4;
 
 /// Median and upper quartile of |x|, for a normal distribution.
 const MEDIAN: f32 = 0.674_49;
 const QUARTILE: f32 = 1.150_35;
-/// Noise over the median of |second difference|, 0.6745 √6: with the median, slips may take nearly half of
-/// the time, as in a record that begins in mid-pull.
+/// Noise over the median of |second difference|, one over 0.6745 √6. A median, since slips may take
+/// nearly half of the time, as in a record that begins in mid-pull.
 const STD_PER_SECOND: f32 = 1.0 / 1.652;
-/// Most noise of slips, parts of their usual fall in a sample: with more of it none could
-/// be told from noise, for a first slip has to drop by eight times the noise.
+/// Largest noise beside slips, parts of their typical fall in a sample: a first slip has to drop by
+/// eight times the noise, and in more noise none could be detected.
 const SLIP: f32 = 1.0 / 12.0;
-/// A line is bent where [`CAUTION`] times the noise by the second differences is less than this part of
-/// its innovations. Tuned: a larger part takes a slow oscillation of the force for slips.
+/// The line is bent where [`CAUTION`] times the noise by the second differences is less than this
+/// part of its innovations. Tuned: a larger part takes a slow oscillation of the force for slips.
 const BENT: f32 = 0.3;
-/// Factor on that noise: a line that is no guide cannot tell the range of the noise from a slip. Tuned:
-/// with 2 an event of `tightened_low` is 4.1 standard deviations off (2.9), with 4.5 its events are given
-/// a tenth wider.
+/// Factor on the noise by the second differences: about a bent line noise and a slip are hard to
+/// distinguish. Tuned: with 2 an event of `tightened_low` is 4.1 standard deviations off (2.9),
+/// with 4.5 the intervals of its events are a tenth wider.
 const CAUTION: f32 = 3.0;
-/// What a line has to allow for beyond the noise of a fit, which follows slips and rate changes. Tuned to
-/// little: with 1 or 2.2 hardly an event is told or missed but in `many_pauses`.
+/// Factor on the noise of a fit, which follows slips and rate changes as the line does not. Tuned,
+/// with little effect: with 1 or 2.2 hardly an event is gained or lost but in `many_pauses`.
 const BEYOND_FITS: f32 = 1.5;
-/// Standard deviation that rounding to a step hides, parts of that: `1/√12`, rounded up.
+/// Standard deviation of rounding to a step, parts of the step: `1/√12`, rounded up.
 const OF_STEP: f32 = 0.3;
-/// Standard deviation of what single precision leaves of a force, parts of that: some units of 2⁻²⁴.
+/// Rounding error of a force in single precision, parts of the force: some units of 2⁻²⁴.
 const ROUNDING: f32 = 4e-7;
 
 impl Noise {
-    /// Nothing known.
+    /// Before the first sample.
     #[must_use]
     pub(crate) const fn new() -> Self {
         Self {
@@ -102,7 +101,7 @@ impl Noise {
         }
     }
 
-    /// Takes an innovation, already divided by its own spread relative to a sample.
+    /// Takes an innovation, N, already divided by its standard deviation in units of a sample's.
     pub(crate) fn add_innovation(&mut self, innovation_n: f32) {
         self.innovation.add(innovation_n.abs());
         if self.fits == 0 {
@@ -110,8 +109,8 @@ impl Noise {
         }
     }
 
-    /// Takes the noise, N, by the residuals of all events so far, the newest of which is `believed`
-    /// if it has coefficients.
+    /// Takes the noise, N, estimated from the residuals of all events so far; `believed` if the
+    /// newest event has coefficients.
     pub(crate) fn add_fit(&mut self, noise_n: f32, believed: bool) {
         self.fitted_n = BEYOND_FITS * noise_n;
         self.fits = (self.fits + if believed { BELIEVED } else { 1 }).min(TRUSTED);
@@ -123,14 +122,14 @@ impl Noise {
         if in_a_row && step_n < self.resolution_n {
             self.resolve(step_n);
         }
-        // The differences tell the noise until the fits do.
+        // The differences give the noise until the fits do.
         if self.fits < TRUSTED {
             self.difference(force_n, in_a_row);
         }
         self.newest_n = force_n;
     }
 
-    /// Takes a step that is smaller than all before.
+    /// Takes a step between samples that is smaller than all before it: the resolution.
     #[cold]
     #[inline(never)]
     fn resolve(&mut self, step_n: f32) {
@@ -158,11 +157,11 @@ impl Noise {
         }
     }
 
-    /// Standard deviation of the innovations of the stick line, N, and that of the samples, N,
-    /// which is less where the line does not describe the force.
+    /// Standard deviations, N: of the stick line's innovations, and of the samples' noise, which is
+    /// less where the line does not describe the force.
     ///
-    /// Never below the resolution's own, nor below the rounding of a force of this
-    /// size. Infinite until enough was seen.
+    /// Neither is below that of rounding to the resolution, nor below the rounding error of a force
+    /// of this size. Infinite before enough samples.
     #[must_use]
     pub(crate) fn std_n(&self, force_n: f32) -> (f32, f32) {
         let floor = larger(self.hidden_n, ROUNDING * force_n.abs());
@@ -174,7 +173,7 @@ impl Noise {
         (line, larger(smaller(innovation, self.fitted_n), floor))
     }
 
-    /// The standard deviation of the samples before there are enough fits.
+    /// Standard deviation of the samples' noise, N, before the fits are trusted.
     #[inline(never)]
     fn early_std_n(&self, line_n: f32, floor_n: f32) -> f32 {
         let (upper_n, fitted_n) = match self.fits {
@@ -185,8 +184,8 @@ impl Noise {
         smaller(larger(line_n, upper_n), bound_n)
     }
 
-    /// Standard deviation of the samples, N, by what needs no line, for innovations of `line_n`;
-    /// infinite where nothing tells it.
+    /// Standard deviation of the samples' noise, N, by measures that need no line; the scale of the
+    /// innovations is `line_n`. Infinite where none applies.
     fn without_line_n(&self, line_n: f32) -> f32 {
         let (Some(oscillation_n2), Some(second_n)) =
             (self.oscillation.noise_n2(), self.second_difference.value())

@@ -1,35 +1,35 @@
-//! An oscillation about a stick line, next to a slip: least squares for its cosine, its sine and how
-//! far its frequency, which is nearly known, is off.
+//! An oscillation about a stick line, next to a slip: least squares for its cosine and its sine
+//! amplitude and for a correction of its frequency, which is nearly known.
 //!
-//! Ridge regression: before its samples cosine and sine may be as large as the oscillation, so
-//! that no samples leave all of that open, and few shrink what noise makes of them. The first step
-//! gives the amplitudes; the second, from there, the frequency, whose derivative needs them:
-//! `t (b cos ωt − a sin ωt)`. `t` counts from the middle of the samples, where it depends least on
-//! the others.
+//! Ridge regression: the prior variance of the amplitudes is that of the oscillation, so without
+//! samples they are as uncertain as that, and an estimate from few samples is shrunk. The first
+//! pass gives the amplitudes; the second, from there, the frequency, whose derivative needs them:
+//! `t (b cos ωt − a sin ωt)`. `t` counts from the middle of the samples, where the frequency is
+//! least correlated with the amplitudes.
 
 use crate::num::math;
 use crate::signal::window::Window;
 use crate::stats::line::Line;
 use crate::stats::normal_equations::{Normal, Symmetric};
 
-/// Most samples of a line that it is taken from: more take time, and tell no more of the force next to
-/// the slip.
+/// Most samples of a line that are used: more take time, and add no information on the force next
+/// to the slip.
 pub(crate) const MOST: u32 = 24;
 
-/// The place of the frequency among the unknowns: cosine, sine, frequency.
+/// Index of the frequency among the unknowns: cosine, sine, frequency.
 const FREQUENCY: usize = 2;
 
 /// A sinusoid of a nearly known frequency about a line.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Sinusoid {
-    /// Time of the middle of its samples, periods: there its angle is zero.
+    /// Time of the middle of its samples, periods: its angle is zero there.
     pub(crate) middle: f32,
-    /// Cosine and sine, N.
+    /// Amplitudes of cosine and sine, N.
     cosine_n: f32,
     sine_n: f32,
-    /// Variance of either, in units of the noise's.
+    /// Variance of either amplitude, in units of the noise's.
     pub(crate) variance: f32,
-    /// By how much the angle of a period is larger than it was taken to be, rad, and what tells that,
+    /// Correction of the angle per period, rad, to the one assumed, and the information on it,
     /// `Σ (∂F/∂ω)²`, N².
     pub(crate) faster: f32,
     pub(crate) information_n2: f32,
@@ -48,8 +48,8 @@ pub(crate) struct AboutLine<'a> {
 }
 
 impl Sinusoid {
-    /// Of an angle `angle` a period, rad; `ridge` is the variance of the noise over that of the
-    /// oscillation.
+    /// Fits a sinusoid that turns by `angle` per period, rad; `ridge` is the variance of the noise
+    /// over that of the oscillation.
     #[inline(never)]
     pub(crate) fn new(samples: &AboutLine<'_>, angle: f32, ridge: f32) -> Self {
         let half = 0.5 * (samples.length as f32 - 1.0);
@@ -58,7 +58,7 @@ impl Sinusoid {
             Self { middle: samples.start + half, variance: 1.0 / ridge, ..Self::default() };
         let Some(slope) = samples.line.slope() else { return found };
         for pass in 0..2 {
-            // Of the frequency nothing is expected; without amplitudes it has no derivative.
+            // The frequency has no prior, but is held at zero before there are amplitudes.
             let frequency = if pass > 0 { 0.0 } else { 1.0 };
             let expected = [ridge, 0.0, ridge, 0.0, 0.0, frequency];
             let mut normal = Normal { matrix: Symmetric::of_first(&expected), ..Normal::default() };
@@ -85,12 +85,12 @@ impl Sinusoid {
         found
     }
 
-    /// What it adds to the line at a time, and a quarter of a turn later, N.
+    /// Its deviation from the line at a time, and a quarter of a turn later, N.
     pub(crate) fn at(&self, time: f32, angle: f32) -> (f32, f32) {
         self.turned(math::sin_cos(angle * (time - self.middle)))
     }
 
-    /// The same where an angle since the middle has this sine and this cosine.
+    /// Its deviation, and that a quarter of a turn later, N, at an angle with this sine and cosine.
     #[inline(always)]
     fn turned(&self, (s, c): (f32, f32)) -> (f32, f32) {
         let Self { cosine_n, sine_n, .. } = self;
@@ -136,7 +136,7 @@ mod tests {
                 squares_n2 += off_n * off_n / 200.0;
                 variance = found.variance;
             }
-            // The line takes some of a slow one with it.
+            // The line takes part of a slow oscillation with it.
             let most = if angle < 0.9 { 6.0 } else { 2.0 };
             assert!(squares_n2 < most * variance, "{angle}: {squares_n2} {variance}");
         }

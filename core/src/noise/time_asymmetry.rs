@@ -1,22 +1,22 @@
-//! The direction of time in a force: noise and oscillations look the same backwards, slips do not.
-//! They fall faster than the winch pulls.
+//! Time asymmetry of the force: noise and oscillations look the same in reversed time. Slips do
+//! not: they fall faster than the winch pulls.
 //!
 //! Rises and falls are compared by the steepest step of each run in one direction.
 
 use crate::num::math::smaller;
 use crate::stats::quantile::Quantile;
 
-/// Compares rises and falls, until the fits tell the noise.
+/// Compares rises and falls, until the fits give the noise.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct TimeAsymmetry {
-    /// Mean step of late, which is taken off: a force that is let go falls evenly.
+    /// Mean of the recent steps, N, which is subtracted: a force that is let go falls evenly.
     drift_n: f32,
-    /// Steepest step of the run that is going on, signed.
+    /// Steepest step of the current run, N, signed.
     steepest_n: f32,
-    /// Upper quartile of the steepest steps.
+    /// Upper quartile of the steepest steps, N.
     usual_n: Quantile,
-    /// Sums of the scores of falls and of rises, the cubes of their steepest steps, and of the
-    /// squared scores of both.
+    /// Sums of the scores of falls, of rises, and of the squared scores of both. A run's score is
+    /// the cube of its steepest step, in units of `usual_n`.
     falls: f32,
     rises: f32,
     squares: f32,
@@ -37,7 +37,7 @@ impl TimeAsymmetry {
         }
     }
 
-    /// Takes a step from one sample to the next.
+    /// Takes a step from one sample to the next, N.
     pub(crate) fn add(&mut self, step_n: f32) {
         const MEMORY: f32 = 16.0;
         self.drift_n += (step_n - self.drift_n) / MEMORY;
@@ -52,7 +52,7 @@ impl TimeAsymmetry {
     }
 
     fn end_run(&mut self, size_n: f32, falls: bool) {
-        /// Largest step that counts, in usual ones: no spike decides alone.
+        /// Largest steepest step that counts, in upper quartiles: no spike decides alone.
         const MOST: f32 = 3.0;
         self.usual_n.add(size_n);
         let Some(usual_n) = self.usual_n.value().filter(|&usual_n| usual_n > 0.0) else { return };
@@ -67,10 +67,10 @@ impl TimeAsymmetry {
         }
     }
 
-    /// The usual steepest step of a fall, N, if the falls' scores are more than twice the rises',
-    /// and beyond 3 standard errors.
+    /// Mean steepest step of a fall, N, weighted by the scores, if the falls' scores are more than
+    /// twice the rises', and the difference is beyond 3 standard errors.
     pub(crate) fn slip_n(&self) -> Option<f32> {
-        /// Standard errors: of normal ones one in 370.
+        /// Standard errors of a significant asymmetry (normal: one in 370).
         const SURE: f32 = 3.0;
         let more = self.falls - self.rises;
         let sure = more > self.rises && more * more > SURE * SURE * self.squares;

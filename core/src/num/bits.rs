@@ -10,7 +10,7 @@ const MANTISSA: u32 = 23;
 /// Square root, correctly rounded, for normal numbers; else about right.
 ///
 /// A guess from half the exponent, wrong by 3.5 % at most, three steps of Newton's, and the last
-/// bit from an exact difference in integers: the same as a processor's own instruction.
+/// bit from an exact difference in integers: the result is that of a processor's own instruction.
 #[cfg(any(test, target_arch = "arm"))]
 pub(super) fn sqrt(x: f32) -> f32 {
     // Half the exponent's bias, less what makes the guess 3.5 % too large or too small at worst.
@@ -25,7 +25,7 @@ pub(super) fn sqrt(x: f32) -> f32 {
     for _ in 0..3 {
         y = 0.5 * (y + x / y);
     }
-    // With x = X·2^e and y = Y·2^f, X and Y of 24 bits, x/2^2f − Y² is small: its low bits tell.
+    // With x = X·2^e and y = Y·2^f, X and Y of 24 bits, x/2^2f − Y² is small: its low bits suffice.
     let whole = |bits: u32| bits & ((1 << MANTISSA) - 1) | 1 << MANTISSA;
     let (square, root) = (x.to_bits(), y.to_bits());
     let shift = ((square >> MANTISSA) + 150).wrapping_sub(root >> MANTISSA << 1);
@@ -62,12 +62,12 @@ fn small_root(x: f32) -> f32 {
 
 /// Exponential function: `2^k e^r` with `|r| ≤ ½ ln 2`; zero below the smallest normal number.
 pub(super) fn exp(x: f32) -> f32 {
-    // ln 2 in two parts, the first so short that some hundred times it is exact.
+    // ln 2 in two parts, the first so short that its multiples up to some hundred are exact.
     const LN_2: (f32, f32) = (0.693_145_75, 1.428_606_8e-6);
     // Just inside ln of the smallest normal and of the largest number, −87.34 and 88.72.
     const LEAST: f32 = -87.3;
     const MOST: f32 = 88.0;
-    // NaN stays what it is.
+    // NaN stays NaN.
     if !(x > LEAST && x < MOST) {
         return if x <= LEAST { 0.0 } else { x * f32::MAX };
     }

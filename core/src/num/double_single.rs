@@ -1,9 +1,9 @@
-//! Sums that lose nothing, without double precision.
+//! Sums without loss of precision, in pairs of single-precision numbers.
 //!
-//! The board computes `f64` in software, 4 kB of it. A pair of `f32`, the second of them
-//! what the first has no digits for, holds 48 bits (Dekker, *A floating-point technique
-//! for extending the available precision*, Numer. Math. 18 (1971) 224-242): as much as
-//! the mean of a million events needs. The range is that of `f32`.
+//! The board computes `f64` in software, with 4 kB of code. A pair of `f32`, the second of which is
+//! the rounding error of the first, holds 48 bits (Dekker, *A floating-point technique for
+//! extending the available precision*, Numer. Math. 18 (1971) 224-242): enough for the mean of a
+//! million events. The range is that of `f32`.
 
 use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
 
@@ -16,7 +16,7 @@ pub(crate) struct DoubleSingle {
 }
 
 impl DoubleSingle {
-    /// Nothing.
+    /// Zero.
     pub(crate) const ZERO: Self = Self { high: 0.0, low: 0.0 };
 
     /// `high + low`, where `low` is not the larger of them.
@@ -34,8 +34,8 @@ impl DoubleSingle {
         Self::renormed(sum, lost + self.low)
     }
 
-    /// The sum with a number that is no larger than it, in four operations (Kahan); with a larger
-    /// one the last bit may be lost. Inlined: for loops.
+    /// The sum with a number that is no larger than `self`, in four operations (Kahan); with a
+    /// larger one the last bit may be lost. Inlined: for loops.
     #[inline(always)]
     pub(crate) fn plus_smaller(self, number: f32) -> Self {
         let step = number + self.low;

@@ -1,9 +1,9 @@
-//! The only home of elementary functions.
+//! The only module with elementary functions.
 //!
-//! The same source must give the same bits on the board and on a PC, so every
-//! function names its implementation. `docs/maths.md` compares the candidates: largest
-//! error over the range that Floe uses, what its use can bear, and the cost on a PC
-//! and on the board; `cargo xtask maths` measures it, `tests/maths.rs` holds it.
+//! One source must give the same bits on the board and on a PC, so every function names its
+//! implementation. `docs/maths.md` compares the candidates: largest error over the range that Floe
+//! uses, what its use tolerates, and the cost on a PC and on the board; `cargo xtask maths`
+//! measures it, `tests/maths.rs` holds it.
 //!
 //! | function | implementation | largest error |
 //! |---|---|---|
@@ -27,7 +27,7 @@ use crate::num::bits;
 /// Square root, correctly rounded; NaN below zero.
 ///
 /// libm takes a PC's instruction for it; stable Rust without std does not reach the board's, so
-/// there it is computed from the bits. Both are correctly rounded: the same bits.
+/// there it is computed from the bits. Both are correctly rounded and give the same bits.
 #[must_use]
 pub fn sqrt(x: f32) -> f32 {
     #[cfg(target_arch = "arm")]
@@ -51,7 +51,7 @@ pub fn hypotenuse(a: f32, b: f32) -> f32 {
 #[inline(never)]
 #[must_use]
 pub fn sin_cos(x_rad: f32) -> (f32, f32) {
-    // π/2 in two parts, the first so short that a few times it is exact.
+    // π/2 in two parts, the first so short that its small multiples are exact.
     const HALF_PI: (f32, f32) = (1.570_312_5, 4.838_268e-4);
     let quarters = x_rad * core::f32::consts::FRAC_2_PI;
     let nearest = (quarters + 0.5_f32.copysign(quarters)) as i32;
@@ -80,7 +80,7 @@ pub fn atan2(y: f32, x: f32) -> f32 {
     let (small, large) = if is_steep { (along, across) } else { (across, along) };
     let z = if large > 0.0 { small / large } else { 0.0 };
     let z2 = z * z;
-    // In pairs, which do not wait for each other.
+    // In independent pairs, which a processor can overlap.
     let z4 = z2 * z2;
     let pairs = [
         0.333_329_86 - 0.199_903_65 * z2,
@@ -134,7 +134,7 @@ pub fn floor(x: f32) -> f32 {
 
 /// The larger one of two numbers.
 ///
-/// One comparison, on the path of every sample, where `f32::max` also cares for NaN.
+/// One comparison, on the path of every sample, where `f32::max` also treats NaN.
 #[must_use]
 pub fn larger(a: f32, b: f32) -> f32 {
     if a > b { a } else { b }

@@ -1,4 +1,4 @@
-//! What all samples so far say: the report, what each effect shows, and what is systematic.
+//! Results of all samples so far: the report, the finding of each effect, the systematic parts.
 
 use crate::budget::losses::values;
 use crate::budget::{Known, Losses};
@@ -46,7 +46,7 @@ impl Pipeline {
         }
     }
 
-    /// The effects that the data show, of those that were looked for.
+    /// The effects that the data show, among those that were looked for.
     #[inline(never)]
     fn found(&self) -> Effects {
         let of_level = self.change.is_some_and(|change| change.cause != Cause::Mass);
@@ -57,7 +57,7 @@ impl Pipeline {
         Effects::from_mask(found.mask() & self.config.effects.mask())
     }
 
-    /// What the test says of each effect, in the order of [`Effect::ALL`].
+    /// The finding of each effect, in the order of [`Effect::ALL`].
     #[must_use]
     pub fn findings(&self) -> [Finding; Effect::ALL.len()] {
         let all = self.found();
@@ -68,13 +68,13 @@ impl Pipeline {
         })
     }
 
-    /// The numbers of an effect that the test shows. A level has none: how far
-    /// it went is known from the events after it.
+    /// The estimated parameters of an effect. A change of level has none: its size follows from the
+    /// events after it.
     fn parameters(&self, effect: Effect) -> [Option<Parameter>; 2] {
         let [first, second] = self.cycles.parameters(effect);
         match effect {
             Effect::Flop | Effect::Ripple => [self.detector.parameter(effect), first],
-            // It widens and shifts nothing.
+            // A drift widens the intervals and shifts nothing.
             Effect::Drift => {
                 let zero = |std| Parameter { name: "zero_n", value: 0.0, std };
                 [self.zero_n().map(zero), None]
@@ -101,7 +101,7 @@ impl Pipeline {
         (mu_s, mu)
     }
 
-    /// Sets the systematic part of an event's coefficients.
+    /// Sets the systematic standard deviations of an event's coefficients.
     pub(super) fn add_systematic(
         &self,
         mu_s: Option<&mut Coefficient>,
@@ -115,7 +115,7 @@ impl Pipeline {
         }
     }
 
-    /// The inputs as they are known now.
+    /// The inputs of the budget as known at this time.
     fn known(&self) -> Known<'_> {
         Known {
             config: &self.config,
@@ -127,8 +127,8 @@ impl Pipeline {
         }
     }
 
-    /// What the losses of the cable do to an event, as they are known now. An event is given with
-    /// the losses of its moment in its systematic part.
+    /// Effect of the cable's losses on an event, as known at this time. An event's systematic part
+    /// contains the losses that were known when it was given.
     #[must_use]
     pub fn losses(&self) -> Losses {
         let damping_std = self.cycles.damping_std(self.config.std.damping);
@@ -150,7 +150,7 @@ impl Pipeline {
         self.cycles.noise_n().or(self.detector.noise_n())
     }
 
-    /// How far the zero may have moved, N, if that is more than the noise.
+    /// Standard deviation of the zero's drift, N, if it exceeds the noise.
     fn zero_n(&self) -> Option<f32> {
         let zero_n = self.cycles.force_n(self.drift.read(Drift::std));
         self.noise_n().filter(|&noise_n| zero_n > noise_n).map(|_| zero_n)

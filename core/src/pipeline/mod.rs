@@ -1,8 +1,8 @@
-//! The one entry point: a sample in, what is known out.
+//! The one entry point: a sample in, all results out.
 //!
-//! A sample takes one way: it is received (calibrated, counted: `receive`), judged (is it a
-//! spike?), looked at by the detector and followed by the cycles. An event that comes out of that
-//! is counted (`tally`), and what all events say together is the report (`findings`).
+//! A sample passes these stages: it is received (calibrated, counted: `receive`), tested for a
+//! spike, examined by the detector and followed by the cycles. An event that results from it is
+//! counted (`tally`); the results of all events make the report (`findings`).
 
 mod findings;
 mod receive;
@@ -69,7 +69,7 @@ impl Step {
 }
 
 /// The whole computation for one test.
-// In this order: what every sample touches first, where the board reaches it in one instruction.
+// Field order: first what every sample touches, which the board reaches in one instruction.
 #[derive(Clone, Debug)]
 #[repr(C)]
 pub struct Pipeline {
@@ -82,7 +82,7 @@ pub struct Pipeline {
     calibrator: Calibrator,
     /// Standard deviation of the noise of a sample over that of a block: the root of its length.
     block_root: f32,
-    /// Has a step given the newest change?
+    /// Has a step returned the newest change?
     change_given: bool,
     stretches: Stretches,
     detector: Detector,
@@ -92,11 +92,11 @@ pub struct Pipeline {
     last_hidden: Option<u32>,
     mu_s: Estimator,
     mu: Estimator,
-    /// How far the zero may have moved.
+    /// Statistics for a drift of the zero.
     drift: Kept<Drift, { Effect::Drift.room() }>,
     /// Largest force of the events, N.
     largest_n: f32,
-    /// Relative standard deviation of the weight by changes of the block, a mean over the events.
+    /// Relative standard deviation of the weight due to changes of the block, mean over the events.
     weight_std: f32,
     events: u32,
     /// The newest change.
@@ -111,7 +111,7 @@ impl Pipeline {
     ///
     /// # Errors
     /// A configuration value out of its range.
-    // In one piece: field by field, where it is called, it takes some hundred bytes of flash more.
+    // Not inlined: built field by field by the caller it takes some hundred bytes of flash more.
     #[inline(never)]
     pub fn new(config: &Config) -> Result<Self, ConfigError> {
         config.validate()?;
@@ -161,7 +161,7 @@ impl Pipeline {
         step
     }
 
-    /// Takes a received sample through all stages. Filled in place: a step is long.
+    /// Takes a received sample through all stages. `step` is filled in place, since it is large.
     #[inline(never)]
     fn take(&mut self, step: &mut Step) {
         if let Some(force_n) = step.sample.force_n {
@@ -201,7 +201,7 @@ impl Pipeline {
     /// Takes a block of good samples through the detector and the cycles.
     fn block(&mut self, block: ForcePoint, step: &mut Step) {
         let transition = self.detect(block);
-        // Nearly always nothing has happened, and no fit is under way.
+        // For most samples nothing has happened, and no fit is under way.
         if transition.is_none() && self.cycles.is_idle() {
             return;
         }
@@ -219,10 +219,10 @@ impl Pipeline {
         self.detector.step(sample.index, sample.force_n, waits)
     }
 
-    /// Takes what the detector saw to the cycles; their first answer and their event go into the
-    /// step.
+    /// Passes the detector's transition to the cycles; their first answer and their event go into
+    /// the step.
     fn follow(&mut self, transition: Option<Transition>, step: &mut Step) {
-        // A fall that comes to nothing ends no constant force.
+        // A cancelled fall does not end a constant force.
         let highest = match transition {
             Some(Transition::Restick { peak, .. }) => Some(peak),
             Some(Transition::Lost) => Some(self.detector.ended().highest),
@@ -247,15 +247,15 @@ impl Pipeline {
         }
     }
 
-    /// From the next sample on the winch turns, or is held: so says somebody beside it. In a constant
-    /// force the block moved or not, whatever the configuration says. Gives that sample's index.
+    /// Marks that the winch turns, or is held, from the next sample on, as seen by somebody beside
+    /// it. In a constant force this decides whether the block moved, whatever the configuration
+    /// says. Gives that sample's index.
     pub fn mark_winch(&mut self, turns: bool) -> u32 {
         self.stretches.mark_winch(turns);
         self.next
     }
 
-    /// What the block is doing, with a first look at a sample that may still turn out to be a
-    /// spike.
+    /// What the block is doing, by a first look at a sample that may still turn out to be a spike.
     fn phase(&self, ForceSample { index, force_n, .. }: ForceSample) -> Phase {
         match force_n.filter(|_| !self.decimator.averages()) {
             Some(force_n) if self.detector.foresees_slip(ForcePoint { index, force_n }) => {
@@ -304,7 +304,7 @@ impl Pipeline {
         self.stretches.next().map(|stretch| self.in_samples(stretch))
     }
 
-    /// A stretch whose times are in blocks, with times in samples.
+    /// A stretch with times in samples, from one with times in blocks.
     fn in_samples(&self, stretch: Stretch) -> Stretch {
         let [start, stop] = [stretch.start, stretch.stop].map(|it| self.decimator.moment(it));
         Stretch { start, stop, ..stretch }
@@ -312,7 +312,8 @@ impl Pipeline {
 }
 
 impl Usual {
-    /// For samples whose noise is `block_root` times that of a block.
+    /// The detector's noise and usual drop, for samples whose noise is `block_root` times a
+    /// block's.
     fn of(detector: &Detector, block_root: f32) -> Self {
         Self { noise_n: detector.std_n() * block_root, drop_n: detector.usual_drop_n() }
     }

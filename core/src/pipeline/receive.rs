@@ -24,7 +24,7 @@ impl Pipeline {
         sample
     }
 
-    /// Indices that are missing before one that is not the next; `None` if it was there already.
+    /// Number of missing indices before one that is not the next; `None` for a duplicate.
     #[cold]
     #[inline(never)]
     fn skip_to(&mut self, index: u32) -> Option<u32> {

@@ -9,7 +9,7 @@ use crate::num::math;
 use crate::pipeline::Pipeline;
 
 impl Pipeline {
-    /// Counts an event, and gives it, unless nothing slipped.
+    /// Counts an event, and returns it; `None` if nothing slipped.
     pub(super) fn count(&mut self, finished: Finished) -> Option<Event> {
         if let Some(reason) = finished.event.reason.filter(|reason| reason.is_no_slip()) {
             self.stretches.refuse(finished.event.onset, finished.event.stop, reason);
@@ -17,7 +17,7 @@ impl Pipeline {
         }
         self.stretches.end_before(finished.event.onset);
         let Some((onset, stop)) = self.stretches.outside(&finished.event) else {
-            // It was found later, within a constant force that has been given already.
+            // The event was found late, within a constant force that has been returned already.
             self.cycles.withdraw();
             return None;
         };
@@ -62,16 +62,17 @@ impl Pipeline {
     }
 }
 
-/// Parts of the standard deviations of an event's `mu_s` and `mu` that are the same in all of them.
-/// Where the slip is too short for the sampling, or hidden by a slack cable, all events take the same
-/// things for granted: a third of it is common, so that no number of such events makes a mean sharper
-/// than that. After a rest with few samples an event takes for granted what others told of rate and
-/// swing: `mu_s` rests on them, `mu`, the middle of the swing, does not.
+/// Parts of the standard deviations of an event's `mu_s` and `mu` that are common to all events.
+/// Where the slip is too short for the sampling, or hidden by a slack cable, all events rest on the
+/// same assumptions: a third is common, so that no number of such events makes a mean more precise.
+/// After a rest with few samples `mu_s` depends on the rate and the swing of other events; `mu`, the
+/// middle of the swing, does not.
 fn granted(quality: Quality, rest: f32) -> (f32, f32) {
-    /// Samples of a rest that determines its line: two for the rate, and as many at either end that
-    /// the noise may hide. With fewer, an event determines one combination of its rate and its swing.
+    /// Samples of a rest that determine its line: two for the rate, and as many at either end that
+    /// the noise may hide. Fewer determine one combination of an event's rate and swing.
     const TELLING: f32 = 6.0;
-    /// Common part of `mu_s` without any rest. Tuned: rests of less than two samples need .36.
+    /// Common part of `mu_s` without any rest. Tuned: with rests of less than two samples the means of
+    /// `mu_s` scatter by .36 of an event's standard deviation.
     const WITHOUT_REST: f32 = 0.5;
     let least = match quality {
         Quality::Good | Quality::Clipped => 0.0,

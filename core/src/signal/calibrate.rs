@@ -1,4 +1,4 @@
-//! Codes to newtons, and what is not a force.
+//! Conversion of codes to newtons; flags what is not a force.
 //!
 //! In: a [`Reading`]. Out: a force in newtons, or the flag that says why not. No
 //! delay, no memory.
@@ -7,7 +7,7 @@ use crate::config::Config;
 use crate::sample::{Reading, SampleFlag};
 use crate::units::{Counts, Newtons};
 
-/// No cable carries more, N: beyond it the sums of squares would overflow.
+/// Largest force, N: no cable carries more, and beyond it the sums of squares would overflow.
 const LARGEST_N: f32 = 1e12;
 
 /// Calibration with its division done beforehand.
@@ -43,7 +43,7 @@ impl Calibrator {
                 if counts <= self.range_counts.0 || counts >= self.range_counts.1 {
                     return Err(SampleFlag::Saturated);
                 }
-                // Exact in integers: a large tare costs no digits of a small force.
+                // Exact in integers: a large tare does not reduce the precision of a small force.
                 let net = counts.checked_sub(self.tare_counts).ok_or(SampleFlag::Saturated)?;
                 net as f32 * self.n_per_count
             }

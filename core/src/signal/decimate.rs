@@ -1,17 +1,16 @@
-//! Fast logs, averaged to a rate that the window holds.
+//! Decimation of fast logs to a rate that the window holds.
 //!
-//! A slip lasts a tenth of a second to a few seconds; at 2000 Hz that is thousands of
-//! samples that tell hardly more than their means over a few milliseconds. Above
-//! [`FASTEST_HZ`] the samples of equal blocks of indices are averaged; a block with
-//! fewer than half its samples is missing. Up to that rate a sample is a block and
-//! nothing is computed. Delay: one block.
+//! A slip lasts a tenth of a second to a few seconds; at 2000 Hz that is thousands of samples, with
+//! hardly more information than their means over a few milliseconds. Above [`FASTEST_HZ`] the
+//! samples of equal blocks of indices are averaged; a block with fewer than half its samples is
+//! missing. Up to that rate a sample is a block and nothing is computed. Delay: one block.
 
 use core::num::NonZeroU32;
 
 use crate::num::math;
 use crate::sample::{ForcePoint, SampleTime};
 
-/// Fastest rate at which samples are taken as they come, Hz: the window then reaches back two seconds.
+/// Fastest rate at which samples are used as they come, Hz: the window then holds two seconds.
 pub(crate) const FASTEST_HZ: f32 = 128.0;
 
 /// Averages blocks of samples.

@@ -1,9 +1,9 @@
 //! The rate of the force, online: the paper's central difference.
 //!
-//! `(F₊ − F₋)/2 dt`, centred on the middle of the last three good samples: a delay of one
-//! period, and noise of 0.71 σ/dt. It sees the rate of a slip too small, because a slip is short:
-//! at angular frequency ω the answer is the true rate times `sin(ω dt)/(ω dt)`, 0.78 for DFF8-13
-//! (ω dt = 1.18). The rates serve pictures and live values, the coefficients come from the fit.
+//! `(F₊ − F₋)/2 dt`, centred on the middle of the last three good samples: a delay of one period,
+//! and noise of 0.71 σ/dt. It underestimates the rate in a slip, which is short: at the angular
+//! frequency ω its gain is `sin(ω dt)/(ω dt)`, 0.78 for DFF8-13 (ω dt = 1.18). The rates serve
+//! plots and live values, the coefficients come from the fit.
 
 /// A force and its rate at the same moment.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,11 +21,11 @@ pub struct Rate {
 /// The paper's derivative: three samples.
 #[derive(Clone, Copy, Debug)]
 pub struct Central {
-    /// Newest last.
+    /// The last three forces, N, newest last.
     forces_n: [f32; 3],
     /// Samples in a row without a gap, of those before the newest; at most two.
     filled: u32,
-    /// Index of the next one in the row.
+    /// Index that continues the row without a gap.
     next: u32,
     rate_hz: f32,
 }

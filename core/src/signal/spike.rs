@@ -1,31 +1,31 @@
 //! One sample far from both its neighbours is a spike.
 //!
-//! A cable cannot do that: the force never rises faster than the winch stretches
-//! it, `F' ≤ k w`, and falls no further than a slip's drop. A sample is therefore held back until
-//! the next one, and is a spike when it lies above both its neighbours, or below both, by more than
-//! each of ten standard deviations of the noise, three times the usual rise, three times the
-//! largest of the last rises (a cable that was held tells no usual one) and a quarter of the usual
-//! drop. Delay: one good sample.
+//! A cable cannot do that: the force never rises faster than the winch stretches it, `F' ≤ k w`,
+//! and falls no further than a slip's drop. A sample is therefore held back until the next one, and
+//! is a spike when it lies above both its neighbours, or below both, by more than each of ten
+//! standard deviations of the noise, three times the usual rise, three times the largest recent
+//! rise (a cable that was held has no usual one) and a quarter of the usual drop. Delay: one good
+//! sample.
 
 use crate::num::math::{larger, smaller};
 use crate::sample::ForcePoint;
 use crate::stats::quantile::Quantile;
 
-/// Standard deviations of the noise that a spike exceeds. These three are choices: with less the highest
-/// sample before a slip is taken for a spike, with more smaller spikes are left in. Half as much
-/// again, or about half, changes no class of `docs/honesty.md`.
+/// Standard deviations of the noise that a spike exceeds. This limit and the next two are choices:
+/// with less the highest sample before a slip is taken for a spike, with more smaller spikes are
+/// left in. Half as much again, or about half, changes no class of `docs/honesty.md`.
 const NOISES: f32 = 10.0;
 /// Part of the usual drop that a spike exceeds.
 const PART_OF_DROP: f32 = 0.25;
-/// Rises per sample that a spike exceeds, usual ones and recent ones.
+/// Multiple of the usual and of the largest recent rise per sample that a spike exceeds.
 const RISES: f32 = 3.0;
-/// Part of the largest recent rise that is left with the next one: a steeper pull counts for a few
+/// Factor by which each rise reduces the largest recent rise: a steeper pull counts for a few
 /// samples.
 const FADE: f32 = 0.5;
-/// Neighbours that are more periods apart say too little to judge a sample by.
+/// Largest distance of the neighbours, periods: those further apart are no measure of a sample.
 const LONGEST_SPAN: u32 = 4;
 
-/// What the filter needs to know of the force.
+/// Scales of the force that the filter needs.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Usual {
     /// Standard deviation of the noise, N; infinite: nothing is a spike yet.
@@ -43,7 +43,7 @@ pub(crate) struct SpikeFilter {
     count: u8,
     /// Upper quartile of the rises between neighbours, N.
     rises: Quantile,
-    /// The largest recent rise, fading, N.
+    /// The largest recent rise, with forgetting, N.
     last_rise_n: f32,
 }
 
@@ -71,8 +71,8 @@ impl SpikeFilter {
         }
     }
 
-    /// Takes a sample and gives the one before it; `usual` is called only if that is above or below
-    /// both its neighbours.
+    /// Takes a sample and judges the one before it; `usual` is called only if that one is above or
+    /// below both its neighbours.
     pub(crate) fn step(&mut self, sample: ForcePoint, usual: impl FnOnce() -> Usual) -> Judged {
         let (before, held) = (self.before, core::mem::replace(&mut self.held, sample));
         if self.count < 2 {
@@ -92,15 +92,15 @@ impl SpikeFilter {
         Judged::Good(held)
     }
 
-    /// Gives the last sample: without a neighbour it is good.
+    /// Gives the last sample: without a next neighbour it is good.
     pub(crate) fn finish(&mut self) -> Option<ForcePoint> {
         let held = (self.count > 0).then_some(self.held);
         self.count = 0;
         held
     }
 
-    /// Is a sample a spike, that differs from its neighbours, `span` periods apart, by these
-    /// forces, N?
+    /// Is a sample a spike that differs by these forces, N, from its neighbours, `span` periods
+    /// apart?
     #[inline(never)]
     fn stands_out(&self, (left, right): (f32, f32), span: u32, usual: Usual) -> bool {
         if span > LONGEST_SPAN {

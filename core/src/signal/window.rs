@@ -1,6 +1,6 @@
 //! The last samples, by index.
 
-/// How many sampling periods the window reaches back: a power of two, for a sample's place is the end of
+/// Length of the window, sampling periods: a power of two, for a sample's slot is the low bits of
 /// its index. 1 KiB of state; the longest slip is three quarters of it.
 pub const WINDOW: usize = 256;
 
@@ -62,8 +62,7 @@ impl Window {
     }
 
     /// Forces from an index up to another one, in two parts where the ring begins anew; NaN is
-    /// missing. Both indices have to lie within the window: beyond it other samples are in their
-    /// places.
+    /// missing. Both indices have to lie within the window: beyond it the slots hold other samples.
     pub(crate) fn between(&self, from: u32, to: u32) -> [&[f32]; 2] {
         let (from_slot, to_slot) = (slot(from), slot(to));
         let part = |range| self.forces_n.get(range).unwrap_or_default();

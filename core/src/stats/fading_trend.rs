@@ -1,77 +1,77 @@
 //! A quantity that the events of a test share, such as the loading rate or the swing.
 //!
-//! Each event measures it; the next one may expect it again, within what it varies from event to
-//! event. Old events fade, so a cable that shortens or a winch that tires is followed. A single
-//! event that is far off (the winch had paused) is ignored; three in a row mean that the quantity
-//! has changed, and the past is dropped.
+//! Each event measures it, and the expectation of the next event is the mean with the variation
+//! between events. Old events fade, so a cable that shortens or a winch that tires is followed. A
+//! single outlier (the winch had paused) is ignored; three in a row mean that the quantity has
+//! changed, and the past is dropped.
 //!
-//! What counts only when it is significant counts from its limit on, and fully from twice that
-//! (`surely`): no expectation jumps because of a last digit.
+//! A trend or a variance that has to be significant counts from its limit on, and fully from twice
+//! that (`surely`): no expectation jumps because of a rounding error.
 
 use crate::num::math::{self, larger};
 use crate::stats::line::Line;
 use crate::stats::prior::{Prior, surely};
 use crate::stats::quantity::Quantity;
 
-/// Events over which the past is forgotten. A choice: more make expectations surer, fewer follow a cable
-/// that gets shorter.
+/// Time constant of the forgetting, events. A choice: more make expectations more precise, fewer
+/// follow a cable that gets shorter.
 const MEMORY: f32 = 40.0;
-/// Fewest events, their number fading, that give an expectation: two.
+/// Least effective number of events (with forgetting) for an expectation: two events.
 const LEAST_EVENTS: f32 = 1.5;
-/// Standard errors beyond which the mean of a quantity that should be zero counts: of normal ones one
-/// in 370.
+/// Standard errors beyond which the mean of a quantity that should be zero is significant (normal:
+/// one in 370).
 const SIGNIFICANT: f32 = 3.0;
-/// Standard errors beyond which a trend counts: more, for it is looked at with every event.
+/// Standard errors beyond which a trend is significant: more, for it is tested with every event.
 const TREND: f32 = 5.0;
-/// Standard deviations beyond which an event is far off: of normal ones one in 5e8.
+/// Standard deviations beyond which an event is an outlier (normal: one in 5e8).
 const FAR_OFF: f32 = 6.0;
-/// So many far off in a row: the quantity has changed, and the past is dropped. A pause of the winch
-/// spoils a stick line, and with it the two events that share it.
+/// Number of outliers in a row with which the quantity has changed, and the past is dropped. A
+/// pause of the winch spoils a stick line, and with it the two events that share it.
 const CHANGED: u8 = 3;
 
-/// Running mean of a quantity that events share, its trend, and how much it varies.
+/// Running mean of a quantity that events share, its trend, and its variance between events.
 ///
-/// A weighted line over the events with weights `1/(s² + τ²)`: `s²` the event's own
-/// variance, `τ²` the variance between events, estimated alongside with the squared
-/// weights. The trend counts once it is significant.
+/// A weighted line over the events with weights `1/(s² + τ²)`: `s²` is the event's own variance,
+/// `τ²` the variance between events, estimated with the squared weights. The trend counts in so far
+/// as it is significant.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct FadingTrend {
-    /// Over the events so far, the newest at time −1.
+    /// Line through the events so far, the newest at time −1.
     line: Line,
     /// Variance of the first event: weights are in units of one over it, so that their squares
     /// neither overflow nor vanish, whatever the size of the forces.
     unit: f32,
-    /// Number of events, fading: at most [`MEMORY`].
+    /// Number of events, with forgetting: at most [`MEMORY`].
     count: f32,
     /// Σ w² (step² − s²) and Σ w², where a step is an event's distance from the line before it,
-    /// without the part that is the line's own error.
+    /// less the part that is due to the line's own error.
     excess: f32,
     weight_squares: f32,
-    /// Variance between events, `τ²`, as far as it is significant.
+    /// Variance between events, `τ²`, in so far as it is significant.
     between: f32,
-    /// Events in a row that were far off.
+    /// Outliers in a row.
     strangers: u8,
-    /// The value that the next event may expect, and its variance without that between events;
-    /// zeros before the first event.
+    /// Expected value of the next event, and its variance without that between events; zeros before
+    /// the first event.
     now: (f32, f32),
 }
 
 impl FadingTrend {
-    /// Lets the past count for less, and moves the trend on by an event. Once an event, whether or
-    /// not it tells anything, so that no expectation that is too sure of itself shuts out for good
-    /// what could correct it.
+    /// Applies the forgetting, and moves the trend on by an event. Called once an event, even if it
+    /// adds nothing, so that an expectation that is too narrow does not exclude for good what could
+    /// correct it.
     pub(crate) fn forget(&mut self) {
         self.line.shift(1.0);
         self.fade();
     }
 
-    /// Moves the trend on by an event; the past counts as much as before.
+    /// Moves the trend on by an event, without forgetting.
     pub(crate) fn pass(&mut self) {
         self.line.shift(1.0);
         self.now = self.at(NEXT);
     }
 
-    /// Lets the past count for less; the trend stays where it is.
+    /// Applies the forgetting; the trend stays where it is.
     #[inline(never)]
     pub(crate) fn fade(&mut self) {
         const FADE: f32 = 1.0 - 1.0 / MEMORY;
@@ -82,8 +82,8 @@ impl FadingTrend {
         self.now = self.at(NEXT);
     }
 
-    /// Takes the newest event's own measurement and its variance. One that is no finite number, or
-    /// far off, is ignored.
+    /// Takes the newest event's own measurement and its variance. An outlier, or a number that is
+    /// not finite, is ignored.
     pub(crate) fn add(&mut self, value: f32, variance: f32) {
         if !(value.is_finite() && variance.is_normal() && variance > 0.0) {
             return;
@@ -119,8 +119,8 @@ impl FadingTrend {
         self.now = self.at(NEXT);
     }
 
-    /// The value at a time and its variance, without the variation between events: on
-    /// the line as far as its slope is significant.
+    /// Value of the line at a time, and its variance, without that between events; the slope counts
+    /// in so far as it is significant.
     fn at(&self, time: f32) -> (f32, f32) {
         let slope = self.line.slope().unwrap_or(0.0);
         let size = slope * slope * self.line.slope_weight();
@@ -129,8 +129,8 @@ impl FadingTrend {
         (self.line.at(time, slope), self.unit * self.line.leverage(time))
     }
 
-    /// Variance between events: zero unless it is more than the own variances of so few events can
-    /// feign.
+    /// Variance between events: zero unless it exceeds what the events' own variances produce by
+    /// chance.
     fn significant_excess(&self) -> f32 {
         let between = self.excess / self.weight_squares;
         if between <= 0.0 {
@@ -141,41 +141,41 @@ impl FadingTrend {
         larger(between, 0.0) * surely(between, feigned)
     }
 
-    /// The value that the next event may expect; `None` before the first event.
+    /// Expected value of the next event; `None` before the first event.
     #[must_use]
     pub(crate) fn mean(&self) -> Option<f32> {
         (self.count > 0.0).then_some(self.now.0)
     }
 
-    /// That value and its variance without that between events; zeros before the first event.
+    /// Expected value, and its variance without that between events; zeros before the first event.
     pub(crate) fn now(&self) -> (f32, f32) {
         self.now
     }
 
-    /// That value with its standard deviation; `None` before the first event.
+    /// Expected value, with the standard deviation of [`Self::now`]; `None` before the first event.
     pub(crate) fn known(&self) -> Option<Quantity> {
         let (value, variance) = self.now;
         (self.count > 0.0).then(|| Quantity { value, std: math::sqrt(variance) })
     }
 
-    /// Have three events told it? For a quantity in which single events may be far off.
+    /// Have three events measured it? For a quantity in which single events may be outliers.
     pub(crate) fn is_well_known(&self) -> bool {
         self.count > LEAST_EVENTS + 1.0
     }
 
-    /// Was the newest event far off, and left out?
+    /// Was the newest event an outlier, and left out?
     pub(crate) fn is_off(&self) -> bool {
         self.strangers > 0
     }
 
-    /// Have two events told it?
+    /// Have two events measured it?
     #[must_use]
     pub(crate) fn is_known(&self) -> bool {
         self.count >= LEAST_EVENTS
     }
 
-    /// What the next event may expect. The weight is `noise_n2` over the variance between events
-    /// plus that of the mean; zero before two events.
+    /// Prior of the next event. The weight is `noise_n2` over the variance between events plus that
+    /// of the mean; zero before two events.
     #[must_use]
     #[inline(never)]
     pub(crate) fn prior(&self, noise_n2: f32) -> Prior {
@@ -192,19 +192,19 @@ impl FadingTrend {
         self.now.0 += by;
     }
 
-    /// As [`Self::prior`], for a quantity that is zero unless the events say otherwise.
+    /// Prior of a quantity that is zero unless the mean of the events is significant.
     #[must_use]
     pub(crate) fn prior_around_zero(&self, noise_n2: f32) -> Prior {
         let prior = self.prior(noise_n2);
         let mean = self.line.level_n;
         let limit = SIGNIFICANT * SIGNIFICANT * self.unit / self.line.weight;
         let sure = surely(mean * mean, limit);
-        // Around zero: within a quarter of the standard error of the mean that shows nothing else.
+        // Unless significant: around zero with a quarter of the prior's standard deviation.
         Prior { mean: sure * prior.mean, weight: (16.0 - 15.0 * sure) * prior.weight }
     }
 }
 
-/// Times of the line, in events: the event that is being learnt, and the one after it.
+/// Times of the line, in events: the event that is being added, and the one after it.
 const NEWEST: f32 = -1.0;
 const NEXT: f32 = 0.0;
 

@@ -1,9 +1,9 @@
 //! The steps of a converter, found from readings that lie on them.
 
-/// Largest distance of which all differences of the numbers are a multiple, by Euclid's algorithm
-/// with remainders up to `tolerance` taken for zero. Zero where it is less than eight times that,
-/// as it is for numbers that lie anywhere. Every turn of the inner loop halves what is left: there
-/// are 32 turns and one a number at most.
+/// Largest number of which all differences of `numbers` are multiples, by Euclid's algorithm with
+/// remainders up to `tolerance` taken for zero. Zero where it is less than eight times that, as for
+/// arbitrary numbers. Every turn of the inner loop halves the remainder: there are at most 32
+/// turns, and one a number.
 #[must_use]
 pub(crate) fn spacing(numbers: impl Iterator<Item = f32>, tolerance: f32) -> f32 {
     const CLEAR: f32 = 8.0;
@@ -20,8 +20,8 @@ pub(crate) fn spacing(numbers: impl Iterator<Item = f32>, tolerance: f32) -> f32
             let rest = remainder(spacing, left);
             (spacing, left) = (left, rest);
         }
-        // The further two numbers are apart, the less their rounding counts: the distance again,
-        // from these.
+        // Rounding matters less the further two numbers are apart: the spacing follows once more
+        // from this distance.
         let steps = whole(distance / spacing);
         if steps > 0.0 {
             spacing = distance / steps;
@@ -34,13 +34,13 @@ pub(crate) fn spacing(numbers: impl Iterator<Item = f32>, tolerance: f32) -> f32
 }
 
 /// Distance of a number from the nearest multiple of another; zero where that multiple is beyond a
-/// million, as of an infinite number.
+/// million, as for an infinite number.
 fn remainder(number: f32, step: f32) -> f32 {
     let steps = number / step;
     if steps < 1e6 { (number - step * whole(steps)).abs() } else { 0.0 }
 }
 
-/// To the nearest whole number.
+/// Rounds to the nearest whole number.
 fn whole(steps: f32) -> f32 {
     (steps + 0.5) as i32 as f32
 }

@@ -1,9 +1,9 @@
-//! A straight line followed sample by sample: the stick line.
+//! A straight line fitted sample by sample: the stick line.
 //!
-//! Weighted least squares of force against time, in recursive form: each point moves
-//! the line by a part of its distance from it, and adds to the squared residuals.
-//! Nothing is the small difference of two large sums, so neither a large force nor a
-//! long stick costs digits. Constant memory.
+//! Weighted least squares of force against time, in recursive form: each point moves the line by a
+//! part of its distance from it, and adds to the squared residuals. No number is the small
+//! difference of two large sums, so neither a large force nor a long stick costs precision.
+//! Constant memory.
 
 /// Sums of a straight line through weighted points.
 ///
@@ -17,7 +17,7 @@ pub(crate) struct Line {
     pub time: f32,
     /// Weighted mean force, N.
     pub level_n: f32,
-    /// What rounding has left out of `level_n`, N (Kahan).
+    /// Rounding error of `level_n`, N, which the next step makes good (Kahan).
     lost_n: f32,
     /// Σ w (t − mean)².
     tt: f32,
@@ -50,21 +50,21 @@ impl Line {
         self.take(time, force_n, weight, trust);
     }
 
-    /// As [`Self::add`], inlined: for the path of every sample.
+    /// Takes a point, see [`Self::add`]; inlined for the path of every sample.
     #[inline(always)]
     pub(crate) fn take(&mut self, time: f32, force_n: f32, weight: f32, trust: f32) {
         let total = self.weight + weight;
         let share = weight / total;
         let dt = time - self.time;
-        // Recursive least squares: everything moves by parts of the distance from the
-        // line so far. Rounding then acts on noise, and not, being the same in every
-        // event, on the mean of all.
+        // Recursive least squares: everything moves by parts of the distance from the line so far.
+        // Rounding then acts on noise, and not on the mean, where it would be the same in every
+        // event.
         let off_n = force_n - self.at(time, self.slope);
         let rest = self.weight * share;
         let tt = self.tt + rest * dt * dt;
         let mean = self.time + share * dt;
-        // In a long rest every sample moves the mean by nearly as much: the rounding of that step
-        // is the same again and again, and adds up, unless it is kept (Kahan).
+        // In a long rest every sample moves the mean by nearly as much: the rounding error of that
+        // step is always the same, and adds up unless it is kept (Kahan).
         let step_n = self.slope * (mean - self.time) + share * off_n + self.lost_n;
         let level_n = self.level_n + step_n;
         self.lost_n = step_n - (level_n - self.level_n);
@@ -82,7 +82,7 @@ impl Line {
         self.count = self.count.saturating_add(1);
     }
 
-    /// Multiplies all weights: the past counts for less.
+    /// Multiplies all weights by a factor, to forget the past.
     pub(crate) fn fade(&mut self, factor: f32) {
         self.weight *= factor;
         self.tt *= factor;

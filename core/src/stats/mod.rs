@@ -1,4 +1,4 @@
-//! Small statistics that several rooms use.
+//! Statistical tools that several modules use.
 
 pub(crate) mod fading_trend;
 pub(crate) mod lattice;

@@ -6,11 +6,11 @@ use core::ops::{Index, IndexMut};
 pub(crate) const UNKNOWNS: usize = 6;
 
 /// Gradient of the force with respect to the unknowns of the fit: onset, rate, `Fs`, `d`, swing
-/// `1/ω` and rate change. The swing, not ω: times are proportional to it, so what few samples tell
-/// of it is close to a normal distribution.
+/// `1/ω` and rate change. The swing, not ω: times are proportional to it, so its estimate from few
+/// samples is nearly normally distributed.
 pub(crate) type Gradient = [f32; UNKNOWNS];
 
-/// The first unknowns, onset, rate and `Fs`: the stick line before the slip depends on no others.
+/// Number of first unknowns, onset, rate and `Fs`: the line before the slip depends on no others.
 const FIRST: usize = 3;
 
 /// Entries of a symmetric matrix of the fit's size, on its diagonal and below.
@@ -34,7 +34,7 @@ impl Symmetric {
         self.0.get_mut(place(row, 0)..=place(row, row)).unwrap_or_default()
     }
 
-    /// Factors it with its diagonal raised by `damping` times itself.
+    /// Factors the matrix with its diagonal multiplied by one plus `damping`.
     ///
     /// `None` when it is singular to working precision.
     #[must_use]
@@ -42,7 +42,7 @@ impl Symmetric {
         Factor::new(self, damping)
     }
 
-    /// Its entries, row by row: those of the first unknowns come first.
+    /// Its lower triangle, row by row: the entries of the first unknowns come first.
     pub(crate) fn entries(&self) -> &[f32] {
         &self.0
     }
@@ -203,7 +203,7 @@ impl Factor {
         core::array::from_fn(|unknown| self.variance(unknown))
     }
 
-    /// The one of an unknown.
+    /// Variance of one unknown, in units of the variance of weight one.
     #[inline(always)]
     pub(crate) fn variance(&self, unknown: usize) -> f32 {
         let mut unit = Gradient::default();

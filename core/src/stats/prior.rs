@@ -1,8 +1,8 @@
-//! What is known of a quantity beforehand, and how sure a finding is.
+//! Prior knowledge of a quantity, and the weight of a finding by its significance.
 
 use crate::num::math::smaller;
 
-/// What is known of a quantity beforehand.
+/// Prior of a quantity: its expected value and its precision.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Prior {
     /// Expected value.
@@ -12,28 +12,28 @@ pub(crate) struct Prior {
 }
 
 impl Prior {
-    /// With a variance added to its own, in units of the noise variance.
+    /// The prior with a variance added to its own, in units of the noise variance.
     pub(crate) fn loosened(self, variance: f32) -> Self {
         Self { weight: loosened(self.weight, variance), ..self }
     }
 }
 
-/// A weight, one over a variance, after another variance was added to that.
+/// The precision `weight` after a variance was added: one over `1/weight + variance`.
 pub(crate) fn loosened(weight: f32, variance: f32) -> f32 {
     weight / (1.0 + variance * weight)
 }
 
-/// How surely a size is beyond a limit: 0 up to the limit, rising evenly to 1 at twice that.
+/// Weight of a finding by its size: 0 up to the limit, rising linearly to 1 at twice that.
 #[inline(never)]
 pub(crate) fn surely(size: f32, limit: f32) -> f32 {
     if size > limit { smaller(size / limit - 1.0, 1.0) } else { 0.0 }
 }
 
-/// What an event measured by itself, without the expectation it was fitted with.
+/// An event's own measurement: its estimate and variance with the prior taken out.
 ///
 /// `mean` and `variance` are the fitted ones; the precisions subtract. `None` when no more than the
-/// part `least` of the fitted precision is the event's own; up to twice that part it counts for
-/// less.
+/// part `least` of the fitted precision is the event's own; up to twice that part its precision is
+/// reduced.
 #[must_use]
 pub(crate) fn without_prior(
     mean: f32,
@@ -45,6 +45,6 @@ pub(crate) fn without_prior(
     let (fitted, expected) = (1.0 / variance, prior.weight / noise_n2);
     let own = fitted - expected;
     let sure = surely(own, least * fitted);
-    // The difference of the means keeps its digits, that of the products would not.
+    // The difference of the means keeps its precision, that of the products would not.
     (sure > 0.0).then(|| (mean + expected / own * (mean - prior.mean), 1.0 / (sure * own)))
 }

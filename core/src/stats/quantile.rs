@@ -16,11 +16,11 @@ pub(crate) struct Quantile {
 
 /// Final relative step of a quantile: it settles to 8 % within a hundred samples.
 const SMALLEST_GAIN: f32 = 0.08;
-/// Numbers after which the step is final: the first ones, `4/n`, have nearly come down to it.
+/// Number of values after which the step is final: the step `4/n` before has nearly fallen to it.
 const SETTLED: u32 = 40;
-/// What a value of zero grows to at least, in the unit of the numbers: far below any noise.
+/// Least number that an estimate of zero grows to, in the unit of the numbers: far below any noise.
 const LEAST: f32 = 1e-6;
-/// Fewest numbers that tell a quantile: two of eight are above the upper quartile.
+/// Fewest numbers for an estimate: two of eight are above the upper quartile.
 const FEWEST: u32 = 8;
 
 impl Quantile {
@@ -49,8 +49,8 @@ impl Quantile {
         };
     }
 
-    /// Sorts the first eight numbers in, whose quantile is where to start from; after them the
-    /// steps are larger at first.
+    /// Sorts the first eight numbers, whose quantile is the initial estimate; after them the steps
+    /// are larger at first.
     #[inline(never)]
     fn start(&mut self, mut size: f32) {
         if self.count >= FEWEST {
@@ -68,9 +68,9 @@ impl Quantile {
         self.value = self.largest.get(place as usize).copied().unwrap_or(size);
     }
 
-    /// The quantile over a number, with caution; infinite until eight numbers were seen. What few
-    /// numbers tell may be far too small: the caution is a factor of 2 at the eighth and falls to 1
-    /// at the fortieth.
+    /// The quantile over a number, times a factor of caution; infinite until eight numbers were
+    /// seen. An estimate from few numbers may be far too small: the factor is 2 at the eighth and
+    /// falls to 1 at the fortieth.
     #[must_use]
     #[inline(always)]
     pub(crate) fn over(&self, number: f32) -> f32 {

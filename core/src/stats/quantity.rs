@@ -1,4 +1,4 @@
-//! A number and how well it is known.
+//! A quantity and its uncertainty.
 
 /// A number with its standard deviation.
 #[derive(Clone, Copy, Debug, PartialEq)]

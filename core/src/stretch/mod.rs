@@ -1,7 +1,7 @@
 //! Stretches of a record that are no events: a constant force, and what was not understood.
 //!
-//! A cable that is tightened and held and a block that slides evenly are the same constant force,
-//! unless somebody beside the winch says which.
+//! A cable that is tightened and held and a block that slides evenly give the same constant force:
+//! only knowledge of the winch distinguishes them.
 
 mod steady_force;
 
@@ -12,9 +12,9 @@ use steady_force::{Steady, SteadyForce};
 
 /// Largest scatter of a constant force's samples, parts of the weight: more of it hides slips.
 const LARGEST_SCATTER: f32 = 0.06;
-/// The same where the force has to rise before anything can slip: more of it may be slips.
+/// Largest scatter of a constant force that has to rise before a slip: more may be slips.
 const QUIET_SCATTER: f32 = 0.01;
-/// Longest gap within a stretch, periods: as the detector's, for a slip may hide in a longer one.
+/// Longest gap within a stretch, periods: the detector's, for a slip may hide in a longer one.
 const LONGEST_GAP: u32 = 8;
 
 /// A stretch of samples that belongs to no event.
@@ -26,7 +26,7 @@ pub struct Stretch {
     pub start: SampleTime,
     /// Its last moment.
     pub stop: SampleTime,
-    /// What it was.
+    /// What the stretch was.
     pub kind: StretchKind,
 }
 
@@ -42,11 +42,11 @@ pub enum StretchKind {
         force_over_weight: f32,
         /// One standard deviation of that mean, from the scatter of the means of blocks.
         std: f32,
-        /// Whether the block moved: with a winch that is known to turn it did. `None`: held
-        /// or sliding, the force alone cannot tell.
+        /// Whether the block moved, as the winch turned or was held. `None` if that is unknown: the
+        /// force alone cannot distinguish a held block from a sliding one.
         moving: Option<bool>,
     },
-    /// Falls of the force that are no slips.
+    /// Falls of the force that are no slips, or samples that scatter too much.
     NotUnderstood(Reason),
 }
 
@@ -57,16 +57,16 @@ pub(crate) struct Stretches {
     steady: SteadyForce,
     weight_n: f32,
     moving: Option<bool>,
-    /// The newest one that was not understood, while it may grow.
+    /// The newest stretch that was not understood, while it may grow.
     open: Option<Stretch>,
-    /// First and last moment of the newest complete one.
+    /// First and last moment of the newest complete stretch.
     handed_out: (SampleTime, SampleTime),
-    /// Complete ones, oldest first.
+    /// Complete stretches, oldest first.
     ready: [Option<Stretch>; 3],
 }
 
 impl Stretches {
-    /// For a rate in hertz and a weight; `winch` if it is known to turn.
+    /// For a rate in hertz and a weight, N; `winch` if it is known to turn.
     pub(crate) fn new(rate_hz: f32, weight_n: f32, winch: bool) -> Self {
         let steady = SteadyForce::new(rate_hz);
         Self {
@@ -94,17 +94,18 @@ impl Stretches {
         ends
     }
 
-    /// Force, N, that a slip has to begin above: where the force is constant nothing rose.
+    /// Force, N, that a slip after a constant force has to begin above; `None` without such a
+    /// force.
     pub(crate) fn ceiling_n(&self) -> Option<f32> {
         self.steady.ceiling_n(QUIET_SCATTER * self.weight_n)
     }
 
-    /// A slip or a gap ends a constant force at the index `last` at the latest. `None`: it was
-    /// found later, in samples taken for a constant force, so there was none.
+    /// A slip or a gap ends a constant force, at the index `last` at the latest. `None`: the slip
+    /// was found late, in samples taken for a constant force, so there was none.
     pub(crate) fn interrupt(&mut self, last: Option<u32>) {
         let next = self.steady.last.index + 1;
         let steady = self.steady.end(next);
-        // A slip begins a little before it is seen.
+        // A slip begins a little before it is detected.
         if let Some((start, stop, means, scatters)) = steady
             && let Some(last) = last.filter(|&last| last > start)
         {
@@ -112,7 +113,8 @@ impl Stretches {
         }
     }
 
-    /// The winch turns from now on, or is held. A constant force before was one of the other.
+    /// The winch turns, or is held, from now on. A constant force ends here and keeps the state
+    /// before.
     pub(crate) fn mark_winch(&mut self, turns: bool) {
         self.interrupt(Some(u32::MAX));
         self.moving = Some(turns);
@@ -130,7 +132,7 @@ impl Stretches {
         }
     }
 
-    /// What was not understood ends where an event begins; it is dropped if it is not older.
+    /// Ends the stretch that was not understood at an onset; drops it if it begins no earlier.
     pub(crate) fn end_before(&mut self, onset: SampleTime) {
         self.open = self.open.filter(|open| open.start.precedes(onset));
         if let Some(open) = self.open.as_mut().filter(|open| onset.precedes(open.stop)) {
@@ -139,7 +141,7 @@ impl Stretches {
         self.close();
     }
 
-    /// Onset and stop of an event without the part in the newest stretch; `None` if all of it is.
+    /// Onset and stop of an event without what overlaps the newest stretch; `None` if all does.
     pub(crate) fn outside(&self, event: &Event) -> Option<(SampleTime, SampleTime)> {
         let Event { onset, stop, .. } = *event;
         let (from, to) = self.handed_out;
@@ -159,9 +161,9 @@ impl Stretches {
         }
     }
 
-    /// The oldest one that is complete.
+    /// The oldest complete stretch.
     pub(crate) fn next(&mut self) -> Option<Stretch> {
-        // Nearly always there is none: nothing is moved for that.
+        // For most samples there is none, and nothing is moved.
         self.ready[0]?;
         let [first, second, last] = self.ready;
         self.ready = [second, last, None];
@@ -189,8 +191,8 @@ impl Stretches {
         self.push(Stretch { start, stop, kind });
     }
 
-    /// There is room: a step completes at most a constant force, the stretch that was open before
-    /// it and one of an event, and gives one.
+    /// Adds a complete stretch. There is room: a step completes at most a constant force, the
+    /// stretch that was open before it and one of an event, and gives one.
     fn push(&mut self, mut stretch: Stretch) {
         if stretch.start.precedes(self.handed_out.1) {
             stretch.start = self.handed_out.1;

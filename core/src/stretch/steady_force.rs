@@ -1,45 +1,45 @@
-//! A constant force: the samples are taken in blocks of a second, 16 samples at least, and a stretch
-//! goes on while the blocks' means agree within their scatter and have no significant slope. Work
-//! per sample: one mean and one squared difference.
+//! Detection of a constant force: the samples are averaged in blocks of a second, 16 samples at
+//! least, and a stretch goes on while the block means agree within their scatter and have no
+//! significant slope. Work per sample: one mean and one squared difference.
 
 use crate::num::math::{self, larger};
 use crate::sample::ForcePoint;
 use crate::stats::line::Line;
 
-/// Fewest samples of a block: their scatter tells its own size to a fifth, `1/√(2 × 15)`.
+/// Fewest samples of a block: they give their standard deviation to a fifth, `1/√(2 × 15)`.
 const LEAST_BLOCK: f32 = 16.0;
 /// Fewest and most blocks of a stretch: a shorter one may be a slow stick line, a longer one is
 /// given in parts.
 const BLOCKS: (u32, u32) = (8, 128);
-/// Standard deviations beyond which a difference or a slope is no chance: of normal ones one in 16 000.
+/// Standard deviations of a significant difference or slope (normal: one in 16 000).
 const SURE: f32 = 4.0;
-/// Standard deviations of a rise with which a stretch is not given: it may be a slow stick line. Less
+/// Standard errors of a rise beyond which a stretch is not given: it may be a slow stick line. Less
 /// than [`SURE`]: a stretch that is left out is no error.
 const UNLIKELY: f32 = 3.0;
-/// Block means that differ by less than this part of the force are equal. A choice: with less, friction
-/// that wanders ends a stretch where there is hardly any noise.
+/// Block means that differ by less than this part of the force are equal. A choice: with less,
+/// friction that wanders ends a stretch where there is hardly any noise.
 const SAME: f32 = 0.01;
 /// Standard deviations by which the highest of 300 000 normal samples lies above their mean.
 const HIGHEST: f32 = 4.5;
 
 /// Finds constant forces.
-// In this order: what every sample touches first.
+// Field order: first what every sample touches.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub(super) struct SteadyForce {
     pub(super) last: ForcePoint,
     /// Samples of a block.
     block: u32,
-    /// Of the block under way: samples, mean, and Σ of squared differences of neighbours, N².
+    /// The block under way: number of samples, mean, Σ of squared differences of neighbours, N².
     count: u32,
     mean_n: f32,
     steps_n2: f32,
-    /// Σ of its squared distances from its mean, N²; mean of that variance over the full blocks.
+    /// Σ of squared distances from the block's mean, N²; mean variance in the full blocks, N².
     squares_n2: f32,
     variance_n2: f32,
     /// First index of the stretch.
     start: u32,
-    /// The means of the full blocks, a line over their number; their variance by the noise, N².
+    /// Line through the means of the full blocks over their number; their variance by noise, N².
     means: Line,
     noise_n2: f32,
     /// The samples scatter too much to be called steady.
@@ -83,7 +83,7 @@ impl SteadyForce {
     #[inline(never)]
     pub(super) fn end(&mut self, next: u32) -> Option<Steady> {
         let (start, means) = (self.start, self.means);
-        // What rises significantly is as likely a slow stick line.
+        // A significant rise is as likely that of a slow stick line.
         let rises = self.slope_over_std2() > UNLIKELY * UNLIKELY;
         let stop = self.last.index.saturating_sub(self.count);
         self.clear_block();
@@ -97,7 +97,7 @@ impl SteadyForce {
         (self.count, self.mean_n, self.steps_n2, self.squares_n2) = (0, 0.0, 0.0, 0.0);
     }
 
-    /// The force, N, that only a rise takes a constant force beyond. `None` unless it was constant
+    /// The force, N, that a constant force exceeds only by a rise. `None` unless it was constant
     /// for eight blocks, with samples that scatter by less than `most_n`.
     pub(super) fn ceiling_n(&self, most_n: f32) -> Option<f32> {
         let variance_n2 = self.variance_n2 + self.scatter_n2(0.0);
@@ -130,7 +130,7 @@ impl SteadyForce {
         ended.or_else(|| if is_long { self.end(self.last.index + 1) } else { None })
     }
 
-    /// Does a block's mean agree with the blocks before it, and have those no slope?
+    /// Does a block's mean agree with those before it, and do these have no significant slope?
     fn goes_on(&self, mean_n: f32, noise_n2: f32) -> bool {
         let means = &self.means;
         let scatter_n = SURE * math::sqrt(self.scatter_n2(noise_n2));

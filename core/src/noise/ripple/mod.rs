@@ -1,10 +1,10 @@
-//! How the force strays from a straight stick line, beside the noise.
+//! Colored noise: how the force departs from a straight stick line beyond white noise.
 //!
-//! A winch that ripples or a cable that sags bends the stick line. That is in the force
-//! itself: neighbouring samples have it in common, and what counts at the onset is the force
-//! there, not the line's. White noise differs from sample to sample. So the second
-//! difference of the line's innovations, `e − 2 e' + e''`, shows the noise alone (6 times its
-//! variance), and what the innovations have beyond that wanders slowly.
+//! A winch that ripples or a cable that sags bends the stick line. The bend is in the force itself:
+//! neighbouring samples share it, and at the onset the force counts, not the line. White noise is
+//! independent from sample to sample. So the second difference of the line's innovations,
+//! `e − 2 e' + e''`, shows the noise alone (6 times its variance), and the variance of the
+//! innovations beyond that is of slow departures.
 
 mod sums;
 
@@ -12,30 +12,30 @@ use crate::effect::Parameter;
 use crate::num::math::{larger, smaller};
 use sums::Sums;
 
-/// How far the force wanders about its line; variances in units of that of the noise.
+/// Departures of the force from its line; variances in units of that of the white noise.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct ColoredNoise {
     /// Variance of the force about the line.
     pub level: f32,
     /// Variance of the force's slope, per period squared.
     pub slope: f32,
-    /// Part of the variance of a sample about the line that is an oscillation of few samples, or a
-    /// bend that is not quite the same in all rests, and so may be the cell's as well as the
-    /// cable's: the end of a line tells the force no better than to that variance.
+    /// Part of a sample's variance about the line that is an oscillation of few samples, or a bend
+    /// that is not quite the same in all rests. It may be the cell's instead of the cable's: the
+    /// end of a line gives the force no better than to that variance.
     pub unsure: f32,
-    /// Of noise with correlated neighbours: by how much the variance of a line is larger than white
-    /// noise would make it, over the latter.
+    /// Noise with correlated neighbours: relative increase of the variance of a line over that
+    /// under white noise.
     pub alike: f32,
-    /// Angle of an oscillation that may be the cable's or the cell's, rad a period; zero without one.
+    /// Angle of an oscillation that may be the cable's or the cell's, rad a period; zero if none.
     pub angle: f32,
-    /// All rests are bent alike: that is in the force.
+    /// All rests have the same bend: it is in the force.
     pub bends: bool,
-    /// They are bent down, in their last samples: the block may creep before it slips.
+    /// All rests are bent down in their last samples: the block may creep before it slips.
     pub creeps: bool,
 }
 
 impl ColoredNoise {
-    /// The line is straight.
+    /// A straight line with white noise.
     pub(crate) const NONE: Self = Self {
         level: 0.0,
         slope: 0.0,
@@ -46,69 +46,69 @@ impl ColoredNoise {
         creeps: false,
     };
 
-    /// Does the force stray from its lines by white noise alone?
+    /// Does the force depart from its lines by white noise alone?
     #[must_use]
     pub(crate) fn is_none(&self) -> bool {
         self.level + self.alike + self.unsure <= 0.0
     }
 
-    /// Is it an oscillation that may be the cable's or the cell's?
+    /// Is there an oscillation that may be the cable's or the cell's?
     #[must_use]
     pub(crate) fn is_disputed(&self) -> bool {
         self.angle > 0.0
     }
 
-    /// The noise's part of the variance about lines with an oscillation that is not followed.
+    /// White noise's part of the variance about lines with an oscillation that is not followed.
     pub(crate) fn noise_part(&self) -> f32 {
-        // There is some noise with every oscillation.
+        // Every oscillation comes with some noise.
         const LEAST: f32 = 0.01;
         larger(1.0 - self.unsure, LEAST)
     }
 
-    /// The noise's part of the variance of a sample about the line.
+    /// White noise's part of the variance of a sample about the line.
     #[must_use]
     pub(crate) fn white_share(&self) -> f32 {
         1.0 / (1.0 + self.level)
     }
 }
 
-/// Follows the innovations of a fading past, to tell colored noise from white.
+/// Statistics of the innovations, with forgetting, that distinguish colored noise from white.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Ripple {
     /// The last innovations, each times its weight, newest first; NaN where there is none.
     last: [f32; FAR],
-    /// The newest innovation times its weight, and the weight: it counts once another has come.
+    /// The newest innovation times its weight, and the weight: added once another has followed.
     held: (f32, f32),
-    /// Sums over this rest, and over those before.
+    /// Sums over this rest, and over the rests before.
     rest: Sums,
     past: Sums,
-    /// Mean square of a usual rest; zero before the first.
+    /// Usual mean square of a rest, a running estimate; zero before the first.
     usual: f32,
-    /// Foul rests in a row.
+    /// Foul rests in a row, see [`FOUL`].
     fouls: u8,
 }
 
-/// Distance, samples, over which a slow wander shows its slope.
+/// Lag, samples, at which a slow departure shows its slope.
 const FAR: usize = 4;
-/// Samples over which the past is forgotten.
+/// Time constant of the forgetting, samples.
 const MEMORY: f32 = 2000.0;
-/// Samples of a long rest that are looked at together.
+/// Samples of a long rest that are added to the past together.
 const REST: f32 = 64.0;
-/// A rest whose mean square exceeds the usual one so many times is foul, and teaches nothing: its line
-/// was bent, by a winch that paused.
+/// A rest whose mean square exceeds the usual one by this factor is foul and does not count: a
+/// winch that paused has bent its line.
 const FOUL: f32 = 6.0;
-/// Factors by which a rest moves the usual mean square at most. They balance where three rests of ten
-/// lie below, `UP^7 DOWN^3` = 1.02: more than half of the rests may be foul.
+/// Largest and least factor by which a rest changes the usual mean square. They balance where three
+/// rests of ten lie below, `UP^7 DOWN^3` = 1.02: more than half of the rests may be foul.
 const UP: f32 = 1.35;
 const DOWN: f32 = 0.5;
-/// So many foul rests in a row are how things are now.
+/// Number of foul rests in a row from which on they are the normal case.
 const IN_A_ROW: u8 = 3;
-/// Fewest samples of a rest that tell what is usual.
+/// Fewest samples of a rest that update the usual mean square.
 const TELLING: f32 = 6.0;
 impl Ripple {
-    /// Takes the innovation of the sample after the last one, with its weight. The last innovation
-    /// of a line never counts: a block that creeps bends the force down there, and if that were
-    /// taken for a ripple, the corners would not be seen.
+    /// Takes the innovation, with its weight, of the sample that follows the last one. The last
+    /// innovation of a line never counts: a block that creeps bends the force down there, and if
+    /// that counted as ripple the corners would not be found.
     pub(crate) fn add(&mut self, innovation: f32, weight: f32) {
         let before = core::mem::replace(&mut self.held, (weight * innovation, weight));
         self.count(before);
@@ -119,7 +119,7 @@ impl Ripple {
         self.last = [innovation, last, before, earlier];
         let step = innovation - last;
         let second_difference = step - (last - before);
-        // NaN as well where there are not yet three in a row.
+        // NaN as well before there are three in a row.
         if second_difference.is_nan() {
             return;
         }
@@ -147,8 +147,8 @@ impl Ripple {
         self.held = (f32::NAN, 0.0);
     }
 
-    /// A rest has ended, or has gone on for long: it is added to the past unless it is foul. A past
-    /// that turns out to be foul itself is dropped.
+    /// Ends a rest, or a part of a long one: adds it to the past unless it is foul. A past that
+    /// turns out to be foul is dropped.
     #[cold]
     #[inline(never)]
     pub(crate) fn settle(&mut self) {
@@ -162,7 +162,7 @@ impl Ripple {
                 (self.usual, is_foul, self.past.count) = (mean, false, 0.0);
             }
         }
-        // A past that is no longer how things are counts nothing.
+        // A past that no longer represents the rests is dropped.
         if self.past.squares >= FOUL * self.usual * self.past.count {
             self.past = Sums::default();
         }
@@ -172,14 +172,14 @@ impl Ripple {
         self.rest = Sums::default();
     }
 
-    /// How much the force strays from its lines beside the white noise, if that is clear.
+    /// Standard deviation of the departures from the lines beyond white noise, N, if significant.
     #[must_use]
     pub(crate) fn parameter(&self) -> Option<Parameter> {
         let (value, std) = self.past.stray_n()?;
         Some(Parameter { name: "stray_n", value, std })
     }
 
-    /// What the innovations show; nothing unless it is clear.
+    /// The colored noise that the innovations show; none unless it is significant.
     #[must_use]
     pub(crate) fn wander(&self) -> ColoredNoise {
         self.past.wander()
@@ -244,7 +244,7 @@ mod tests {
         }
     }
 
-    /// A slow one is followed as a bend is.
+    /// A slow oscillation is followed as a bend is.
     #[test]
     fn a_slow_oscillation_is_told_from_the_noise() {
         for period in [22.0, 24.0, 30.0] {
@@ -259,7 +259,7 @@ mod tests {
         }
     }
 
-    /// Of a quick one the events tell whose it is; here its frequency and its share.
+    /// The events decide the cause of a quick oscillation; its frequency and share are found here.
     #[test]
     fn a_quick_oscillation_is_not_followed_but_seen() {
         // Variances 1/2 and 1/12.
@@ -329,9 +329,9 @@ mod tests {
     fn rests_on_bent_lines_teach_nothing() {
         assert_eq!(rests(|_| false), ColoredNoise::NONE);
         assert_eq!(rests(|rest| rest % 3 == 1), ColoredNoise::NONE);
-        // Nor the first ones, once the others are known.
+        // Nor do the first ones, once the others are known.
         assert_eq!(rests(|rest| rest < 5), ColoredNoise::NONE);
-        // What all of them do is how things are.
+        // Bent lines in all rests are the normal case.
         assert!(rests(|_| true).unsure > 0.9);
     }
 
