@@ -87,8 +87,8 @@ mod tests {
         let own = |of: Losses| of.sensitivities([1.24, 0.78]).map(|by| (by * of.damping_std).abs());
         assert!((own(then)[0] - 0.005 * 2.5 * 19.1 / 630.0).abs() < 1e-7);
         assert!((own(then)[1] - 0.005 * 0.7226).abs() < 1e-6);
-        let told = event(own(then).map(|losses| math::hypotenuse(losses, 2e-3)));
-        let known = later.put_on(then.taken_off(told));
+        let given = event(own(then).map(|losses| math::hypotenuse(losses, 2e-3)));
+        let known = later.put_on(then.taken_off(given));
         let expected = own(later).map(|losses| math::hypotenuse(losses, 2e-3));
         for (known, expected) in known.into_iter().zip(expected) {
             assert!((known.unwrap().systematic_std - expected).abs() < 1e-6);

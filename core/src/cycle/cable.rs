@@ -3,7 +3,7 @@
 use crate::cycle::CycleTracker;
 use crate::cycle::ended::Ended;
 use crate::cycle::expectations::Expectations;
-use crate::cycle::slip_record::{SlipRecord, TELLING};
+use crate::cycle::slip_record::{SHORTEST_FALL, SlipRecord};
 use crate::detector::Detector;
 use crate::effect::Effect;
 use crate::effects::corner::CornerEstimator;
@@ -22,7 +22,7 @@ impl Ended {
     /// earlier rest was used, or the slip after it is long enough and all rests bend the same way.
     pub(super) fn may_sag(&self, learnt: &Expectations, detector: &Detector) -> bool {
         let is_line = !self.stick.broken && self.stick.line.count >= FEWEST;
-        let asks = || self.fall() >= TELLING && detector.wander().bends;
+        let asks = || self.fall() >= SHORTEST_FALL && detector.wander().bends;
         learnt.effects.has(Effect::Sag) && is_line && (learnt.sag.read(Sag::has_begun) || asks())
     }
 }

@@ -208,7 +208,7 @@ impl Expectations {
         let own_swing = |variance, least| {
             let own =
                 own(cycle.inverse_omega(), variance, data.inverse_omega, least).filter(positive);
-            own.filter(|own| posterior.tells_swing(own.1))
+            own.filter(|own| posterior.determines_swing(own.1))
         };
         let mut evidence = Evidence {
             // A small own part suffices for the test: the prior hides a changed swing. Without

@@ -70,7 +70,7 @@ impl CycleTracker {
     pub(super) fn first_answer(&self, mut fit: Fit) -> Option<Provisional> {
         let slip = self.pending.as_ref()?;
         let noise_n2 = self.learnt.fitted_noise_n2(slip);
-        fit.widen_forces(slip.wander.alike);
+        fit.widen_forces(slip.wander.line_excess);
         // Half of an oscillation may be the cell's.
         let unsure = if slip.wander.is_disputed() { 0.5 } else { 1.0 };
         fit.widen(&Variances::UNSURE_OSCILLATION, unsure * self.learnt.unsure(slip, noise_n2));

@@ -150,8 +150,8 @@ impl CycleTracker {
         if !is_fast {
             return Belief { folded, unsure, ..Belief::default() };
         }
-        let tells = posterior.tells_swing(unknowns[4]);
-        let folded = folded || (tells && own.is_folded(periods));
+        let determines = posterior.determines_swing(unknowns[4]);
+        let folded = folded || (determines && own.is_folded(periods));
         Belief { folded, agrees_with_winch, unsure: unsure || own.is_low() }
     }
 

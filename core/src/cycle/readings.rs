@@ -35,12 +35,12 @@ impl CycleTracker {
             let value = hz / inverse.value;
             Quantity { value, std: value * inverse.std / inverse.value }
         };
-        let omega = mass.usual().known().filter(|_| self.tells_omega()).map(omega);
+        let omega = mass.usual().known().filter(|_| self.determines_omega()).map(omega);
         (rate.known().map(|rate| rate.times(hz)), omega)
     }
 
     /// Is the standard deviation of omega less than a third of it?
-    fn tells_omega(&self) -> bool {
+    fn determines_omega(&self) -> bool {
         let (swing, variance) = self.learnt.mass.usual().now();
         9.0 * variance < swing * swing
     }
@@ -49,7 +49,7 @@ impl CycleTracker {
     #[must_use]
     pub(crate) fn overshoot_n(&self) -> f32 {
         let Expectations { rate, mass, .. } = &self.learnt;
-        let swing = mass.usual().mean().filter(|_| self.tells_omega());
+        let swing = mass.usual().mean().filter(|_| self.determines_omega());
         rate.mean().zip(swing).map_or(0.0, |(rate, swing)| rate * swing)
     }
 

@@ -123,7 +123,7 @@ impl Level {
         self.recent.iter().rev().take_while(is_new).count() as u32
     }
 
-    fn is_worth_telling(&self) -> bool {
+    fn is_reportable(&self) -> bool {
         self.off.abs() > LEAST * self.before.abs()
     }
 }
@@ -169,7 +169,7 @@ impl Levels {
         }
         self.compared += 1.0;
         let (a, b) = (&self.static_n, &self.dynamic_n);
-        if a.score() + b.score() < FAR_SQUARED || !(a.is_worth_telling() || b.is_worth_telling()) {
+        if a.score() + b.score() < FAR_SQUARED || !(a.is_reportable() || b.is_reportable()) {
             return None;
         }
         let worst = if a.score() > b.score() { a } else { b };
@@ -199,7 +199,7 @@ mod tests {
     }
 
     /// Events at which changes are found, and the first event of the new level of each.
-    fn told(forces: impl Iterator<Item = f32>) -> impl Iterator<Item = (usize, usize)> {
+    fn shifts_of(forces: impl Iterator<Item = f32>) -> impl Iterator<Item = (usize, usize)> {
         let mut levels = Levels::default();
         forces.enumerate().filter_map(move |(i, force_n)| {
             let shift = levels.take(1.6 * force_n, force_n)?;
@@ -209,7 +209,7 @@ mod tests {
 
     #[test]
     fn a_new_level_is_told_within_eight_events() {
-        let mut shifts = told((0..80).map(|i| force(i, if i < 40 { 490.0 } else { 250.0 })));
+        let mut shifts = shifts_of((0..80).map(|i| force(i, if i < 40 { 490.0 } else { 250.0 })));
         let (at, since) = shifts.next().unwrap();
         assert!((43..48).contains(&at) && since == 40, "{at} {since}");
         assert_eq!(shifts.next(), None);
@@ -217,9 +217,9 @@ mod tests {
 
     #[test]
     fn scatter_drift_and_single_events_are_no_change() {
-        assert_eq!(told((0..400).map(|i| force(i, 490.0))).count(), 0);
-        assert_eq!(told((0..400).map(|i| force(i, 490.0 + i as f32))).count(), 0);
+        assert_eq!(shifts_of((0..400).map(|i| force(i, 490.0))).count(), 0);
+        assert_eq!(shifts_of((0..400).map(|i| force(i, 490.0 + i as f32))).count(), 0);
         let odd = |i: usize| force(i, if i % 10 == 7 { 150.0 } else { 490.0 });
-        assert_eq!(told((0..400).map(odd)).count(), 0);
+        assert_eq!(shifts_of((0..400).map(odd)).count(), 0);
     }
 }

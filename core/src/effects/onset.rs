@@ -6,7 +6,7 @@
 //! close to `sin² πx`, and the same times `1 − 2 x`, which changes sign in the middle. The cause is
 //! not known, so no value is shifted: the variance of `Fs`, which the line and the beginning of the
 //! slip determine together, grows by the shift that the terms would cause. The first three events
-//! hardly determine the amplitudes; until then the prior `UNTOLD` is combined with their scores.
+//! hardly determine the amplitudes; until then the prior `PRIOR_STD` is combined with their scores.
 
 use crate::effect::Parameter;
 use crate::effects::score::{Score, ScoreSum};
@@ -27,18 +27,18 @@ const COURSE: f32 = 2.0;
 /// Prior standard deviation of an amplitude. Tuned: a smaller one leaves the first event of a slow
 /// cell or a smooth onset more than five standard deviations off, a larger one makes the intervals
 /// of the first three events of a test with neither twice as wide as their errors.
-const UNTOLD: f32 = 0.06;
+const PRIOR_STD: f32 = 0.06;
 
 /// Weight, in events, of an event whose slip is too brief to determine the terms. Where no slip has
 /// more samples, the prior is dropped from the twenty-fifth event on, as for shorter slips. Tuned:
 /// with a quarter two more of 773 events of `jitter_10` are beyond five standard deviations.
-const UNTELLING: f32 = 0.1;
+const BRIEF: f32 = 0.1;
 
 /// Estimates of the two terms, whose amplitudes are parts of half the drop.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Onset {
     terms: [ScoreSum; 2],
-    /// Number of events tested; one whose slip has too few samples counts as [`UNTELLING`].
+    /// Number of events tested; one whose slip has too few samples counts as [`BRIEF`].
     asked: f32,
 }
 
@@ -54,9 +54,9 @@ impl Onset {
     /// possible and by amplitudes that are not determined yet.
     pub(crate) fn learn(&mut self, event: &[Score; 2], noise_n2: f32) -> f32 {
         let mut possible_n2 = 0.0;
-        let tells = event.iter().any(|term| term.information > 0.0);
+        let determines = event.iter().any(|term| term.information > 0.0);
         let left = self.left();
-        self.asked += if tells { 1.0 } else { UNTELLING };
+        self.asked += if determines { 1.0 } else { BRIEF };
         for (sum, event) in self.terms.iter_mut().zip(event) {
             sum.learn(event, noise_n2);
             let [_, _, by_n, ..] = event.response;
@@ -67,8 +67,8 @@ impl Onset {
 
     /// Part of the prior that remains: all of it in the first event, none from the fourth on.
     fn left(&self) -> f32 {
-        const TELLING: f32 = 2.5;
-        larger(1.0 - self.asked / TELLING, 0.0)
+        const FIRST_EVENTS: f32 = 2.5;
+        larger(1.0 - self.asked / FIRST_EVENTS, 0.0)
     }
 
     /// Square of the first term's largest force, N², for half a drop, as far as it is significant.
@@ -99,14 +99,14 @@ fn possible(sum: &ScoreSum) -> f32 {
 }
 
 /// Mean square of an amplitude: its square where possible, or, weighted by `left`, its mean square
-/// under the posterior of the prior [`UNTOLD`] and the scores; the larger of the two.
+/// under the posterior of the prior [`PRIOR_STD`] and the scores; the larger of the two.
 #[inline(never)]
 fn mean_square(sum: &ScoreSum, left: f32) -> f32 {
-    const PRIOR: f32 = UNTOLD * UNTOLD;
-    let told = PRIOR / (PRIOR + sum.variance());
-    let value = told * sum.value();
-    let untold = PRIOR * (1.0 - told) + value * value;
-    larger(COURSE * possible(sum), left * untold)
+    const PRIOR: f32 = PRIOR_STD * PRIOR_STD;
+    let known = PRIOR / (PRIOR + sum.variance());
+    let value = known * sum.value();
+    let mean_square = PRIOR * (1.0 - known) + value * value;
+    larger(COURSE * possible(sum), left * mean_square)
 }
 
 #[cfg(test)]
@@ -127,12 +127,12 @@ mod tests {
             sum.learn(&Score { score, information, ..Score::default() }, 1.0);
             mean_square(&sum, 1.0)
         };
-        let prior = UNTOLD * UNTOLD;
+        let prior = PRIOR_STD * PRIOR_STD;
         assert!((mean_square(&ScoreSum::default(), 1.0) - prior).abs() < 1e-6);
-        assert!((square(0.0, UNTOLD) - 0.5 * prior).abs() < 1e-6);
-        assert!((square(UNTOLD, UNTOLD) - 0.75 * prior).abs() < 1e-6);
-        assert!(square(0.0, 0.1 * UNTOLD) < 0.02 * prior);
-        assert!((square(UNTOLD, 0.01 * UNTOLD) - COURSE * prior).abs() < 0.01 * prior);
+        assert!((square(0.0, PRIOR_STD) - 0.5 * prior).abs() < 1e-6);
+        assert!((square(PRIOR_STD, PRIOR_STD) - 0.75 * prior).abs() < 1e-6);
+        assert!(square(0.0, 0.1 * PRIOR_STD) < 0.02 * prior);
+        assert!((square(PRIOR_STD, 0.01 * PRIOR_STD) - COURSE * prior).abs() < 0.01 * prior);
     }
 
     /// A term in the samples is found with its size and adds variance to `Fs`; without a term none
@@ -141,7 +141,7 @@ mod tests {
     fn an_amplitude_is_found_and_none_is_none() {
         for amplitudes in [[0.0, 0.0], [0.05, 0.0], [-0.05, 0.0], [0.0, 0.1], [0.0, -0.1]] {
             let (mut onset, mut first_n2, mut widest_n2) = (Onset::default(), 0.0, 0.0_f32);
-            let mut told = 0;
+            let mut events = 0;
             let force_n = |cycle: &CycleParams, time: f32| {
                 let (shape, since_onset) = (cycle.shape(), time - cycle.onset);
                 let [even_n, odd_n] = terms_n(&shape, since_onset);
@@ -159,8 +159,8 @@ mod tests {
                 });
                 asked.free(&alone);
                 let static_n2 = onset.learn(&[asked.score(0), asked.score(1)], noise_n2);
-                told += 1;
-                match told {
+                events += 1;
+                match events {
                     1 => first_n2 = static_n2,
                     2 | 3 => {}
                     _ => widest_n2 = static_n2.max(widest_n2),

@@ -169,7 +169,7 @@ impl Oscillation {
     }
 
     /// Estimate of the share of the oscillation that is the cable's, and one over its variance.
-    fn told(&self) -> (f32, f32) {
+    fn estimate(&self) -> (f32, f32) {
         let few = 1.0 + FEW / (self.sum.count() - 1.0);
         let weight = if self.sum.counts() { 1.0 / (few * self.sum.variance()) } else { 0.0 };
         (self.sum.value(), weight)
@@ -179,10 +179,10 @@ impl Oscillation {
     /// share, larger where the estimate lies between the two, as if it were a part of each.
     fn cable(&self) -> (f32, f32) {
         const BEFORE: f32 = 1.0 / (SPREAD * SPREAD);
-        let (told, weight) = self.told();
+        let (estimate, weight) = self.estimate();
         let odds = (1.0 - CABLE) / CABLE;
-        let cable = 1.0 / (1.0 + odds * math::exp((0.5 - told) * weight));
-        let share = (CABLE * BEFORE + told * weight) / (BEFORE + weight);
+        let cable = 1.0 / (1.0 + odds * math::exp((0.5 - estimate) * weight));
+        let share = (CABLE * BEFORE + estimate * weight) / (BEFORE + weight);
         let apart = cable - smaller(larger(share, 0.0), 1.0);
         (cable, cable * (1.0 + MISSED - cable) + apart * apart)
     }
@@ -204,7 +204,7 @@ impl Oscillation {
 
     /// The share, once enough events determine it.
     pub(crate) fn parameter(&self) -> Option<Parameter> {
-        let (value, weight) = self.told();
+        let (value, weight) = self.estimate();
         let std = math::sqrt(1.0 / weight);
         self.sum.counts().then_some(Parameter { name: "cable_share", value, std })
     }

@@ -63,8 +63,8 @@ impl Asked {
 
     /// The score of one term; its information is zero where the samples do not determine the term.
     pub(crate) fn score(&self, term: usize) -> Score {
-        let is_told = self.left[term] > LEAST_OWN;
-        let information = if is_told { self.normal.matrix[[term, term]] } else { 0.0 };
+        let is_determined = self.left[term] > LEAST_OWN;
+        let information = if is_determined { self.normal.matrix[[term, term]] } else { 0.0 };
         Score { score: self.normal.right[term], information, response: self.response[term] }
     }
 

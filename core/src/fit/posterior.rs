@@ -50,7 +50,7 @@ impl Posterior {
     /// the swing that is not normal and does not average out over such events.
     #[must_use]
     #[inline(never)]
-    pub(crate) fn tells_swing(&self, variance: f32) -> bool {
+    pub(crate) fn determines_swing(&self, variance: f32) -> bool {
         // Relative standard deviation of a well-known swing.
         const WELL: f32 = 0.08;
         let well = WELL * self.cycle.inverse_omega();

@@ -78,7 +78,7 @@ pub(crate) struct OwnSwing {
 
 impl OwnSwing {
     /// Is it a finite value with a variance?
-    fn is_told(&self) -> bool {
+    fn is_determined(&self) -> bool {
         self.variance > 0.0 && (self.value + self.variance + self.by_scatter).is_finite()
     }
 }
@@ -119,7 +119,7 @@ impl SlipScatter {
         // it a shortening cable is taken for a scatter, with a quarter the intervals of slips of
         // two samples under jitter are too narrow.
         const FADE: f32 = 0.4;
-        if slip.swing.is_told() {
+        if slip.swing.is_determined() {
             // The first swing is the mean.
             let mut part = 1.0;
             let (before, next) = (&mut self.swing, slip.swing);

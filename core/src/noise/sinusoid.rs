@@ -147,13 +147,17 @@ mod tests {
         let mut random = Random(9);
         for angle in [0.7_f32, 1.0, 1.6, 2.2] {
             for off in [-0.08, 0.0, 0.05] {
-                let (mut told, mut sum) = (0.0, 0.0);
+                let (mut information, mut sum) = (0.0, 0.0);
                 for _ in 0..100 {
                     let (found, _) = found(angle, angle - off, &mut random);
-                    told += found.information_n2;
+                    information += found.information_n2;
                     sum += found.information_n2 * found.faster;
                 }
-                assert!((sum / told - off).abs() < 0.03, "{angle} {off}: {}", sum / told);
+                assert!(
+                    (sum / information - off).abs() < 0.03,
+                    "{angle} {off}: {}",
+                    sum / information
+                );
             }
         }
     }

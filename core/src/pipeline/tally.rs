@@ -70,7 +70,7 @@ impl Pipeline {
 fn granted(quality: Quality, rest: f32) -> (f32, f32) {
     /// Samples of a rest that determine its line: two for the rate, and as many at either end that
     /// the noise may hide. Fewer determine one combination of an event's rate and swing.
-    const TELLING: f32 = 6.0;
+    const LINE_SAMPLES: f32 = 6.0;
     /// Common part of `mu_s` without any rest. Tuned: with rests of less than two samples the means of
     /// `mu_s` scatter by .36 of an event's standard deviation.
     const WITHOUT_REST: f32 = 0.5;
@@ -78,5 +78,5 @@ fn granted(quality: Quality, rest: f32) -> (f32, f32) {
         Quality::Good | Quality::Clipped => 0.0,
         Quality::Unresolved | Quality::Slack => 1.0 / 3.0,
     };
-    (math::larger(least, WITHOUT_REST * (1.0 - rest / TELLING)), least)
+    (math::larger(least, WITHOUT_REST * (1.0 - rest / LINE_SAMPLES)), least)
 }

@@ -89,8 +89,8 @@ impl SteadyForce {
         self.clear_block();
         (self.start, self.means) = (next, Line::default());
         (self.noise_n2, self.variance_n2) = (0.0, 0.0);
-        let is_told = means.count >= BLOCKS.0 && (self.scatters || !rises);
-        is_told.then_some((start, stop, means, self.scatters))
+        let is_reported = means.count >= BLOCKS.0 && (self.scatters || !rises);
+        is_reported.then_some((start, stop, means, self.scatters))
     }
 
     fn clear_block(&mut self) {

@@ -47,7 +47,7 @@ impl CycleFit {
         let (now_n2, knows_swing) = (learnt.noise_n2(slip), learnt.knows_omega());
         self.excess = excess_ratio(around_n2, free - points, now_n2);
         fit.scale(self.excess);
-        fit.widen_forces(slip.wander.alike);
+        fit.widen_forces(slip.wander.line_excess);
         if counts {
             // While the noise is unknown, the residuals about the lines estimate it.
             let (lines_n2, lines) = slip.line_residuals(&self.after);
@@ -107,15 +107,15 @@ impl CycleFit {
         let (slip, data) = (&self.slip, self.expected.data(&self.slip, &self.after));
         self.measured.noise_n2 = noise_n2;
         let Measured { posterior, alone, verdict, .. } = &mut self.measured;
-        if slip.wander.level + slip.wander.alike <= 0.0 {
+        if slip.wander.level + slip.wander.line_excess <= 0.0 {
             posterior.common_n2 = fit.wider_n2(noise_n2);
         }
         let is_resolved = posterior.is_resolved();
         // The earlier events determined the rate but not the length of a slip, so their slips were
         // brief: the missing samples make this one look longer.
-        let length_told =
+        let length_known =
             learnt.rate.mean().is_none() || learnt.mass.inverse_omega().mean().is_some();
-        if is_resolved && !length_told && slip.hides_length() {
+        if is_resolved && !length_known && slip.hides_length() {
             self.stage = FitStage::Failed(Reason::Hidden);
             return;
         }

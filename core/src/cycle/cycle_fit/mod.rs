@@ -16,7 +16,7 @@ use core::ops::ControlFlow;
 use crate::cycle::cycle_fit::after_fit::{LEVELS_A_STEP, Strain};
 use crate::cycle::expectations::{Expectations, own_residuals};
 use crate::cycle::expected::Expected;
-use crate::cycle::slip_record::{SlipRecord, TELLING};
+use crate::cycle::slip_record::{SHORTEST_FALL, SlipRecord};
 use crate::detector::{MOST_PUT_OFF, Stick};
 use crate::effect::Kept;
 use crate::effects::mass_change::Verdict;
@@ -270,7 +270,7 @@ impl CycleFit {
         let (fit, noise_n2) = (&self.fit, self.expected.noise_n2);
         let posterior = if late || f32::from(places.seen()) > PLACES * self.slip.limit {
             let mut at = Posterior::at(fit, noise_n2);
-            if self.slip.fall() < TELLING {
+            if self.slip.fall() < SHORTEST_FALL {
                 at.begin_anywhere();
             }
             at

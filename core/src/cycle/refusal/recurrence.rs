@@ -38,13 +38,13 @@ impl Recurrence {
         periods < FEWEST_PERIODS || self.mean < FEWEST_PERIODS - UNSURE
     }
 
-    /// Is an event an alias, by its own fit (`fit_tells`) or because most recent events were?
-    pub(crate) fn is_folded(&mut self, fit_tells: bool) -> bool {
+    /// Is an event an alias, by its own fit (`by_fit`) or because most recent events were?
+    pub(crate) fn is_folded(&mut self, by_fit: bool) -> bool {
         // More than half of the recent events.
         const MOST: f32 = 0.5;
-        let now = if fit_tells { 1.0 } else { 0.0 };
+        let now = if by_fit { 1.0 } else { 0.0 };
         self.folded += (now - self.folded) / MEMORY;
-        fit_tells || self.folded > MOST
+        by_fit || self.folded > MOST
     }
 }
 

@@ -1,7 +1,7 @@
 //! Estimates from the highest and the lowest sample of a slip, for slips with hardly a sample
 //! between them.
 
-use crate::cycle::slip_record::{PI, SURE, SlipRecord, TELLING};
+use crate::cycle::slip_record::{PI, SHORTEST_FALL, SURE, SlipRecord};
 use crate::detector::Stick;
 use crate::fit::posterior::CLEAR;
 use crate::num::math::{self, larger, smaller};
@@ -221,7 +221,7 @@ impl SlipRecord {
     /// begun, or ended, on either side of it.
     pub(crate) fn hides_length(&self) -> bool {
         let samples = self.samples();
-        self.fall() <= TELLING && samples.good().count() < samples.forces_n.len()
+        self.fall() <= SHORTEST_FALL && samples.good().count() < samples.forces_n.len()
     }
 
     /// Angle at which half a cosine has fallen by the part of the drop that defines the edges.

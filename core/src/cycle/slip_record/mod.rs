@@ -38,7 +38,7 @@ pub(crate) const UNSURE: f32 = 0.25;
 
 /// Fewest periods from the highest to the lowest sample that determine onset and length of a slip:
 /// with a single sample in between, slips of many lengths fit.
-pub(crate) const TELLING: f32 = 3.0;
+pub(crate) const SHORTEST_FALL: f32 = 3.0;
 
 /// A slip as the detector found it.
 #[derive(Clone, Copy, Debug)]

@@ -184,7 +184,7 @@ impl CornerEstimator {
     }
 
     fn take(&mut self, score: &CornerScore, noise_n2: f32) -> Option<Correction> {
-        if !score.tells(1) {
+        if !score.determines(1) {
             let [static_n2, dynamic_n2] =
                 [STATIC, DYNAMIC].map(|force| self.possible_n2(score.by(&force)));
             return Some(Correction { static_n2, dynamic_n2, ..Correction::default() });
@@ -200,7 +200,7 @@ impl CornerEstimator {
         let best = numbers_of(&free, &self.right);
         let (before, after) = (score.times(&self.best), score.times(&best));
         self.chi_square *= FADE;
-        for k in (0..2).filter(|&k| score.tells(k)) {
+        for k in (0..2).filter(|&k| score.determines(k)) {
             // The distance from the expectation before this event, times that from the estimate
             // with it: its mean is the variance of the noise.
             let squared = (sharp[k] - before[k]) * (sharp[k] - after[k]);

@@ -42,7 +42,7 @@ impl CornerScore {
     }
 
     /// Does the event determine a parameter beyond rounding?
-    pub(super) fn tells(&self, number: usize) -> bool {
+    pub(super) fn determines(&self, number: usize) -> bool {
         self.asked.left[number] > LEAST_OWN
     }
 

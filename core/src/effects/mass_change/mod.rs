@@ -227,19 +227,19 @@ mod tests {
     /// Swings measured to 0.006 periods, the forces going with the mass.
     fn taken<const N: usize>(swings: [f32; N]) -> (Mass, [Verdict; N]) {
         let mut mass = Mass::default();
-        let told = core::array::from_fn(|i| {
+        let verdicts = core::array::from_fn(|i| {
             take(&mut mass, &measured(i, swings[i], 0.004, 500.0 * swings[i] * swings[i]))
         });
-        (mass, told)
+        (mass, verdicts)
     }
 
     #[test]
     fn a_lighter_block_is_told_by_its_second_event() {
         let mut swings = [0.845; 30];
         swings[12..].fill(0.845 * 0.8165);
-        let (mass, told) = taken(swings);
-        assert_eq!((told[12], told[13]), (Verdict::Suspect, Verdict::Mass));
-        assert_eq!(told.iter().filter(|&&verdict| verdict == Verdict::Same).count(), 28);
+        let (mass, verdicts) = taken(swings);
+        assert_eq!((verdicts[12], verdicts[13]), (Verdict::Suspect, Verdict::Mass));
+        assert_eq!(verdicts.iter().filter(|&&verdict| verdict == Verdict::Same).count(), 28);
         let (ratio, std) = mass.weight_ratio_and_std();
         assert!((ratio / 0.6667 - 1.0).abs() < 2.5 * std && std < 0.01, "{ratio} {std}");
     }
@@ -259,27 +259,28 @@ mod tests {
         swings[12] = 0.6;
         let in_doubt = taken::<13>(core::array::from_fn(|i| swings[i])).0;
         assert!((in_doubt.usual().mean().unwrap() - 0.845).abs() < 0.003);
-        let (mass, told) = taken(swings);
-        assert_eq!((told[12], told[13]), (Verdict::Suspect, Verdict::Same));
+        let (mass, verdicts) = taken(swings);
+        assert_eq!((verdicts[12], verdicts[13]), (Verdict::Suspect, Verdict::Same));
         assert_eq!(mass.weight_ratio_and_std(), (1.0, 0.0));
         assert!((mass.inverse_omega().mean().unwrap() - 0.845).abs() < 0.003);
     }
 
     #[test]
     fn a_shortening_cable_is_no_change() {
-        let (mass, told) = taken(core::array::from_fn::<f32, 200, _>(|i| 0.845 - 0.001 * i as f32));
-        assert!(told.iter().all(|&verdict| verdict == Verdict::Same));
+        let (mass, verdicts) =
+            taken(core::array::from_fn::<f32, 200, _>(|i| 0.845 - 0.001 * i as f32));
+        assert!(verdicts.iter().all(|&verdict| verdict == Verdict::Same));
         assert_eq!(mass.weight_ratio_and_std(), (1.0, 0.0));
     }
 
     #[test]
     fn forces_that_stay_contradict_another_mass() {
         let mut mass = Mass::default();
-        let told: [Verdict; 20] = core::array::from_fn(|i| {
+        let verdicts: [Verdict; 20] = core::array::from_fn(|i| {
             let inverse_omega = if i < 14 { 0.845 } else { 0.4 };
             take(&mut mass, &measured(i, inverse_omega, 0.004, 490.0))
         });
-        assert!(!told.contains(&Verdict::Mass) && told.contains(&Verdict::Unknown));
+        assert!(!verdicts.contains(&Verdict::Mass) && verdicts.contains(&Verdict::Unknown));
         assert_eq!(mass.weight_ratio_and_std(), (1.0, 0.0));
     }
 

@@ -84,8 +84,8 @@ impl Evidence {
     /// times the ratio, times the variances of both swings over the square of the expected one.
     #[inline(never)]
     fn is_far(&self, expected: Prior, ratio: f32, far: f32) -> bool {
-        let told = self.inverse_omega.filter(|_| expected.weight > 0.0);
-        told.is_some_and(|(_, variance)| {
+        let own = self.inverse_omega.filter(|_| expected.weight > 0.0);
+        own.is_some_and(|(_, variance)| {
             let masses = self.mass_ratio(expected);
             let off = (masses - ratio) * expected.mean;
             off * off > 4.0 * far * far * masses * (variance + 1.0 / expected.weight)

@@ -25,7 +25,7 @@ pub(crate) struct ColoredNoise {
     pub unsure: f32,
     /// Noise with correlated neighbours: relative increase of the variance of a line over that
     /// under white noise.
-    pub alike: f32,
+    pub line_excess: f32,
     /// Angle of an oscillation that may be the cable's or the cell's, rad a period; zero if none.
     pub angle: f32,
     /// All rests have the same bend: it is in the force.
@@ -40,7 +40,7 @@ impl ColoredNoise {
         level: 0.0,
         slope: 0.0,
         unsure: 0.0,
-        alike: 0.0,
+        line_excess: 0.0,
         angle: 0.0,
         bends: false,
         creeps: false,
@@ -49,7 +49,7 @@ impl ColoredNoise {
     /// Does the force depart from its lines by white noise alone?
     #[must_use]
     pub(crate) fn is_none(&self) -> bool {
-        self.level + self.alike + self.unsure <= 0.0
+        self.level + self.line_excess + self.unsure <= 0.0
     }
 
     /// Is there an oscillation that may be the cable's or the cell's?
@@ -104,7 +104,7 @@ const DOWN: f32 = 0.5;
 /// Number of foul rests in a row from which on they are the normal case.
 const IN_A_ROW: u8 = 3;
 /// Fewest samples of a rest that update the usual mean square.
-const TELLING: f32 = 6.0;
+const LEAST_REST: f32 = 6.0;
 impl Ripple {
     /// Takes the innovation, with its weight, of the sample that follows the last one. The last
     /// innovation of a line never counts: a block that creeps bends the force down there, and if
@@ -155,7 +155,7 @@ impl Ripple {
         let (rest, usual) = (&self.rest, self.usual);
         let mean = rest.squares / rest.count;
         let mut is_foul = usual > 0.0 && mean > FOUL * usual;
-        if rest.count >= TELLING {
+        if rest.count >= LEAST_REST {
             self.fouls = if is_foul { self.fouls.saturating_add(1) } else { 0 };
             self.usual = larger(smaller(mean, UP * usual), DOWN * usual);
             if usual <= 0.0 || self.fouls >= IN_A_ROW {
@@ -281,8 +281,11 @@ mod tests {
     #[test]
     fn a_line_hides_what_is_alike_and_not_what_alternates() {
         // `2 r / (1 − r)` times what a line hides.
-        let alike: [f32; 3] = [0.3, 0.5, 0.7].map(|it| correlated(it).wander().alike);
-        assert!(alike[0] < alike[1] && alike[1] > 2.0 && alike[2] > 4.7, "{alike:?}");
+        let line_excess: [f32; 3] = [0.3, 0.5, 0.7].map(|it| correlated(it).wander().line_excess);
+        assert!(
+            line_excess[0] < line_excess[1] && line_excess[1] > 2.0 && line_excess[2] > 4.7,
+            "{line_excess:?}"
+        );
         assert_eq!(correlated(-0.5).wander(), ColoredNoise::NONE);
     }
 

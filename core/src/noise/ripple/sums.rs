@@ -37,7 +37,7 @@ const BENT: f32 = 1.0 / 50.0;
 const NO_CHANCE: f32 = 2.0;
 /// Number of samples below which a bend and correlated noise cannot be distinguished: either is
 /// then treated as a bend.
-const TELLS_BEND: f32 = 200.0;
+const ENOUGH_FOR_BEND: f32 = 200.0;
 /// Variance that such a bend leaves open, over the correlated part of the innovations'. Tuned with
 /// cables that sag: without it the scene `all` covers .62 of its `mu_s`.
 const UNSURE_BEND: f32 = 6.0;
@@ -98,14 +98,17 @@ impl Sums {
         let bends = self.sum * self.sum > limit * self.squares;
         let likely_red = surely(errors, LIKELY_RED * LIKELY_RED);
         // Innovations that alternate are no bend.
-        if self.products[0] > 0.0 && (bends || (is_red && self.count < TELLS_BEND)) {
+        if self.products[0] > 0.0 && (bends || (is_red && self.count < ENOUGH_FOR_BEND)) {
             let bent = self.followed(UNSURE_BEND * part * likely_red, FASTEST);
             // A slow oscillation bends whole rests, creep only their last samples.
             let is_brief = self.products[1] < RED.1 * self.products[0];
             return ColoredNoise { creeps: bends && self.sum < 0.0 && is_brief, ..bent };
         }
         if is_red {
-            return ColoredNoise { alike: self.alike() * likely_red, ..ColoredNoise::NONE };
+            return ColoredNoise {
+                line_excess: self.line_excess() * likely_red,
+                ..ColoredNoise::NONE
+            };
         }
         let slow = self.followed(0.0, QUICK);
         if slow.bends {
@@ -123,9 +126,9 @@ impl Sums {
     /// or a bend, and `γ₁²/γ₂` for noise with a geometric decay. The standard error of `V` is at
     /// most `V / √count`.
     pub(super) fn stray_n(&self) -> Option<(f32, f32)> {
-        let ColoredNoise { level, unsure, alike, .. } = self.wander();
+        let ColoredNoise { level, unsure, line_excess, .. } = self.wander();
         let [first, second] = self.products;
-        let part = match (level > 0.0, alike > 0.0) {
+        let part = match (level > 0.0, line_excess > 0.0) {
             (true, _) => level / (1.0 + level),
             (_, true) => smaller(first * first / (second * self.squares), 1.0),
             _ => smaller(unsure, 1.0),
@@ -199,7 +202,7 @@ impl Sums {
     /// factor [`HIDDEN`] allow for what a line hides. `r` is taken a standard error higher: a line
     /// hides the more of the noise the higher `r` is, and beside white noise little can be seen.
     /// Zero for noise that alternates.
-    fn alike(&self) -> f32 {
+    fn line_excess(&self) -> f32 {
         let [first, second] = self.products;
         let most = second + self.unsure();
         let left = 1.0 - smaller(larger(most / first, 0.0), RED.1);
