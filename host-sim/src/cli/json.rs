@@ -66,7 +66,7 @@ impl Json {
     ) -> Result<(), InputError> {
         match (&self.json, self.file()) {
             (None, _) => output::print_by(text),
-            (Some(_), None) => output::print_by(|out| write(result, out)),
+            (Some(_), None) => output::print_by(|out| write(result, &mut BufWriter::new(out))),
             (Some(_), Some(path)) => {
                 output::stream(path, |out| write(result, out))?;
                 output::print_by(text)
@@ -76,9 +76,8 @@ impl Json {
 }
 
 /// A result with a line end.
-fn write(result: &impl Serialize, out: &mut dyn Write) -> io::Result<()> {
-    let mut out = BufWriter::new(out);
-    result.serialize(Pretty::new(&mut out)).map_err(|failure| failure.0)?;
+fn write(result: &impl Serialize, out: &mut impl Write) -> io::Result<()> {
+    result.serialize(Pretty::new(out)).map_err(|failure| failure.0)?;
     out.write_all(b"\n")?;
     out.flush()
 }

@@ -54,8 +54,9 @@ impl<'a> Gathered<'a> {
         }
     }
 
-    /// Takes the next sample.
-    pub fn take(&mut self, sample: Sample) -> Step {
+    /// Takes the next sample; `observe` sees what the core made of it: a step is long, and stays
+    /// where it is.
+    pub fn take(&mut self, sample: Sample, observe: impl FnOnce(&Step)) {
         self.timeline.push(sample.raw.index, sample.time_s);
         let next_s = sample.time_s + 0.5 * self.period_s;
         while let Some(mark) = self.winch_marks.next_if(|mark| mark.from_s < next_s) {
@@ -78,7 +79,7 @@ impl<'a> Gathered<'a> {
             let (start_s, stop_s) = self.add(stretch);
             self.events.recurrence.stretch(start_s, stop_s);
         }
-        step
+        observe(&step);
     }
 
     fn keep(&mut self, event: &Event) {

@@ -66,7 +66,7 @@ pub fn replay_with(
     let range_n = config.range_n.filter(|_| zero.is_nothing());
     let pipeline = Pipeline::new(&Config { range_n, ..*config }).map_err(InputError::new)?;
     let mut gathered = Gathered::new(config, pipeline, log, keeps_means);
-    let mut take = |sample: Sample| observe(sample.time_s, &gathered.take(sample));
+    let mut take = |sample: Sample| gathered.take(sample, |step| observe(sample.time_s, step));
     if zero.is_nothing() {
         batches::for_each_sample(log, take)?;
     } else {

@@ -102,7 +102,7 @@ impl Slide {
     /// Means over the events; `None` where none has a value.
     pub(super) fn means(&self, events: &Events) -> [Option<Estimate>; 2] {
         let mut means = [Estimator::default(); 2];
-        let read = events.for_each(|event| {
+        let read = events.for_each_as_kept(|event| {
             for (mean, it) in means.iter_mut().zip(self.with_std(&event).into_iter().flatten()) {
                 add(mean, it.value.into(), (it.std.into(), it.systematic_std.into()));
             }

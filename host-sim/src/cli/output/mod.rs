@@ -4,6 +4,7 @@
 //! One rule for every command: before any work [`check()`] refuses what must not be replaced; an
 //! older result is, once the new one is complete ([`stream`]), and [`Older::tell`] says so.
 
+mod behind;
 mod check;
 mod theirs;
 mod write;
@@ -13,6 +14,7 @@ use std::path::Path;
 
 use crate::error::{InputError, printable_line, printable_text};
 
+pub use behind::Behind;
 pub use check::{Older, check, check_folder, check_log, refuse_standard};
 pub use write::{make_folder, replace, stream};
 

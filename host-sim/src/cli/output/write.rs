@@ -2,16 +2,14 @@
 
 use std::collections::BTreeSet;
 use std::fs::{self, File, Metadata};
-use std::io::{self, BufWriter, Write};
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, Once};
 
 use crate::error::InputError;
 
+use super::behind::{self, Behind};
 use super::directory;
-
-/// Bytes that are written to a file at once.
-const BUFFER: usize = 1 << 16;
 
 /// Makes a folder for outputs, if it is not there.
 ///
@@ -36,15 +34,11 @@ pub fn replace(path: &Path, text: &str) -> Result<(), InputError> {
 /// The file cannot be written, or an [`InputError`] of `write` as it is; then nothing has changed.
 pub fn stream<T>(
     path: &Path,
-    write: impl FnOnce(&mut BufWriter<File>) -> io::Result<T>,
+    write: impl FnOnce(&mut Behind) -> io::Result<T>,
 ) -> Result<T, InputError> {
     // A link to a file stays a link; one that leads nowhere is not followed.
     let target = path.canonicalize().unwrap_or_else(|_| path.to_path_buf());
-    let fill = |file: File| {
-        let mut out = BufWriter::with_capacity(BUFFER, file);
-        let made = write(&mut out)?;
-        Ok((made, out.into_inner().map_err(io::IntoInnerError::into_error)?))
-    };
+    let fill = |file: File| behind::fill(file, write);
     let written = match fs::metadata(&target).ok() {
         // A device or a pipe is written to, not replaced.
         Some(old) if !old.is_file() => {
