@@ -25,7 +25,7 @@ pub enum Input {
 pub enum AdcFault {
     /// No answer within the bus's time limit.
     Silent,
-    /// It answers, but has no new conversion: it is stuck or too slow.
+    /// The converter answers, but has no new conversion: it is stuck or too slow.
     NotReady,
     /// The answer contradicts itself, or the bus reports an error.
     Garbled,

@@ -21,7 +21,7 @@ impl InputError {
         Self::new(format!("cannot be read: {error}"))
     }
 
-    /// The same problem, preceded by its place.
+    /// Adds the place of the problem in front of the message.
     #[must_use]
     pub fn within(self, place: impl fmt::Display) -> Self {
         Self(format!("{}: {}", printable_line(&place.to_string()), self.0))

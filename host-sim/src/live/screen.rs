@@ -115,7 +115,7 @@ fn rows(area: Rect, large: bool, asking: bool, heights: [u16; 3]) -> [Rect; 7] {
     Layout::vertical(all.map(Constraint::Length)).areas(area)
 }
 
-/// As many parts as fit into the title.
+/// The title with as many of its parts as fit.
 fn title(state: &State, place: &str, width: u16) -> Paragraph<'static> {
     let mut parts = vec![format!(" floe {place}")];
     if let Some((run, settings)) = &state.test {

@@ -96,7 +96,7 @@ impl<'a> Columns<'a> {
         }
     }
 
-    /// Those of some columns that have a unit of force.
+    /// The columns among `columns` that have a unit of force.
     fn in_units(&self, columns: &[usize]) -> Vec<usize> {
         let unit = |i| self.stated_force(i).or_else(|| self.force_unit_behind(i));
         let found: Vec<usize> = columns.iter().copied().filter(|&i| unit(i).is_some()).collect();

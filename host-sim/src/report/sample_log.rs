@@ -164,7 +164,7 @@ impl SampleLog {
         log
     }
 
-    /// The same samples without a result.
+    /// The log's samples without a result.
     pub fn without_events(mut self) -> Self {
         self.keep_events(0);
         self

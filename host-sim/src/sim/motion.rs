@@ -47,7 +47,7 @@ impl std::fmt::Display for Method {
 /// A phase of motion, or a part of one, with its two ends.
 #[derive(Clone, Copy, Debug)]
 pub struct Segment {
-    /// What block and cable do.
+    /// State of block and cable.
     pub phase: Phase,
     /// State at the start.
     pub from: State,
